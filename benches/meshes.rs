@@ -1,7 +1,7 @@
 //! Benchmarks of meshes of 2.5 million triangles: reading, writing, reports, normals: `cargo bench
 //! --bench meshes`.
 
-use caustica::format::mesh::{self, MeshFormat, MeshRepairs, TriangleMesh};
+use caustica::format::mesh::{self, MeshFormat, MeshRepairOptions, TriangleMesh};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::DVec3;
@@ -56,7 +56,7 @@ fn write(name: &str, path: &Path) {
 #[divan::bench(args = FILES, sample_count = 5, sample_size = 1)]
 fn load(bencher: Bencher, name: &str) {
     let path = FOLDER.path().join(name);
-    bencher.counter(ItemsCount::new(TRIANGLES)).bench(|| mesh::load(&path, &()).map(|loaded| loaded.vertices));
+    bencher.counter(ItemsCount::new(TRIANGLES)).bench(|| mesh::load(&path, &()).map(|loaded| loaded.file_vertex_count));
 }
 
 #[divan::bench(args = FILES, sample_count = 3, sample_size = 1)]
@@ -84,15 +84,19 @@ fn report(bencher: Bencher) {
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn compute_smooth_normals(bencher: Bencher) {
     bencher.counter(ItemsCount::new(TRIANGLES)).with_inputs(|| torus(false)).bench_values(|mut mesh| {
-        mesh.compute_smooth_normals(30.0);
+        mesh.compute_missing_smooth_normals(30.0);
         mesh
     });
 }
 
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn repair(bencher: Bencher) {
-    let all =
-        MeshRepairs { weld: Some(1e-9), removes_duplicates: true, removes_degenerates: true, orients_outward: true };
+    let all = MeshRepairOptions {
+        weld_tolerance: Some(1e-9),
+        removes_duplicates: true,
+        removes_degenerates: true,
+        orients_outward: true,
+    };
     bencher.counter(ItemsCount::new(TRIANGLES)).with_inputs(|| torus(false)).bench_values(|mut mesh| {
         mesh.repair(&all);
         mesh

@@ -4,7 +4,7 @@
 mod boxed;
 
 use caustica::photon::{
-    Bandwidth, Kernel, Photon, PhotonData, PhotonMap, PhotonSearchBuffers, PhotonSource, PhotonTracer, StoreMask,
+    Bandwidth, Kernel, Photon, PhotonAttributes, PhotonMap, PhotonSearchBuffers, PhotonSource, PhotonTracer, StoreMask,
 };
 use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
 use divan::counter::ItemsCount;
@@ -121,9 +121,9 @@ fn gather(bencher: Bencher, bandwidth: Bandwidth) {
 /// else. It is the lower bound of [`gather_radius`].
 #[divan::bench(args = [20, 50, 200], sample_count = 10)]
 fn bare_visitor(bencher: Bencher, count: u32) {
-    type Tree = KdTree<f32, PhotonData, Eytzinger, VecOfArenas<f32, PhotonData, 3, 32>, 3, 32>;
+    type Tree = KdTree<f32, PhotonAttributes, Eytzinger, VecOfArenas<f32, PhotonAttributes, 3, 32>, 3, 32>;
     let photons = photons(STORED);
-    let tree = Tree::new_from_source(&photons, |p, axis| p.position[axis], |_, p| p.data).unwrap();
+    let tree = Tree::new_from_source(&photons, |p, axis| p.position[axis], |_, p| p.attributes).unwrap();
     let r2 = radius(count as f32) * radius(count as f32);
     bencher.counter(ItemsCount::new(GATHERS)).bench_local(|| {
         let mut sum = Vec3::ZERO;

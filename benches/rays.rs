@@ -112,7 +112,10 @@ fn cornell(bencher: Bencher) {
         let o = ray.origin - balls[i as usize];
         let (b, c) = (o.dot(ray.direction), o.length_squared() - 0.35 * 0.35);
         let root = (b * b - c).sqrt();
-        [-b - root, -b + root].into_iter().find(|&t| t > 0.0 && t < ray.t_max).map(|t| ShapeHit { t, uv: Vec2::ZERO })
+        [-b - root, -b + root]
+            .into_iter()
+            .find(|&t| t > 0.0 && t < ray.t_max)
+            .map(|t| ShapeHit { t, shape_coords: Vec2::ZERO })
     };
     let count = |r: &&Ray| tree.closest_hit(r, ball).is_some();
     bencher.counter(ItemsCount::new(rays.len())).bench_local(|| rays.iter().filter(count).count());

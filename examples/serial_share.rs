@@ -14,7 +14,7 @@
 use caustica::format::SceneFile;
 use caustica::integrate::{Algorithm, PassStage, ProgressMonitor, Settings};
 use caustica::render::RenderResult;
-use caustica::render::error_estimate::{EstimateSchedule, MIN_PASSES};
+use caustica::render::error_estimate::{EstimateSchedule, MIN_ERROR_ESTIMATE_PASSES};
 use rustix::time::{ClockId, clock_gettime};
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -170,7 +170,7 @@ fn measure(name: &str, size: (u32, u32), passes: u32) -> Result<Stopwatch, Box<d
 /// Returns the number of error estimates of a render of [`RENDER_PASSES`] passes.
 fn render_estimates() -> u32 {
     let due = EstimateSchedule::due_passes().take_while(|passes| *passes <= RENDER_PASSES);
-    due.filter(|passes| *passes >= MIN_PASSES).count() as u32
+    due.filter(|passes| *passes >= MIN_ERROR_ESTIMATE_PASSES).count() as u32
 }
 
 /// Returns the limit of the speed-up on [`THREADS`] threads, and the serial share of the work.

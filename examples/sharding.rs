@@ -83,12 +83,12 @@ fn shard(settings: &Settings, passes: std::ops::Range<u32>, work: &mut Work) -> 
     let scene = timed(&mut work.load, || room(REFERENCE_EDGE))?;
     let integrator = timed(&mut work.pilots, || Algorithm::Hybrid.prepare(&scene, settings.clone()));
     let interrupted = AtomicBool::new(false);
-    let stop = StopCriteria { passes: Some(passes.len() as u32), ..StopCriteria::unlimited(&interrupted) };
+    let stop = StopCriteria { max_passes: Some(passes.len() as u32), ..StopCriteria::unlimited(&interrupted) };
     let before = RenderResult::without_passes(integrator.as_ref(), size);
     let render_shard = || render(before, passes, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
     let rendered = timed(&mut work.passes, render_shard);
     let header = FilmHeader {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
         scene: "cbox-caustic".to_owned(),
         inputs: Vec::new(),
         width: size.0,
@@ -105,8 +105,8 @@ fn shard(settings: &Settings, passes: std::ops::Range<u32>, work: &mut Work) -> 
 /// Renders in shards, and prints estimated and true error.
 fn compare_errors(photons: u32, passes: u32, shards: u32) -> Result<(), Box<dyn Error>> {
     let mut settings =
-        Settings { unaimed_paths: photons, aimed_paths: photons / 2, allows_balance: false, ..settings() };
-    settings.camera_paths.samples = Some(1);
+        Settings { unaimed_paths: photons, aimed_paths: photons / 2, allows_ray_photon_balance: false, ..settings() };
+    settings.camera_paths.samples_per_pixel = Some(1);
     let mut work = Work::default();
     let mut total: Option<RenderResult> = None;
     let size = passes / shards;
@@ -127,11 +127,11 @@ fn compare_errors(photons: u32, passes: u32, shards: u32) -> Result<(), Box<dyn 
     let reference = image::read(&path("data/cbox-caustic.exr"))?;
     let deviation = image::read(&path("data/cbox-caustic-stderr.exr"))?;
     let weights = RelativeErrorWeights::from_image(&reference);
-    let pixels = total.film.mean();
+    let pixels = total.film.mean_picture();
     // The expected square of the difference is the sum of both squared errors.
     let squared_deviation = |i: usize| deviation.pixels()[i].as_dvec3() * deviation.pixels()[i].as_dvec3();
-    let noise = weights.mean(squared_deviation);
-    let square = weights.mean(|i| -> DVec3 {
+    let noise = weights.mean_relative_squared_error(squared_deviation);
+    let square = weights.mean_relative_squared_error(|i| -> DVec3 {
         let difference = (pixels[i] - reference.pixels()[i]).as_dvec3();
         difference * difference - squared_deviation(i)
     });

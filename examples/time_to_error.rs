@@ -47,7 +47,8 @@ fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<Box<dyn Integrator + '
         "pm-importance" => (Algorithm::Pm, FinalGathering::Importance),
         _ => (Algorithm::ALL.into_iter().find(|a| a.name() == word)?, FinalGathering::default()),
     };
-    let settings = Settings { camera_paths, allows_balance: balance, final_gathering, ..Settings::default() };
+    let settings =
+        Settings { camera_paths, allows_ray_photon_balance: balance, final_gathering, ..Settings::default() };
     Some(algorithm.prepare(scene, settings))
 }
 
@@ -84,7 +85,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let (pass, cpu, wall) = timed(|| run.integrator.render_pass(run.film.passes(), &SilentMonitor));
             run.film.add(&pass.image);
             (run.cpu, run.wall) = (run.cpu + cpu, run.wall + wall);
-            let picture = Image::from_pixels(width, height, run.film.mean())?;
+            let picture = Image::from_pixels(width, height, run.film.mean_picture())?;
             let error = metrics::relative_mse(&picture, &reference, 0.01, Some(10.0))?;
             if error <= TARGET && run.reached.is_none() {
                 run.reached = Some((run.cpu, run.wall));

@@ -13,8 +13,8 @@ static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
 fn main() -> ExitCode {
     set_allocation_counter(AllocationCounter {
-        in_use: || ALLOCATOR.allocated() as u64,
-        peak: || ALLOCATOR.max_allocated() as u64,
+        bytes_in_use: || ALLOCATOR.allocated() as u64,
+        peak_bytes: || ALLOCATOR.max_allocated() as u64,
     });
     match cli::run(cli::Arguments::parse()) {
         Ok(exit) => exit.into(),

@@ -468,12 +468,12 @@ fn scenes_of_language_page_render() {
     let mtl = "newmtl lamp\nKe 4 4 3\nnewmtl matt\nKd .8 .2 .1\nillum 1\nnewmtl mirror\nKd 0\nKs .9\nillum 3\n";
     std::fs::write(folder.path().join("mesh/faces.mtl"), mtl).unwrap();
     let converted = mesh::load(&folder.path().join("mesh/faces.obj"), &()).unwrap().mesh;
-    converted.write(&folder.path().join("mesh/faces.ply"), MeshFormat::Ply, &[]).unwrap();
+    converted.write(&folder.path().join("mesh/faces.ply"), MeshFormat::PlyBinary, &[]).unwrap();
     std::fs::create_dir(folder.path().join("textures")).unwrap();
     let gray = Image::from_pixels(2, 2, vec![glam::Vec3::splat(0.5); 4]).unwrap();
     image::write(&folder.path().join("textures/tile.png"), &gray, &WriteOptions::default()).unwrap();
     std::fs::create_dir(folder.path().join("grids")).unwrap();
-    let flame = GridFile { size: [2, 3, 2], values: vec![0.5; 12] };
+    let flame = GridFile { size: [2, 3, 2], densities: vec![0.5; 12] };
     grid::write(&folder.path().join("grids/flame.grid"), &flame, GridEncoding::F32).unwrap();
     for (i, text) in scenes.iter().enumerate() {
         let mut description = parse("scene-language.md", text).unwrap();

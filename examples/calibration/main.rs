@@ -99,7 +99,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             eprintln!("{name}: references known to {:.2} % but for their bias", 100.0 * truth.uncertainty);
         }
         for algorithm in arguments.methods.iter().copied() {
-            let wanted = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::PLANNED).simulated_effects();
+            let wanted =
+                Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::NO_OVERRIDES).simulated_effects();
             // `path` finds caustics rarely, and its passes cannot know what they miss.
             if algorithm == Algorithm::Path && wanted.has(Effect::Caustics) {
                 continue;

@@ -58,14 +58,15 @@ impl Truth {
         let mean: Vec<Vec3> = a.iter().zip(b).map(|(a, b)| (*a + *b) * 0.5).collect();
         let weights = RelativeErrorWeights::from_pixels(size, &mean);
         let difference = |i: usize| (a[i] - b[i]).as_dvec3();
-        let uncertainty = 0.5 * weights.mean(|i| difference(i) * difference(i)).sqrt();
+        let uncertainty = 0.5 * weights.mean_relative_squared_error(|i| difference(i) * difference(i)).sqrt();
         Self { references, weights, uncertainty }
     }
 
     /// Returns the true relative error of an image.
     pub fn error(&self, image: &[Vec3]) -> f64 {
         let [a, b] = &self.references;
-        let square = self.weights.mean(|i| (image[i] - a[i]).as_dvec3() * (image[i] - b[i]).as_dvec3());
+        let square =
+            self.weights.mean_relative_squared_error(|i| (image[i] - a[i]).as_dvec3() * (image[i] - b[i]).as_dvec3());
         square.max(0.0).sqrt()
     }
 }
@@ -74,15 +75,15 @@ impl Truth {
 fn reference(scene: &Scene, settings: &Settings, size: (u32, u32), seed: u64, passes: u32) -> Vec<Vec3> {
     let mut settings = settings.clone();
     settings.camera_paths.seed = seed;
-    let radii = Algorithm::Hybrid.prepare(scene, settings.clone()).gather_radii();
-    settings.radius = radii.map(|radii| radii.caustic / 10.0);
+    let radii = Algorithm::Hybrid.prepare(scene, settings.clone()).initial_gather_radii();
+    settings.initial_gather_radius = radii.map(|radii| radii.caustic / 10.0);
     (settings.alpha, settings.gather_k) = (1.0, Some(0));
     // Camera paths find indirect light without bias.
     settings.indirect_photons = IndirectPhotons::Off;
     (settings.unaimed_paths, settings.aimed_paths) = (4 * settings.unaimed_paths, 8 * settings.aimed_paths);
     let interrupted = AtomicBool::new(false);
-    let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
+    let stop = StopCriteria { max_passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
     let integrator = Algorithm::Hybrid.prepare(scene, settings);
     let start = RenderResult::without_passes(integrator.as_ref(), size);
-    render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {}).film.mean()
+    render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {}).film.mean_picture()
 }

@@ -3,7 +3,7 @@
 use super::scenes::Truth;
 use caustica::integrate::{Algorithm, Integrator, SilentMonitor};
 use caustica::render::error_estimate::{
-    Confidence, ErrorEstimate, ErrorEstimator, ErrorForecast, EstimateSchedule, MIN_PASSES,
+    Confidence, ErrorEstimate, ErrorEstimator, ErrorForecast, EstimateSchedule, MIN_ERROR_ESTIMATE_PASSES,
 };
 use caustica::render::{ErrorTarget, Film};
 use glam::Vec3;
@@ -54,7 +54,7 @@ impl Trace {
             let pass = integrator.render_pass(number, &SilentMonitor);
             estimator.add(number, &pass);
             film.add(&pass.image);
-            if !schedule.is_due(number + 1) || number + 1 < MIN_PASSES {
+            if !schedule.advance_if_due(number + 1) || number + 1 < MIN_ERROR_ESTIMATE_PASSES {
                 continue;
             }
             let estimate = estimator.estimate(&film);
@@ -64,7 +64,7 @@ impl Trace {
                 forecast: estimator.forecast(&estimate),
                 estimate,
                 error: None,
-                mean: film.mean(),
+                mean: film.mean_picture(),
             });
         }
         Self { scene: scene.to_owned(), algorithm, points }

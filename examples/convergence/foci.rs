@@ -71,7 +71,7 @@ fn render(focus: &Focus, algorithm: Algorithm, settings: Settings, passes: u32) 
         light.push(focus.light(&image));
         film.add(&image);
     }
-    Render { pixels: film.mean(), light }
+    Render { pixels: film.mean_picture(), light }
 }
 
 /// Two long renders, and their light in the window.
@@ -107,20 +107,24 @@ impl Truth {
             squares.iter().sum::<f64>() / (squares.len() as f64 * mean * mean)
         };
         let window = self.light.mean / focus.pixels().count() as f64;
-        [self.scale.mean(product), radiance(&mut (0..pixels.len()), self.mean), radiance(&mut focus.pixels(), window)]
+        [
+            self.scale.mean_relative_squared_error(product),
+            radiance(&mut (0..pixels.len()), self.mean),
+            radiance(&mut focus.pixels(), window),
+        ]
     }
 }
 
 /// Settings of a reference: small gather discs of a fixed radius, and four times the photons.
 fn reference_settings(focus: &Focus, usual: &Settings, light_tracing: LightTracing) -> Settings {
-    let radii = Algorithm::Hybrid.prepare(&focus.scene, usual.clone()).gather_radii();
+    let radii = Algorithm::Hybrid.prepare(&focus.scene, usual.clone()).initial_gather_radii();
     Settings {
-        radius: radii.map(|radii| radii.caustic / 10.0),
+        initial_gather_radius: radii.map(|radii| radii.caustic / 10.0),
         alpha: 1.0,
         gather_k: Some(0),
         unaimed_paths: 4 * usual.unaimed_paths,
         aimed_paths: 4 * usual.aimed_paths,
-        allows_balance: false,
+        allows_ray_photon_balance: false,
         indirect_photons: IndirectPhotons::Off,
         light_tracing,
         ..usual.clone()
@@ -132,7 +136,7 @@ fn check(focus: &Focus, usual: &Settings, passes: u32) -> (&'static str, Measure
     match focus.check {
         Check::PathTracing => {
             let mut settings = usual.clone();
-            settings.camera_paths.samples = Some(64);
+            settings.camera_paths.samples_per_pixel = Some(64);
             ("`path`", Measured::of(&render(focus, Algorithm::Path, settings, passes).light))
         }
         Check::PhotonEstimates => {
@@ -163,7 +167,10 @@ fn samples(focus: &Focus, truth: &Truth, mut settings: Settings, passes: &[u32])
         estimator.add(pass, &made);
         film.add(&made.image);
         if passes.contains(&(pass + 1)) {
-            samples.push(Sample { squares: truth.squares(focus, &film.mean()), estimate: estimator.estimate(&film) });
+            samples.push(Sample {
+                squares: truth.squares(focus, &film.mean_picture()),
+                estimate: estimator.estimate(&film),
+            });
         }
     }
     (samples, Measured::of(&light))

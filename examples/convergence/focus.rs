@@ -2,7 +2,7 @@
 
 use crate::read_scene;
 use caustica::camera::{Camera, Filter, FilterKind};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Plane, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::error::Error;
@@ -89,7 +89,7 @@ fn point_light_scene() -> SceneBuilder {
         .add_plane(Plane::new(DVec3::Y * -DEPTH, DVec3::Y), screen, Vec3::ZERO)
         .add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, Vec3::ZERO)
         .add_delta_light(
-            DeltaLightKind::Point { position: DVec3::Y * HEIGHT },
+            UnscaledDeltaLight::Point { position: DVec3::Y * HEIGHT },
             LightStrength::Power(Vec3::splat(POWER as f32)),
         );
     builder
@@ -120,7 +120,7 @@ fn window_light(columns: &Range<u32>, rows: &Range<u32>) -> f64 {
     let pixel_area = right.perp_dot(down);
     let filter = Filter::new(FilterKind::default());
     let weight = |pixels: &Range<u32>, at: f64| -> f64 {
-        pixels.clone().map(|pixel| f64::from(filter.normalized_value((f64::from(pixel) + 0.5 - at) as f32))).sum()
+        pixels.clone().map(|pixel| f64::from(filter.normalized_axis_value((f64::from(pixel) + 0.5 - at) as f32))).sum()
     };
     let widest = libm::asin(1.0 / HEIGHT);
     let mut light = 0.0;

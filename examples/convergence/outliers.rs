@@ -56,7 +56,7 @@ fn render(scene: &Scene, settings: caustica::integrate::Settings, size: (u32, u3
         }
     }
     let variance = moments.iter().map(|[_, squares]| squares / f64::from(passes - 1)).collect();
-    Rendered { pixels: film.mean(), variance }
+    Rendered { pixels: film.mean_picture(), variance }
 }
 
 /// Returns the median of a value over the neighbours of pixel `i`, without the pixel itself.
@@ -128,7 +128,7 @@ fn scenes_without_media() -> Result<Vec<String>, Box<dyn Error>> {
             continue;
         }
         let scene = read_scene(name, (4, 3))?.0;
-        let plan = Plan::new(&scene, Algorithm::Hybrid.supported_effects(), EffectOverrides::PLANNED);
+        let plan = Plan::new(&scene, Algorithm::Hybrid.supported_effects(), EffectOverrides::NO_OVERRIDES);
         if !plan.simulated_effects().has(Effect::Media) {
             names.push(name.to_owned());
         }

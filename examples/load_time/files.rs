@@ -147,7 +147,7 @@ fn serialized(mesh: &TriangleMesh) -> Result<Vec<u8>, Box<dyn Error>> {
 pub fn write_meshes(folder: &Path) -> Result<Files, Box<dyn Error>> {
     let path = |name: &str| folder.join(name);
     let mesh = grid();
-    mesh.write(&path("grid.ply"), MeshFormat::Ply, &[])?;
+    mesh.write(&path("grid.ply"), MeshFormat::PlyBinary, &[])?;
     mesh.write(&path("grid.obj"), MeshFormat::Obj, &[])?;
     fs::write(path("grid.glb"), glb(&mesh, &[DVec3::ZERO]))?;
     fs::write(path("grid.serialized"), serialized(&mesh)?)?;
@@ -173,7 +173,7 @@ pub fn write_instances(folder: &Path, count: u32) -> Result<Files, Box<dyn Error
         .map(|i| 2.0 * DVec3::new(f64::from(i % 100), f64::from(i / 100 % 100), f64::from(i / 10_000)))
         .collect();
     let cube = cube();
-    cube.write(&folder.join("cube.ply"), MeshFormat::Ply, &[])?;
+    cube.write(&folder.join("cube.ply"), MeshFormat::PlyBinary, &[])?;
     fs::write(path("glb"), glb(&cube, &translations))?;
     let mut text =
         "WorldBegin\nObjectBegin \"cube\"\nShape \"plymesh\" \"string filename\" \"cube.ply\"\nObjectEnd\n".to_owned();

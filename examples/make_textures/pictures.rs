@@ -26,7 +26,14 @@ fn picture(width: u32, height: u32, pixel: impl Fn(DVec2) -> Rgb) -> Image {
 
 fn noise(octaves: u32, frequency: f64, amplitude: f64) -> SolidTexture {
     let colors = [Rgb::ZERO, Rgb::ONE];
-    SolidTexture { kind: SolidPattern::Noise, colors, octaves, frequency, amplitude, to_pattern: DAffine3::IDENTITY }
+    SolidTexture {
+        kind: SolidPattern::Noise,
+        colors,
+        octaves,
+        frequency,
+        amplitude,
+        object_to_pattern: DAffine3::IDENTITY,
+    }
 }
 
 /// Returns a planet as a map of longitude and latitude.
@@ -73,7 +80,8 @@ fn tile() -> Image {
 
 /// Returns a roughness map: fine strokes along u on a smooth ground.
 fn scratches() -> Image {
-    let strokes = SolidTexture { to_pattern: DAffine3::from_scale(DVec3::new(6.0, 90.0, 1.0)), ..noise(2, 1.0, 1.2) };
+    let strokes =
+        SolidTexture { object_to_pattern: DAffine3::from_scale(DVec3::new(6.0, 90.0, 1.0)), ..noise(2, 1.0, 1.2) };
     let stains = noise(4, 4.0, 1.2);
     picture(256, 256, |uv| {
         // Sampling around a cylinder makes the map periodic in u.

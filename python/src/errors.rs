@@ -25,9 +25,9 @@ impl Failure {
     pub fn into_exception(self, py: Python<'_>) -> PyErr {
         match self {
             Self::Scene(error) => scene_exception(py, &error),
-            Self::Read(SceneReadError::Content(error)) => scene_exception(py, &error),
+            Self::Read(SceneReadError::InvalidContent(error)) => scene_exception(py, &error),
             Self::Read(SceneReadError::Unreadable { path, source }) => io_exception(&path, &source),
-            Self::Read(error @ SceneReadError::Memory { .. }) => {
+            Self::Read(error @ SceneReadError::OutOfMemory { .. }) => {
                 PyMemoryError::new_err(format!("{error}: put large parts into meshes, or allow more `memory`"))
             }
             Self::Memory(error) => {
@@ -91,7 +91,7 @@ pub fn write_exception(error: &WriteError) -> PyErr {
             PyOSError::new_err(error.to_string())
         }
         WriteError::Extension { .. }
-        | WriteError::NoLayers { .. }
+        | WriteError::LayersNotSupported { .. }
         | WriteError::Channel { .. }
         | WriteError::Metadata { .. }
         | WriteError::Exposure { .. }

@@ -6,8 +6,8 @@ use crate::scene::NativeScene;
 use caustica::camera::{CropWindow, Filter, FilterKind, UnknownFilter};
 use caustica::image::ToneCurve;
 use caustica::integrate::{
-    ALPHA, AovSurface, CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, PassStage, SURFACE_AOV_RAYS,
-    VolumeEstimator, render_surface_aovs,
+    AovSurface, CameraPathSettings, DEFAULT_ALPHA, FinalGathering, IndirectPhotons, LightTracing, PassStage,
+    SURFACE_AOV_RAYS, VolumeEstimator, render_surface_aovs,
 };
 use caustica::photon::{Kernel, UnknownKernel};
 use caustica::plan::UnknownOverrideError;
@@ -91,7 +91,7 @@ impl RenderOptions {
         let unaimed_paths = self.photons.unwrap_or(defaults.unaimed_paths);
         Ok(Settings {
             camera_paths: CameraPathSettings {
-                samples: self.spp,
+                samples_per_pixel: self.spp,
                 max_bounces: self.max_bounces,
                 seed: self.seed,
                 filter: Filter::new(filter),
@@ -105,10 +105,12 @@ impl RenderOptions {
             },
             unaimed_paths,
             aimed_paths: self.caustic_photons.unwrap_or(unaimed_paths / 2),
-            allows_balance: self.photons.is_none() && self.caustic_photons.is_none() && self.gather_k.is_none(),
+            allows_ray_photon_balance: self.photons.is_none()
+                && self.caustic_photons.is_none()
+                && self.gather_k.is_none(),
             gather_k: self.gather_k,
-            radius: self.radius,
-            alpha: self.alpha.unwrap_or(ALPHA),
+            initial_gather_radius: self.radius,
+            alpha: self.alpha.unwrap_or(DEFAULT_ALPHA),
             kernel,
             allows_prefix_rays: self.prefix_rays,
             allows_environment_guiding: self.environment_guiding,
@@ -152,8 +154,8 @@ impl RenderOptions {
     fn limits(&self) -> PyResult<RenderLimits> {
         let time = self.seconds.map(Duration::try_from_secs_f64).transpose();
         Ok(RenderLimits {
-            passes: self.passes,
-            time: time.map_err(|e| PyValueError::new_err(format!("time: {e}")))?,
+            max_passes: self.passes,
+            time_limit: time.map_err(|e| PyValueError::new_err(format!("time: {e}")))?,
             target_error: self.target_error,
             confidence: confidence_from_probability(self.confidence)?,
             preview: self.preview,
@@ -223,7 +225,8 @@ pub fn render_scene(
                         let (passes, error) = (progress.passes, progress.error);
                         let seconds = start.elapsed().as_secs_f64();
                         if reports_passes && sender.send(Progress { passes, seconds, error, confidence }).is_ok() {
-                            // An error means that the caller waits no longer, so the render may end.
+                            // An error means that the caller waits no longer, so the render may
+                            // end.
                             let _ = go_on.recv();
                         }
                     };
@@ -306,9 +309,10 @@ fn render_passes(
 ) -> Result<NativeResult, Failure> {
     let free = || scene.memory().available_bytes();
     let camera_paths = settings.camera_paths.clone();
-    let CameraPathSettings { estimate_error: error, groups_light: groups, clamp, .. } = camera_paths;
-    let (clamped, aovs) = (clamp.is_some(), surface.is_some());
-    let layers = RenderedLayers { error, groups, clamped, aovs, ..RenderedLayers::default() };
+    let CameraPathSettings { estimate_error: estimates_error, groups_light, clamp, .. } = camera_paths;
+    let (clamps_light, renders_aovs) = (clamp.is_some(), surface.is_some());
+    let layers =
+        RenderedLayers { estimates_error, groups_light, clamps_light, renders_aovs, ..RenderedLayers::default() };
     let whole = size;
     let size = camera_paths.window(whole).size();
     let picture_bytes = check_layered_picture_memory(size, layers, free()).map_err(Failure::Memory)?;

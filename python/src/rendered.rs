@@ -108,7 +108,7 @@ impl NativeResult {
 
     /// Wall time of all passes \[s].
     fn seconds(&self) -> f64 {
-        self.rendered.wall.as_secs_f64()
+        self.rendered.wall_time.as_secs_f64()
     }
 
     /// Why the render ended: passes, time, target, floor or interrupted.
@@ -119,12 +119,12 @@ impl NativeResult {
     /// Light that clamping removed, as a fraction of the light without clamping; `None` without
     /// clamping.
     fn clamped_fraction(&self, py: Python<'_>) -> Option<f64> {
-        py.detach(|| self.rendered.clamped_fraction())
+        py.detach(|| self.rendered.clamping_loss_fraction())
     }
 
     /// Radiance of each pixel as f32: rows from the top, then columns, then red, green and blue.
     fn image<'py>(&self, py: Python<'py>) -> Bound<'py, PyByteArray> {
-        let values = py.detach(|| self.rendered.film.mean());
+        let values = py.detach(|| self.rendered.film.mean_picture());
         let bytes: Vec<u8> = values.iter().flat_map(|pixel| pixel.to_array()).flat_map(f32::to_ne_bytes).collect();
         PyByteArray::new(py, &bytes)
     }
@@ -161,7 +161,7 @@ impl NativeResult {
     ) -> PyResult<()> {
         let options = self.write_options(tone, exposure, png_bits, exr_bits)?;
         let (width, height) = self.rendered.film.size();
-        let picture = Image::from_pixels(width, height, self.rendered.film.mean());
+        let picture = Image::from_pixels(width, height, self.rendered.film.mean_picture());
         let picture = picture.map_err(|e| PyValueError::new_err(e.to_string()))?;
         py.detach(|| write_image(&path, &picture, &options)).map_err(|e| write_exception(&e))?;
         Ok(())
@@ -204,7 +204,7 @@ pub fn end_reason_name(end_reason: EndReason) -> &'static str {
         EndReason::Passes => "passes",
         EndReason::Time => "time",
         EndReason::Target => "target",
-        EndReason::Floor => "floor",
+        EndReason::BiasFloor => "floor",
         EndReason::Interrupted => "interrupted",
     }
 }

@@ -38,8 +38,8 @@ pub fn load_file(
     allows_outside_files: bool,
     memory: Option<u64>,
 ) -> PyResult<NativeScene> {
-    let memory = memory.map_or(MemoryLimit::System, MemoryLimit::Limit);
-    let options = ImportOptions { memory, format, allows_outside_files };
+    let memory = memory.map_or(MemoryLimit::System, MemoryLimit::ProcessBytes);
+    let options = ImportOptions { memory, format_extension: format, allows_outside_files };
     let read =
         || NativeScene::resolve(SceneFile::read_with_options(&path, &(), &options).map_err(Failure::Read)?, memory);
     py.detach(read).map_err(|failure| failure.into_exception(py))
@@ -55,7 +55,7 @@ pub fn load_text(
     meshes: Vec<MeshBytes>,
     memory: Option<u64>,
 ) -> PyResult<NativeScene> {
-    let memory = memory.map_or(MemoryLimit::System, MemoryLimit::Limit);
+    let memory = memory.map_or(MemoryLimit::System, MemoryLimit::ProcessBytes);
     let meshes = meshes.iter().map(|mesh| Ok((mesh.0.clone(), Arc::new(triangle_mesh(mesh)?))));
     let meshes = meshes.collect::<PyResult<Vec<_>>>()?;
     let read = || {

@@ -16,10 +16,11 @@ use rayon::prelude::*;
 /// little, since queries return most of the boxes that they visit.
 pub struct BoxTree {
     /// Box indices in Morton order.
-    order: Vec<u32>,
+    sorted_box_indices: Vec<u32>,
     /// Nodes of each level. Nodes of level 0 hold the boxes; the last level is the root.
     ///
-    /// Child i of node n is node 8n + i of the level below or, at level 0, box 8n + i of `order`.
+    /// Child i of node n is node 8n + i of the level below or, at level 0, box 8n + i of
+    /// `sorted_box_indices`.
     levels: Vec<Vec<Boxes8>>,
 }
 
@@ -28,13 +29,13 @@ const MOST_LEVELS: usize = 10;
 /// Bits of a stack entry that hold the index of a node in its level; the bits above hold the level.
 const NODE_INDEX_BITS: u32 = 28;
 /// Entries of the traversal stack: each level leaves up to seven nodes on it.
-const STACK: usize = (ARITY - 1) * MOST_LEVELS + 1;
+const MAX_STACK_ENTRIES: usize = (ARITY - 1) * MOST_LEVELS + 1;
 
 /// Padding of all boxes of a [`BoxTree`] on each side, relative to the largest coordinate.
 ///
 /// A ray along an axis has infinite reciprocals, which are clamped to the largest f32. The padding
 /// lets such a ray cross a flat box at distances up to 10¹⁹ times the largest coordinate.
-const PADDING: f32 = 1.0 / (1u64 << 63) as f32;
+const RELATIVE_PADDING: f32 = 1.0 / (1u64 << 63) as f32;
 
 impl BoxTree {
     /// Builds a tree over at most 2³⁰ boxes; empty boxes are left out.
@@ -50,15 +51,15 @@ impl BoxTree {
             morton_order(boxes, Bounds::center)
         };
         let largest = order.par_iter().map(|i| at(i).min.abs().max(at(i).max.abs()).max_element());
-        let margin = largest.reduce(|| 0.0, f32::max) * PADDING;
+        let margin = largest.reduce(|| 0.0, f32::max) * RELATIVE_PADDING;
         let mut bounds: Vec<Bounds> = order.par_iter().map(|i| padded_box(at(i), margin)).collect();
         let mut levels = Vec::new();
         while !bounds.is_empty() {
-            levels.push(bounds.par_chunks(ARITY).map(boxes_from_bounds).collect());
+            levels.push(bounds.par_chunks(ARITY).map(boxes8_from_bounds).collect());
             let around = |run: &[Bounds]| run.iter().fold(Bounds::EMPTY, |all, b| all.union(*b));
             bounds = if bounds.len() > ARITY { bounds.par_chunks(ARITY).map(around).collect() } else { Vec::new() };
         }
-        Self { order, levels }
+        Self { sorted_box_indices: order, levels }
     }
 
     /// Calls `visit` once with the index of each box that the ray crosses at `0 ≤ t ≤ ray.t_max`.
@@ -71,7 +72,7 @@ impl BoxTree {
         }
         let precalc = RayPrecalc::new(ray);
         let slabs = SlabTestRay::new(&precalc);
-        let mut stack = [0u32; STACK];
+        let mut stack = [0u32; MAX_STACK_ENTRIES];
         stack[0] = ((self.levels.len() - 1) as u32) << NODE_INDEX_BITS;
         let mut top = 1;
         while top > 0 {
@@ -82,7 +83,7 @@ impl BoxTree {
                 let child = number * ARITY as u32 + hits.trailing_zeros();
                 hits &= hits - 1;
                 if level == 0 {
-                    visit(self.order[child as usize]);
+                    visit(self.sorted_box_indices[child as usize]);
                 } else {
                     stack[top] = (level - 1) << NODE_INDEX_BITS | child;
                     top += 1;
@@ -93,7 +94,7 @@ impl BoxTree {
 }
 
 /// Packs up to eight boxes into one node.
-fn boxes_from_bounds(run: &[Bounds]) -> Boxes8 {
+fn boxes8_from_bounds(run: &[Bounds]) -> Boxes8 {
     let mut boxes = Boxes8::VACANT;
     run.iter().enumerate().for_each(|(slot, b)| boxes.set_box(slot, b.min, b.max));
     boxes

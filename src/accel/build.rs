@@ -12,30 +12,32 @@ pub(super) const ARITY: usize = 8;
 /// Bit of a primitive's code: set for primitives other than triangles.
 ///
 /// The other bits are the index of the triangle or of the other primitive.
-pub(super) const OTHER_BIT: u32 = 1 << 31;
+pub(super) const OTHER_PRIMITIVE_BIT: u32 = 1 << 31;
 
 /// Depth from which nodes are split at the median instead of by the surface area heuristic.
 ///
 /// Median splits bound the depth of the tree by [`MAX_DEPTH`].
-const HALVING_DEPTH: u32 = 40;
+const MEDIAN_SPLIT_DEPTH: u32 = 40;
 /// Largest depth of the binary tree: median splits of 2³¹ primitives take 31 more levels.
-pub(super) const MAX_DEPTH: u32 = HALVING_DEPTH + 31;
+pub(super) const MAX_DEPTH: u32 = MEDIAN_SPLIT_DEPTH + 31;
 
 /// Largest number of bins, along each axis, for the centroids of primitives.
 const MAX_BINS: usize = 32;
-/// Number of primitives above which the two subtrees of a node are built in parallel.
-const PARALLEL_BUILD_SIZE: usize = 4096;
+/// Largest number of primitives of a node whose subtrees are built one after the other; those of
+/// larger nodes are built in parallel.
+const MAX_SERIAL_BUILD_PRIMITIVES: usize = 4096;
 
 /// Cost of intersecting a packet of triangles, relative to the cost of visiting a node.
 ///
 /// Half or twice this value makes renders no faster.
 const PACKET_COST: f32 = 0.7;
 /// Cost of intersecting one primitive other than a triangle, relative to visiting a node.
-const OTHER_COST: f32 = 1.0;
+const OTHER_PRIMITIVE_COST: f32 = 1.0;
 
 /// Primitive during the build: its padded box, and its code.
 ///
-/// The code is a triangle's index, or another primitive's index with the bit [`OTHER_BIT`] set.
+/// The code is a triangle's index, or another primitive's index with the bit
+/// [`OTHER_PRIMITIVE_BIT`] set.
 #[derive(Clone, Copy)]
 pub(super) struct BvhPrimitive {
     pub bounds: SimdBox,
@@ -80,23 +82,29 @@ impl SimdBox {
 pub(super) struct BinaryNode {
     pub bounds: SimdBox,
     /// Number of primitives in the subtree of this node.
-    pub size: u32,
+    pub primitive_count: u32,
     /// Number of primitives in the left subtree; 0 for a single primitive.
-    pub left: u32,
-    /// Division of child slots between the two subtrees, if this node becomes a part of a wide
+    pub left_primitive_count: u32,
+    /// Number of child slots that the left subtree gets, if this node becomes a part of a wide
     /// node.
     ///
     /// If this subtree fills n slots of the wide node, with n from 2 to [`ARITY`], the left subtree
-    /// gets `share[n]` of them. The right subtree gets the others. This division has the least
-    /// traversal cost. If `share[n]` is 0, n − 1 slots cost as little.
-    pub share: [u8; ARITY + 1],
+    /// gets `left_slots[n]` of them. The right subtree gets the others. This division has the least
+    /// traversal cost. If `left_slots[n]` is 0, n − 1 slots cost as little.
+    pub left_slots: [u8; ARITY + 1],
     /// True if all primitives of this node become one leaf.
     pub is_leaf: bool,
 }
 
 impl BinaryNode {
     /// Placeholder of a node that is not built yet.
-    pub const VACANT: Self = Self { bounds: SimdBox::EMPTY, size: 0, left: 0, share: [0; ARITY + 1], is_leaf: true };
+    pub const VACANT: Self = Self {
+        bounds: SimdBox::EMPTY,
+        primitive_count: 0,
+        left_primitive_count: 0,
+        left_slots: [0; ARITY + 1],
+        is_leaf: true,
+    };
 }
 
 /// Number of triangles and number of other primitives in a subtree or bin.
@@ -115,25 +123,25 @@ impl PrimitiveCounts {
 
     /// Counts of a single primitive with the code `primitive_code`.
     fn from_primitive_code(primitive_code: u32) -> Self {
-        let others = u32::from(primitive_code & OTHER_BIT != 0);
+        let others = u32::from(primitive_code & OTHER_PRIMITIVE_BIT != 0);
         Self { triangles: 1 - others, others }
     }
 
     /// Cost of intersecting the counted primitives, relative to the cost of visiting a node.
     fn intersection_cost(self) -> f32 {
         let packets = self.triangles.div_ceil(LANES as u32);
-        packets as f32 * PACKET_COST + self.others as f32 * OTHER_COST
+        packets as f32 * PACKET_COST + self.others as f32 * OTHER_PRIMITIVE_COST
     }
 }
 
 /// Box, primitive counts and traversal costs of a subtree that has been built.
 ///
-/// `cost[n]` is the least cost if the subtree fills at most n child slots of a wide node, with n
-/// from 1 to [`ARITY`]. Costs are weighted with half the surface area of the boxes.
+/// `min_cost_by_slots[n]` is the least cost if the subtree fills at most n child slots of a wide
+/// node, with n from 1 to [`ARITY`]. Costs are weighted with half the surface area of the boxes.
 struct SubtreeSummary {
     bounds: SimdBox,
     count: PrimitiveCounts,
-    cost: [f32; ARITY + 1],
+    min_cost_by_slots: [f32; ARITY + 1],
 }
 
 /// Builds the binary tree over n `primitives` into `tree`, which must have 2 n − 1 nodes.
@@ -141,33 +149,38 @@ struct SubtreeSummary {
 /// It reorders the primitives so that those of each node are consecutive.
 pub(super) fn build_tree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode]) {
     if !primitives.is_empty() {
-        build_node(primitives, tree, 0);
+        build_subtree(primitives, tree, 0);
     }
 }
 
 /// Builds the subtree over `primitives`, which are not empty, into `tree`; its root has depth
 /// `depth`.
-fn build_node(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u32) -> SubtreeSummary {
+fn build_subtree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u32) -> SubtreeSummary {
     let size = primitives.len();
     let Some((root, rest)) = tree.split_first_mut().filter(|_| size > 1) else {
         let BvhPrimitive { bounds, primitive_code } = primitives[0];
-        tree[0] = BinaryNode { bounds, size: 1, ..BinaryNode::VACANT };
+        tree[0] = BinaryNode { bounds, primitive_count: 1, ..BinaryNode::VACANT };
         let count = PrimitiveCounts::from_primitive_code(primitive_code);
-        return SubtreeSummary { bounds, count, cost: [bounds.half_area() * count.intersection_cost(); ARITY + 1] };
+        return SubtreeSummary {
+            bounds,
+            count,
+            min_cost_by_slots: [bounds.half_area() * count.intersection_cost(); ARITY + 1],
+        };
     };
     let left = split_primitives(primitives, depth);
     let (low, high) = primitives.split_at_mut(left);
     let (low_tree, high_tree) = rest.split_at_mut(2 * left - 1);
-    let (a, b) = if size > PARALLEL_BUILD_SIZE {
-        rayon::join(|| build_node(low, low_tree, depth + 1), || build_node(high, high_tree, depth + 1))
+    let (a, b) = if size > MAX_SERIAL_BUILD_PRIMITIVES {
+        rayon::join(|| build_subtree(low, low_tree, depth + 1), || build_subtree(high, high_tree, depth + 1))
     } else {
-        (build_node(low, low_tree, depth + 1), build_node(high, high_tree, depth + 1))
+        (build_subtree(low, low_tree, depth + 1), build_subtree(high, high_tree, depth + 1))
     };
-    *root = BinaryNode { size: size as u32, left: left as u32, ..BinaryNode::VACANT };
+    *root = BinaryNode { primitive_count: size as u32, left_primitive_count: left as u32, ..BinaryNode::VACANT };
     finish_inner_node(root, &a, &b)
 }
 
-/// Sets box, leaf flag and [`share`](BinaryNode::share) of `root`, whose subtrees are `a` and `b`.
+/// Sets box, leaf flag and [`left_slots`](BinaryNode::left_slots) of `root`, whose subtrees are `a`
+/// and `b`.
 ///
 /// Returns the summary of the subtree below `root`. The shares minimize the traversal cost of the
 /// tree with eight children per node (after Ylitie, Karras and Laine 2017, section 3.1).
@@ -179,12 +192,12 @@ fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSumma
     let mut cost = [f32::INFINITY; ARITY + 1];
     for (slots, least) in cost.iter_mut().enumerate().skip(2) {
         // Costs may overflow to infinity. Any division is then equally good.
-        root.share[slots] = 1;
+        root.left_slots[slots] = 1;
         for share in 1..slots {
-            let c = a.cost[share] + b.cost[slots - share];
+            let c = a.min_cost_by_slots[share] + b.min_cost_by_slots[slots - share];
             if c < *least {
                 *least = c;
-                root.share[slots] = share as u8;
+                root.left_slots[slots] = share as u8;
             }
         }
     }
@@ -197,25 +210,25 @@ fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSumma
         // node gets two or more children even if all areas are 0 or infinite.
         if cost[slots - 1] < cost[slots] {
             cost[slots] = cost[slots - 1];
-            root.share[slots] = 0;
+            root.left_slots[slots] = 0;
         }
     }
     root.bounds = bounds;
-    SubtreeSummary { bounds, count, cost }
+    SubtreeSummary { bounds, count, min_cost_by_slots: cost }
 }
 
 /// Reorders the primitives into two non-empty parts and returns the size of the first.
 ///
-/// It splits by the surface area heuristic or, from [`HALVING_DEPTH`] on, at the median.
+/// It splits by the surface area heuristic or, from [`MEDIAN_SPLIT_DEPTH`] on, at the median.
 fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
     let size = primitives.len();
     let centers = primitives.iter().fold(SimdBox::EMPTY, |s, f| {
         s.union(SimdBox { min: f.bounds.doubled_center(), max: f.bounds.doubled_center() })
     });
     let extent = centers.max - centers.min;
-    if depth < HALVING_DEPTH
+    if depth < MEDIAN_SPLIT_DEPTH
         && size > 2
-        && let Some((axis, edge)) = best_split_plane(primitives, centers)
+        && let Some((axis, edge)) = best_split_bin(primitives, centers)
     {
         let bins = CentroidBinning::new(centers, size);
         return partition_primitives(primitives, |f| bins.bin_indices(f)[axis] <= edge);
@@ -236,8 +249,8 @@ fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
 struct CentroidBinning {
     origin: Vec3A,
     scale: Vec3A,
-    last: Vec3A,
-    bins: usize,
+    last_bin: Vec3A,
+    bin_count: usize,
 }
 
 impl CentroidBinning {
@@ -246,13 +259,13 @@ impl CentroidBinning {
         let bins = MAX_BINS.min(4 + size / 8);
         // Just below the number of bins, so that the largest centre falls into the last bin.
         let scale = Vec3A::splat(bins as f32 * 0.999_99) / (centers.max - centers.min);
-        Self { origin: centers.min, scale, last: Vec3A::splat((bins - 1) as f32), bins }
+        Self { origin: centers.min, scale, last_bin: Vec3A::splat((bins - 1) as f32), bin_count: bins }
     }
 
     /// Bin of primitive `f` along each axis.
     #[inline]
     fn bin_indices(&self, f: &BvhPrimitive) -> [usize; 3] {
-        let at = ((f.bounds.doubled_center() - self.origin) * self.scale).min(self.last);
+        let at = ((f.bounds.doubled_center() - self.origin) * self.scale).min(self.last_bin);
         [at.x as u32 as usize, at.y as u32 as usize, at.z as u32 as usize]
     }
 }
@@ -261,7 +274,7 @@ impl CentroidBinning {
 ///
 /// `None` if all centres coincide or the costs overflow. `centers` is the box of the doubled
 /// centres.
-fn best_split_plane(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(usize, usize)> {
+fn best_split_bin(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(usize, usize)> {
     let binning = CentroidBinning::new(centers, primitives.len());
     let mut bins = [[(SimdBox::EMPTY, PrimitiveCounts::default()); MAX_BINS]; 3];
     for f in primitives {
@@ -276,7 +289,7 @@ fn best_split_plane(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(us
     let (mut least, mut best) = (f32::INFINITY, None);
     let extent = centers.max - centers.min;
     for axis in (0..3).filter(|&a| extent[a] > 0.0) {
-        let bins = &bins[axis][..binning.bins];
+        let bins = &bins[axis][..binning.bin_count];
         let mut upper = [0.0; MAX_BINS];
         let (mut bounds, mut count) = (SimdBox::EMPTY, PrimitiveCounts::default());
         for (at, bin) in bins.iter().enumerate().skip(1).rev() {
@@ -317,8 +330,10 @@ mod tests {
     /// Number of levels below the root of `tree`.
     fn tree_depth(tree: &[BinaryNode]) -> u32 {
         match tree[0] {
-            BinaryNode { size: 1, .. } => 0,
-            BinaryNode { left, .. } => 1 + tree_depth(&tree[1..]).max(tree_depth(&tree[2 * left as usize..])),
+            BinaryNode { primitive_count: 1, .. } => 0,
+            BinaryNode { left_primitive_count: left, .. } => {
+                1 + tree_depth(&tree[1..]).max(tree_depth(&tree[2 * left as usize..]))
+            }
         }
     }
 
@@ -336,6 +351,6 @@ mod tests {
         let mut tree = vec![BinaryNode::VACANT; 2 * primitives.len() - 1];
         build_tree(&mut primitives, &mut tree);
         let depth = tree_depth(&tree);
-        assert!(depth > HALVING_DEPTH && depth <= HALVING_DEPTH + 7, "{depth}");
+        assert!(depth > MEDIAN_SPLIT_DEPTH && depth <= MEDIAN_SPLIT_DEPTH + 7, "{depth}");
     }
 }

@@ -1,6 +1,6 @@
 //! Bounding volume hierarchy with up to eight children per node, and its box test.
 
-use super::build::{ARITY, BinaryNode, BvhPrimitive, OTHER_BIT, SimdBox, build_tree};
+use super::build::{ARITY, BinaryNode, BvhPrimitive, OTHER_PRIMITIVE_BIT, SimdBox, build_tree};
 use super::packet::{LANES, TrianglePacket};
 use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, rounding_error_bound};
@@ -9,7 +9,7 @@ use wide::f32x8;
 
 /// Bit of a child reference in a node: set if the child is a packet of triangles.
 ///
-/// With [`OTHER_BIT`], the child is another primitive. With neither bit, it is a node.
+/// With [`OTHER_PRIMITIVE_BIT`], the child is another primitive. With neither bit, it is a node.
 const PACKET_BIT: u32 = 1 << 30;
 
 /// Child reference of the root.
@@ -19,9 +19,9 @@ pub(super) const ROOT: u32 = 0;
 ///
 /// Let γ(n) be [`rounding_error_bound`], the relative error of n operations. The triangle test errs
 /// by up to γ(9) of the distance along the ray, plus γ(9) of the triangle's size. The box test errs
-/// by γ(3) of the distance. `PADDING` covers the error relative to the size, and [`EXIT_FACTOR`]
-/// the errors relative to the distance.
-const PADDING: f32 = rounding_error_bound(16);
+/// by γ(3) of the distance. `RELATIVE_PADDING` covers the error relative to the size, and
+/// [`EXIT_FACTOR`] the errors relative to the distance.
+const RELATIVE_PADDING: f32 = rounding_error_bound(16);
 /// Factor on the ray parameter at which a ray leaves a box; it covers the rounding errors.
 pub(super) const EXIT_FACTOR: f32 = 1.0 + 2.0 * rounding_error_bound(16);
 
@@ -55,7 +55,7 @@ impl Bvh8 {
         let boxes =
             triangles.iter().map(|t| if has_area(t) { Bounds::from_points(*t) } else { Bounds::EMPTY }).zip(0..);
         let mut primitives: Vec<BvhPrimitive> = boxes
-            .chain(others.iter().copied().zip(OTHER_BIT..))
+            .chain(others.iter().copied().zip(OTHER_PRIMITIVE_BIT..))
             .filter(|(b, _)| !b.is_empty())
             .map(padded_primitive)
             .collect();
@@ -64,7 +64,7 @@ impl Bvh8 {
         let mut bvh = Self { nodes: Vec::new(), packets: Vec::new() };
         if !tree.is_empty() {
             let source = WideNodeInput { triangles, primitives: &primitives, tree: &tree };
-            bvh.append_wide_node(&source, 0, 0);
+            bvh.append_wide_subtree(&source, 0, 0);
         }
         bvh.nodes.shrink_to_fit();
         bvh.packets.shrink_to_fit();
@@ -74,7 +74,7 @@ impl Bvh8 {
     /// Appends the node with up to eight children for the binary node `at`, and all nodes below it.
     ///
     /// `start` is the index of the first primitive of the binary node.
-    fn append_wide_node(&mut self, source: &WideNodeInput, at: usize, start: usize) {
+    fn append_wide_subtree(&mut self, source: &WideNodeInput, at: usize, start: usize) {
         let mut chosen = [(0, 0); ARITY];
         let mut count = 0;
         source.select_wide_node_children(at, start, ARITY, &mut |child| {
@@ -87,12 +87,12 @@ impl Bvh8 {
         for (slot, &(at, start)) in chosen[..count].iter().enumerate() {
             let branch = &source.tree[at];
             node.boxes.set_box(slot, branch.bounds.min.into(), branch.bounds.max.into());
-            let members = &source.primitives[start..start + branch.size as usize];
+            let members = &source.primitives[start..start + branch.primitive_count as usize];
             node.children[slot] = if !branch.is_leaf {
                 let child = self.nodes.len() as u32;
-                self.append_wide_node(source, at, start);
+                self.append_wide_subtree(source, at, start);
                 child
-            } else if members[0].primitive_code & OTHER_BIT != 0 {
+            } else if members[0].primitive_code & OTHER_PRIMITIVE_BIT != 0 {
                 members[0].primitive_code
             } else {
                 let mut codes = [0; LANES];
@@ -133,22 +133,22 @@ impl Bvh8 {
 /// Origin and reciprocal direction of a ray, repeated for slab tests of eight boxes at a time
 /// (SIMD).
 ///
-/// `near` is [`RayPrecalc::near`].
+/// `near` is [`RayPrecalc::near_sides`].
 pub(super) struct SlabTestRay {
     origin: [f32x8; 3],
-    reciprocal: [f32x8; 3],
-    near: [usize; 3],
+    reciprocal_direction: [f32x8; 3],
+    near_sides: [usize; 3],
 }
 
 impl SlabTestRay {
     /// Repeats the constants `precalc` of a ray for eight boxes.
     #[inline]
     pub fn new(precalc: &RayPrecalc) -> Self {
-        let ([ox, oy, oz], [rx, ry, rz]) = (precalc.origin, precalc.reciprocal);
+        let ([ox, oy, oz], [rx, ry, rz]) = (precalc.origin, precalc.reciprocal_direction);
         Self {
             origin: [f32x8::splat(ox), f32x8::splat(oy), f32x8::splat(oz)],
-            reciprocal: [f32x8::splat(rx), f32x8::splat(ry), f32x8::splat(rz)],
-            near: precalc.near,
+            reciprocal_direction: [f32x8::splat(rx), f32x8::splat(ry), f32x8::splat(rz)],
+            near_sides: precalc.near_sides,
         }
     }
 }
@@ -177,8 +177,9 @@ impl Boxes8 {
     /// scaled direction of [`RayPrecalc`].
     #[inline]
     pub fn intersect_boxes(&self, slabs: &SlabTestRay, limit: f32) -> (u32, f32x8) {
-        let at = |axis: usize, side: usize| (self.0[axis][side & 1] - slabs.origin[axis]) * slabs.reciprocal[axis];
-        let [nx, ny, nz] = slabs.near;
+        let at =
+            |axis: usize, side: usize| (self.0[axis][side & 1] - slabs.origin[axis]) * slabs.reciprocal_direction[axis];
+        let [nx, ny, nz] = slabs.near_sides;
         let near = at(0, nx).fast_max(at(1, ny)).fast_max(at(2, nz)).fast_max(f32x8::ZERO);
         let far = at(0, nx ^ 1).fast_min(at(1, ny ^ 1)).fast_min(at(2, nz ^ 1)).fast_min(f32x8::splat(limit));
         (near.simd_le(far * f32x8::splat(EXIT_FACTOR)).to_bitmask(), near)
@@ -205,13 +206,13 @@ impl WideNodeInput<'_> {
         take: &mut impl FnMut((usize, usize)),
     ) {
         let branch = &self.tree[at];
-        while slots > 1 && branch.share[slots] == 0 {
+        while slots > 1 && branch.left_slots[slots] == 0 {
             slots -= 1;
         }
         if slots == 1 {
             return take((at, start));
         }
-        let (share, left) = (usize::from(branch.share[slots]), branch.left as usize);
+        let (share, left) = (usize::from(branch.left_slots[slots]), branch.left_primitive_count as usize);
         self.select_wide_node_children(at + 1, start, share, take);
         self.select_wide_node_children(at + 2 * left, start + left, slots - share, take);
     }
@@ -225,9 +226,10 @@ fn has_area(corners: &[Vec3; 3]) -> bool {
     (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// Build primitive for a box and its code; the box is padded by [`PADDING`] of its longest edge.
+/// Build primitive for a box and its code; the box is padded by [`RELATIVE_PADDING`] of its longest
+/// edge.
 fn padded_primitive((bounds, primitive_code): (Bounds, u32)) -> BvhPrimitive {
-    let margin = Vec3::splat(bounds.extent().max_element() * PADDING);
+    let margin = Vec3::splat(bounds.extent().max_element() * RELATIVE_PADDING);
     let (min, max) = (bounds.min - margin, bounds.max + margin);
     let down = Vec3A::from(min.to_array().map(f32::next_down));
     let up = Vec3A::from(max.to_array().map(f32::next_up));

@@ -13,7 +13,7 @@ const MAX_LEAVES: usize = 6;
 /// Entries of the stack of a search for leaves: the nodes that are still to be visited.
 ///
 /// A box that needs more holds too many leaves in any case.
-const STACK: usize = 4 * ARITY;
+const MAX_STACK_ENTRIES: usize = 4 * ARITY;
 
 /// The leaves of a [`Hierarchy`](super::Hierarchy) that overlap one box, if they are few.
 ///
@@ -30,7 +30,7 @@ impl LeafList {
     pub(super) fn new(bvh: &Bvh8, bounds: &Bounds) -> Option<Self> {
         let mut list = Self { leaves: [0; MAX_LEAVES], count: 0 };
         let overlap = OverlapTest::new(bounds);
-        let mut stack = [0u32; STACK];
+        let mut stack = [0u32; MAX_STACK_ENTRIES];
         // The root has index 0. An empty hierarchy has no root.
         let mut top = usize::from(!bvh.is_empty());
         while top > 0 {

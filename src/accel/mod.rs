@@ -21,7 +21,7 @@ pub use box_tree::BoxTree;
 pub use leaf_list::LeafList;
 
 use crate::math::{Bounds, Ray};
-use build::OTHER_BIT;
+use build::OTHER_PRIMITIVE_BIT;
 use bvh8::{Bvh8, ROOT, SlabTestRay};
 use glam::{Vec2, Vec3};
 use packet::LeafHit;
@@ -47,23 +47,24 @@ pub struct PrimitiveHit {
     pub primitive: PrimitiveIndex,
     /// Barycentric weight of a triangle's second corner.
     ///
-    /// For other primitives: `uv.x` of the [`ShapeHit`].
+    /// For other primitives: `shape_coords.x` of the [`ShapeHit`].
     pub u: f32,
     /// Barycentric weight of a triangle's third corner.
     ///
-    /// For other primitives: `uv.y` of the [`ShapeHit`].
+    /// For other primitives: `shape_coords.y` of the [`ShapeHit`].
     pub v: f32,
 }
 
 /// Intersection of a ray with one shape.
 ///
-/// Each kind of shape defines `uv`, for example as surface parameters or as the index of a face.
+/// Each kind of shape defines `shape_coords`, for example as surface parameters or as the index of
+/// a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeHit {
     /// Ray parameter t: the hit is at origin + t · direction.
     pub t: f32,
-    /// Two numbers that locate the hit on the shape.
-    pub uv: Vec2,
+    /// Two numbers that locate the hit on the shape, in a form that each kind of shape defines.
+    pub shape_coords: Vec2,
 }
 
 /// Bounding volume hierarchy over triangles and other primitives.
@@ -129,19 +130,19 @@ impl Hierarchy {
                 let (boxes, children) = self.bvh.node(child);
                 match boxes.intersect_boxes(&slabs, best.hit.t) {
                     (0, _) => stack.pop(best.hit.t),
-                    (hits, near) => Some(stack.push_children::<true>(children, hits, near)),
+                    (hits, near) => Some(stack.push_all_but_next::<true>(children, hits, near)),
                 }
             };
         }
         best.to_primitive_hit(ray, &precalc)
     }
 
-    /// Nearest hit of a ray that stays in the box for which [`Hierarchy::leaves_near`] found
-    /// `leaves`.
+    /// Nearest hit of a ray that stays in the box for which
+    /// [`Hierarchy::leaves_overlapping_bounds`] found `leaves`.
     ///
     /// The other arguments and the result are as in [`Hierarchy::closest_hit`].
     #[inline]
-    pub fn closest_hit_near<F>(&self, leaves: &LeafList, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
+    pub fn closest_hit_in_leaves<F>(&self, leaves: &LeafList, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
         F: FnMut(u32, &Ray) -> Option<ShapeHit>,
     {
@@ -156,11 +157,11 @@ impl Hierarchy {
         best.to_primitive_hit(ray, &precalc)
     }
 
-    /// Leaves whose boxes overlap `bounds`, for [`Hierarchy::closest_hit_near`].
+    /// Leaves whose boxes overlap `bounds`, for [`Hierarchy::closest_hit_in_leaves`].
     ///
     /// `None` if there are so many that [`Hierarchy::closest_hit`] is faster.
     #[must_use]
-    pub fn leaves_near(&self, bounds: &Bounds) -> Option<LeafList> {
+    pub fn leaves_overlapping_bounds(&self, bounds: &Bounds) -> Option<LeafList> {
         LeafList::new(&self.bvh, bounds)
     }
 
@@ -184,9 +185,9 @@ impl Hierarchy {
             }
         };
         let _ = self.visit_leaves(&precalc, |leaf| {
-            if leaf & OTHER_BIT == 0 {
-                self.bvh.packet_of_leaf(leaf).for_each_hit(&precalc, &mut report);
-            } else if let Some(hit) = other(leaf ^ OTHER_BIT, ray) {
+            if leaf & OTHER_PRIMITIVE_BIT == 0 {
+                self.bvh.packet_of_leaf(leaf).for_each_line_hit(&precalc, &mut report);
+            } else if let Some(hit) = other(leaf ^ OTHER_PRIMITIVE_BIT, ray) {
                 report(leaf, LeafHit::of_other_primitive(hit, &precalc));
             }
             ControlFlow::Continue(())
@@ -206,10 +207,10 @@ impl Hierarchy {
         }
         let precalc = RayPrecalc::new(ray);
         let blocked = self.visit_leaves(&precalc, |leaf| {
-            let is_blocked = if leaf & OTHER_BIT == 0 {
+            let is_blocked = if leaf & OTHER_PRIMITIVE_BIT == 0 {
                 self.bvh.packet_of_leaf(leaf).any_hit(&precalc)
             } else {
-                other(leaf ^ OTHER_BIT, ray)
+                other(leaf ^ OTHER_PRIMITIVE_BIT, ray)
             };
             if is_blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
@@ -231,7 +232,7 @@ impl Hierarchy {
                 let (boxes, children) = self.bvh.node(child);
                 match boxes.intersect_boxes(&slabs, precalc.t_max) {
                     (0, _) => stack.pop(precalc.t_max),
-                    (hits, near) => Some(stack.push_children::<false>(children, hits, near)),
+                    (hits, near) => Some(stack.push_all_but_next::<false>(children, hits, near)),
                 }
             };
         }
@@ -241,8 +242,8 @@ impl Hierarchy {
 
 /// Nearest hit that a traversal has found so far, and the code of its primitive.
 ///
-/// Among hits of equal t, the one with the lowest code is kept; [`OTHER_BIT`] describes codes. The
-/// ray parameter t refers to the scaled direction of [`RayPrecalc`].
+/// Among hits of equal t, the one with the lowest code is kept; [`OTHER_PRIMITIVE_BIT`] describes
+/// codes. The ray parameter t refers to the scaled direction of [`RayPrecalc`].
 struct NearestHit {
     primitive_code: u32,
     hit: LeafHit,
@@ -252,7 +253,7 @@ impl NearestHit {
     /// Start of a traversal: t is `t_max` and the code is 0, so no hit at `t_max` replaces it.
     #[inline]
     fn before_any_hit(precalc: &RayPrecalc) -> Self {
-        Self { primitive_code: 0, hit: LeafHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } }
+        Self { primitive_code: 0, hit: LeafHit { t: precalc.t_max, unnormalized_weights: [0.0; 2], weight_sum: 1.0 } }
     }
 
     /// Tests the primitives of the leaf with child reference `leaf`, and keeps the nearest hit.
@@ -267,13 +268,13 @@ impl NearestHit {
         precalc: &RayPrecalc,
         other: &mut impl FnMut(u32, &Ray) -> Option<ShapeHit>,
     ) {
-        if leaf & OTHER_BIT == 0 {
-            bvh.packet_of_leaf(leaf).for_each_hit(precalc, |triangle, hit| self.keep_nearer_hit(triangle, hit));
+        if leaf & OTHER_PRIMITIVE_BIT == 0 {
+            bvh.packet_of_leaf(leaf).for_each_line_hit(precalc, |triangle, hit| self.keep_nearer_hit(triangle, hit));
         } else {
             // `t_max` is exclusive, but this primitive wins ties against a higher code.
             let t_max = if leaf < self.primitive_code { self.hit.t.next_up() } else { self.hit.t };
             let shrunk = Ray { t_max: t_max * precalc.direction_scale, ..*ray };
-            if let Some(hit) = other(leaf ^ OTHER_BIT, &shrunk) {
+            if let Some(hit) = other(leaf ^ OTHER_PRIMITIVE_BIT, &shrunk) {
                 self.keep_nearer_hit(leaf, LeafHit::of_other_primitive(hit, precalc));
             }
         }
@@ -298,7 +299,7 @@ impl NearestHit {
         if !(self.hit.t < precalc.t_max && 0.0 < t && t < ray.t_max) {
             return None;
         }
-        let index = self.primitive_code & !OTHER_BIT;
+        let index = self.primitive_code & !OTHER_PRIMITIVE_BIT;
         let primitive =
             if self.primitive_code == index { PrimitiveIndex::Triangle(index) } else { PrimitiveIndex::Other(index) };
         let (u, v) = self.hit.barycentric();

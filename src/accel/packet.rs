@@ -24,27 +24,34 @@ pub(super) struct TrianglePacket {
 pub(super) struct LeafHit {
     /// Ray parameter t for the scaled direction of [`RayPrecalc`]; it may have any sign.
     pub t: f32,
-    /// Barycentric weights of the second and third corner, times `total`.
+    /// Barycentric weights of the second and third corner, times `weight_sum`.
     ///
-    /// For a primitive other than a triangle, `uv` of the hit that the caller's closure returned.
-    /// The division by `total` is postponed, since few hits are used.
-    pub weights: [f64; 2],
+    /// For a primitive other than a triangle, the shape coordinates of the hit that the caller's
+    /// closure returned. The division by `weight_sum` is postponed, since few hits are used.
+    pub unnormalized_weights: [f64; 2],
     /// Sum of the weights of all three corners; 1 for a primitive other than a triangle.
-    pub total: f64,
+    pub weight_sum: f64,
 }
 
 impl LeafHit {
     /// Hit of a primitive other than a triangle, from the hit that the caller's closure returned.
     #[inline]
-    pub fn of_other_primitive(ShapeHit { t, uv }: ShapeHit, precalc: &RayPrecalc) -> Self {
-        Self { t: t * precalc.inverse_direction_scale, weights: uv.to_array().map(f64::from), total: 1.0 }
+    pub fn of_other_primitive(ShapeHit { t, shape_coords: uv }: ShapeHit, precalc: &RayPrecalc) -> Self {
+        Self {
+            t: t * precalc.inverse_direction_scale,
+            unnormalized_weights: uv.to_array().map(f64::from),
+            weight_sum: 1.0,
+        }
     }
 
     /// Barycentric weights of a triangle's second and third corner, or `uv` of the hit of
     /// another primitive.
     #[inline]
     pub fn barycentric(&self) -> (f32, f32) {
-        ((self.weights[0] / self.total) as f32, (self.weights[1] / self.total) as f32)
+        (
+            (self.unnormalized_weights[0] / self.weight_sum) as f32,
+            (self.unnormalized_weights[1] / self.weight_sum) as f32,
+        )
     }
 }
 
@@ -67,7 +74,7 @@ impl TrianglePacket {
     ///
     /// The ray parameter of a hit may be negative or beyond `t_max`.
     #[inline]
-    pub fn for_each_hit(&self, precalc: &RayPrecalc, mut found: impl FnMut(u32, LeafHit)) {
+    pub fn for_each_line_hit(&self, precalc: &RayPrecalc, mut found: impl FnMut(u32, LeafHit)) {
         let mut lanes = self.candidate_lanes(precalc);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
@@ -86,7 +93,7 @@ impl TrianglePacket {
     /// edge function, but never reverses it.
     #[inline]
     pub fn candidate_lanes(&self, precalc: &RayPrecalc) -> u32 {
-        let [ax, ay, az] = precalc.axes;
+        let [ax, ay, az] = precalc.axis_permutation;
         let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
         let ox = f32x8::splat(precalc.origin[ax]);
         let oy = f32x8::splat(precalc.origin[ay]);
@@ -111,7 +118,7 @@ impl TrianglePacket {
     /// both triangles.
     #[inline]
     pub fn intersect_lane(&self, lane: usize, precalc: &RayPrecalc) -> Option<LeafHit> {
-        let [ax, ay, az] = precalc.axes;
+        let [ax, ay, az] = precalc.axis_permutation;
         let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
         let [ox, oy, oz] = [precalc.origin[ax], precalc.origin[ay], precalc.origin[az]];
         let [sx, sy] = precalc.shear;
@@ -129,9 +136,9 @@ impl TrianglePacket {
         }
         // The sum of the edge functions is multiplied by the ray's depth, so that one division
         // gives t.
-        let volume = (u + v + w) * precalc.direction_z;
+        let volume = (u + v + w) * precalc.permuted_direction_z;
         let t = (u * a.z + v * b.z + w * c.z) / volume;
-        (volume != 0.0).then_some(LeafHit { t: t as f32, weights: [v, w], total: u + v + w })
+        (volume != 0.0).then_some(LeafHit { t: t as f32, unnormalized_weights: [v, w], weight_sum: u + v + w })
     }
 
     /// True if the ray hits a triangle of the packet at a ray parameter in (0, `t_max`).

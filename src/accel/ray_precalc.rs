@@ -13,19 +13,19 @@ pub(super) struct RayPrecalc {
     /// Origin of the ray, in the caller's space.
     pub origin: [f32; 3],
     /// Reciprocal of each component of the scaled direction, clamped to the range of finite f32.
-    pub reciprocal: [f32; 3],
+    pub reciprocal_direction: [f32; 3],
     /// For each axis, the box plane that the ray crosses first: 0 for the lower one, 1 for the
     /// upper one.
     ///
     /// It is 1 if the direction's component is negative or a negative zero.
-    pub near: [usize; 3],
+    pub near_sides: [usize; 3],
     /// Permutation of the axes 0, 1, 2 whose last axis has the direction's largest component.
-    pub axes: [usize; 3],
-    /// Direction components along `axes[0]` and `axes[1]`, divided by the component along
-    /// `axes[2]`.
+    pub axis_permutation: [usize; 3],
+    /// Direction components along `axis_permutation[0]` and `axis_permutation[1]`, divided by the
+    /// component along `axis_permutation[2]`.
     pub shear: [f32; 2],
-    /// Component of the scaled direction along `axes[2]`.
-    pub direction_z: f64,
+    /// Component of the scaled direction along `axis_permutation[2]`.
+    pub permuted_direction_z: f64,
     /// Exclusive upper bound of the ray parameter, for the scaled direction.
     pub t_max: f32,
     /// Factor from the caller's direction to the scaled direction: a power of two.
@@ -62,11 +62,11 @@ impl RayPrecalc {
         let d = direction.to_array();
         Self {
             origin: ray.origin.to_array(),
-            reciprocal: r,
-            near: [usize::from(r[0] < 0.0), usize::from(r[1] < 0.0), usize::from(r[2] < 0.0)],
-            axes: [x, y, z],
+            reciprocal_direction: r,
+            near_sides: [usize::from(r[0] < 0.0), usize::from(r[1] < 0.0), usize::from(r[2] < 0.0)],
+            axis_permutation: [x, y, z],
             shear: [d[x] * r[z], d[y] * r[z]],
-            direction_z: f64::from(d[z]),
+            permuted_direction_z: f64::from(d[z]),
             t_max: ray.t_max * inverse_direction_scale,
             direction_scale,
             inverse_direction_scale,
@@ -82,11 +82,15 @@ mod tests {
     fn reciprocals_are_finite_and_lengths_normalised() {
         for length in [1e-45, 1e-30, 1.0, 3e38] {
             let p = RayPrecalc::new(&Ray::new(Vec3::ZERO, Vec3::new(0.0, -0.0, -length)));
-            assert_eq!(p.reciprocal[..2], [f32::MAX, f32::MIN]);
-            assert!(p.reciprocal[2] < 0.0 && p.reciprocal[2].is_finite());
-            assert_eq!((p.near, p.axes[2]), ([0, 1, 1], 2));
+            assert_eq!(p.reciprocal_direction[..2], [f32::MAX, f32::MIN]);
+            assert!(p.reciprocal_direction[2] < 0.0 && p.reciprocal_direction[2].is_finite());
+            assert_eq!((p.near_sides, p.axis_permutation[2]), ([0, 1, 1], 2));
             assert_eq!(p.direction_scale * p.inverse_direction_scale, 1.0);
-            assert!(length < 1e-38 || (1.0..4.0).contains(&-p.direction_z), "{length} {}", p.direction_z);
+            assert!(
+                length < 1e-38 || (1.0..4.0).contains(&-p.permuted_direction_z),
+                "{length} {}",
+                p.permuted_direction_z
+            );
         }
     }
 }

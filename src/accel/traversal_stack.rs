@@ -28,7 +28,12 @@ impl TraversalStack {
     /// `near` holds the ray parameter at which the ray enters each child. If `SORTED`, children are
     /// visited from near to far.
     #[inline(always)]
-    pub fn push_children<const SORTED: bool>(&mut self, children: &[u32; ARITY], mut hits: u32, near: f32x8) -> u32 {
+    pub fn push_all_but_next<const SORTED: bool>(
+        &mut self,
+        children: &[u32; ARITY],
+        mut hits: u32,
+        near: f32x8,
+    ) -> u32 {
         let Self(entries) = self;
         let slot = |hits: u32| hits.trailing_zeros() as usize & (ARITY - 1);
         let entry = |slot: usize| u64::from(near.as_array()[slot].to_bits()) << 32 | u64::from(children[slot]);
@@ -83,7 +88,7 @@ mod tests {
         let near = f32x8::from([5.0, 2.0, 7.0, 1.0, 4.0, 0.0, 3.0, 6.0]);
         let visited = |hits: u32, limit: f32| {
             let mut stack = TraversalStack::new();
-            let mut visited = vec![stack.push_children::<true>(&children, hits, near)];
+            let mut visited = vec![stack.push_all_but_next::<true>(&children, hits, near)];
             visited.extend(std::iter::from_fn(|| stack.pop(limit)));
             visited
         };

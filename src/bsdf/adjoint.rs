@@ -44,7 +44,7 @@ pub fn shading_normal_correction(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 
 /// radiance estimate needs the irradiance on a surface with normal `ns`.
 #[inline]
 #[must_use]
-pub fn photon_deposit_factor(wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {
+pub fn deposit_shading_normal_correction(wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {
     if ns == ng {
         return 1.0;
     }

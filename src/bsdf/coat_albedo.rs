@@ -3,7 +3,7 @@
 //! The albedo of a rough coat is tabulated over index, roughness α and cosine of incidence. It
 //! counts light that one microfacet reflects. All other light enters the coat.
 
-use super::fresnel::fresnel_reflectance;
+use super::fresnel::fresnel_reflectance_and_cosine;
 use super::microfacet::Ggx;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::OnceLock;
@@ -12,23 +12,22 @@ use std::sync::OnceLock;
 pub const MAX_COAT_INDEX: f32 = 4.0;
 
 /// Number of tabulated indices, evenly spaced in the square root of (η − 1)/(η + 1).
-const INDICES: usize = 21;
+const ETA_COUNT: usize = 21;
 
-/// Largest tabulated (η − 1)/(η + 1), which belongs to η = [`MAX_COAT_INDEX`].
-const MAX_RATIO: f32 = 0.6;
+/// Largest tabulated Fresnel amplitude at normal incidence, (η − 1)/(η + 1), which belongs to η =
+/// [`MAX_COAT_INDEX`].
+const MAX_NORMAL_FRESNEL_AMPLITUDE: f32 = 0.6;
 
 /// Number of tabulated roughnesses from 0 to 1, evenly spaced in √α.
-const ALPHAS: usize = 16;
+const ALPHA_COUNT: usize = 16;
 
-/// Number of points and generator of the Fibonacci lattice that selects visible microfacets.
-///
-/// The albedo at each node of the table is a mean over these microfacets.
-const COSINES: usize = 32;
+/// Number of tabulated cosines of incidence from 0 to 1, evenly spaced in √cosθ.
+const COSINE_COUNT: usize = 32;
 
 /// Number of points and generator of a Fibonacci lattice, which selects visible microfacets.
 ///
 /// The albedo at each node of the table is a mean over these microfacets.
-pub(super) const FACETS: (usize, usize) = (610, 377);
+pub(super) const FACET_LATTICE: (usize, usize) = (610, 377);
 
 /// Cosine at which the table's node for the horizon is computed; a cosine of 0 would lead to 0/0.
 const HORIZON_COSINE: f64 = 1e-4;
@@ -36,9 +35,9 @@ const HORIZON_COSINE: f64 = 1e-4;
 /// Albedos at the nodes of all tabulated parameters, and their means over the hemisphere.
 struct CoatAlbedoTable {
     /// Albedo by index, α and cosine.
-    directional: Vec<[[f32; COSINES]; ALPHAS]>,
+    directional: Vec<[[f32; COSINE_COUNT]; ALPHA_COUNT]>,
     /// Mean albedo over the hemisphere, weighted by the cosine, by index and α.
-    mean: Vec<[f32; ALPHAS]>,
+    mean: Vec<[f32; ALPHA_COUNT]>,
 }
 
 /// Returns the fraction of light at the cosine of incidence `cos` that a coat reflects.
@@ -49,11 +48,11 @@ struct CoatAlbedoTable {
 #[inline]
 pub(super) fn coat_albedo(cos: f32, eta: f32, alpha: f32) -> f32 {
     if alpha == 0.0 {
-        return fresnel_reflectance(f64::from(cos.min(1.0)), f64::from(eta)).0 as f32;
+        return fresnel_reflectance_and_cosine(f64::from(cos.min(1.0)), f64::from(eta)).0 as f32;
     }
-    let (x, y) = (node_position(cos.min(1.0).sqrt(), COSINES), node_position(alpha.sqrt(), ALPHAS));
+    let (x, y) = (node_and_fraction(cos.min(1.0).sqrt(), COSINE_COUNT), node_and_fraction(alpha.sqrt(), ALPHA_COUNT));
     let table = coat_albedo_table();
-    interpolate(index_position(eta), |i| interpolate(y, |j| interpolate(x, |k| table.directional[i][j][k])))
+    interpolate(eta_node_and_fraction(eta), |i| interpolate(y, |j| interpolate(x, |k| table.directional[i][j][k])))
 }
 
 /// Returns the fraction of diffuse light that a coat reflects on its outer side: the
@@ -63,7 +62,9 @@ pub(super) fn mean_coat_albedo(eta: f32, alpha: f32) -> f32 {
         return mean_fresnel_reflectance(f64::from(eta)) as f32;
     }
     let table = coat_albedo_table();
-    interpolate(index_position(eta), |i| interpolate(node_position(alpha.sqrt(), ALPHAS), |j| table.mean[i][j]))
+    interpolate(eta_node_and_fraction(eta), |i| {
+        interpolate(node_and_fraction(alpha.sqrt(), ALPHA_COUNT), |j| table.mean[i][j])
+    })
 }
 
 /// Cosine-weighted mean over the hemisphere of the Fresnel reflectance at index `eta` > 1, by the
@@ -84,13 +85,15 @@ fn coat_albedo_table() -> &'static CoatAlbedoTable {
     TABLE.get_or_init(|| {
         let fraction = |i: usize, n: usize| i as f64 / (n - 1) as f64;
         let node = |i: usize, j: usize, k: usize| {
-            let (root, alpha, cos) = (fraction(i, INDICES), fraction(j, ALPHAS), fraction(k, COSINES));
-            let ratio = f64::from(MAX_RATIO) * root * root;
+            let (root, alpha, cos) = (fraction(i, ETA_COUNT), fraction(j, ALPHA_COUNT), fraction(k, COSINE_COUNT));
+            let ratio = f64::from(MAX_NORMAL_FRESNEL_AMPLITUDE) * root * root;
             rough_albedo((cos * cos).max(HORIZON_COSINE), (1.0 + ratio) / (1.0 - ratio), alpha * alpha) as f32
         };
         let directional: Vec<_> =
-            (0..INDICES).map(|i| std::array::from_fn(|j| std::array::from_fn(|k| node(i, j, k)))).collect();
-        let mean = directional.iter().map(|alphas: &[[f32; COSINES]; ALPHAS]| alphas.map(|a| mean_of_cosines(&a)));
+            (0..ETA_COUNT).map(|i| std::array::from_fn(|j| std::array::from_fn(|k| node(i, j, k)))).collect();
+        let mean = directional
+            .iter()
+            .map(|alphas: &[[f32; COSINE_COUNT]; ALPHA_COUNT]| alphas.map(|a| cosine_weighted_mean(&a)));
         CoatAlbedoTable { mean: mean.collect(), directional }
     })
 }
@@ -101,19 +104,19 @@ fn coat_albedo_table() -> &'static CoatAlbedoTable {
 /// Light that would meet a second microfacet is not included.
 fn rough_albedo(cos: f64, eta: f64, alpha: f64) -> f64 {
     if alpha == 0.0 {
-        return fresnel_reflectance(cos, eta).0;
+        return fresnel_reflectance_and_cosine(cos, eta).0;
     }
     let (ggx, wo) = (Ggx::new(alpha as f32), DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos));
     let mut sum = 0.0;
-    let (facets, generator) = FACETS;
+    let (facets, generator) = FACET_LATTICE;
     for i in 0..facets {
         let u = (Vec2::new(i as f32, (i * generator % facets) as f32) + 0.5) / facets as f32;
         let m = ggx.sample_visible_normal(wo, Vec3::Z, u);
         let cos_m = wo.dot(m);
         let cos_i = 2.0 * cos_m * m.z - wo.z;
         if cos_i > 0.0 && cos_m > 0.0 {
-            let seen = ggx.unshadowed_microfacet_fraction(ggx.reflection_masking_shadowing(cos, cos_i), cos, cos_i);
-            sum += fresnel_reflectance(cos_m.min(1.0), eta).0 * seen;
+            let seen = ggx.unshadowed_microfacet_fraction(ggx.reflection_g2_over_cosines(cos, cos_i), cos, cos_i);
+            sum += fresnel_reflectance_and_cosine(cos_m.min(1.0), eta).0 * seen;
         }
     }
     sum / facets as f64
@@ -122,9 +125,9 @@ fn rough_albedo(cos: f64, eta: f64, alpha: f64) -> f64 {
 /// Cosine-weighted mean ∫ 2 cosθ R dcosθ of tabulated values R.
 ///
 /// R is interpolated linearly in √cosθ between the nodes.
-fn mean_of_cosines(values: &[f32; COSINES]) -> f32 {
+fn cosine_weighted_mean(values: &[f32; COSINE_COUNT]) -> f32 {
     // With t = √cosθ, the integral is ∫ 4t³ R(t) dt.
-    let step = 1.0 / (COSINES - 1) as f64;
+    let step = 1.0 / (COSINE_COUNT - 1) as f64;
     let segment = |k: usize| {
         let (a, b) = (k as f64 * step, (k + 1) as f64 * step);
         let (low, high) = (f64::from(values[k]), f64::from(values[k + 1]));
@@ -132,22 +135,22 @@ fn mean_of_cosines(values: &[f32; COSINES]) -> f32 {
         let power = |t: f64| t * t * t * t * (low - slope * a + 0.8 * slope * t);
         power(b) - power(a)
     };
-    (0..COSINES - 1).map(segment).sum::<f64>() as f32
+    (0..COSINE_COUNT - 1).map(segment).sum::<f64>() as f32
 }
 
 /// Returns the number of the table node at or below the refractive index `eta`.
 ///
 /// Also returns the position of `eta` between this node and the next one, in \[0, 1].
 #[inline]
-fn index_position(eta: f32) -> (usize, f32) {
-    node_position(((eta - 1.0) / (eta + 1.0) / MAX_RATIO).max(0.0).sqrt(), INDICES)
+fn eta_node_and_fraction(eta: f32) -> (usize, f32) {
+    node_and_fraction(((eta - 1.0) / (eta + 1.0) / MAX_NORMAL_FRESNEL_AMPLITUDE).max(0.0).sqrt(), ETA_COUNT)
 }
 
 /// Returns the number of the node at or below `x`, if `nodes` nodes are evenly spaced in \[0, 1].
 ///
 /// Also returns the position of `x` between this node and the next one, in \[0, 1].
 #[inline]
-fn node_position(x: f32, nodes: usize) -> (usize, f32) {
+fn node_and_fraction(x: f32, nodes: usize) -> (usize, f32) {
     let position = x.clamp(0.0, 1.0) * (nodes - 1) as f32;
     let node = (position as usize).min(nodes - 2);
     (node, position - node as f32)

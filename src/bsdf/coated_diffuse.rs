@@ -1,9 +1,9 @@
 //! Diffuse surfaces under a dielectric coat, such as plastic or varnished wood.
 
 use super::coat_albedo::{coat_albedo, mean_coat_albedo};
-use super::fresnel::fresnel_reflectance;
+use super::fresnel::fresnel_reflectance_and_cosine;
 use super::microfacet::Ggx;
-use super::{Bsdf, BsdfSample, NonSpecularSample, PHOTON_STORAGE_ALPHA, SMOOTH_ALPHA, dielectric, face_forward};
+use super::{Bsdf, BsdfSample, MIN_PHOTON_STORAGE_ALPHA, MIN_ROUGH_ALPHA, NonSpecularSample, dielectric, face_forward};
 use crate::color::{self, Rgb};
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
@@ -25,7 +25,7 @@ pub struct DielectricCoat {
     alpha: f32,
     /// Factor on the reflectance: 1/p if [`Bsdf::select_layer`] chose the coat with probability p,
     /// else 1.
-    weight: f32,
+    inverse_selection_probability: f32,
 }
 
 /// A Lambertian base under a dielectric coat, with the light that is reflected between them.
@@ -35,17 +35,17 @@ pub struct DielectricCoat {
 /// inside. With a white base, coat and base together reflect all light. If the coat is rough, this
 /// holds within the error of tabulated albedos.
 ///
-/// If the roughness of the coat exceeds [`PHOTON_STORAGE_ALPHA`], this BSDF includes reflection on
-/// the coat. Otherwise it is the base alone, and [`Bsdf::select_layer`] chooses base or coat.
+/// If the roughness of the coat exceeds [`MIN_PHOTON_STORAGE_ALPHA`], this BSDF includes reflection
+/// on the coat. Otherwise it is the base alone, and [`Bsdf::select_layer`] chooses base or coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoatedDiffuse {
     /// Factor ρ / (η² (1 − ρF)) of the base's BRDF.
     ///
     /// It is divided by p if [`Bsdf::select_layer`] chose the base with probability p.
-    base: Rgb,
+    base_brdf_factor: Rgb,
     /// Fraction of the light below the coat's interface that the base sends back out, as the mean
-    /// of the channels. Like `base`, it is divided by p.
-    base_albedo: f32,
+    /// of the channels. Like `base_brdf_factor`, it is divided by p.
+    entered_light_albedo: f32,
     /// Refractive index of the coat relative to the surroundings.
     eta: f32,
     /// GGX roughness α of the coat; 0 if it is smooth.
@@ -59,13 +59,15 @@ impl DielectricCoat {
         self.alpha
     }
 
-    /// Returns the Fresnel reflectance at the cosine of incidence `cos`, multiplied by `weight`.
+    /// Returns the Fresnel reflectance at the cosine of incidence `cos`, multiplied by
+    /// `inverse_selection_probability`.
     #[inline]
     fn reflectance(&self, cos: f64) -> f32 {
-        self.weight * fresnel_reflectance(cos.clamp(0.0, 1.0), f64::from(self.eta)).0 as f32
+        self.inverse_selection_probability
+            * fresnel_reflectance_and_cosine(cos.clamp(0.0, 1.0), f64::from(self.eta)).0 as f32
     }
 
-    /// BRDF f(wo, wi) \[1/sr], multiplied by `weight`; 0 for a smooth coat.
+    /// BRDF f(wo, wi) \[1/sr], multiplied by `inverse_selection_probability`; 0 for a smooth coat.
     ///
     /// `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
@@ -75,8 +77,8 @@ impl DielectricCoat {
         }
         let (ggx, o, i, n) = (Ggx::new(self.alpha), wo.as_dvec3(), wi.as_dvec3(), n.as_dvec3());
         let facet = ggx.reflecting_facet(o, i, n);
-        let g2 = ggx.reflection_masking_shadowing(o.dot(n).abs(), i.dot(n).abs());
-        Rgb::splat(self.reflectance(facet.cos) * (0.25 * facet.density * g2) as f32)
+        let g2 = ggx.reflection_g2_over_cosines(o.dot(n).abs(), i.dot(n).abs());
+        Rgb::splat(self.reflectance(facet.wo_dot_m) * (0.25 * facet.normal_density * g2) as f32)
     }
 
     /// Solid-angle pdf \[1/sr] with which [`DielectricCoat::sample`] samples `wi`; 0 for a smooth
@@ -104,7 +106,7 @@ impl DielectricCoat {
             let weight = Rgb::splat(self.reflectance(cos));
             return Some(BsdfSample::specular_sample(wi, weight, false, uses_geometric_normal));
         }
-        let wi = self.sample_facet(wo, n, u)?;
+        let wi = self.sample_reflected_direction(wo, n, u)?;
         let pdf = self.pdf(wo, wi, n);
         let weight = self.evaluate(wo, wi, n) * (wi.dot(n) / pdf);
         (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, false))
@@ -113,7 +115,7 @@ impl DielectricCoat {
     /// Samples a unit direction of reflection at a visible microfacet of a rough coat; `None` if it
     /// points into the surface. `n` is on the side of `wo`.
     #[inline]
-    fn sample_facet(&self, wo: Vec3, n: Vec3, u: Vec2) -> Option<Vec3> {
+    fn sample_reflected_direction(&self, wo: Vec3, n: Vec3, u: Vec2) -> Option<Vec3> {
         let o = wo.as_dvec3();
         let m = Ggx::new(self.alpha).sample_visible_normal(o, n, u);
         let wi = (m * (2.0 * o.dot(m)) - o).normalize().as_vec3();
@@ -129,7 +131,7 @@ impl CoatedDiffuse {
     /// white base (compare Mitsuba's `plastic`). Light between coat and base then does not make
     /// colours deeper, and the BSDF is proportional to ρ.
     fn new(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
-        let alpha = if alpha < SMOOTH_ALPHA || eta < MIN_ROUGH_COAT_INDEX { 0.0 } else { alpha };
+        let alpha = if alpha < MIN_ROUGH_ALPHA || eta < MIN_ROUGH_COAT_INDEX { 0.0 } else { alpha };
         // Interfaces are reciprocal: the transmittance from inside is that from outside, divided by
         // η².
         let mean_transmittance = 1.0 - mean_coat_albedo(eta, alpha);
@@ -139,24 +141,29 @@ impl CoatedDiffuse {
         let absorbed = if nonlinear { Rgb::ONE - reflectance } else { Rgb::ZERO };
         let counted = if nonlinear { reflectance } else { Rgb::ONE };
         let base = reflectance / (absorbed + counted * leaving) / (eta * eta);
-        Self { base, base_albedo: color::channel_mean(base) * mean_transmittance, eta, alpha }
+        Self {
+            base_brdf_factor: base,
+            entered_light_albedo: color::channel_mean(base) * mean_transmittance,
+            eta,
+            alpha,
+        }
     }
 
     /// The BSDF of the coat alone, divided by the coat's selection probability `probability`.
-    fn scaled_coat(&self, probability: f32) -> DielectricCoat {
-        DielectricCoat { eta: self.eta, alpha: self.alpha, weight: 1.0 / probability }
+    fn coat_over_probability(&self, probability: f32) -> DielectricCoat {
+        DielectricCoat { eta: self.eta, alpha: self.alpha, inverse_selection_probability: 1.0 / probability }
     }
 
     /// True if [`CoatedDiffuse::evaluate`] includes reflection on the coat, because the coat is
     /// rough.
     #[inline]
     fn includes_coat(&self) -> bool {
-        self.alpha > PHOTON_STORAGE_ALPHA
+        self.alpha > MIN_PHOTON_STORAGE_ALPHA
     }
 
     /// The coat as a separate BSDF; `None` if it is so rough that this BSDF includes it.
     pub(super) fn separate_coat(&self) -> Option<DielectricCoat> {
-        (!self.includes_coat()).then(|| self.scaled_coat(1.0))
+        (!self.includes_coat()).then(|| self.coat_over_probability(1.0))
     }
 
     /// Fraction of light from direction `w` that enters the coat; `n` is the shading normal.
@@ -169,7 +176,7 @@ impl CoatedDiffuse {
     #[inline]
     fn layer_albedos(&self, wo: Vec3, n: Vec3) -> (f32, f32) {
         let transmittance = self.transmittance(wo, n);
-        (1.0 - transmittance, transmittance * self.base_albedo)
+        (1.0 - transmittance, transmittance * self.entered_light_albedo)
     }
 
     /// Selects base or coat by `u` in \[0, 1), with probabilities in proportion to their albedos
@@ -182,17 +189,21 @@ impl CoatedDiffuse {
         let base_probability = base / (coat + base);
         if u < base_probability {
             let scale = 1.0 / base_probability;
-            Bsdf::CoatedDiffuse(Self { base: self.base * scale, base_albedo: self.base_albedo * scale, ..self })
+            Bsdf::CoatedDiffuse(Self {
+                base_brdf_factor: self.base_brdf_factor * scale,
+                entered_light_albedo: self.entered_light_albedo * scale,
+                ..self
+            })
         } else {
-            Bsdf::DielectricCoat(self.scaled_coat(coat / (coat + base)))
+            Bsdf::DielectricCoat(self.coat_over_probability(coat / (coat + base)))
         }
     }
 
     /// BRDF f(wo, wi) \[1/sr]. `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
-        let base = self.base * (self.transmittance(wo, n) * self.transmittance(wi, n) * FRAC_1_PI);
-        if self.includes_coat() { base + self.scaled_coat(1.0).evaluate(wo, wi, n) } else { base }
+        let base = self.base_brdf_factor * (self.transmittance(wo, n) * self.transmittance(wi, n) * FRAC_1_PI);
+        if self.includes_coat() { base + self.coat_over_probability(1.0).evaluate(wo, wi, n) } else { base }
     }
 
     /// Probability with which [`CoatedDiffuse::sample`] samples the coat instead of the base.
@@ -213,7 +224,7 @@ impl CoatedDiffuse {
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         let (cosine, coat) = (warp::cosine_hemisphere_pdf(wi.dot(n).abs()), self.coat_probability(wo, n));
-        if coat == 0.0 { cosine } else { coat * self.scaled_coat(1.0).pdf(wo, wi, n) + (1.0 - coat) * cosine }
+        if coat == 0.0 { cosine } else { coat * self.coat_over_probability(1.0).pdf(wo, wi, n) + (1.0 - coat) * cosine }
     }
 
     /// Samples a direction of reflection on the base or on the coat.
@@ -224,7 +235,7 @@ impl CoatedDiffuse {
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
         let n = face_forward(n, wo);
         let wi = if lobe < self.coat_probability(wo, n) {
-            self.scaled_coat(1.0).sample_facet(wo, n, u)?
+            self.coat_over_probability(1.0).sample_reflected_direction(wo, n, u)?
         } else {
             Frame::from_normal(n).to_world(warp::square_to_cosine_hemisphere(u))
         };

@@ -2,8 +2,10 @@
 
 use super::fresnel::conductor_reflectance;
 use super::microfacet::Ggx;
-use super::multiple_scattering::{MultipleReflection, lost_direction_pdf, sample_lost_direction};
-use super::{BsdfSample, MicrofacetScattering, NonSpecularSample, SMOOTH_ALPHA, dielectric};
+use super::multiple_scattering::{
+    MultipleConductorScattering, multiple_scattering_direction_pdf, sample_multiple_scattering_direction,
+};
+use super::{BsdfSample, MIN_ROUGH_ALPHA, MicrofacetScattering, NonSpecularSample, dielectric};
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
@@ -35,13 +37,13 @@ impl Conductor {
     /// Creates a conductor with relative refractive index `eta` + i`k` and roughness `alpha` in
     /// \[0, 1].
     ///
-    /// Both parts of the index are at least 0. Below [`SMOOTH_ALPHA`], the surface is smooth.
+    /// Both parts of the index are at least 0. Below [`MIN_ROUGH_ALPHA`], the surface is smooth.
     #[must_use]
     pub fn new(eta: Rgb, k: Rgb, alpha: f32, scattering: MicrofacetScattering) -> Self {
-        Self { eta, k, alpha: if alpha < SMOOTH_ALPHA { 0.0 } else { alpha }, scattering }
+        Self { eta, k, alpha: if alpha < MIN_ROUGH_ALPHA { 0.0 } else { alpha }, scattering }
     }
 
-    /// Creates a conductor that stays rough even if `alpha` is below [`SMOOTH_ALPHA`].
+    /// Creates a conductor that stays rough even if `alpha` is below [`MIN_ROUGH_ALPHA`].
     #[cfg(test)]
     pub(super) fn new_without_smooth_limit(eta: Rgb, k: Rgb, alpha: f32) -> Self {
         Self { eta, k, alpha, scattering: MicrofacetScattering::Single }
@@ -70,10 +72,10 @@ impl Conductor {
     /// Light that scatters between microfacets, for `wo` of cosine `cos_o`; `None` if such light is
     /// lost.
     #[inline]
-    fn multiple_reflection(&self, cos_o: f64) -> Option<MultipleReflection> {
+    fn multiple_scattering(&self, cos_o: f64) -> Option<MultipleConductorScattering> {
         match self.scattering {
             MicrofacetScattering::Single => None,
-            MicrofacetScattering::Multiple => Some(MultipleReflection::new(self.alpha, cos_o)),
+            MicrofacetScattering::Multiple => Some(MultipleConductorScattering::new(self.alpha, cos_o)),
         }
     }
 
@@ -88,9 +90,9 @@ impl Conductor {
         let (ggx, o, i, n) = (Ggx::new(self.alpha), wo.as_dvec3(), wi.as_dvec3(), n.as_dvec3());
         let (cos_o, cos_i) = (o.dot(n).abs(), i.dot(n).abs());
         let facet = ggx.reflecting_facet(o, i, n);
-        let g2 = ggx.reflection_masking_shadowing(cos_o, cos_i);
-        let single = self.reflectance(facet.cos) * (0.25 * facet.density * g2) as f32;
-        self.multiple_reflection(cos_o).map_or(single, |multiple| {
+        let g2 = ggx.reflection_g2_over_cosines(cos_o, cos_i);
+        let single = self.reflectance(facet.wo_dot_m) * (0.25 * facet.normal_density * g2) as f32;
+        self.multiple_scattering(cos_o).map_or(single, |multiple| {
             let mean = conductor_reflectance(MEAN_COSINE, self.eta, self.k);
             let color = mean.map(|mean| multiple.repeated_reflectance(f64::from(mean)) as f32);
             single + color * multiple.evaluate(cos_i) as f32
@@ -108,9 +110,9 @@ impl Conductor {
         let (ggx, o, i, n) = (Ggx::new(self.alpha), wo.as_dvec3(), wi.as_dvec3(), n.as_dvec3());
         let cos_o = o.dot(n).abs();
         let single = ggx.scattered_direction_pdf(&ggx.reflecting_facet(o, i, n), cos_o);
-        let pdf = self.multiple_reflection(cos_o).map_or(single, |multiple| {
-            let lost = multiple.lost;
-            (1.0 - lost) * single + lost * lost_direction_pdf(self.alpha, i.dot(n).abs())
+        let pdf = self.multiple_scattering(cos_o).map_or(single, |multiple| {
+            let lost = multiple.lost_fraction;
+            (1.0 - lost) * single + lost * multiple_scattering_direction_pdf(self.alpha, i.dot(n).abs())
         });
         pdf as f32
     }
@@ -140,9 +142,9 @@ impl Conductor {
     pub(super) fn sample_rough(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
         let (ggx, o, shading) = (Ggx::new(self.alpha), wo.as_dvec3(), n.as_dvec3());
         let cos_o = o.dot(shading);
-        let multiple = self.multiple_reflection(cos_o.abs());
-        let wi = if multiple.is_some_and(|multiple| f64::from(lobe) < multiple.lost) {
-            sample_lost_direction(self.alpha, n, u)
+        let multiple = self.multiple_scattering(cos_o.abs());
+        let wi = if multiple.is_some_and(|multiple| f64::from(lobe) < multiple.lost_fraction) {
+            sample_multiple_scattering_direction(self.alpha, n, u)
         } else {
             let m = ggx.sample_visible_normal(o, n, u);
             (m * (2.0 * o.dot(m)) - o).normalize().as_vec3()
@@ -157,9 +159,9 @@ impl Conductor {
             (pdf, self.evaluate(wo, wi, n) * (cos_i as f32 / pdf))
         } else {
             let facet = ggx.reflecting_facet(o, i, shading);
-            let masking_shadowing = ggx.reflection_masking_shadowing(cos_o, cos_i);
+            let masking_shadowing = ggx.reflection_g2_over_cosines(cos_o, cos_i);
             let unshadowed = ggx.unshadowed_microfacet_fraction(masking_shadowing, cos_o, cos_i);
-            (ggx.scattered_direction_pdf(&facet, cos_o) as f32, self.reflectance(facet.cos) * unshadowed as f32)
+            (ggx.scattered_direction_pdf(&facet, cos_o) as f32, self.reflectance(facet.wo_dot_m) * unshadowed as f32)
         };
         (pdf > 0.0).then_some(NonSpecularSample { wi, weight, pdf, is_transmitted: false })
     }

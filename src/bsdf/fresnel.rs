@@ -10,20 +10,21 @@ use glam::{DVec3, Vec3};
 /// 2023, section 9.3.5.
 #[inline]
 #[must_use]
-pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
+pub fn dielectric_reflectance_and_cosine(cos_i: f32, eta: f32) -> (f32, f32) {
     if eta == 1.0 {
         return (0.0, cos_i);
     }
-    let (reflectance, cos_t) = fresnel_reflectance(f64::from(cos_i.clamp(0.0, 1.0)), f64::from(eta));
+    let (reflectance, cos_t) = fresnel_reflectance_and_cosine(f64::from(cos_i.clamp(0.0, 1.0)), f64::from(eta));
     (reflectance as f32, cos_t as f32)
 }
 
-/// Computes [`dielectric_reflectance`] in f64: the reflectance, and the cosine of refraction.
+/// Computes [`dielectric_reflectance_and_cosine`] in f64: the reflectance, and the cosine of
+/// refraction.
 ///
 /// `cos_i` in \[0, 1] is the cosine of incidence. `eta` is the refractive index of the far side,
 /// relative to the near side. Total internal reflection returns `(1, 0)`.
 #[inline]
-pub(super) fn fresnel_reflectance(cos_i: f64, eta: f64) -> (f64, f64) {
+pub(super) fn fresnel_reflectance_and_cosine(cos_i: f64, eta: f64) -> (f64, f64) {
     // Both products are exact if the factors were f32 numbers. So the sum has the right sign even
     // if `cos_i` is within an ulp of the critical angle.
     let cos2_t = ((eta - 1.0) * (eta + 1.0) + cos_i * cos_i) / (eta * eta);

@@ -1,16 +1,16 @@
 //! Energy that a coat of a layered BSDF loses between its interface and its base.
 
-use super::coat_albedo::{FACETS, mean_coat_albedo};
-use super::fresnel::fresnel_reflectance;
+use super::coat_albedo::{FACET_LATTICE, mean_coat_albedo};
+use super::fresnel::fresnel_reflectance_and_cosine;
 use super::microfacet::Ggx;
-use super::{MAX_COAT_INDEX, SMOOTH_ALPHA};
+use super::{MAX_COAT_INDEX, MIN_ROUGH_ALPHA};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Number of directions over which means are taken, evenly spaced in the squared cosine.
-const DIRECTIONS: u32 = 64;
+const DIRECTION_COUNT: u32 = 64;
 
 /// Least relative refractive index of a coat. A smaller index is replaced by this one.
-const MIN_INDEX: f64 = 1.01;
+const MIN_LOSSY_COAT_INDEX: f64 = 1.01;
 
 /// A coat that loses energy, as the layered BSDF of pbrt-v4 simulates it (Guo et al. 2018).
 ///
@@ -19,17 +19,17 @@ const MIN_INDEX: f64 = 1.01;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LossyCoat {
     /// Fraction of diffuse light from outside that reaches the base.
-    entering: f64,
+    entering_fraction: f64,
     /// Fraction of diffuse light from the base that leaves the coat.
-    leaving: f64,
+    leaving_fraction: f64,
     /// Fraction of diffuse light from the base that the coat's interface sends back to the base.
-    returning: f64,
+    returning_fraction: f64,
     /// Fraction of diffuse light from outside that would enter a lossless coat of equal index and
     /// α.
-    lossless_entering: f64,
+    lossless_entering_fraction: f64,
     /// Fraction of diffuse light from the base that would leave a lossless coat of equal index and
     /// α.
-    lossless_leaving: f64,
+    lossless_leaving_fraction: f64,
 }
 
 impl LossyCoat {
@@ -37,43 +37,50 @@ impl LossyCoat {
     /// \[0, 1], and its optical thickness `thickness` ≥ 0.
     #[must_use]
     pub fn new(eta: f64, alpha: f64, thickness: f64) -> Self {
-        let eta = eta.clamp(MIN_INDEX, f64::from(MAX_COAT_INDEX));
+        let eta = eta.clamp(MIN_LOSSY_COAT_INDEX, f64::from(MAX_COAT_INDEX));
         let transmittance = |cos: f64| libm::exp(-thickness / cos);
         let [mut entering, mut leaving, mut returning] = [0.0; 3];
-        for i in 0..DIRECTIONS {
-            let cos = ((f64::from(i) + 0.5) / f64::from(DIRECTIONS)).sqrt();
-            for_each_scattered_part(cos, eta, alpha, |weight, cos_i| {
+        for i in 0..DIRECTION_COUNT {
+            let cos = ((f64::from(i) + 0.5) / f64::from(DIRECTION_COUNT)).sqrt();
+            for_each_scattered_direction(cos, eta, alpha, |weight, cos_i| {
                 if cos_i < 0.0 {
                     entering += weight * transmittance(-cos_i);
                 }
             });
-            for_each_scattered_part(cos, 1.0 / eta, alpha, |weight, cos_i| match cos_i < 0.0 {
+            for_each_scattered_direction(cos, 1.0 / eta, alpha, |weight, cos_i| match cos_i < 0.0 {
                 true => leaving += weight * transmittance(cos),
                 false => returning += weight * transmittance(cos) * transmittance(cos_i),
             });
         }
-        let [entering, leaving, returning] = [entering, leaving, returning].map(|sum| sum / f64::from(DIRECTIONS));
+        let [entering, leaving, returning] = [entering, leaving, returning].map(|sum| sum / f64::from(DIRECTION_COUNT));
         let lossless_entering = 1.0 - f64::from(mean_coat_albedo(eta as f32, alpha as f32));
         let lossless_leaving = lossless_entering / (eta * eta);
-        Self { entering, leaving, returning, lossless_entering, lossless_leaving }
+        Self {
+            entering_fraction: entering,
+            leaving_fraction: leaving,
+            returning_fraction: returning,
+            lossless_entering_fraction: lossless_entering,
+            lossless_leaving_fraction: lossless_leaving,
+        }
     }
 
     /// Fraction of diffuse light from outside that a base of this reflectance sends back through
     /// the coat.
     #[must_use]
-    pub fn base_albedo(&self, reflectance: f64) -> f64 {
-        self.entering * reflectance * self.leaving / (1.0 - reflectance * self.returning)
+    pub fn base_albedo_through_coat(&self, reflectance: f64) -> f64 {
+        self.entering_fraction * reflectance * self.leaving_fraction / (1.0 - reflectance * self.returning_fraction)
     }
 
     /// Returns the reflectance of a base that looks equal under a lossless coat.
     ///
-    /// With it, a lossless coat gives the albedo that [`Self::base_albedo`] returns for
-    /// `reflectance` in \[0, 1].
+    /// With it, a lossless coat gives the albedo that [`Self::base_albedo_through_coat`] returns
+    /// for `reflectance` in \[0, 1].
     #[must_use]
-    pub fn equivalent_reflectance(&self, reflectance: f64) -> f64 {
-        let albedo = self.base_albedo(reflectance);
-        let returning = 1.0 - self.lossless_leaving;
-        (albedo / (self.lossless_entering * self.lossless_leaving + albedo * returning)).clamp(0.0, 1.0)
+    pub fn equivalent_lossless_reflectance(&self, reflectance: f64) -> f64 {
+        let albedo = self.base_albedo_through_coat(reflectance);
+        let returning = 1.0 - self.lossless_leaving_fraction;
+        (albedo / (self.lossless_entering_fraction * self.lossless_leaving_fraction + albedo * returning))
+            .clamp(0.0, 1.0)
     }
 }
 
@@ -83,9 +90,9 @@ impl LossyCoat {
 /// Calls `visit` with the fraction and the cosine of each direction. The cosine is below 0 on the
 /// far side. `eta` is the index of the far side over that of the near side. Light scatters at one
 /// microfacet only.
-fn for_each_scattered_part(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut(f64, f64)) {
-    if alpha < f64::from(SMOOTH_ALPHA) {
-        let (reflectance, cos_t) = fresnel_reflectance(cos, eta);
+fn for_each_scattered_direction(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut(f64, f64)) {
+    if alpha < f64::from(MIN_ROUGH_ALPHA) {
+        let (reflectance, cos_t) = fresnel_reflectance_and_cosine(cos, eta);
         visit(reflectance, cos);
         if reflectance < 1.0 {
             visit(1.0 - reflectance, -cos_t);
@@ -93,7 +100,7 @@ fn for_each_scattered_part(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut
         return;
     }
     let (ggx, wo) = (Ggx::new(alpha as f32), DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos));
-    let (facets, generator) = FACETS;
+    let (facets, generator) = FACET_LATTICE;
     for i in 0..facets {
         let u = (Vec2::new(i as f32, (i * generator % facets) as f32) + 0.5) / facets as f32;
         let m = ggx.sample_visible_normal(wo, Vec3::Z, u);
@@ -101,16 +108,16 @@ fn for_each_scattered_part(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut
         if cos_m <= 0.0 {
             continue;
         }
-        let (reflectance, cos_t) = fresnel_reflectance(cos_m.min(1.0), eta);
+        let (reflectance, cos_t) = fresnel_reflectance_and_cosine(cos_m.min(1.0), eta);
         let reflected = 2.0 * cos_m * m.z - wo.z;
         if reflected > 0.0 {
-            let masking = ggx.reflection_masking_shadowing(cos, reflected);
+            let masking = ggx.reflection_g2_over_cosines(cos, reflected);
             visit(reflectance * ggx.unshadowed_microfacet_fraction(masking, cos, reflected) / facets as f64, reflected);
         }
         let refracted = m.z * (cos_m / eta - cos_t) - wo.z / eta;
         if reflectance < 1.0 && refracted < 0.0 {
             // pbrt-v4 uses the height-correlated function for both sides.
-            let masking = ggx.reflection_masking_shadowing(cos, -refracted);
+            let masking = ggx.reflection_g2_over_cosines(cos, -refracted);
             let seen = ggx.unshadowed_microfacet_fraction(masking, cos, -refracted);
             visit((1.0 - reflectance) * seen / facets as f64, refracted);
         }
@@ -121,14 +128,14 @@ fn for_each_scattered_part(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut
 mod tests {
     use super::*;
 
-    /// [`LossyCoat::base_albedo`] agrees with random walks in the layers.
+    /// [`LossyCoat::base_albedo_through_coat`] agrees with random walks in the layers.
     ///
     /// The expected albedos come from another program with 40 million walks. Their standard error
     /// is below 0.0002.
     #[test]
     fn albedos_are_those_of_random_walks() {
         for (alpha, thickness, reflectance, expected) in WALKS {
-            let albedo = LossyCoat::new(1.5, alpha, thickness).base_albedo(reflectance);
+            let albedo = LossyCoat::new(1.5, alpha, thickness).base_albedo_through_coat(reflectance);
             assert!((albedo - expected).abs() < 0.001, "{alpha} {thickness} {reflectance}: {albedo} {expected}");
         }
     }
@@ -147,10 +154,10 @@ mod tests {
     #[test]
     fn smooth_clear_coats_change_no_reflectance() {
         for reflectance in [0.0, 0.2, 0.9, 1.0] {
-            let equivalent = LossyCoat::new(1.5, 0.0, 0.0).equivalent_reflectance(reflectance);
+            let equivalent = LossyCoat::new(1.5, 0.0, 0.0).equivalent_lossless_reflectance(reflectance);
             assert!((equivalent - reflectance).abs() < 2e-3, "{reflectance}: {equivalent}");
         }
         let lossy = LossyCoat::new(1.5, 0.4, 0.01);
-        assert!(lossy.equivalent_reflectance(1.0) < 0.97 && lossy.equivalent_reflectance(0.0) == 0.0);
+        assert!(lossy.equivalent_lossless_reflectance(1.0) < 0.97 && lossy.equivalent_lossless_reflectance(0.0) == 0.0);
     }
 }

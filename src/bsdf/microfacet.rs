@@ -21,9 +21,9 @@ pub(super) struct Ggx {
 pub(super) struct Microfacet {
     /// Normal distribution function D(m): area of the microfacets per surface area and per solid
     /// angle of normals \[1/sr].
-    pub density: f64,
+    pub normal_density: f64,
     /// Cosine between `wo` and the microfacet normal m.
-    pub cos: f64,
+    pub wo_dot_m: f64,
     /// Jacobian dω(m)/dω(wi): solid angle of microfacet normals over solid angle of `wi`.
     pub jacobian: f64,
 }
@@ -58,7 +58,7 @@ impl Ggx {
     /// Returns G₁(θ)/cosθ for the cosine `cos` of θ, where G₁ = 1/(1 + Λ) is Smith's masking
     /// function.
     #[inline]
-    fn masking_over_cos(self, cos: f64) -> f64 {
+    fn g1_over_cos(self, cos: f64) -> f64 {
         2.0 / (cos + self.smith_square_root(cos))
     }
 
@@ -67,7 +67,7 @@ impl Ggx {
     /// G₂ = 1/(1 + Λₒ + Λᵢ) is the height-correlated masking-shadowing function, with Smith's
     /// function Λ (Heitz 2014, section 5.3).
     #[inline]
-    pub(super) fn reflection_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
+    pub(super) fn reflection_g2_over_cosines(self, cos_o: f64, cos_i: f64) -> f64 {
         2.0 / (cos_i * self.smith_square_root(cos_o) + cos_o * self.smith_square_root(cos_i))
     }
 
@@ -77,8 +77,8 @@ impl Ggx {
     /// directions (Walter et al. 2007). Height correlation would transmit too much, because a
     /// microfacet that is high for one side is low for the other.
     #[inline]
-    pub(super) fn transmission_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
-        self.masking_over_cos(cos_o) * self.masking_over_cos(cos_i)
+    pub(super) fn transmission_g2_over_cosines(self, cos_o: f64, cos_i: f64) -> f64 {
+        self.g1_over_cos(cos_o) * self.g1_over_cos(cos_i)
     }
 
     /// Returns G₂/G₁(wo): the fraction of the microfacets visible from `wo` that are also visible
@@ -87,7 +87,7 @@ impl Ggx {
     /// `masking_shadowing` is G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function.
     #[inline]
     pub(super) fn unshadowed_microfacet_fraction(self, masking_shadowing: f64, cos_o: f64, cos_i: f64) -> f64 {
-        masking_shadowing * cos_i / self.masking_over_cos(cos_o)
+        masking_shadowing * cos_i / self.g1_over_cos(cos_o)
     }
 
     /// Returns the solid-angle pdf \[1/sr] of `wi`, if [`Ggx::sample_visible_normal`] samples the
@@ -96,7 +96,7 @@ impl Ggx {
     /// `facet` describes the microfacets that scatter `wi` to `wo`. `cos_o` is the cosine of `wo`.
     #[inline]
     pub(super) fn scattered_direction_pdf(self, facet: &Microfacet, cos_o: f64) -> f64 {
-        self.masking_over_cos(cos_o) * facet.cos * facet.density * facet.jacobian
+        self.g1_over_cos(cos_o) * facet.wo_dot_m * facet.normal_density * facet.jacobian
     }
 
     /// Samples the unit normal of a microfacet visible from `wo`, by `u` in \[0, 1)².
@@ -126,7 +126,7 @@ impl Ggx {
         let h = wo + wi;
         // wo · m is half the length of wo + wi.
         let cos = 0.5 * h.length();
-        Microfacet { density: self.microfacet_normal_density(h, n), cos, jacobian: 0.25 / cos }
+        Microfacet { normal_density: self.microfacet_normal_density(h, n), wo_dot_m: cos, jacobian: 0.25 / cos }
     }
 
     /// Returns the microfacets that refract `wi` to `wo`, and the cosine between −m and `wi`.
@@ -145,6 +145,9 @@ impl Ggx {
         let inverse = 1.0 / length2.sqrt();
         let cos_t = -i * inverse;
         let jacobian = eta * eta * cos_t / length2;
-        Some((Microfacet { density: self.microfacet_normal_density(h, n), cos: o * inverse, jacobian }, cos_t))
+        Some((
+            Microfacet { normal_density: self.microfacet_normal_density(h, n), wo_dot_m: o * inverse, jacobian },
+            cos_t,
+        ))
     }
 }

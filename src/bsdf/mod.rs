@@ -18,12 +18,12 @@ mod phong;
 mod rough_dielectric;
 mod thin;
 
-pub use adjoint::{photon_deposit_factor, shading_normal_correction};
+pub use adjoint::{deposit_shading_normal_correction, shading_normal_correction};
 pub use coat_albedo::MAX_COAT_INDEX;
 pub use coated_diffuse::{CoatedDiffuse, DielectricCoat};
 pub use conductor::Conductor;
 pub use dielectric::{Dielectric, DielectricSplit};
-pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance, refract};
+pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance_and_cosine, refract};
 pub use lossy_coat::LossyCoat;
 pub use metals::{METAL_NAMES, metal_refractive_index};
 pub use multiple_scattering::MicrofacetScattering;
@@ -37,13 +37,13 @@ use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
 /// GGX roughness α below which a surface counts as smooth.
-pub const SMOOTH_ALPHA: f32 = 1e-3;
+pub const MIN_ROUGH_ALPHA: f32 = 1e-3;
 
 /// GGX roughness α of a conductor or of a dielectric coat above which photons are stored on it.
 ///
 /// Photon estimates then include the light that it reflects. A smoother conductor or coat is a
 /// caster; [`Bsdf::select_layer`] splits such a coat from its base.
-pub const PHOTON_STORAGE_ALPHA: f32 = 0.3;
+pub const MIN_PHOTON_STORAGE_ALPHA: f32 = 0.3;
 
 /// Width of the refracted lobe \[radians] below which a rough dielectric counts as smooth.
 ///
@@ -144,9 +144,10 @@ pub enum Bsdf {
     ThinDielectric(ThinDielectric),
     /// A diffuse base under a dielectric coat.
     ///
-    /// Reflection on the coat is included only if the coat's α exceeds [`PHOTON_STORAGE_ALPHA`].
+    /// Reflection on the coat is included only if the coat's α exceeds
+    /// [`MIN_PHOTON_STORAGE_ALPHA`].
     CoatedDiffuse(CoatedDiffuse),
-    /// Reflection on a coat with α up to [`PHOTON_STORAGE_ALPHA`], which [`Bsdf::select_layer`]
+    /// Reflection on a coat with α up to [`MIN_PHOTON_STORAGE_ALPHA`], which [`Bsdf::select_layer`]
     /// selects.
     DielectricCoat(DielectricCoat),
 }
@@ -156,10 +157,10 @@ impl Bsdf {
     ///
     /// `eta` is the refractive index of the inside, relative to the outside. `scattering` says
     /// whether light scatters between microfacets. The interface is smooth if `alpha` is below
-    /// [`SMOOTH_ALPHA`], or if `eta` is so near to 1 that roughness has no effect.
+    /// [`MIN_ROUGH_ALPHA`], or if `eta` is so near to 1 that roughness has no effect.
     #[must_use]
     pub fn dielectric(eta: f32, alpha: f32, scattering: MicrofacetScattering) -> Self {
-        if alpha < SMOOTH_ALPHA || alpha * (eta - 1.0).abs() < MIN_LOBE_WIDTH {
+        if alpha < MIN_ROUGH_ALPHA || alpha * (eta - 1.0).abs() < MIN_LOBE_WIDTH {
             Self::Dielectric(Dielectric { eta })
         } else {
             Self::RoughDielectric(RoughDielectric::new(eta, alpha, scattering))
@@ -200,7 +201,7 @@ impl Bsdf {
     /// True if the BSDF is Lambertian, or has a Lambertian base under a coat.
     #[inline]
     #[must_use]
-    pub fn is_diffuse(&self) -> bool {
+    pub fn is_diffuse_or_coated(&self) -> bool {
         match self {
             Self::Diffuse(_) | Self::CoatedDiffuse(_) => true,
             Self::Black
@@ -218,8 +219,8 @@ impl Bsdf {
     /// base.
     ///
     /// The probabilities depend on `wo` and the shading normal `ns`. The selected BSDF is divided
-    /// by its probability. A coat with α above [`PHOTON_STORAGE_ALPHA`] is not split from its base:
-    /// that BSDF, like any other, is returned whole.
+    /// by its probability. A coat with α above [`MIN_PHOTON_STORAGE_ALPHA`] is not split from its
+    /// base: that BSDF, like any other, is returned whole.
     #[inline]
     #[must_use]
     pub fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Self {
@@ -238,7 +239,7 @@ impl Bsdf {
     }
 
     /// Returns the coat as a BSDF of its own, if [`Bsdf::select_layer`] chooses between coat and
-    /// base here (coat α up to [`PHOTON_STORAGE_ALPHA`]); else `None`.
+    /// base here (coat α up to [`MIN_PHOTON_STORAGE_ALPHA`]); else `None`.
     ///
     /// Unlike the coat that `select_layer` returns, it is not divided by the probability of that
     /// choice.
@@ -337,7 +338,7 @@ impl Bsdf {
     /// True if photons are stored on the surface. Density estimates then evaluate this BSDF.
     ///
     /// Diffuse, coated and Phong BSDFs store photons, and so do conductors rougher than
-    /// [`PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons fall into the lobe, so
+    /// [`MIN_PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons fall into the lobe, so
     /// sampling the BSDF has less noise. Dielectrics store none, because an estimate would blur the
     /// objects behind them.
     #[inline]
@@ -345,7 +346,7 @@ impl Bsdf {
     pub fn stores_photons(&self) -> bool {
         match self {
             Self::Diffuse(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => true,
-            Self::Conductor(conductor) => conductor.alpha() > PHOTON_STORAGE_ALPHA,
+            Self::Conductor(conductor) => conductor.alpha() > MIN_PHOTON_STORAGE_ALPHA,
             Self::Black
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -358,7 +359,7 @@ impl Bsdf {
     /// True if the surface is a caustic caster: it scatters light, but stores no photons.
     ///
     /// Casters are mirrors, thin sheets, dielectrics of any roughness, and conductors and coats of
-    /// roughness α up to [`PHOTON_STORAGE_ALPHA`].
+    /// roughness α up to [`MIN_PHOTON_STORAGE_ALPHA`].
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {

@@ -1,8 +1,10 @@
 //! Rough dielectric interfaces with GGX microfacets.
 
-use super::fresnel::{fresnel_reflectance, fresnel_transmittance};
+use super::fresnel::{fresnel_reflectance_and_cosine, fresnel_transmittance};
 use super::microfacet::{Ggx, Microfacet};
-use super::multiple_scattering::{MultipleRefraction, lost_direction_pdf, sample_lost_direction};
+use super::multiple_scattering::{
+    MultipleDielectricScattering, multiple_scattering_direction_pdf, sample_multiple_scattering_direction,
+};
 use super::{BsdfSample, MicrofacetScattering, TransportMode};
 use crate::color::Rgb;
 use glam::{DVec3, Vec2, Vec3};
@@ -27,21 +29,21 @@ pub struct RoughDielectric {
 struct FacetScattering {
     facet: Microfacet,
     /// Fresnel reflectance or transmittance.
-    fresnel: f64,
+    fresnel_factor: f64,
     /// G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function.
-    masking_shadowing: f64,
+    g2_over_cosines: f64,
 }
 
 impl RoughDielectric {
     /// Creates an interface with relative index `eta`, inside over outside, and roughness `alpha`.
     ///
-    /// `eta` is not 1, and `alpha` is at least [`super::SMOOTH_ALPHA`].
+    /// `eta` is not 1, and `alpha` is at least [`super::MIN_ROUGH_ALPHA`].
     #[inline]
     pub(super) fn new(eta: f32, alpha: f32, scattering: MicrofacetScattering) -> Self {
         Self { eta, alpha, scattering }
     }
 
-    /// GGX roughness α, at least [`super::SMOOTH_ALPHA`].
+    /// GGX roughness α, at least [`super::MIN_ROUGH_ALPHA`].
     #[inline]
     pub(super) fn alpha(&self) -> f32 {
         self.alpha
@@ -66,14 +68,22 @@ impl RoughDielectric {
         let (cos_o, cos_i) = (o.dot(n), i.dot(n));
         Some(if cos_i > 0.0 {
             let facet = ggx.reflecting_facet(o, i, n);
-            let fresnel = fresnel_reflectance(facet.cos, eta).0;
-            FacetScattering { facet, fresnel, masking_shadowing: ggx.reflection_masking_shadowing(cos_o, cos_i) }
+            let fresnel = fresnel_reflectance_and_cosine(facet.wo_dot_m, eta).0;
+            FacetScattering {
+                facet,
+                fresnel_factor: fresnel,
+                g2_over_cosines: ggx.reflection_g2_over_cosines(cos_o, cos_i),
+            }
         } else {
             let (facet, cos_t) = ggx.refracting_facet(o, i, n, eta)?;
             // Computed from both cosines, so that f(wo, wi) and f(wi, wo) agree even if one
             // direction grazes.
-            let fresnel = fresnel_transmittance(facet.cos, cos_t, eta);
-            FacetScattering { facet, fresnel, masking_shadowing: ggx.transmission_masking_shadowing(cos_o, -cos_i) }
+            let fresnel = fresnel_transmittance(facet.wo_dot_m, cos_t, eta);
+            FacetScattering {
+                facet,
+                fresnel_factor: fresnel,
+                g2_over_cosines: ggx.transmission_g2_over_cosines(cos_o, -cos_i),
+            }
         })
     }
 
@@ -82,10 +92,10 @@ impl RoughDielectric {
     ///
     /// `eta` is the refractive index of the far side, relative to the side of `wo`.
     #[inline]
-    fn multiple_refraction(&self, eta: f64, cos_o: f64) -> Option<MultipleRefraction> {
+    fn multiple_scattering(&self, eta: f64, cos_o: f64) -> Option<MultipleDielectricScattering> {
         match self.scattering {
             MicrofacetScattering::Single => None,
-            MicrofacetScattering::Multiple => Some(MultipleRefraction::new(eta, self.alpha, cos_o)),
+            MicrofacetScattering::Multiple => Some(MultipleDielectricScattering::new(eta, self.alpha, cos_o)),
         }
     }
 
@@ -98,12 +108,12 @@ impl RoughDielectric {
         let (eta, o, i, n) = (self.far_over_near_index(wo, ng), wo.as_dvec3(), wi.as_dvec3(), n.as_dvec3());
         let is_transmitted = i.dot(n) < 0.0;
         let single = self.facet_scattering(o, i, n, eta).map_or(0.0, |scattering| {
-            let FacetScattering { facet, fresnel, masking_shadowing } = scattering;
-            fresnel * facet.density * facet.cos * facet.jacobian * masking_shadowing
+            let FacetScattering { facet, fresnel_factor: fresnel, g2_over_cosines: masking_shadowing } = scattering;
+            fresnel * facet.normal_density * facet.wo_dot_m * facet.jacobian * masking_shadowing
                 / transmitted_radiance_divisor(eta, is_transmitted, transport)
         });
         let multiple = self
-            .multiple_refraction(eta, o.dot(n))
+            .multiple_scattering(eta, o.dot(n))
             .map_or(0.0, |multiple| multiple.evaluate(i.dot(n).abs(), is_transmitted, transport));
         Rgb::splat((single + multiple) as f32)
     }
@@ -117,10 +127,10 @@ impl RoughDielectric {
         let (cos_o, cos_i) = (o.dot(n), i.dot(n));
         let single = self
             .facet_scattering(o, i, n, eta)
-            .map_or(0.0, |m| m.fresnel * Ggx::new(self.alpha).scattered_direction_pdf(&m.facet, cos_o));
-        let pdf = self.multiple_refraction(eta, cos_o).map_or(single, |multiple| {
-            let part = multiple.lost * multiple.leaving_fraction(cos_i < 0.0);
-            (1.0 - multiple.lost) * single + part * lost_direction_pdf(self.alpha, cos_i.abs())
+            .map_or(0.0, |m| m.fresnel_factor * Ggx::new(self.alpha).scattered_direction_pdf(&m.facet, cos_o));
+        let pdf = self.multiple_scattering(eta, cos_o).map_or(single, |multiple| {
+            let part = multiple.lost_fraction * multiple.leaving_fraction(cos_i < 0.0);
+            (1.0 - multiple.lost_fraction) * single + part * multiple_scattering_direction_pdf(self.alpha, cos_i.abs())
         });
         pdf as f32
     }
@@ -143,17 +153,20 @@ impl RoughDielectric {
         transport: TransportMode,
     ) -> Option<BsdfSample> {
         let (ggx, o, eta) = (Ggx::new(self.alpha), wo.as_dvec3(), self.far_over_near_index(wo, ng));
-        let multiple = self.multiple_refraction(eta, o.dot(n.as_dvec3()));
-        let (lost, lobe) = (multiple.map_or(0.0, |multiple| multiple.lost), f64::from(lobe));
+        let multiple = self.multiple_scattering(eta, o.dot(n.as_dvec3()));
+        let (lost, lobe) = (multiple.map_or(0.0, |multiple| multiple.lost_fraction), f64::from(lobe));
         let (wi, is_transmitted) = match multiple {
             Some(multiple) if lobe < lost => {
                 let is_transmitted = lobe < lost * multiple.leaving_fraction(true);
-                (sample_lost_direction(self.alpha, if is_transmitted { -n } else { n }, u), is_transmitted)
+                (
+                    sample_multiple_scattering_direction(self.alpha, if is_transmitted { -n } else { n }, u),
+                    is_transmitted,
+                )
             }
             Some(_) | None => {
                 let m = ggx.sample_visible_normal(o, n, u);
                 let cos = o.dot(m);
-                let (reflectance, cos_t) = fresnel_reflectance(cos, eta);
+                let (reflectance, cos_t) = fresnel_reflectance_and_cosine(cos, eta);
                 let is_transmitted = lobe - lost >= reflectance * (1.0 - lost);
                 let wi = if is_transmitted { m * (cos / eta - cos_t) - o / eta } else { m * (2.0 * cos) - o };
                 (wi.normalize().as_vec3(), is_transmitted)
@@ -170,7 +183,8 @@ impl RoughDielectric {
             let pdf = self.pdf(wo, wi, n, ng);
             (pdf, self.evaluate(wo, wi, n, ng, transport) * (cos_i.abs() as f32 / pdf))
         } else {
-            let FacetScattering { facet, fresnel, masking_shadowing } = self.facet_scattering(o, i, shading, eta)?;
+            let FacetScattering { facet, fresnel_factor: fresnel, g2_over_cosines: masking_shadowing } =
+                self.facet_scattering(o, i, shading, eta)?;
             let unshadowed = ggx.unshadowed_microfacet_fraction(masking_shadowing, cos_o, cos_i.abs());
             let divisor = transmitted_radiance_divisor(eta, is_transmitted, transport);
             ((fresnel * ggx.scattered_direction_pdf(&facet, cos_o)) as f32, Rgb::splat((unshadowed / divisor) as f32))

@@ -1,6 +1,6 @@
 //! Thin sheets, which transmit light without displacement.
 
-use super::fresnel::{fresnel_reflectance, fresnel_transmittance};
+use super::fresnel::{fresnel_reflectance_and_cosine, fresnel_transmittance};
 use super::{BsdfSample, dielectric};
 use crate::color::{self, Rgb};
 use glam::Vec3;
@@ -15,7 +15,7 @@ pub struct ThinDielectric {
     pub eta: f32,
     /// Internal transmittance of the sheet along its normal, in \[0, 1]. Fresnel reflection is not
     /// included.
-    pub transmittance: Rgb,
+    pub internal_transmittance: Rgb,
 }
 
 impl ThinDielectric {
@@ -28,14 +28,14 @@ impl ThinDielectric {
     #[must_use]
     pub fn reflectance_and_transmittance(&self, cos: f32) -> (Rgb, Rgb) {
         let (cos, eta) = (f64::from(cos.clamp(0.0, 1.0)), f64::from(self.eta));
-        let (r, cos_t) = fresnel_reflectance(cos, eta);
+        let (r, cos_t) = fresnel_reflectance_and_cosine(cos, eta);
         let t = if cos_t > 0.0 { fresnel_transmittance(cos, cos_t, eta) as f32 } else { 0.0 };
         if t <= 0.0 {
             return (Rgb::ONE, Rgb::ZERO);
         }
         let (r, length) = (r as f32, (1.0 / cos_t) as f32);
-        let clear = self.transmittance == Rgb::ONE;
-        let kept = if clear { Rgb::ONE } else { self.transmittance.map(|t| libm::powf(t, length)) };
+        let clear = self.internal_transmittance == Rgb::ONE;
+        let kept = if clear { Rgb::ONE } else { self.internal_transmittance.map(|t| libm::powf(t, length)) };
         // `rest` is 1 − R²τ², as a product that does not cancel if nearly all light is reflected.
         let rest = (Rgb::ONE - kept + kept * t) * (Rgb::ONE + kept * r);
         let through = kept * (t * t) / rest;

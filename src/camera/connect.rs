@@ -11,10 +11,10 @@ pub struct CameraConnection {
     /// Film position \[pixels from the top left]; may lie outside the film.
     pub film_position: Vec2,
     /// Origin of the camera ray through the scene point.
-    pub origin: Vec3,
-    /// Unit direction from the scene point to `origin`.
-    pub direction: Vec3,
-    /// Film area per scene area at the point, measured perpendicular to `direction`
+    pub ray_origin: Vec3,
+    /// Unit direction from the scene point to `ray_origin`.
+    pub direction_to_camera: Vec3,
+    /// Film area per scene area at the point, measured perpendicular to `direction_to_camera`
     /// \[pixels²/length²].
     pub importance: f32,
 }
@@ -34,7 +34,7 @@ impl Camera {
                 let (offset, focus) = match (thin, lens) {
                     (Some(thin), Some(u)) => {
                         let on_lens = thin.sample(u) / self.pixel_size;
-                        (self.right * on_lens.x + self.up * on_lens.y, thin.focus)
+                        (self.pixel_right * on_lens.x + self.pixel_up * on_lens.y, thin.focus_distance)
                     }
                     _ => (DVec3::ZERO, 1.0),
                 };
@@ -48,7 +48,7 @@ impl Camera {
                 // A pixel spans the solid angle pixel_size²·cos³θ, where cos θ is depth over
                 // distance.
                 let importance = distance / (self.pixel_size * self.pixel_size * depth * depth * depth);
-                self.camera_connection_to_point(
+                self.connection_from_ray_origin(
                     self.film_offset_from_center(in_focus / focus),
                     self.center + offset,
                     p,
@@ -62,7 +62,7 @@ impl Camera {
                     return None;
                 }
                 let importance = 1.0 / (self.pixel_size * self.pixel_size);
-                self.camera_connection_to_point(
+                self.connection_from_ray_origin(
                     self.film_offset_from_center(to_point),
                     p - self.forward * depth,
                     p,
@@ -73,14 +73,14 @@ impl Camera {
                 let to_point = p - self.center;
                 let distance = to_point.length();
                 let (right, up, forward) =
-                    (to_point.dot(self.right), to_point.dot(self.up), to_point.dot(self.forward));
+                    (to_point.dot(self.pixel_right), to_point.dot(self.pixel_up), to_point.dot(self.forward));
                 let level = right.hypot(forward);
                 let (width, height) = (f64::from(self.width), f64::from(self.height));
                 let offset =
                     DVec2::new(libm::atan2(right, forward) * width / TAU, libm::atan2(up, level) * height / PI);
                 // A pixel spans the solid angle (2π/width)·(π/height)·cos(latitude).
                 let importance = width * height / (TAU * PI * distance * level);
-                self.camera_connection_to_point(offset, self.center, p, importance)
+                self.connection_from_ray_origin(offset, self.center, p, importance)
             }
         }
     }
@@ -119,14 +119,14 @@ impl Camera {
     /// `v` leads from the camera center to a point of the ray: for a perspective camera to the
     /// point at depth 1, for an orthographic camera to any point.
     fn film_offset_from_center(&self, v: DVec3) -> DVec2 {
-        DVec2::new(v.dot(self.right), v.dot(self.up)) / (self.pixel_size * self.pixel_size)
+        DVec2::new(v.dot(self.pixel_right), v.dot(self.pixel_up)) / (self.pixel_size * self.pixel_size)
     }
 
     /// Makes the connection of `p` to the camera ray that starts at `origin`; `None` if the points
     /// coincide or a number is not finite.
     ///
     /// `offset` is the film position relative to the film's center \[pixels right and up].
-    fn camera_connection_to_point(
+    fn connection_from_ray_origin(
         &self,
         offset: DVec2,
         origin: DVec3,
@@ -137,8 +137,8 @@ impl Camera {
         let direction = (origin - p).try_normalize()?;
         let connection = CameraConnection {
             film_position: film_position.as_vec2(),
-            origin: origin.as_vec3(),
-            direction: direction.as_vec3(),
+            ray_origin: origin.as_vec3(),
+            direction_to_camera: direction.as_vec3(),
             importance: importance as f32,
         };
         (connection.film_position.is_finite() && connection.importance.is_finite()).then_some(connection)

@@ -56,7 +56,7 @@ impl FilterKind {
     /// Unnormalized filter value at distance `x` from the pixel center along one axis \[pixels].
     /// `x` must be within the radius.
     #[must_use]
-    pub fn unnormalized_value(self, x: f64) -> f64 {
+    pub fn unnormalized_axis_value(self, x: f64) -> f64 {
         match self {
             Self::Box => 1.0,
             Self::Tent => 1.0 - x.abs(),
@@ -79,10 +79,11 @@ impl FilterKind {
 }
 
 /// Number of intervals of the table [`Filter::quantiles`].
-const CELLS: usize = 1024;
+const QUANTILE_CELL_COUNT: usize = 1024;
 
-/// Number of intervals of the table [`Filter::normalized_values`], from the center to the radius.
-const VALUE_CELLS: usize = 256;
+/// Number of intervals of the table [`Filter::normalized_axis_values`], from the center to the
+/// radius.
+const VALUE_CELL_COUNT: usize = 256;
 
 /// A separable reconstruction filter, with tables for importance sampling and for evaluation.
 #[derive(Clone, Debug)]
@@ -90,17 +91,17 @@ pub struct Filter {
     /// Inverse CDF of sample offsets along one axis \[pixels], at equal steps of u in \[0, 1].
     ///
     /// The pdf of the offsets is proportional to the absolute filter value.
-    quantiles: [f32; CELLS + 1],
+    quantiles: [f32; QUANTILE_CELL_COUNT + 1],
     /// Offset \[pixels] beyond which the filter is negative; infinite for a non-negative filter.
     negative_beyond: f32,
     /// Integral of the absolute filter value along one axis, divided by the integral of the filter
     /// value.
-    absolute_over_signed: f32,
+    absolute_over_signed_integral: f32,
     /// Distance from the pixel center beyond which the filter vanishes, along each axis \[pixels].
     radius: f32,
-    /// Results of [`Filter::normalized_value`] at equal steps from the center to the radius
+    /// Results of [`Filter::normalized_axis_value`] at equal steps from the center to the radius
     /// \[1/pixel].
-    normalized_values: [f32; VALUE_CELLS + 1],
+    normalized_axis_values: [f32; VALUE_CELL_COUNT + 1],
 }
 
 /// A sampled offset from the pixel center, with its weight.
@@ -124,7 +125,7 @@ impl Filter {
         let (mut signed, mut negative_beyond) = (0.0, f64::INFINITY);
         for i in 0..STEPS {
             let center = 0.5 * (at(i) + at(i + 1));
-            let weight = kind.unnormalized_value(center);
+            let weight = kind.unnormalized_axis_value(center);
             signed += weight;
             cumulative[i + 1] = cumulative[i] + weight.abs();
             // All filters are positive in the middle and change sign at most once on each side.
@@ -135,7 +136,7 @@ impl Filter {
         let total = cumulative[STEPS];
         let absolute_over_signed = if negative_beyond.is_finite() { (total / signed) as f32 } else { 1.0 };
         let quantiles = std::array::from_fn(|q| {
-            let target = total * q as f64 / CELLS as f64;
+            let target = total * q as f64 / QUANTILE_CELL_COUNT as f64;
             let i = cumulative.partition_point(|c| *c < target).clamp(1, STEPS);
             let (lo, hi) = (cumulative[i - 1], cumulative[i]);
             let part = if hi > lo { (target - lo) / (hi - lo) } else { 0.0 };
@@ -143,13 +144,13 @@ impl Filter {
         });
         let integral = signed * 2.0 * radius / STEPS as f64;
         let normalized_value =
-            |i: usize| (kind.unnormalized_value(radius * i as f64 / VALUE_CELLS as f64) / integral) as f32;
+            |i: usize| (kind.unnormalized_axis_value(radius * i as f64 / VALUE_CELL_COUNT as f64) / integral) as f32;
         Self {
             quantiles,
             negative_beyond: negative_beyond as f32,
-            absolute_over_signed,
+            absolute_over_signed_integral: absolute_over_signed,
             radius: radius as f32,
-            normalized_values: std::array::from_fn(normalized_value),
+            normalized_axis_values: std::array::from_fn(normalized_value),
         }
     }
 
@@ -164,14 +165,14 @@ impl Filter {
     /// integral 1. It may be negative.
     #[inline]
     #[must_use]
-    pub fn normalized_value(&self, x: f32) -> f32 {
+    pub fn normalized_axis_value(&self, x: f32) -> f32 {
         let x = x.abs();
         if x >= self.radius {
             return 0.0;
         }
-        let x = x / self.radius * VALUE_CELLS as f32;
-        let i = (x as usize).min(VALUE_CELLS - 1);
-        let (lo, hi) = (self.normalized_values[i], self.normalized_values[i + 1]);
+        let x = x / self.radius * VALUE_CELL_COUNT as f32;
+        let i = (x as usize).min(VALUE_CELL_COUNT - 1);
+        let (lo, hi) = (self.normalized_axis_values[i], self.normalized_axis_values[i + 1]);
         lo + (hi - lo) * (x - i as f32)
     }
 
@@ -185,40 +186,44 @@ impl Filter {
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> FilterSample {
-        let offset = Vec2::new(self.sample_filter_offset(u.x), self.sample_filter_offset(u.y));
+        let offset = Vec2::new(self.sample_axis_offset(u.x), self.sample_axis_offset(u.y));
         FilterSample { offset, weight: self.sample_weight(offset) }
     }
 
     /// Pdf \[1/pixel²] with which [`Filter::sample`] samples `offset`.
     #[must_use]
     pub fn sample_pdf(&self, offset: Vec2) -> f32 {
-        self.offset_pdf(offset.x) * self.offset_pdf(offset.y)
+        self.axis_offset_pdf(offset.x) * self.axis_offset_pdf(offset.y)
     }
 
     /// Weight that [`Filter::sample`] returns with `offset`.
     #[must_use]
     pub fn sample_weight(&self, offset: Vec2) -> f32 {
         let sign = |x: f32| {
-            if x.abs() < self.negative_beyond { self.absolute_over_signed } else { -self.absolute_over_signed }
+            if x.abs() < self.negative_beyond {
+                self.absolute_over_signed_integral
+            } else {
+                -self.absolute_over_signed_integral
+            }
         };
         if self.has_negative_values() { sign(offset.x) * sign(offset.y) } else { 1.0 }
     }
 
     /// Pdf \[1/pixel] of the sampled offset `x` along one axis: that of the table of quantiles, so
     /// it is constant between two of them.
-    fn offset_pdf(&self, x: f32) -> f32 {
+    fn axis_offset_pdf(&self, x: f32) -> f32 {
         let above = self.quantiles.partition_point(|quantile| *quantile <= x);
-        if above == 0 || above > CELLS {
+        if above == 0 || above > QUANTILE_CELL_COUNT {
             return 0.0;
         }
-        1.0 / (CELLS as f32 * (self.quantiles[above] - self.quantiles[above - 1]))
+        1.0 / (QUANTILE_CELL_COUNT as f32 * (self.quantiles[above] - self.quantiles[above - 1]))
     }
 
     /// Samples an offset along one axis \[pixels] by `u` in \[0, 1).
     #[inline]
-    fn sample_filter_offset(&self, u: f32) -> f32 {
-        let x = u * CELLS as f32;
-        let i = (x as usize).min(CELLS - 1);
+    fn sample_axis_offset(&self, u: f32) -> f32 {
+        let x = u * QUANTILE_CELL_COUNT as f32;
+        let i = (x as usize).min(QUANTILE_CELL_COUNT - 1);
         let (lo, hi) = (self.quantiles[i], self.quantiles[i + 1]);
         lo + (hi - lo) * (x - i as f32)
     }

@@ -11,7 +11,7 @@ pub struct Lens {
     /// Radius of the aperture \[length].
     pub radius: f64,
     /// Distance from the lens to the focal plane, along the viewing direction \[length].
-    pub focus: f64,
+    pub focus_distance: f64,
     /// Number of edges of the aperture, a regular polygon; below 3, the aperture is a disc.
     /// `radius` is the distance of the corners from the center.
     pub blades: u32,
@@ -60,7 +60,7 @@ mod tests {
     fn aperture_samples_are_uniform_by_area() {
         let n = 1 << 16;
         for blades in [0u32, 3, 5, 6, 8] {
-            let lens = Lens { radius: 2.0, focus: 1.0, blades };
+            let lens = Lens { radius: 2.0, focus_distance: 1.0, blades };
             let key = Key::new(2).purpose_key(Purpose::Test);
             let points: Vec<_> = (0..n).map(|i| lens.sample(sobol_2d(i, key, Dimension::Lens)) / 2.0).collect();
             let expected =

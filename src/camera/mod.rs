@@ -19,9 +19,9 @@ pub struct Camera {
     center: DVec3,
     forward: DVec3,
     /// Vector to the right in the image, of length `pixel_size`.
-    right: DVec3,
+    pixel_right: DVec3,
     /// Vector to the top in the image, of length `pixel_size`.
-    up: DVec3,
+    pixel_up: DVec3,
     /// Width of a pixel \[length]. For a perspective camera, it is measured in the plane at
     /// distance 1; for an orthographic camera, in the image plane. It is 1 for a panorama.
     pixel_size: f64,
@@ -117,7 +117,16 @@ impl Camera {
         }
         let right = right.normalize();
         let up = right.cross(forward) * pixel_size;
-        Ok(Self { center, forward, right: right * pixel_size, up, pixel_size, projection, width, height })
+        Ok(Self {
+            center,
+            forward,
+            pixel_right: right * pixel_size,
+            pixel_up: up,
+            pixel_size,
+            projection,
+            width,
+            height,
+        })
     }
 
     /// Returns a copy of the camera with the lens `lens`; a lens of radius 0 is a pinhole.
@@ -165,7 +174,7 @@ impl Camera {
     /// distance along the ray.
     #[inline]
     #[must_use]
-    pub fn pixel_footprint(&self) -> (f32, f32) {
+    pub fn pixel_footprint_and_growth(&self) -> (f32, f32) {
         let size = self.pixel_size as f32;
         match self.projection {
             CameraProjection::Perspective(_) => (0.0, size),
@@ -189,7 +198,7 @@ impl Camera {
     pub fn stereo_pair(&self, distance: f64) -> Option<[Self; 2]> {
         match self.projection {
             CameraProjection::Perspective(_) => {
-                let to_right = self.right.normalize() * (0.5 * distance);
+                let to_right = self.pixel_right.normalize() * (0.5 * distance);
                 Some([self.translated(-to_right), self.translated(to_right)])
             }
             CameraProjection::Orthographic | CameraProjection::Panorama => None,
@@ -199,12 +208,12 @@ impl Camera {
     /// Copy of the camera, moved by the rigid transform `map`.
     #[must_use]
     pub fn transformed(self, map: &Transform) -> Self {
-        let Self { center, forward, right, up, .. } = self;
+        let Self { center, forward, pixel_right: right, pixel_up: up, .. } = self;
         Self {
             center: map.transform_point(center),
             forward: map.transform_vector(forward),
-            right: map.transform_vector(right),
-            up: map.transform_vector(up),
+            pixel_right: map.transform_vector(right),
+            pixel_up: map.transform_vector(up),
             ..self
         }
     }
@@ -224,8 +233,8 @@ impl Camera {
     }
 
     fn with_scaled_pixels(self, ratio: f64, (width, height): (u32, u32)) -> Self {
-        let Self { right, up, pixel_size, .. } = self;
-        Self { right: right * ratio, up: up * ratio, pixel_size: pixel_size * ratio, width, height, ..self }
+        let Self { pixel_right: right, pixel_up: up, pixel_size, .. } = self;
+        Self { pixel_right: right * ratio, pixel_up: up * ratio, pixel_size: pixel_size * ratio, width, height, ..self }
     }
 
     /// Unit vector of the viewing direction, in world space.
@@ -241,18 +250,18 @@ impl Camera {
     /// distance of a lens and the size of an orthographic image.
     #[must_use]
     pub fn orbited(self, pivot: DVec3, axis: DVec3, yaw: f64, pitch: f64, distance: f64) -> Self {
-        let right = rotated_vector(self.right.normalize(), axis, yaw);
+        let right = rotated_vector(self.pixel_right.normalize(), axis, yaw);
         let turned = |v: DVec3| rotated_vector(rotated_vector(v, axis, yaw), right, pitch);
         let moved = Self {
             center: pivot + turned(self.center - pivot) * distance,
             forward: turned(self.forward),
-            right: turned(self.right),
-            up: turned(self.up),
+            pixel_right: turned(self.pixel_right),
+            pixel_up: turned(self.pixel_up),
             ..self
         };
         match self.projection {
             CameraProjection::Perspective(lens) => {
-                let lens = lens.map(|lens| Lens { focus: lens.focus * distance, ..lens });
+                let lens = lens.map(|lens| Lens { focus_distance: lens.focus_distance * distance, ..lens });
                 Self { projection: CameraProjection::Perspective(lens), ..moved }
             }
             CameraProjection::Orthographic => moved.with_scaled_pixels(distance, self.size()),
@@ -273,18 +282,18 @@ impl Camera {
         let (x, y) = self.centered_coordinates(p);
         match self.projection {
             CameraProjection::Perspective(_) => {
-                let direction = (self.right * x + self.up * y + self.forward).normalize();
+                let direction = (self.pixel_right * x + self.pixel_up * y + self.forward).normalize();
                 Ray::new(self.center.as_vec3(), direction.as_vec3())
             }
             CameraProjection::Orthographic => {
-                let origin = self.center + self.right * x + self.up * y;
+                let origin = self.center + self.pixel_right * x + self.pixel_up * y;
                 Ray::new(origin.as_vec3(), self.forward.as_vec3())
             }
             CameraProjection::Panorama => {
                 let (sin_longitude, cos_longitude) = libm::sincos(std::f64::consts::TAU * x / f64::from(self.width));
                 let (sin_latitude, cos_latitude) = libm::sincos(std::f64::consts::PI * y / f64::from(self.height));
-                let level = self.right * sin_longitude + self.forward * cos_longitude;
-                let direction = (level * cos_latitude + self.up * sin_latitude).normalize();
+                let level = self.pixel_right * sin_longitude + self.forward * cos_longitude;
+                let direction = (level * cos_latitude + self.pixel_up * sin_latitude).normalize();
                 Ray::new(self.center.as_vec3(), direction.as_vec3())
             }
         }
@@ -300,10 +309,10 @@ impl Camera {
         let CameraProjection::Perspective(Some(thin)) = self.projection else { return self.generate_ray(p, None) };
         let (x, y) = self.centered_coordinates(p);
         let on_lens = on_lens / self.pixel_size;
-        let offset = self.right * on_lens.x + self.up * on_lens.y;
+        let offset = self.pixel_right * on_lens.x + self.pixel_up * on_lens.y;
         // Vectors are relative to the camera center. In world coordinates, a small aperture with
         // near focus would lose its digits.
-        let in_focus = (self.right * x + self.up * y + self.forward) * thin.focus;
+        let in_focus = (self.pixel_right * x + self.pixel_up * y + self.forward) * thin.focus_distance;
         Ray::new((self.center + offset).as_vec3(), (in_focus - offset).normalize().as_vec3())
     }
 

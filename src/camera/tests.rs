@@ -58,7 +58,7 @@ fn panorama_covers_all_directions() {
 
 #[test]
 fn lens_rays_converge_in_the_focal_plane() {
-    let lens = Lens { radius: 0.3, focus: 4.0, blades: 0 };
+    let lens = Lens { radius: 0.3, focus_distance: 4.0, blades: 0 };
     let (open, shut) =
         (wide_angle_camera().with_lens(lens), wide_angle_camera().with_lens(Lens { radius: 0.0, ..lens }));
     for p in [Vec2::new(200.0, 100.0), Vec2::new(17.0, 3.0)] {
@@ -85,7 +85,7 @@ fn moved_camera_starts_rays_at_its_new_position() {
 
 #[test]
 fn smaller_pictures_show_the_same_view() {
-    let camera = wide_angle_camera().with_lens(Lens { radius: 0.3, focus: 4.0, blades: 0 });
+    let camera = wide_angle_camera().with_lens(Lens { radius: 0.3, focus_distance: 4.0, blades: 0 });
     let panorama = Camera::panorama(DVec3::X, DVec3::NEG_Z, DVec3::Y, 400, 200).unwrap();
     let parallel = Camera::orthographic(DVec3::X, DVec3::NEG_Z, DVec3::Y, 3.0, 400, 200).unwrap();
     for camera in [camera, panorama, parallel] {
@@ -100,9 +100,9 @@ fn smaller_pictures_show_the_same_view() {
 
 #[test]
 fn orbits_scale_focus_and_parallel_pictures() {
-    let focused = wide_angle_camera().with_lens(Lens { radius: 0.3, focus: 4.0, blades: 0 });
+    let focused = wide_angle_camera().with_lens(Lens { radius: 0.3, focus_distance: 4.0, blades: 0 });
     let moved = focused.orbited(DVec3::NEG_Z * 4.0, DVec3::Y, 1.0, 0.0, 2.0);
-    assert_eq!(moved.lens().unwrap().focus, 8.0);
+    assert_eq!(moved.lens().unwrap().focus_distance, 8.0);
     assert!((moved.center() - (moved.forward() * -8.0 + DVec3::NEG_Z * 4.0)).length() < 1e-12);
     let parallel = Camera::orthographic(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 3.0, 300, 300).unwrap();
     let wider = parallel.orbited(DVec3::NEG_Z, DVec3::Y, 0.0, 0.0, 2.0);

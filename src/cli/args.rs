@@ -2,13 +2,13 @@
 
 #[cfg(feature = "view")]
 use super::ViewArguments;
-use super::number::{
-    parse_alpha, parse_bytes, parse_confidence, parse_count, parse_duration, parse_exposure_stops, parse_gather_count,
-    parse_length, parse_picture_size, parse_positive_count, parse_radiance_limit, parse_relative_error, parse_seed,
-    parse_seed_count, parse_threads,
-};
 use super::pictures::PictureArguments;
 use super::shard::Shard;
+use super::value_parsers::{
+    parse_alpha, parse_bytes, parse_confidence, parse_count, parse_duration, parse_exposure_stops, parse_gather_count,
+    parse_picture_size, parse_positive_count, parse_positive_length, parse_radiance_limit, parse_relative_error,
+    parse_seed, parse_seed_count, parse_threads,
+};
 use super::{ConvertArguments, DiffArguments, FarmArguments, FilmArguments, FrameRange, MergeArguments, MeshArguments};
 use crate::camera::{CropWindow, FilterKind};
 use crate::format::{IMPORTERS, ImportOptions, SCENE_TEXT_EXTENSIONS};
@@ -27,14 +27,14 @@ use std::time::Duration;
 
 /// Photon-mapping renderer that estimates the error of its pictures.
 #[derive(Debug, Parser)]
-#[command(name = "caustica", version, about, after_help = EXIT_CODES)]
+#[command(name = "caustica", version, about, after_help = EXIT_CODES_HELP)]
 pub struct Arguments {
     /// The command to run.
     #[command(subcommand)]
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "\
+const EXIT_CODES_HELP: &str = "\
 Exit codes:
   0    success
   1    a scene, mesh or picture is missing or wrong
@@ -111,7 +111,7 @@ pub struct MethodArguments {
     pub gather_k: Option<u32>,
 
     /// Largest gather radius of the first pass, in scene units  [default: chosen by a pilot pass]
-    #[arg(long, value_parser = parse_length, value_name = "R")]
+    #[arg(long, value_parser = parse_positive_length, value_name = "R")]
     pub radius: Option<f32>,
 
     /// How fast gather radii shrink, in (0, 1]: variance falls as N^-ALPHA over N passes; 1 keeps
@@ -202,7 +202,7 @@ impl ImportArguments {
     /// Returns the options for reading a scene with these flags. `memory` limits the memory that
     /// reading may take.
     pub(super) fn import_options(&self, memory: MemoryLimit) -> ImportOptions {
-        ImportOptions { memory, format: self.format.clone(), allows_outside_files: self.allow_outside }
+        ImportOptions { memory, format_extension: self.format.clone(), allows_outside_files: self.allow_outside }
     }
 }
 
@@ -233,7 +233,7 @@ pub struct SceneArguments {
 impl SceneArguments {
     /// Returns the limit of `--memory`, or else the system's free memory.
     pub(super) fn memory_limit(&self) -> MemoryLimit {
-        self.memory.map_or(MemoryLimit::System, MemoryLimit::Limit)
+        self.memory.map_or(MemoryLimit::System, MemoryLimit::ProcessBytes)
     }
 }
 
@@ -327,7 +327,7 @@ pub struct RenderArguments {
 
     /// Render two pictures, of a left and a right eye this distance apart, in scene units. Names of
     /// outputs get -left and -right
-    #[arg(long, value_name = "DISTANCE", value_parser = parse_length, conflicts_with_all = ["film", "shard", "frames"])]
+    #[arg(long, value_name = "DISTANCE", value_parser = parse_positive_length, conflicts_with_all = ["film", "shard", "frames"])]
     #[cfg_attr(feature = "view", arg(conflicts_with_all = ["listen", "tev"]))]
     pub stereo: Option<f32>,
 
@@ -489,9 +489,9 @@ pub enum ReferenceSource {
     /// Two independent references, which the study renders first.
     Auto,
     /// File of one reference picture, which is taken as exact.
-    One(PathBuf),
+    OneFile(PathBuf),
     /// Files of two reference pictures with independent noise.
-    Two(PathBuf, PathBuf),
+    TwoFiles(PathBuf, PathBuf),
 }
 
 impl FromStr for ReferenceSource {
@@ -500,8 +500,8 @@ impl FromStr for ReferenceSource {
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "auto" => Ok(Self::Auto),
-            _ if text.contains(',') => parse_file_pair(text).map(|(a, b)| Self::Two(a, b)),
-            _ => Ok(Self::One(text.into())),
+            _ if text.contains(',') => parse_file_pair(text).map(|(a, b)| Self::TwoFiles(a, b)),
+            _ => Ok(Self::OneFile(text.into())),
         }
     }
 }

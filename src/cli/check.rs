@@ -1,8 +1,8 @@
 //! `caustica check`: reads a scene and everything that it names, and renders nothing.
 
 use super::args::SceneArguments;
-use super::number::count_with_noun;
 use super::scene::{import_warnings, load_scene_and_file, replace_control_characters, with_thread_pool};
+use super::value_parsers::count_with_noun;
 use super::{CommandFailure, Exit};
 use crate::format::SceneFile;
 use crate::plan::SceneFeatures;
@@ -20,7 +20,7 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
         let (file, scene) = load_scene_and_file(arguments, &())?;
         let mut lines = import_warnings(&file);
         lines.extend(file.warnings());
-        lines.extend(scene_warnings(&scene, arguments));
+        lines.extend(visibility_and_receiver_warnings(&scene, arguments));
         let warnings = count_with_noun(lines.len(), "warning", "warnings");
         lines.push(format!("{}: no error, {warnings}", arguments.scene.display()));
         let mut out = std::io::stdout().lock();
@@ -39,14 +39,14 @@ pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &
     let mut lines = import_warnings(file);
     lines.extend(file.unused_item_warnings());
     if scene.triangle_count() + scene.analytic_shape_count() > 0 {
-        lines.extend(scene_warnings(scene, arguments));
+        lines.extend(visibility_and_receiver_warnings(scene, arguments));
     }
     lines.iter().map(|line| replace_control_characters(line)).collect()
 }
 
 /// Returns a warning if the camera sees no object, and one if no photon can be stored, one line
 /// each.
-fn scene_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
+fn visibility_and_receiver_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let features = SceneFeatures::from_scene(scene);
     let mut warnings = Vec::new();
     if !camera_sees_objects(scene) {

@@ -63,14 +63,16 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> 
     let named: Vec<FileWithRole> = outputs.iter().map(|path| FileWithRole::new("the output", path)).collect();
     let mut inputs = vec![FileWithRole::new("the scene file", &arguments.scene)];
     let read_files = files.into_input_paths();
-    inputs.extend(read_files.iter().chain(&conversion.named_files).map(|path| FileWithRole::new("the input", path)));
+    inputs.extend(
+        read_files.iter().chain(&conversion.existing_file_paths).map(|path| FileWithRole::new("the input", path)),
+    );
     check_distinct_files(&named, &inputs)?;
     if let Some(path) = outputs.iter().find(|path| !arguments.force && path.exists()) {
         return Err(CommandFailure::new(Exit::Output, OutputExistsError((*path).clone())));
     }
     let mut failures = OutputFailures::default();
     for (path, mesh) in &conversion.meshes {
-        failures.ok_or_collect_error(mesh.write(path, MeshFormat::Ply, &[]));
+        failures.ok_or_collect_error(mesh.write(path, MeshFormat::PlyBinary, &[]));
     }
     for (path, picture) in &conversion.pictures {
         failures.ok_or_collect_error(image::write(path, picture, &WriteOptions::default()));

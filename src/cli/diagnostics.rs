@@ -1,6 +1,6 @@
 //! Notes that explain a black picture, or a render that stored no photon.
 
-use super::number::count_with_noun;
+use super::value_parsers::count_with_noun;
 use crate::color::Rgb;
 use crate::photon::EnergyAudit;
 use crate::render::RenderResult;
@@ -17,7 +17,7 @@ pub(super) fn all_lights_are_black(scene: &Scene) -> bool {
 pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
     let (unaimed, aimed) = (&rendered.unaimed, &rendered.aimed);
     let emitted = unaimed.emitted_paths + aimed.emitted_paths;
-    if emitted == 0 || unaimed.stored + aimed.stored > 0 {
+    if emitted == 0 || unaimed.stored_photons + aimed.stored_photons > 0 {
         return None;
     }
     let mut audit = unaimed.audit;

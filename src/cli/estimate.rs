@@ -15,7 +15,7 @@ use super::settings::settings_from_arguments;
 use super::{CommandFailure, EstimateArguments, Exit};
 use crate::integrate::{Algorithm, Integrator};
 use crate::render::{
-    RenderLimits, RenderResult, StopCriteria, check_error_estimate_memory, check_photon_memory, render,
+    RenderLimits, RenderResult, StopCriteria, check_estimated_picture_memory, check_photon_memory, render,
 };
 use crate::scene::Scene;
 use comparison::{CostComparison, check_comparable};
@@ -38,12 +38,12 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
         let start = Instant::now();
         let scene = load_scene(&arguments.scene, &progress)?;
         let load_seconds = start.elapsed().as_secs_f64();
-        let report = estimate_method(arguments, &arguments.method, &scene, load_seconds, &progress)?;
+        let report = estimate_method_cost(arguments, &arguments.method, &scene, load_seconds, &progress)?;
         let mut comparison = CostComparison::new(report);
         for algorithm in &arguments.compare {
             if comparison.has_no_report_of(*algorithm) && !is_interrupted() {
                 let method = MethodArguments { integrator: *algorithm, ..arguments.method.clone() };
-                comparison.add_report(estimate_method(arguments, &method, &scene, load_seconds, &progress)?);
+                comparison.add_report(estimate_method_cost(arguments, &method, &scene, load_seconds, &progress)?);
             }
         }
         let text = if arguments.json {
@@ -66,7 +66,7 @@ fn is_interrupted() -> bool {
 /// that the command line names.
 ///
 /// `load_seconds` is the time that loading the scene took \[s].
-fn estimate_method(
+fn estimate_method_cost(
     arguments: &EstimateArguments,
     method: &MethodArguments,
     scene: &Scene,
@@ -77,7 +77,7 @@ fn estimate_method(
     let mut settings = settings_from_arguments(method, arguments.effects.effects);
     settings.camera_paths.estimate_error = true;
     let memory = arguments.scene.memory_limit();
-    let picture_bytes = check_error_estimate_memory(1, scene.camera().size(), memory.available_bytes())
+    let picture_bytes = check_estimated_picture_memory(1, scene.camera().size(), memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     let integrator = method.integrator.prepare(scene, settings);
     check_photon_memory(integrator.expected_photons(), picture_bytes, memory.available_bytes())
@@ -106,7 +106,7 @@ fn render_pilot(
 ) -> (RenderResult, f64) {
     let stop = StopCriteria {
         min_passes: MIN_PILOT_PASSES,
-        time: Some(arguments.pilot),
+        time_limit: Some(arguments.pilot),
         ..StopCriteria::unlimited(&INTERRUPTED)
     };
     let (began, mut first) = (Instant::now(), 0.0);
@@ -121,7 +121,7 @@ fn render_pilot(
     });
     progress.remove_progress_bar();
     // The first pass takes longer than later ones, because caches are cold.
-    let (passes, wall) = (rendered.film.passes(), rendered.wall.as_secs_f64());
+    let (passes, wall) = (rendered.film.passes(), rendered.wall_time.as_secs_f64());
     let pass_seconds = if passes > 2 { (wall - first) / f64::from(passes - 1) } else { wall / f64::from(passes) };
     (rendered, pass_seconds)
 }

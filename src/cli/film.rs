@@ -2,15 +2,15 @@
 
 use super::args::MethodArguments;
 use super::file_lock::FileLock;
-use super::number::{count_with_noun, parse_bytes};
 use super::progress::print_message;
 use super::settings::method_flags;
+use super::value_parsers::{count_with_noun, parse_bytes};
 use super::{CommandFailure, Exit, forecast_text};
 use crate::camera::CropWindow;
 use crate::image::{WriteError, replace_file_with};
 use crate::integrate::Algorithm;
 use crate::plan::EffectOverrides;
-use crate::render::error_estimate::MIN_PASSES;
+use crate::render::error_estimate::MIN_ERROR_ESTIMATE_PASSES;
 use crate::render::{
     FilmFile, FilmFileError, FilmHeader, InputDigest, PassSet, RenderResult, RenderedLayers, check_films_memory,
     read_film_header,
@@ -27,16 +27,16 @@ use std::time::{Duration, Instant};
 
 /// Smallest time between two saves, as a multiple of the time that a save takes. It keeps the time
 /// of saves below 1 % of a render.
-const MIN_INTERVAL_FACTOR: u32 = 100;
+const MIN_INTERVAL_SAVE_RATIO: u32 = 100;
 
 /// Flag of a render whose film has no data for the error estimate.
-const NO_ERROR_ESTIMATE: &str = "--no-error-estimate";
+const NO_ERROR_ESTIMATE_FLAG: &str = "--no-error-estimate";
 
 /// Flag of renders whose films have light groups.
-const LIGHT_GROUPS: &str = "--light-groups";
+const LIGHT_GROUPS_FLAG: &str = "--light-groups";
 
 /// Flag of renders whose films have clamped light.
-const CLAMP: &str = "--clamp";
+const CLAMP_FLAG: &str = "--clamp";
 
 /// Arguments of `film`.
 #[derive(Debug, Args)]
@@ -61,7 +61,7 @@ pub(super) struct FilmReadError {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the film `{}` is of another render:\n{}", path.display(), differences.join("\n"))]
 #[diagnostic(help("render with the settings of `caustica film {}`, or choose another film file", path.display()))]
-pub(super) struct OtherRenderError {
+pub(super) struct FilmOfOtherRenderError {
     pub path: PathBuf,
     pub differences: Vec<String>,
 }
@@ -76,17 +76,17 @@ struct FilmInUseError(PathBuf);
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the film `{}` holds passes {passes}, which are not those of --shard", path.display())]
 #[diagnostic(help("give each part of the passes a film file of its own"))]
-struct OtherShardError {
+struct FilmOfOtherShardError {
     path: PathBuf,
     passes: String,
 }
 
-/// The film file of a render. It is locked until the value is dropped.
-pub(super) struct SavedFilm<'a> {
+/// The film file of a render, and when to save it. It is locked until the value is dropped.
+pub(super) struct LockedFilmFile<'a> {
     path: &'a Path,
     header: FilmHeader,
     interval: Duration,
-    next: Instant,
+    next_save: Instant,
     _lock: FileLock,
 }
 
@@ -108,7 +108,7 @@ pub(super) fn read_film(path: &Path) -> Result<FilmFile, CommandFailure> {
 ///
 /// `memory` is the limit of `--memory` \[bytes]. Only the headers of the films are read.
 pub(super) fn check_film_memory(paths: &[PathBuf], count: usize, memory: Option<u64>) -> Result<(), CommandFailure> {
-    let free = memory.map_or(MemoryLimit::System, MemoryLimit::Limit).available_bytes();
+    let free = memory.map_or(MemoryLimit::System, MemoryLimit::ProcessBytes).available_bytes();
     for path in paths {
         let header = read_header(path)?;
         let size = (header.width, header.height);
@@ -142,14 +142,14 @@ fn film_text(FilmFile { header, rendered }: &FilmFile) -> String {
     let _ = writeln!(text, "settings  {settings}");
     let _ = writeln!(text, "seed      {}", header.seed);
     let _ = writeln!(text, "size      {}x{}", header.width, header.height);
-    let _ = writeln!(text, "program   caustica {}", header.version);
-    let _ = writeln!(text, "passes    {}: {}", rendered.numbers.len(), rendered.numbers);
-    let missing = header.missing_passes(&rendered.numbers);
+    let _ = writeln!(text, "program   caustica {}", header.program_version);
+    let _ = writeln!(text, "passes    {}: {}", rendered.pass_numbers.len(), rendered.pass_numbers);
+    let missing = header.missing_passes(&rendered.pass_numbers);
     if !missing.is_empty() {
         let _ = writeln!(text, "missing   {}: {missing}", missing.len());
     }
-    let _ = writeln!(text, "time      {}", forecast_text::duration_text(rendered.wall.as_secs_f64()));
-    let enough = rendered.film.passes() >= MIN_PASSES;
+    let _ = writeln!(text, "time      {}", forecast_text::duration_text(rendered.wall_time.as_secs_f64()));
+    let enough = rendered.film.passes() >= MIN_ERROR_ESTIMATE_PASSES;
     if let Some(estimator) = rendered.estimator.as_ref().filter(|_| enough) {
         let _ = writeln!(text, "error     {}", forecast_text::error_text(&estimator.estimate(&rendered.film)));
     }
@@ -158,7 +158,7 @@ fn film_text(FilmFile { header, rendered }: &FilmFile) -> String {
 
 /// Scene and settings of a render, on which its passes depend.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FilmSettings<'a> {
+pub(super) struct FilmHeaderSettings<'a> {
     /// Path of the scene file.
     pub scene: &'a Path,
     pub method: &'a MethodArguments,
@@ -175,19 +175,19 @@ pub(super) struct FilmSettings<'a> {
     pub planned_passes: Option<u32>,
 }
 
-impl FilmSettings<'_> {
+impl FilmHeaderSettings<'_> {
     /// Returns the flags of all settings that differ from their default, except the seed and the
     /// size of the picture.
-    pub fn flags(&self) -> Vec<String> {
+    pub fn non_default_flags(&self) -> Vec<String> {
         let mut flags = method_flags(self.method, "--effects", self.effects);
         if self.no_error_estimate {
-            flags.push(NO_ERROR_ESTIMATE.to_owned());
+            flags.push(NO_ERROR_ESTIMATE_FLAG.to_owned());
         }
         if self.light_groups {
-            flags.push(LIGHT_GROUPS.to_owned());
+            flags.push(LIGHT_GROUPS_FLAG.to_owned());
         }
         if let Some(limit) = self.clamp {
-            flags.extend([CLAMP.to_owned(), limit.to_string()]);
+            flags.extend([CLAMP_FLAG.to_owned(), limit.to_string()]);
         }
         if let Some(window) = self.crop {
             flags.extend(["--crop".to_owned(), window.to_string()]);
@@ -200,23 +200,23 @@ impl FilmSettings<'_> {
 fn film_layers(header: &FilmHeader) -> RenderedLayers {
     let has = |flag: &str| header.settings.iter().any(|word| word == flag);
     RenderedLayers {
-        error: !has(NO_ERROR_ESTIMATE) && !has(Algorithm::Raycast.name()),
-        groups: has(LIGHT_GROUPS),
-        clamped: has(CLAMP),
-        sent: false,
-        aovs: false,
+        estimates_error: !has(NO_ERROR_ESTIMATE_FLAG) && !has(Algorithm::Raycast.name()),
+        groups_light: has(LIGHT_GROUPS_FLAG),
+        clamps_light: has(CLAMP_FLAG),
+        sends_to_tev: false,
+        renders_aovs: false,
     }
 }
 
 /// Returns the header of the film of a render of `size` (width, height) pixels. The render may be a
 /// window of a picture of `whole` pixels. `inputs` are the files that the scene names.
-pub(super) fn film_header(
-    render: &FilmSettings<'_>,
+pub(super) fn make_film_header(
+    render: &FilmHeaderSettings<'_>,
     size: (u32, u32),
     whole: (u32, u32),
     inputs: &[PathBuf],
 ) -> Result<FilmHeader, CommandFailure> {
-    let mut settings = render.flags();
+    let mut settings = render.non_default_flags();
     if render.crop.is_some() {
         // A window at the same place of a picture of another size shows something else.
         settings.extend(["--size".to_owned(), format!("{}x{}", whole.0, whole.1)]);
@@ -230,7 +230,7 @@ pub(super) fn film_header(
     digests.sort_by(|a, b| (&a.name, &a.digest).cmp(&(&b.name, &b.digest)));
     digests.dedup();
     Ok(FilmHeader {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
         scene: render.scene.display().to_string(),
         inputs: digests,
         width: size.0,
@@ -265,7 +265,7 @@ impl io::Write for HashWriter<'_> {
     }
 }
 
-impl<'a> SavedFilm<'a> {
+impl<'a> LockedFilmFile<'a> {
     /// Locks the film file at `path`. Returns it with the render that it holds; the render is
     /// `None` if the file does not exist.
     ///
@@ -283,37 +283,37 @@ impl<'a> SavedFilm<'a> {
             // A film of the same size as this render fits into memory, which was checked before.
             let differences = header.differences(&read_header(path)?);
             if !differences.is_empty() {
-                let error = OtherRenderError { path: path.to_owned(), differences };
+                let error = FilmOfOtherRenderError { path: path.to_owned(), differences };
                 return Err(CommandFailure::usage_error(error));
             }
             rendered = Some(read_film(path)?.rendered);
         }
-        Ok((Self { path, header, interval, next: Instant::now() + interval, _lock: lock }, rendered))
+        Ok((Self { path, header, interval, next_save: Instant::now() + interval, _lock: lock }, rendered))
     }
 
     /// Returns an error unless `numbers` contains all passes of `rendered`.
     pub fn check_shard(&self, rendered: &RenderResult, numbers: Range<u32>) -> Result<(), CommandFailure> {
         let mut shard = PassSet::default();
         shard.insert(numbers);
-        if rendered.numbers.intersection(&shard) == rendered.numbers {
+        if rendered.pass_numbers.intersection(&shard) == rendered.pass_numbers {
             return Ok(());
         }
-        let passes = rendered.numbers.to_string();
-        Err(CommandFailure::usage_error(OtherShardError { path: self.path.to_owned(), passes }))
+        let passes = rendered.pass_numbers.to_string();
+        Err(CommandFailure::usage_error(FilmOfOtherShardError { path: self.path.to_owned(), passes }))
     }
 
     /// Saves `rendered` if a save is due. Prints a warning if writing fails, because the next save
     /// may succeed.
     pub fn save_if_due(&mut self, rendered: &RenderResult) {
         let start = Instant::now();
-        if start < self.next {
+        if start < self.next_save {
             return;
         }
         if let Err(error) = self.save(rendered) {
             print_message(&format!("warning: the film is not saved: {error}"));
         }
         let now = Instant::now();
-        self.next = now + self.interval.max((now - start) * MIN_INTERVAL_FACTOR);
+        self.next_save = now + self.interval.max((now - start) * MIN_INTERVAL_SAVE_RATIO);
     }
 
     /// Saves `rendered` to the film file.

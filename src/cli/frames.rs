@@ -12,7 +12,7 @@ use std::str::FromStr;
 
 /// Largest allowed `end` of a [`FrameRange`]. All output files are checked before the first frame
 /// is rendered.
-const MAX_FRAMES: u32 = 10_000;
+const MAX_FRAME_END: u32 = 10_000;
 
 /// Numbers of the frames to render, from `first` to before `end`: value of `--frames`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,8 +36,8 @@ impl FromStr for FrameRange {
     fn from_str(text: &str) -> Result<Self, String> {
         let numbers = text.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
         match numbers {
-            Some((first, end)) if first < end && end <= MAX_FRAMES => Ok(Self { first, end }),
-            Some((first, end)) if first < end => Err(format!("`{text}` exceeds frame {MAX_FRAMES}")),
+            Some((first, end)) if first < end && end <= MAX_FRAME_END => Ok(Self { first, end }),
+            Some((first, end)) if first < end => Err(format!("`{text}` exceeds frame {MAX_FRAME_END}")),
             Some(_) => Err(format!("`{text}` has no frames: write 0..48 for the frames 0 to 47")),
             None => Err(format!("`{text}` is no range of frames: write 0..48 for the frames 0 to 47")),
         }
@@ -57,7 +57,7 @@ pub(super) struct FrameNameError {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("--frames cannot move a camera that moves while the shutter is open")]
 #[diagnostic(help("remove Moving around the camera"))]
-pub(super) struct MovingCameraError;
+pub(super) struct MovingTurntableCameraError;
 
 /// Returns `path` with the number `frame` in place of `%d`, or of `%04d` with leading zeros up to
 /// four digits.
@@ -81,12 +81,12 @@ pub(super) fn frame_path(flag: &'static str, path: &Path, frame: u32) -> Result<
 /// Cameras on a circle around a point, which they all look at.
 pub(super) struct Turntable {
     /// Camera of frame 0, in the coordinates of the scene description.
-    camera: Camera,
+    initial_camera: Camera,
     pivot: DVec3,
     /// Unit vector about which the camera turns.
     axis: DVec3,
     /// Number of frames of a full turn.
-    frames: u32,
+    frames_per_turn: u32,
 }
 
 impl Turntable {
@@ -94,24 +94,28 @@ impl Turntable {
     ///
     /// The camera turns about the point that it looks at, or else about the surface point in the
     /// center of the picture.
-    pub fn new(scene: &Scene, description: &CameraDescription, frames: u32) -> Result<Self, MovingCameraError> {
+    pub fn new(
+        scene: &Scene,
+        description: &CameraDescription,
+        frames: u32,
+    ) -> Result<Self, MovingTurntableCameraError> {
         if !description.motion.is_empty() {
-            return Err(MovingCameraError);
+            return Err(MovingTurntableCameraError);
         }
         let pivot = match description.aim {
             DirectionOrTarget::Target(point) => point,
             DirectionOrTarget::Direction(_) => pivot(scene),
         };
         let axis = description.up.normalize_or_zero();
-        Ok(Self { camera: scene.camera_in_description(), pivot, axis, frames })
+        Ok(Self { initial_camera: scene.camera_in_description(), pivot, axis, frames_per_turn: frames })
     }
 
     /// Returns the camera of a frame; `None` for the frame that the scene's own camera shows. The
     /// camera moves to the right as frame numbers rise.
     pub fn camera(&self, frame: u32) -> Option<Camera> {
-        let step = frame % self.frames;
-        let angle = TAU * f64::from(step) / f64::from(self.frames);
-        (step > 0).then(|| self.camera.orbited(self.pivot, self.axis, angle, 0.0, 1.0))
+        let step = frame % self.frames_per_turn;
+        let angle = TAU * f64::from(step) / f64::from(self.frames_per_turn);
+        (step > 0).then(|| self.initial_camera.orbited(self.pivot, self.axis, angle, 0.0, 1.0))
     }
 }
 
@@ -142,7 +146,8 @@ mod tests {
     #[test]
     fn quarter_turns_see_the_pivot_from_four_sides() {
         let camera = Camera::perspective(DVec3::new(1.0, 2.0, 7.0), -DVec3::Z, DVec3::Y, 0.7, 32, 24).unwrap();
-        let turntable = Turntable { camera, pivot: DVec3::new(1.0, 2.0, 3.0), axis: DVec3::Y, frames: 4 };
+        let turntable =
+            Turntable { initial_camera: camera, pivot: DVec3::new(1.0, 2.0, 3.0), axis: DVec3::Y, frames_per_turn: 4 };
         assert_eq!((turntable.camera(0), turntable.camera(8)), (None, None));
         for (frame, center) in [(1, (5.0, 3.0)), (2, (1.0, -1.0)), (3, (-3.0, 3.0)), (5, (5.0, 3.0))] {
             let turned = turntable.camera(frame).unwrap();

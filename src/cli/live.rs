@@ -4,7 +4,7 @@ use super::interrupt::INTERRUPTED;
 use super::progress::print_message;
 use super::{CommandFailure, Exit, RenderArguments};
 use crate::image;
-use crate::view::{LiveFrame, LivePage, LiveRender, PageServer, Request};
+use crate::view::{LiveFrame, LivePage, PageServer, RenderPublisher, Request};
 use miette::Report;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -54,8 +54,8 @@ impl LiveOutput {
     }
 
     /// Begins a render on the page. `load_start` is the time at which loading of its scene began.
-    pub fn begin_render(&self, load_start: Instant) -> LiveRender<'_> {
-        LiveRender::begin(&self.page, load_start)
+    pub fn begin_render(&self, load_start: Instant) -> RenderPublisher<'_> {
+        RenderPublisher::begin(&self.page, load_start)
     }
 
     /// Ends the server of the page, after browsers have had time to fetch the last picture.

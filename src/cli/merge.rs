@@ -1,13 +1,13 @@
 //! `caustica merge`: adds the passes of several film files.
 
-use super::film::{OtherRenderError, check_film_memory, read_film, write_film};
-use super::number::parse_bytes;
+use super::film::{FilmOfOtherRenderError, check_film_memory, read_film, write_film};
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::pictures::{PictureArguments, write_pictures};
 use super::progress::{ProgressDisplay, print_message};
+use super::value_parsers::parse_bytes;
 use super::{CommandFailure, Exit, forecast_text};
 use crate::image::{self, Image, ToneCurve};
-use crate::render::error_estimate::MIN_PASSES;
+use crate::render::error_estimate::MIN_ERROR_ESTIMATE_PASSES;
 use crate::render::{FilmFile, MergeError, PassSet};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -48,7 +48,8 @@ struct FilmMergeError {
 }
 
 pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
-    let (films, pictures): (Vec<&PathBuf>, Vec<&PathBuf>) = arguments.output.iter().partition(|path| is_film(path));
+    let (films, pictures): (Vec<&PathBuf>, Vec<&PathBuf>) =
+        arguments.output.iter().partition(|path| has_film_extension(path));
     for path in &pictures {
         image::check_writable(path).map_err(CommandFailure::output_error)?;
     }
@@ -60,18 +61,19 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
     check_distinct_files(&outputs, &inputs)?;
     check_film_memory(&arguments.films, arguments.films.len().min(2), arguments.memory)?;
     let progress = ProgressDisplay::new(arguments.quiet);
-    let FilmFile { header, rendered } = merged_film(&arguments.films, &progress)?;
+    let FilmFile { header, rendered } = read_and_merge_films(&arguments.films, &progress)?;
 
     // Write the outputs.
     let mut options = arguments.pictures.write_options(ToneCurve::Srgb);
-    let missing = header.missing_passes(&rendered.numbers);
+    let missing = header.missing_passes(&rendered.pass_numbers);
     if !missing.is_empty() {
         print_message(&format!("warning: passes {missing} are missing"));
         options.metadata.push(("Missing passes".to_owned(), missing.to_string()));
     }
     let mut failures = OutputFailures::default();
     let (width, height) = rendered.film.size();
-    let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(CommandFailure::output_error)?;
+    let picture =
+        Image::from_pixels(width, height, rendered.film.mean_picture()).map_err(CommandFailure::output_error)?;
     write_pictures(pictures.into_iter(), &picture, &options, &progress, &mut failures);
     for path in films {
         if failures.ok_or_collect_error(write_film(path, &header, &rendered)).is_some() {
@@ -80,7 +82,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
     }
     let passes = rendered.film.passes();
     progress.print_line(&format!("{passes} passes"));
-    if let Some(estimator) = rendered.estimator.as_ref().filter(|_| passes >= MIN_PASSES) {
+    if let Some(estimator) = rendered.estimator.as_ref().filter(|_| passes >= MIN_ERROR_ESTIMATE_PASSES) {
         let estimate = estimator.estimate(&rendered.film);
         progress.print_line(&format!("estimated error {}", forecast_text::error_text(&estimate)));
     }
@@ -88,13 +90,13 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
 }
 
 /// True if `path` has the extension of film files.
-pub(super) fn is_film(path: &Path) -> bool {
+pub(super) fn has_film_extension(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(FILM_EXTENSION))
 }
 
 /// Returns the sum of the films at `paths`. Skips a film that holds the same passes as an earlier
 /// film. At most two films are in memory at a time.
-fn merged_film(paths: &[PathBuf], progress: &ProgressDisplay) -> Result<FilmFile, CommandFailure> {
+fn read_and_merge_films(paths: &[PathBuf], progress: &ProgressDisplay) -> Result<FilmFile, CommandFailure> {
     let mut total: Option<FilmFile> = None;
     let mut added: Vec<PassSet> = Vec::new();
     for path in paths {
@@ -102,11 +104,11 @@ fn merged_film(paths: &[PathBuf], progress: &ProgressDisplay) -> Result<FilmFile
         if let Some(total) = &total {
             check_same_render(total, &film, path)?;
         }
-        if added.contains(&film.rendered.numbers) {
+        if added.contains(&film.rendered.pass_numbers) {
             progress.print_line(&format!("{} has the passes of an earlier film, and counts once", path.display()));
             continue;
         }
-        added.push(film.rendered.numbers.clone());
+        added.push(film.rendered.pass_numbers.clone());
         total = Some(match total {
             None => film,
             Some(total) => sum_of_films(total, &film, path)?,
@@ -122,7 +124,7 @@ fn check_same_render(total: &FilmFile, film: &FilmFile, path: &Path) -> Result<(
     if differences.is_empty() {
         return Ok(());
     }
-    Err(CommandFailure::new(Exit::Input, OtherRenderError { path: path.to_owned(), differences }))
+    Err(CommandFailure::new(Exit::Input, FilmOfOtherRenderError { path: path.to_owned(), differences }))
 }
 
 /// Returns `total` with the passes of `film` added. `film` was read from `path`.

@@ -2,6 +2,7 @@
 
 mod args;
 mod check;
+mod completions_and_manual;
 mod convert;
 mod diagnostics;
 mod diff;
@@ -17,8 +18,8 @@ mod interrupt;
 mod live;
 mod merge;
 mod mesh;
-mod number;
 mod outputs;
+mod picture_updates;
 mod pictures;
 mod pivot;
 mod plan;
@@ -28,11 +29,10 @@ mod report;
 mod scene;
 mod settings;
 mod shard;
-mod shell;
 mod study;
 #[cfg(feature = "view")]
 mod tev;
-mod updates;
+mod value_parsers;
 #[cfg(feature = "view")]
 mod view;
 
@@ -73,7 +73,7 @@ pub fn run(arguments: Arguments) -> Result<Exit, CommandFailure> {
         Command::Film(arguments) => film::run(&arguments),
         Command::Farm(arguments) => farm::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
-        Command::Completions { shell } => shell::print_completions(shell),
-        Command::Man => shell::print_manual(),
+        Command::Completions { shell } => completions_and_manual::print_completions(shell),
+        Command::Man => completions_and_manual::print_manual(),
     }
 }

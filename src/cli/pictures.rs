@@ -1,8 +1,8 @@
 //! Flags and messages of the pictures that a command writes.
 
-use super::number::{count_with_noun, parse_exposure_stops};
 use super::outputs::OutputFailures;
 use super::progress::{ProgressDisplay, print_message};
+use super::value_parsers::{count_with_noun, parse_exposure_stops};
 use crate::image::{
     self, BitDepth, ClippedPixelReport, ExrPrecision, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions,
 };
@@ -74,13 +74,13 @@ pub(super) fn write_pictures<'a>(
     for path in paths {
         if let Some(written) = failures.ok_or_collect_error(image::write(path, picture, options)) {
             progress.print_line(&format!("wrote {}", path.display()));
-            report_clipped_pixels(&written, path, options.tone.exposure_stops, progress);
+            warn_of_clipped_pixels(&written, path, options.tone.exposure_stops, progress);
         }
     }
 }
 
 /// Prints warnings of pixels whose values the file format cannot store.
-fn report_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &ProgressDisplay) {
+fn warn_of_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &ProgressDisplay) {
     let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
     if written.non_finite > 0 {
         print_message(&format!("warning: {}: not finite", pixels(written.non_finite)));

@@ -1,10 +1,10 @@
 //! `caustica plan`, and texts about a plan for other commands.
 
 use super::args::PlanArguments;
-use super::number::count_with_noun;
 use super::progress::{ProgressDisplay, print_message};
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::settings_from_arguments;
+use super::value_parsers::count_with_noun;
 use super::{CommandFailure, Exit};
 use crate::integrate::{Algorithm, EnvironmentGuidingReport, Integrator, RayPhotonBalance, ScatterPointGuidingReport};
 use crate::plan::{EffectDecision, Plan, SceneFeatures};
@@ -55,7 +55,7 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay
     pass_work_lines(integrator).iter().for_each(|line| progress.print_line(line));
     omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
     if finds_caustics_only_by_chance(integrator) {
-        print_message(UNSAMPLED_CAUSTICS);
+        print_message(UNSAMPLED_CAUSTICS_WARNING);
     }
 }
 
@@ -77,12 +77,12 @@ pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
 }
 
 /// Warning for a scene with caustics and an algorithm without photons.
-const UNSAMPLED_CAUSTICS: &str = "warning: this method finds caustics only by chance: of small lights rarely, of point lights never. \
+const UNSAMPLED_CAUSTICS_WARNING: &str = "warning: this method finds caustics only by chance: of small lights rarely, of point lights never. \
     The estimated error does not include what it misses. hybrid and sppm find caustics by photons";
 
 /// Returns a line with the numbers of camera rays and photon paths of a pass.
 fn pass_counts_line(balance: &RayPhotonBalance) -> String {
-    let RayPhotonBalance { samples, unaimed_paths: photons, aimed_paths: caustic_photons } = balance;
+    let RayPhotonBalance { samples_per_pixel: samples, unaimed_paths: photons, aimed_paths: caustic_photons } = balance;
     let mut line =
         format!("each pass: {}", count_with_noun(*samples as usize, "camera ray per pixel", "camera rays per pixel"));
     for (n, which) in [(photons, "photon paths"), (caustic_photons, "photon paths aimed at specular objects")] {
@@ -142,7 +142,7 @@ fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &Expected
     let plan = integrator.plan();
     let mut text = format!("{} simulates\n", algorithm.name());
     for decision in &plan.decisions {
-        let state = match (decision.is_simulated, decision.is_forced_by_user()) {
+        let state = match (decision.is_simulated, decision.is_forced_against_need()) {
             (true, false) => "on",
             (true, true) => "on, forced",
             (false, false) => "off",
@@ -154,7 +154,7 @@ fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &Expected
         let _ = writeln!(text, "{line}");
     }
     pass_work_lines(integrator).iter().for_each(|line| text += &format!("{line}\n"));
-    let _ = writeln!(text, "total about {} per pass", work_counts_text(work.whole, count_text));
+    let _ = writeln!(text, "total about {} per pass", work_counts_text(work.total, count_text));
     omitted_effect_warnings(plan).for_each(|line| text += &format!("{line}\n"));
     text
 }
@@ -201,7 +201,7 @@ struct PlanCommandReport {
 #[derive(Debug, Serialize)]
 struct EffectCostReport {
     #[serde(flatten)]
-    effect: EffectDecisionReport,
+    decision: EffectDecisionReport,
     /// Expected number of rays that the effect adds to the first pass; `None` if it is off.
     rays: Option<i64>,
     /// Expected number of photons that the effect adds to the density estimates of the first pass;
@@ -239,7 +239,7 @@ impl PlanCommandReport {
         let costed = |(report, decision): (EffectDecisionReport, &EffectDecision)| {
             let work = work.work_of_effect(decision.effect);
             EffectCostReport {
-                effect: report,
+                decision: report,
                 rays: work.map(|w| w.rays),
                 gathered_photons: work.map(|w| w.gathered_photons),
             }
@@ -255,8 +255,8 @@ impl PlanCommandReport {
             indirect_photon_share: integrator.photon_share_of_indirect_light(0),
             environment_guiding: integrator.environment_guiding_report(),
             scatter_point_guiding: integrator.scatter_point_guiding_report(),
-            rays: work.whole.rays,
-            gathered_photons: work.whole.gathered_photons,
+            rays: work.total.rays,
+            gathered_photons: work.total.gathered_photons,
             effects: plan_effect_reports(plan).into_iter().zip(&plan.decisions).map(costed).collect(),
         }
     }

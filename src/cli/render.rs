@@ -15,11 +15,12 @@ use self::summary::print_scene_summary;
 use self::turntable::render_frames;
 use super::check::quick_scene_warnings;
 use super::diagnostics::all_lights_are_black;
-use super::film::{FilmSettings, SavedFilm, film_header};
+use super::film::{FilmHeaderSettings, LockedFilmFile, make_film_header};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 #[cfg(feature = "view")]
 use super::live::LiveOutput;
 use super::outputs::{FileWithRole, check_distinct_files};
+use super::picture_updates::PictureUpdater;
 use super::plan;
 use super::progress::{InputFileCollector, ProgressDisplay};
 use super::report::RenderSetup;
@@ -28,7 +29,6 @@ use super::settings::settings_from_arguments;
 use super::shard::Shard;
 #[cfg(feature = "view")]
 use super::tev::TevOutput;
-use super::updates::PictureUpdates;
 use super::{CommandFailure, Exit, RenderArguments, forecast_text};
 use crate::camera::CropWindow;
 use crate::image;
@@ -41,14 +41,14 @@ use crate::render::{
 };
 use crate::scene::Scene;
 #[cfg(feature = "view")]
-use crate::view::{LiveRender, Phase, PlanReport};
+use crate::view::{PlanReport, RenderPublisher, RenderStage};
 use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Instant;
 
 /// Number of rays of each pixel for surface AOVs of the live page.
 #[cfg(feature = "view")]
-const LIVE_SURFACE_RAYS: u32 = 4;
+const LIVE_AOV_PIXEL_RAYS: u32 = 4;
 
 /// Error: the requested shard, one of N parts of a render, has no passes.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -77,7 +77,7 @@ struct CropWindowTooLargeError {
 }
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
-    check_raycast_flags(&film_settings(arguments), arguments.target_error)?;
+    check_raycast_flags(&film_header_settings(arguments), arguments.target_error)?;
     // Everything that can fail without rendering is checked before rendering.
     for arguments in arguments_of_renders(arguments)? {
         for path in &arguments.output {
@@ -98,7 +98,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
 
 /// Returns an error if `settings` or `--target-error` need light that `raycast` does not simulate.
 pub(super) fn check_raycast_flags(
-    settings: &FilmSettings<'_>,
+    settings: &FilmHeaderSettings<'_>,
     target_error: Option<f64>,
 ) -> Result<(), CommandFailure> {
     if settings.method.integrator != Algorithm::Raycast {
@@ -119,7 +119,7 @@ pub(super) fn check_raycast_flags(
 
 /// Returns the size (width, height) of the picture to render \[pixels]: that of the window `crop`
 /// of a `whole` picture, or that of the whole picture.
-pub(super) fn window_size(crop: Option<CropWindow>, whole: (u32, u32)) -> Result<(u32, u32), CommandFailure> {
+pub(super) fn rendered_picture_size(crop: Option<CropWindow>, whole: (u32, u32)) -> Result<(u32, u32), CommandFailure> {
     match crop {
         Some(window) if window.fits_into(whole) => Ok(window.size()),
         Some(window) => Err(CommandFailure::usage_error(CropWindowTooLargeError { window, size: whole })),
@@ -174,7 +174,7 @@ fn render_scene(
     inputs: &[PathBuf],
     start: Instant,
     progress: &ProgressDisplay,
-    #[cfg(feature = "view")] mut live: Option<LiveRender<'_>>,
+    #[cfg(feature = "view")] mut live: Option<RenderPublisher<'_>>,
 ) -> Result<Exit, CommandFailure> {
     let algorithm = arguments.method.integrator;
     let mut setup = RenderSetup {
@@ -185,13 +185,13 @@ fn render_scene(
         triangles: scene.triangle_count(),
         analytic_shapes: scene.analytic_shape_count(),
         lights: scene.lights().len(),
-        radii: None,
+        gather_radii: None,
         emission_guiding: EmissionGuidingReports::default(),
         environment_guiding: None,
         scatter_point_guiding: None,
         effects: Vec::new(),
         balance: None,
-        seconds: 0.0,
+        setup_seconds: 0.0,
     };
     // Ray casting makes one pass, from which no error can be estimated.
     let estimates_error = !arguments.no_error_estimate && algorithm != Algorithm::Raycast;
@@ -201,30 +201,30 @@ fn render_scene(
     (settings.camera_paths.crop, settings.camera_paths.clamp) = (arguments.crop, arguments.clamp);
     let camera_paths = settings.camera_paths.clone();
     let (memory, whole) = (arguments.scene.memory_limit(), scene.camera().size());
-    let size = window_size(arguments.crop, whole)?;
-    let layers = rendered_layers(arguments, estimates_error);
+    let size = rendered_picture_size(arguments.crop, whole)?;
+    let layers = requested_layers(arguments, estimates_error);
     let picture_bytes = check_layered_picture_memory(size, layers, memory.available_bytes());
     let picture_bytes = picture_bytes.map_err(CommandFailure::usage_error)?;
     #[cfg(feature = "view")]
-    live.iter().for_each(|live| live.set_phase(Phase::Pilots));
+    live.iter().for_each(|live| live.publish_stage(RenderStage::Pilots));
     let integrator = algorithm.prepare(scene, settings);
     check_photon_memory(integrator.expected_photons(), picture_bytes, memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     plan::print_plan(integrator.as_ref(), progress);
-    setup.radii = integrator.gather_radii();
+    setup.gather_radii = integrator.initial_gather_radii();
     setup.emission_guiding = integrator.emission_guiding_reports();
     setup.environment_guiding = integrator.environment_guiding_report();
     setup.scatter_point_guiding = integrator.scatter_point_guiding_report();
     setup.effects = plan::plan_effect_reports(integrator.plan());
     setup.balance = integrator.ray_photon_balance();
-    setup.seconds = start.elapsed().as_secs_f64();
+    setup.setup_seconds = start.elapsed().as_secs_f64();
     let stop = render_limits(arguments).stop_criteria(algorithm, integrator.as_ref(), &INTERRUPTED);
-    let (numbers, stop) = passes_of_shard(arguments, stop)?;
+    let (numbers, stop) = shard_passes_and_stop(arguments, stop)?;
     let mut film = None;
     let mut before = None;
     if let Some(path) = &arguments.film {
-        let header = film_header(&film_settings(arguments), size, whole, inputs)?;
-        let (saved, rendered) = SavedFilm::open(path, header, arguments.save_every)?;
+        let header = make_film_header(&film_header_settings(arguments), size, whole, inputs)?;
+        let (saved, rendered) = LockedFilmFile::open(path, header, arguments.save_every)?;
         if let Some(rendered) = rendered {
             if arguments.shard.is_some() {
                 saved.check_shard(&rendered, numbers.clone())?;
@@ -237,26 +237,26 @@ fn render_scene(
     let before = before.unwrap_or_else(|| RenderResult::without_passes(integrator.as_ref(), size));
     let options = write_options(arguments);
     let mut updates =
-        arguments.update_interval().map(|interval| PictureUpdates::new(&arguments.output, &options, interval));
+        arguments.update_interval().map(|interval| PictureUpdater::new(&arguments.output, &options, interval));
     #[cfg(feature = "view")]
     live.iter().for_each(|live| {
         let notes = plan::pass_work_lines(integrator.as_ref());
-        live.begin_passes(PlanReport::new(integrator.plan(), notes), &stop, size);
+        live.publish_plan_and_limits(PlanReport::new(integrator.plan(), notes), &stop, size);
     });
     #[cfg(feature = "view")]
     let mut tev = arguments.tev.as_ref().map(|address| TevOutput::start(address, &setup.scene));
     let rendered = render_passes(before, numbers, &stop, integrator.as_ref(), start, progress, |standing| {
         if standing.end_reason.is_none() {
-            updates.iter_mut().for_each(|updates| updates.update(&standing.rendered.film));
+            updates.iter_mut().for_each(|updates| updates.update_if_due(&standing.rendered.film));
             film.iter_mut().for_each(|film| film.save_if_due(standing.rendered));
         }
         #[cfg(feature = "view")]
         live.iter_mut().for_each(|live| {
-            live.after_pass(standing, &stop);
-            live.publish_wanted_surfaces(size, || {
+            live.publish_pass_if_due(standing, &stop);
+            live.publish_wanted_surface_aovs(size, || {
                 let effects = integrator.plan().simulated_effects();
                 let surface = aov_surface(arguments);
-                render_surface_aovs(scene, effects, &camera_paths, surface, LIVE_SURFACE_RAYS, progress)
+                render_surface_aovs(scene, effects, &camera_paths, surface, LIVE_AOV_PIXEL_RAYS, progress)
             });
         });
         #[cfg(feature = "view")]
@@ -264,31 +264,31 @@ fn render_scene(
     });
     progress.remove_progress_bar();
     #[cfg(feature = "view")]
-    live.iter_mut().for_each(|live| live.publish_end(&rendered, Phase::Ended));
+    live.iter_mut().for_each(|live| live.publish_end(&rendered, RenderStage::Ended));
     let powerless = all_lights_are_black(scene);
     let aovs = || find_surface_aovs(arguments, scene, integrator.as_ref(), &camera_paths, progress);
     let aovs = arguments.aov.is_some().then(aovs).flatten();
     progress.remove_progress_bar();
     #[cfg(feature = "view")]
     tev.into_iter().for_each(|tev| tev.finish(&rendered, aovs.as_ref(), arguments.aov.is_some()));
-    let outputs = RenderOutputs { arguments, rendered: &rendered, aovs, film: film.as_ref() };
+    let outputs = RenderOutputs { arguments, rendered: &rendered, aovs, film_file: film.as_ref() };
     outputs.write(progress, setup, &render_limits(arguments), &stop, powerless)
 }
 
 /// Returns which layers beside the picture the command line asks for. Each of them needs memory.
-fn rendered_layers(arguments: &RenderArguments, estimates_error: bool) -> RenderedLayers {
+fn requested_layers(arguments: &RenderArguments, estimates_error: bool) -> RenderedLayers {
     RenderedLayers {
-        error: estimates_error,
-        groups: arguments.light_groups,
-        clamped: arguments.clamp.is_some(),
+        estimates_error,
+        groups_light: arguments.light_groups,
+        clamps_light: arguments.clamp.is_some(),
         #[cfg(feature = "view")]
-        sent: arguments.tev.is_some(),
+        sends_to_tev: arguments.tev.is_some(),
         #[cfg(not(feature = "view"))]
-        sent: false,
+        sends_to_tev: false,
         #[cfg(feature = "view")]
-        aovs: arguments.aov.is_some() || arguments.listen.is_some(),
+        renders_aovs: arguments.aov.is_some() || arguments.listen.is_some(),
         #[cfg(not(feature = "view"))]
-        aovs: arguments.aov.is_some(),
+        renders_aovs: arguments.aov.is_some(),
     }
 }
 
@@ -296,7 +296,7 @@ fn rendered_layers(arguments: &RenderArguments, estimates_error: bool) -> Render
 /// limit.
 ///
 /// Without `--shard`, the indices have no limit and `stop` stays unchanged.
-fn passes_of_shard<'a>(
+fn shard_passes_and_stop<'a>(
     arguments: &RenderArguments,
     stop: StopCriteria<'a>,
 ) -> Result<(Range<u32>, StopCriteria<'a>), CommandFailure> {
@@ -306,12 +306,12 @@ fn passes_of_shard<'a>(
         return Err(CommandFailure::usage_error(EmptyShardError { shard, passes }));
     }
     let count = numbers.end - numbers.start;
-    Ok((numbers, StopCriteria { passes: Some(count), ..stop }))
+    Ok((numbers, StopCriteria { max_passes: Some(count), ..stop }))
 }
 
 /// Returns the scene and the settings that the film file names.
-fn film_settings(arguments: &RenderArguments) -> FilmSettings<'_> {
-    FilmSettings {
+fn film_header_settings(arguments: &RenderArguments) -> FilmHeaderSettings<'_> {
+    FilmHeaderSettings {
         scene: &arguments.scene.scene,
         method: &arguments.method,
         effects: arguments.effects.effects,
@@ -326,8 +326,8 @@ fn film_settings(arguments: &RenderArguments) -> FilmSettings<'_> {
 /// Returns the limits of the render that the command line sets.
 fn render_limits(arguments: &RenderArguments) -> RenderLimits {
     RenderLimits {
-        passes: arguments.passes,
-        time: arguments.time,
+        max_passes: arguments.passes,
+        time_limit: arguments.time,
         target_error: arguments.target_error,
         confidence: arguments.confidence,
         preview: arguments.preview,

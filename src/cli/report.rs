@@ -32,7 +32,8 @@ pub(super) struct RenderReport {
     #[serde(rename = "shapes")]
     pub analytic_shapes: usize,
     pub lights: usize,
-    pub radii: Option<GatherRadiiReport>,
+    #[serde(rename = "radii")]
+    pub gather_radii: Option<GatherRadiiReport>,
     pub emission_guiding: EmissionGuidingReports,
     pub environment_guiding: Option<EnvironmentGuidingReport>,
     pub scatter_point_guiding: Option<ScatterPointGuidingReport>,
@@ -55,25 +56,27 @@ pub(super) struct RenderReport {
 #[derive(Debug, Serialize)]
 pub(super) struct LimitsReport {
     /// True if the command line sets no limit.
-    default: bool,
+    #[serde(rename = "default")]
+    is_default: bool,
     /// Largest number of passes; `None` without this limit.
     passes: Option<u32>,
     /// Time \[s] after which the render ends; `None` without this limit.
     seconds: Option<f64>,
     /// Relative error at which the render ends; `None` without this limit.
-    error: Option<f64>,
-    /// Confidence with which the true error must be at most `error`; `None` if there is no limit
-    /// `error`.
+    #[serde(rename = "error")]
+    target_error: Option<f64>,
+    /// Confidence with which the true error must be at most `target_error`; `None` if there is no
+    /// limit `target_error`.
     confidence: Option<Confidence>,
 }
 
 impl LimitsReport {
     fn new(limits: &RenderLimits, stop: &StopCriteria<'_>) -> Self {
         Self {
-            default: limits.are_default(),
-            passes: stop.passes,
-            seconds: stop.time.map(|time| time.as_secs_f64()),
-            error: stop.target.map(|target| target.error),
+            is_default: limits.are_default(),
+            passes: stop.max_passes,
+            seconds: stop.time_limit.map(|time| time.as_secs_f64()),
+            target_error: stop.target.map(|target| target.error),
             confidence: stop.target.map(|target| target.confidence),
         }
     }
@@ -89,10 +92,12 @@ pub(super) struct EstimatedErrorReport {
     /// Total number of passes after which the estimated error is expected to be half of its present
     /// value (median of the forecast). `None` if it is unknown, or if no number of passes halves
     /// the error.
-    halving_passes: Option<u32>,
-    /// Expected time of the passes that are still missing to `halving_passes` \[s]; `None` if
-    /// `halving_passes` is `None`.
-    halving_seconds: Option<f64>,
+    #[serde(rename = "halving_passes")]
+    halving_total_passes: Option<u32>,
+    /// Expected time of the passes that are still missing to `halving_total_passes` \[s]; `None` if
+    /// `halving_total_passes` is `None`.
+    #[serde(rename = "halving_seconds")]
+    halving_seconds_left: Option<f64>,
 }
 
 impl EstimatedErrorReport {
@@ -105,9 +110,9 @@ impl EstimatedErrorReport {
             StopForecast::Passes(range) => Some(range.median),
             StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
         };
-        let pass_seconds = rendered.wall.as_secs_f64() / f64::from(estimate.passes);
+        let pass_seconds = rendered.wall_time.as_secs_f64() / f64::from(estimate.passes);
         let halving_seconds = halving_passes.map(|n| f64::from(n.saturating_sub(estimate.passes)) * pass_seconds);
-        Some(Self { estimate, confidence, halving_passes, halving_seconds })
+        Some(Self { estimate, confidence, halving_total_passes: halving_passes, halving_seconds_left: halving_seconds })
     }
 }
 
@@ -156,21 +161,21 @@ pub(super) struct RenderSetup {
     pub triangles: usize,
     pub analytic_shapes: usize,
     pub lights: usize,
-    pub radii: Option<GatherRadii>,
+    pub gather_radii: Option<GatherRadii>,
     pub emission_guiding: EmissionGuidingReports,
     pub environment_guiding: Option<EnvironmentGuidingReport>,
     pub scatter_point_guiding: Option<ScatterPointGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
     /// Time from the start of loading to the end of the pilots \[s].
-    pub seconds: f64,
+    pub setup_seconds: f64,
 }
 
 impl RenderReport {
     pub fn new(setup: RenderSetup, limits: &RenderLimits, stop: &StopCriteria<'_>, rendered: &RenderResult) -> Self {
         let confidence = stop.target.map_or(limits.confidence, ErrorTarget::interval_confidence);
         let (width, height) = rendered.film.size();
-        let wall = rendered.wall.as_secs_f64();
+        let wall = rendered.wall_time.as_secs_f64();
         let rate = |n: u64, seconds: f64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };
         let emitted = rendered.unaimed.emitted_paths + rendered.aimed.emitted_paths;
         Self {
@@ -188,7 +193,7 @@ impl RenderReport {
             triangles: setup.triangles,
             analytic_shapes: setup.analytic_shapes,
             lights: setup.lights,
-            radii: setup.radii.map(|r| GatherRadiiReport { indirect: r.indirect, caustic: r.caustic }),
+            gather_radii: setup.gather_radii.map(|r| GatherRadiiReport { indirect: r.indirect, caustic: r.caustic }),
             emission_guiding: setup.emission_guiding,
             environment_guiding: setup.environment_guiding,
             scatter_point_guiding: setup.scatter_point_guiding,
@@ -196,9 +201,9 @@ impl RenderReport {
             balance: setup.balance,
             photons: PhotonReports { unaimed: rendered.unaimed, aimed: rendered.aimed },
             error: EstimatedErrorReport::new(rendered, confidence),
-            clamped_fraction: rendered.clamped_fraction(),
+            clamped_fraction: rendered.clamping_loss_fraction(),
             counters: rendered.counters,
-            seconds: RenderTimes { setup: setup.seconds, passes: rendered.seconds, render: wall },
+            seconds: RenderTimes { setup: setup.setup_seconds, passes: rendered.seconds, render: wall },
             rates: RenderRates {
                 photons_per_second: rate(emitted, rendered.seconds.photons),
                 rays_per_second: rate(rendered.counters.total_rays(), wall),

@@ -39,10 +39,10 @@ pub(super) fn read_scene_file(
     memory: MemoryLimit,
 ) -> Result<SceneFile, CommandFailure> {
     let file = SceneFile::read_with_options(path, monitor, &import.import_options(memory)).map_err(|e| {
-        let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
+        let exit = if matches!(e, SceneReadError::OutOfMemory { .. }) { Exit::Usage } else { Exit::Input };
         CommandFailure::new(exit, e)
     })?;
-    let unsupported = file.notes.iter().filter(|note| import.strict && note.is_unsupported);
+    let unsupported = file.notes.iter().filter(|note| import.strict && note.concerns_unsupported_content);
     let reports: Vec<Report> = unsupported
         .map(|note| UnsupportedContentError { path: path.to_owned(), message: note.message.clone() }.into())
         .collect();
@@ -64,7 +64,7 @@ pub(super) fn load_scene_and_file(
     arguments: &SceneArguments,
     monitor: &dyn MeshReadMonitor,
 ) -> Result<(SceneFile, Scene), CommandFailure> {
-    let file = read_sized_scene_file(arguments, monitor)?;
+    let file = read_resized_scene_file(arguments, monitor)?;
     let scene = resolve_scene_file(&file, arguments, monitor)?;
     Ok((file, scene))
 }
@@ -73,7 +73,7 @@ pub(super) fn load_scene_and_file(
 /// scene.
 ///
 /// If the picture does not fit into memory, returns a failure.
-pub(super) fn read_sized_scene_file(
+pub(super) fn read_resized_scene_file(
     arguments: &SceneArguments,
     monitor: &dyn MeshReadMonitor,
 ) -> Result<SceneFile, CommandFailure> {
@@ -96,18 +96,18 @@ pub(super) fn resolve_scene_file(
     arguments: &SceneArguments,
     monitor: &dyn MeshReadMonitor,
 ) -> Result<Scene, CommandFailure> {
-    Ok(resolve_scene_file_after(None, file, arguments, monitor)?.scene)
+    Ok(resolve_scene_file_incrementally(None, file, arguments, monitor)?.scene)
 }
 
 /// Builds the scene that `file` describes, within the memory limit of the command line. Shares with
 /// an `earlier` version of the scene what has not changed.
-pub(super) fn resolve_scene_file_after(
+pub(super) fn resolve_scene_file_incrementally(
     earlier: Option<&ResolvedScene>,
     file: &SceneFile,
     arguments: &SceneArguments,
     monitor: &dyn MeshReadMonitor,
 ) -> Result<ResolvedScene, CommandFailure> {
-    file.resolve_after(earlier, monitor, arguments.memory_limit()).map_err(|e| {
+    file.resolve_incrementally(earlier, monitor, arguments.memory_limit()).map_err(|e| {
         let exit = if e.is_out_of_memory() { Exit::Usage } else { Exit::Input };
         CommandFailure::new(exit, e)
     })

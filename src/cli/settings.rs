@@ -3,7 +3,8 @@
 use super::args::MethodArguments;
 use crate::camera::{Filter, FilterKind};
 use crate::integrate::{
-    ALPHA, Algorithm, CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, Settings, VolumeEstimator,
+    Algorithm, CameraPathSettings, DEFAULT_ALPHA, FinalGathering, IndirectPhotons, LightTracing, Settings,
+    VolumeEstimator,
 };
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
@@ -97,7 +98,7 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
     let unaimed_paths = arguments.photons.unwrap_or(Settings::default().unaimed_paths);
     Settings {
         camera_paths: CameraPathSettings {
-            samples: arguments.spp,
+            samples_per_pixel: arguments.spp,
             max_bounces: arguments.max_bounces,
             seed: arguments.seed,
             filter: Filter::new(arguments.filter),
@@ -110,12 +111,12 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
         },
         unaimed_paths,
         aimed_paths: arguments.caustic_photons.unwrap_or(unaimed_paths / 2),
-        allows_balance: arguments.photons.is_none()
+        allows_ray_photon_balance: arguments.photons.is_none()
             && arguments.caustic_photons.is_none()
             && arguments.gather_k.is_none(),
         gather_k: arguments.gather_k,
-        radius: arguments.radius,
-        alpha: arguments.alpha.unwrap_or(ALPHA),
+        initial_gather_radius: arguments.radius,
+        alpha: arguments.alpha.unwrap_or(DEFAULT_ALPHA),
         kernel: arguments.kernel,
         volume_estimator: arguments.volume,
         allows_prefix_rays: !arguments.no_prefix_rays,
@@ -240,7 +241,7 @@ mod tests {
             assert!(written.split(' ').any(|word| word == flag), "{flag} is not in {written}");
         }
         assert_eq!(
-            method_flags(&parse_render_arguments("").0, "--effects", EffectOverrides::PLANNED),
+            method_flags(&parse_render_arguments("").0, "--effects", EffectOverrides::NO_OVERRIDES),
             ["--integrator", "hybrid"]
         );
         for kind in ["box", "cone", "epanechnikov"] {

@@ -22,9 +22,9 @@ impl TevOutput {
     }
 
     /// Sends the picture and its light groups, unless they were sent only a short time ago, see
-    /// [`TevClient::send_if_due`].
+    /// [`TevClient::queue_image_if_due`].
     pub fn send_if_due(&mut self, rendered: &RenderResult) {
-        self.client.send_if_due(&self.name, rendered.film.size(), || picture_and_group_layers(rendered));
+        self.client.queue_image_if_due(&self.name, rendered.film.size(), || picture_and_group_layers(rendered));
     }
 
     /// Sends the final picture. If `has_layers` is true, also sends the layers of `--aov`, as a
@@ -33,11 +33,11 @@ impl TevOutput {
     /// Waits a limited time for the viewer to read the images, and prints a warning if it does not.
     pub fn finish(self, rendered: &RenderResult, aovs: Option<&SurfaceAovs>, has_layers: bool) {
         let size = rendered.film.size();
-        self.client.send(&self.name, size, picture_and_group_layers(rendered));
+        self.client.queue_image(&self.name, size, picture_and_group_layers(rendered));
         if has_layers {
             let mut layers = picture_layers(rendered);
             layers.extend(aovs.into_iter().flat_map(surface_layers));
-            self.client.send(&format!("{} layers", self.name), size, layers);
+            self.client.queue_image(&format!("{} layers", self.name), size, layers);
         }
         if !self.client.finish() {
             print_message("warning: tev reads too slowly, so it lacks the last picture");
@@ -48,7 +48,7 @@ impl TevOutput {
 /// Returns the layers that the viewer shows during the render: the mean of the passes so far, and
 /// its light groups.
 fn picture_and_group_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
-    let layer = |(name, film): (&str, &Film)| rgb_layer(name, &film.mean());
-    let groups = LightGroup::ALL.iter().map(|group| group.name()).zip(&rendered.groups);
+    let layer = |(name, film): (&str, &Film)| rgb_layer(name, &film.mean_picture());
+    let groups = LightGroup::ALL.iter().map(|group| group.name()).zip(&rendered.light_group_films);
     std::iter::once(("", &rendered.film)).chain(groups).map(layer).collect()
 }

@@ -1,9 +1,9 @@
 //! Dispersion: refractive index of glass and other transparent media by wavelength.
 
 /// Wavelengths of the Fraunhofer lines F, d and C \[nm].
-const LINES: [f64; 3] = [486.13, 587.56, 656.27];
+const FRAUNHOFER_LINES_NM: [f64; 3] = [486.13, 587.56, 656.27];
 /// Shortest and longest rendered wavelength \[nm].
-const BAND: [u32; 2] = [380, 720];
+const RENDERED_BAND_NM: [u32; 2] = [380, 720];
 
 /// A formula for the refractive index n of a transparent medium at the wavelength λ \[µm].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,7 @@ impl DispersionFormula {
     /// the Abbe number `vd`.
     #[must_use]
     pub fn from_abbe_number(nd: f64, vd: f64) -> Self {
-        let [f, d, c] = LINES.map(inverse_wavelength_squared);
+        let [f, d, c] = FRAUNHOFER_LINES_NM.map(inverse_squared_micrometres);
         let b = (nd - 1.0) / (vd * (f - c));
         Self::Cauchy { a: nd - b * d, b, c: 0.0 }
     }
@@ -39,13 +39,13 @@ impl DispersionFormula {
     /// Refractive index at the wavelength `nm` \[nm].
     #[must_use]
     pub fn refractive_index(&self, nm: f32) -> f32 {
-        self.refractive_index_at(f64::from(nm)) as f32
+        self.refractive_index_f64(f64::from(nm)) as f32
     }
 
     /// Refractive index at the d line, 587.56 nm.
     #[must_use]
     pub fn refractive_index_at_d_line(&self) -> f32 {
-        self.refractive_index_at(LINES[1]) as f32
+        self.refractive_index_f64(FRAUNHOFER_LINES_NM[1]) as f32
     }
 
     /// Abbe number (n_d − 1)/(n_F − n_C); smaller numbers mean stronger dispersion.
@@ -53,7 +53,7 @@ impl DispersionFormula {
     /// n_d, n_F and n_C are the refractive indices at 587.56, 486.13 and 656.27 nm.
     #[must_use]
     pub fn abbe_number(&self) -> f32 {
-        let [f, d, c] = LINES.map(|nm| self.refractive_index_at(nm));
+        let [f, d, c] = FRAUNHOFER_LINES_NM.map(|nm| self.refractive_index_f64(nm));
         ((d - 1.0) / (f - c)) as f32
     }
 
@@ -63,7 +63,7 @@ impl DispersionFormula {
     #[must_use]
     pub fn refractive_index_range(&self) -> Option<[f64; 2]> {
         let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
-        for nm in BAND[0]..BAND[1] {
+        for nm in RENDERED_BAND_NM[0]..RENDERED_BAND_NM[1] {
             let [low, high] = self.refractive_index_bounds_between(f64::from(nm), f64::from(nm + 1))?;
             least = least.min(low);
             most = most.max(high);
@@ -83,14 +83,14 @@ impl DispersionFormula {
         };
         let is_squared = match *self {
             Self::Cauchy { a, b, c } => {
-                let [p, q] = [from, to].map(inverse_wavelength_squared);
+                let [p, q] = [from, to].map(inverse_squared_micrometres);
                 add(a, a);
                 add(b * p, b * q);
                 add(c * p * p, c * q * q);
                 false
             }
             Self::Sellmeier { b, c } => {
-                let [p, q] = [from, to].map(wavelength_squared);
+                let [p, q] = [from, to].map(squared_micrometres);
                 add(1.0, 1.0);
                 for (b, c) in b.into_iter().zip(c) {
                     if b != 0.0 && p <= c && c <= q {
@@ -106,14 +106,14 @@ impl DispersionFormula {
     }
 
     /// Refractive index at the wavelength `nm` \[nm], in f64.
-    fn refractive_index_at(&self, nm: f64) -> f64 {
+    fn refractive_index_f64(&self, nm: f64) -> f64 {
         match *self {
             Self::Cauchy { a, b, c } => {
-                let t = inverse_wavelength_squared(nm);
+                let t = inverse_squared_micrometres(nm);
                 a + t * (b + t * c)
             }
             Self::Sellmeier { b, c } => {
-                let x = wavelength_squared(nm);
+                let x = squared_micrometres(nm);
                 (1.0 + b.into_iter().zip(c).map(|(b, c)| sellmeier_term(b, c, x)).sum::<f64>()).sqrt()
             }
         }
@@ -121,13 +121,13 @@ impl DispersionFormula {
 }
 
 /// Returns λ² \[µm²] of the wavelength λ = `nm` \[nm].
-fn wavelength_squared(nm: f64) -> f64 {
+fn squared_micrometres(nm: f64) -> f64 {
     nm * nm * 1e-6
 }
 
 /// Returns 1/λ² \[µm⁻²] of the wavelength λ = `nm` \[nm].
-fn inverse_wavelength_squared(nm: f64) -> f64 {
-    1.0 / wavelength_squared(nm)
+fn inverse_squared_micrometres(nm: f64) -> f64 {
+    1.0 / squared_micrometres(nm)
 }
 
 /// Term b·x/(x − c) of Sellmeier's equation, where x is λ²; 0 if b is 0, even at x = c.

@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 
 /// Shortest and longest wavelength of the integrals \[nm]. Beyond them, no response exceeds 10⁻⁴ of
 /// its maximum.
-const BAND: [u32; 2] = [360, 830];
+const INTEGRATION_BAND_NM: [u32; 2] = [360, 830];
 
 /// Product of Planck's constant, the square of the speed of light, and 2 \[W m²/sr].
 const FIRST_RADIATION_CONSTANT: f64 = 1.191_042_972e-16;
@@ -23,10 +23,11 @@ const SECOND_RADIATION_CONSTANT: f64 = 1.438_776_877e-2;
 /// Wien's displacement constant \[m K]: the peak of a blackbody's spectrum times its temperature.
 const WIEN_CONSTANT: f64 = 2.897_771_955e-3;
 
-/// Least and greatest reflectance at normal incidence for which [`conductor_rgb`] finds k.
-const CONDUCTOR_REFLECTANCES: [f64; 2] = [1e-4, 0.9999];
+/// Least and greatest reflectance at normal incidence for which [`conductor_refractive_index`]
+/// finds k.
+const CONDUCTOR_REFLECTANCE_BOUNDS: [f64; 2] = [1e-4, 0.9999];
 
-/// Least η that [`conductor_rgb`] returns.
+/// Least η that [`conductor_refractive_index`] returns.
 const LEAST_ETA: f64 = 1e-4;
 
 /// Mean and components of daylight spectra from 380 nm in steps of 10 nm (CIE 15).
@@ -70,19 +71,20 @@ pub struct Spectrum {
     samples: Vec<[f64; 2]>,
 }
 
-/// Color matching functions in linear RGB at the center of each nanometre of [`BAND`], with the sum
-/// of each channel.
-static RESPONSES: LazyLock<(Vec<DVec3>, DVec3)> = LazyLock::new(|| {
-    let responses: Vec<DVec3> = band().map(color_matching_rgb).collect();
+/// Color matching functions in linear RGB at the center of each nanometre of
+/// [`INTEGRATION_BAND_NM`], with the sum of each channel.
+static RGB_RESPONSES_AND_SUM: LazyLock<(Vec<DVec3>, DVec3)> = LazyLock::new(|| {
+    let responses: Vec<DVec3> = band_wavelengths_nm().map(color_matching_rgb).collect();
     let sum = responses.iter().sum();
     (responses, sum)
 });
 
-/// Sum of the luminance response over [`BAND`] \[nm].
-static LUMINANCE_SUM: LazyLock<f64> = LazyLock::new(|| RESPONSES.0.iter().map(|rgb| luminance(*rgb)).sum());
+/// Sum of the luminance response over [`INTEGRATION_BAND_NM`] \[nm].
+static LUMINANCE_RESPONSE_SUM: LazyLock<f64> =
+    LazyLock::new(|| RGB_RESPONSES_AND_SUM.0.iter().map(|rgb| luminance(*rgb)).sum());
 
-fn band() -> impl Iterator<Item = f64> {
-    (BAND[0]..BAND[1]).map(|nm| f64::from(nm) + 0.5)
+fn band_wavelengths_nm() -> impl Iterator<Item = f64> {
+    (INTEGRATION_BAND_NM[0]..INTEGRATION_BAND_NM[1]).map(|nm| f64::from(nm) + 0.5)
 }
 
 /// Luminance of a linear RGB color by the weights of Rec. 709.
@@ -113,7 +115,7 @@ impl Spectrum {
     /// `kelvin` is the temperature, above 0.
     #[must_use]
     pub fn blackbody(kelvin: f64) -> Self {
-        Self { samples: band().map(|nm| [nm, planck(kelvin, nm)]).collect() }
+        Self { samples: band_wavelengths_nm().map(|nm| [nm, planck(kelvin, nm)]).collect() }
     }
 
     /// Returns the spectrum of a blackbody whose maximum over all wavelengths is 1.
@@ -122,7 +124,7 @@ impl Spectrum {
     #[must_use]
     pub fn normalized_blackbody(kelvin: f64) -> Self {
         let peak = planck(kelvin, WIEN_CONSTANT / kelvin * 1e9);
-        Self { samples: band().map(|nm| [nm, planck(kelvin, nm) / peak]).collect() }
+        Self { samples: band_wavelengths_nm().map(|nm| [nm, planck(kelvin, nm) / peak]).collect() }
     }
 
     /// Returns the spectrum of daylight of a correlated color temperature; its value is 1 at 560
@@ -171,8 +173,13 @@ impl Spectrum {
     /// and a constant spectrum is slightly red. Negative channels become 0.
     #[must_use]
     pub fn radiance_rgb(&self) -> DVec3 {
-        let sum: DVec3 = RESPONSES.0.iter().zip(band()).map(|(response, nm)| *response * self.value(nm)).sum();
-        (sum / *LUMINANCE_SUM).max(DVec3::ZERO)
+        let sum: DVec3 = RGB_RESPONSES_AND_SUM
+            .0
+            .iter()
+            .zip(band_wavelengths_nm())
+            .map(|(response, nm)| *response * self.value(nm))
+            .sum();
+        (sum / *LUMINANCE_RESPONSE_SUM).max(DVec3::ZERO)
     }
 
     /// Returns the linear RGB color of light with this spectrum, scaled to luminance 1; white for a
@@ -191,7 +198,7 @@ impl Spectrum {
     #[must_use]
     pub fn channel_means(&self) -> DVec3 {
         let (mut sum, mut weights) = (DVec3::ZERO, DVec3::ZERO);
-        for (response, nm) in RESPONSES.0.iter().zip(band()) {
+        for (response, nm) in RGB_RESPONSES_AND_SUM.0.iter().zip(band_wavelengths_nm()) {
             let weight = response.max(DVec3::ZERO);
             sum += weight * self.value(nm);
             weights += weight;
@@ -209,8 +216,9 @@ fn planck(kelvin: f64, nm: f64) -> f64 {
 
 /// Linear RGB color of a reflectance that is given by wavelength \[nm], inside \[0, 1].
 fn reflectance_rgb(reflectance: impl Fn(f64) -> f64) -> DVec3 {
-    let (responses, total) = &*RESPONSES;
-    let sum: DVec3 = responses.iter().zip(band()).map(|(response, nm)| *response * reflectance(nm)).sum();
+    let (responses, total) = &*RGB_RESPONSES_AND_SUM;
+    let sum: DVec3 =
+        responses.iter().zip(band_wavelengths_nm()).map(|(response, nm)| *response * reflectance(nm)).sum();
     (sum / *total).clamp(DVec3::ZERO, DVec3::ONE)
 }
 
@@ -219,12 +227,12 @@ fn reflectance_rgb(reflectance: impl Fn(f64) -> f64) -> DVec3 {
 /// η is [`Spectrum::channel_means`] of `eta`, clamped so that a k exists. k is chosen so that the
 /// reflectance at normal incidence equals the color of the spectral reflectance.
 #[must_use]
-pub fn conductor_rgb(eta: &Spectrum, k: &Spectrum) -> (DVec3, DVec3) {
+pub fn conductor_refractive_index(eta: &Spectrum, k: &Spectrum) -> (DVec3, DVec3) {
     let reflectance = reflectance_rgb(|nm| {
         let (eta, k) = (eta.value(nm), k.value(nm));
         ((eta - 1.0) * (eta - 1.0) + k * k) / ((eta + 1.0) * (eta + 1.0) + k * k)
     });
-    let [least, greatest] = CONDUCTOR_REFLECTANCES.map(DVec3::splat);
+    let [least, greatest] = CONDUCTOR_REFLECTANCE_BOUNDS.map(DVec3::splat);
     let r = reflectance.clamp(least, greatest);
     let root = r.map(f64::sqrt);
     // With η outside of these bounds, no k ≥ 0 gives the reflectance r.

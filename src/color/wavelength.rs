@@ -17,12 +17,12 @@ use std::sync::LazyLock;
 /// Number of wavelength intervals. The responses of the RGB channels are constant in each interval.
 ///
 /// A byte codes the index of an interval plus 1.
-const CELLS: usize = 255;
+const RESPONSE_INTERVAL_COUNT: usize = 255;
 /// Width of a wavelength interval of constant response \[nm\].
-const STEP: f32 = (Wavelength::LONGEST - Wavelength::SHORTEST) / CELLS as f32;
+const RESPONSE_INTERVAL_NM: f32 = (Wavelength::LONGEST_NM - Wavelength::SHORTEST_NM) / RESPONSE_INTERVAL_COUNT as f32;
 /// Least distance of a sampled wavelength from the ends of its interval, relative to the interval's
 /// width.
-const EDGE: f32 = 1.0 / 4096.0;
+const MIN_RELATIVE_EDGE_DISTANCE: f32 = 1.0 / 4096.0;
 
 /// A sampled wavelength in \[380, 720] nm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,18 +30,22 @@ pub struct Wavelength(f32);
 
 impl Wavelength {
     /// Shortest rendered wavelength \[nm].
-    pub const SHORTEST: f32 = 380.0;
+    pub const SHORTEST_NM: f32 = 380.0;
     /// Longest rendered wavelength \[nm].
-    pub const LONGEST: f32 = 720.0;
+    pub const LONGEST_NM: f32 = 720.0;
 
     /// Samples a wavelength by `u` in \[0, 1), with the mean response of the channels as pdf.
     #[must_use]
     pub fn sample(u: f32) -> Self {
-        let sums = &RESPONSE_TABLE.sums;
+        let sums = &RESPONSE_TABLE.cumulative_probabilities;
         let u = f64::from(u);
-        let cell = sums.partition_point(|s| *s <= u).clamp(1, CELLS) - 1;
+        let cell = sums.partition_point(|s| *s <= u).clamp(1, RESPONSE_INTERVAL_COUNT) - 1;
         let within = (u - sums[cell]) / (sums[cell + 1] - sums[cell]);
-        Self(Self::SHORTEST + (cell as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
+        Self(
+            Self::SHORTEST_NM
+                + (cell as f32 + (within as f32).clamp(MIN_RELATIVE_EDGE_DISTANCE, 1.0 - MIN_RELATIVE_EDGE_DISTANCE))
+                    * RESPONSE_INTERVAL_NM,
+        )
     }
 
     /// The wavelength in nanometres.
@@ -79,37 +83,42 @@ impl Wavelength {
     #[must_use]
     pub fn from_byte_code(code: u8) -> Option<Self> {
         let step = code.checked_sub(1)?;
-        Some(Self(Self::SHORTEST + (f32::from(step) + 0.5) * STEP))
+        Some(Self(Self::SHORTEST_NM + (f32::from(step) + 0.5) * RESPONSE_INTERVAL_NM))
     }
 
     /// Index of the interval of constant response that contains the wavelength.
     fn response_interval_index(self) -> usize {
-        ((self.0 - Self::SHORTEST) / STEP).min(CELLS as f32 - 1.0) as usize
+        ((self.0 - Self::SHORTEST_NM) / RESPONSE_INTERVAL_NM).min(RESPONSE_INTERVAL_COUNT as f32 - 1.0) as usize
     }
 }
 
 /// Table for sampling wavelengths by the responses of the RGB channels, constant in each interval.
 struct SpectralResponseTable {
     /// Cumulative probability at the start of each interval; the last entry is 1.
-    sums: [f64; CELLS + 1],
+    cumulative_probabilities: [f64; RESPONSE_INTERVAL_COUNT + 1],
     /// Pdf of sampled wavelengths in each interval \[1/nm].
-    pdfs: [f32; CELLS],
+    pdfs: [f32; RESPONSE_INTERVAL_COUNT],
     /// [`Wavelength::weight`] in each interval.
-    weights: [Rgb; CELLS],
+    weights: [Rgb; RESPONSE_INTERVAL_COUNT],
 }
 
 /// Responses of the RGB channels and sampling tables, computed at first use.
 static RESPONSE_TABLE: LazyLock<SpectralResponseTable> = LazyLock::new(|| {
-    let center = |cell: usize| f64::from(Wavelength::SHORTEST) + (cell as f64 + 0.5) * f64::from(STEP);
-    let responses: [DVec3; CELLS] =
+    let center =
+        |cell: usize| f64::from(Wavelength::SHORTEST_NM) + (cell as f64 + 0.5) * f64::from(RESPONSE_INTERVAL_NM);
+    let responses: [DVec3; RESPONSE_INTERVAL_COUNT] =
         std::array::from_fn(|cell| add_white_until_nonnegative(color_matching_rgb(center(cell))));
     let total: DVec3 = responses.iter().sum();
-    let mut table = SpectralResponseTable { sums: [0.0; CELLS + 1], pdfs: [0.0; CELLS], weights: [Rgb::ZERO; CELLS] };
+    let mut table = SpectralResponseTable {
+        cumulative_probabilities: [0.0; RESPONSE_INTERVAL_COUNT + 1],
+        pdfs: [0.0; RESPONSE_INTERVAL_COUNT],
+        weights: [Rgb::ZERO; RESPONSE_INTERVAL_COUNT],
+    };
     for (cell, response) in responses.iter().enumerate() {
         let response = response / total;
         let density = response.element_sum() / 3.0;
-        table.sums[cell + 1] = table.sums[cell] + density;
-        table.pdfs[cell] = (density / f64::from(STEP)) as f32;
+        table.cumulative_probabilities[cell + 1] = table.cumulative_probabilities[cell] + density;
+        table.pdfs[cell] = (density / f64::from(RESPONSE_INTERVAL_NM)) as f32;
         table.weights[cell] = (response / density).as_vec3();
     }
     table

@@ -95,7 +95,7 @@ pub enum FocusDescription {
 }
 
 /// Camera blocks of the scene language, each with the function that converts its fields.
-pub(super) static CAMERAS: &[BlockParser<ParseProjection>] = &[
+pub(super) static CAMERA_BLOCK_PARSERS: &[BlockParser<ParseProjection>] = &[
     BlockParser { block: &PERSPECTIVE, parse: parse_perspective_projection },
     BlockParser { block: &ORTHOGRAPHIC, parse: parse_orthographic_projection },
     BlockParser { block: &PANORAMA, parse: parse_panorama_projection },
@@ -113,61 +113,62 @@ pub(super) struct CameraPose {
     aim: DirectionOrTarget,
 }
 
-const PICTURE_SIZE_RANGE: FieldRange = FieldRange::Within(1.0, 65_536.0);
+const PICTURE_SIZE_RANGE: FieldRange = FieldRange::ClosedInterval(1.0, 65_536.0);
 
 static VIEW_FIELDS: &[FieldSchema] = &[
     field_schema("center", FieldKind::Point, "the pinhole, the lens center, or the center of an orthographic picture")
         .make_required()
-        .mark_as_course_syntax(),
-    field_schema("direction", FieldKind::Direction, "direction of view; give this or `lookAt`").mark_as_course_syntax(),
+        .mark_as_mit_6837_syntax(),
+    field_schema("direction", FieldKind::Direction, "direction of view; give this or `lookAt`")
+        .mark_as_mit_6837_syntax(),
     field_schema("lookAt", FieldKind::Point, "point that the camera looks at"),
     field_schema("up", FieldKind::Direction, "direction that appears upward; not parallel to the view")
         .with_default_numbers(&[0.0, 1.0, 0.0])
-        .mark_as_course_syntax(),
+        .mark_as_mit_6837_syntax(),
 ];
 
 static PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
-    field_schema("width", FieldKind::Whole, "picture width")
+    field_schema("width", FieldKind::WholeNumber, "picture width")
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[960.0])
         .with_unit("pixels")
-        .mark_as_course_syntax(),
-    field_schema("height", FieldKind::Whole, "picture height")
+        .mark_as_mit_6837_syntax(),
+    field_schema("height", FieldKind::WholeNumber, "picture height")
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[720.0])
         .with_unit("pixels")
-        .mark_as_course_syntax(),
+        .mark_as_mit_6837_syntax(),
 ];
 
 static PERSPECTIVE: BlockSchema = block_schema("PerspectiveCamera", "perspective through a pinhole or a thin lens")
     .with_fields(&[
         field_schema("angle", FieldKind::Number, "vertical field of view")
-            .with_range(FieldRange::Between(0.0, 180.0))
+            .with_range(FieldRange::OpenInterval(0.0, 180.0))
             .make_required()
             .with_unit("degrees")
-            .mark_as_course_syntax(),
+            .mark_as_mit_6837_syntax(),
         field_schema("aperture", FieldKind::Number, "lens radius")
             .with_range(FieldRange::NonNegative)
-            .with_default_description("0: a pinhole"),
+            .make_optional("0: a pinhole"),
         field_schema("fNumber", FieldKind::Number, "instead of `aperture`: focal length over lens diameter")
             .with_range(FieldRange::Positive),
         field_schema("sensorHeight", FieldKind::Number, "with `fNumber`: sensor height; sets the focal length")
             .with_range(FieldRange::Positive)
-            .with_default_description("0.024: 24 mm if the unit is the metre"),
+            .make_optional("0.024: 24 mm if the unit is the metre"),
         field_schema("focusDistance", FieldKind::Number, "distance along the view of the plane in focus, 10⁻¹² … 10¹²")
             .with_range(FieldRange::Positive),
         field_schema("focusAt", FieldKind::Point, "instead of `focusDistance`: a point of the plane in focus")
-            .with_default_description("the point of `lookAt`"),
-        field_schema("blades", FieldKind::Whole, "edges of the lens opening, visible in blurred highlights")
-            .with_range(FieldRange::Special("0 or 3 … 64"))
-            .with_default_description("0: round"),
+            .make_optional("the point of `lookAt`"),
+        field_schema("blades", FieldKind::WholeNumber, "edges of the lens opening, visible in blurred highlights")
+            .with_range(FieldRange::DescribedOnly("0 or 3 … 64"))
+            .make_optional("0: round"),
     ])
     .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS])
-    .mark_as_course_syntax();
+    .mark_as_mit_6837_syntax();
 
 static ORTHOGRAPHIC: BlockSchema = block_schema("OrthographicCamera", "parallel projection")
     .with_fields(&[field_schema("size", FieldKind::Number, "height of the visible region")
-        .with_range(FieldRange::UpTo(0.0, 1e12))
+        .with_range(FieldRange::LeftOpenInterval(0.0, 1e12))
         .make_required()])
     .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS]);
 
@@ -176,13 +177,13 @@ static PANORAMA: BlockSchema = block_schema(
     "all directions by longitude and latitude, with the direction of view in the middle",
 )
 .with_fields(&[
-    field_schema("width", FieldKind::Whole, "picture width")
+    field_schema("width", FieldKind::WholeNumber, "picture width")
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[960.0])
         .with_unit("pixels"),
-    field_schema("height", FieldKind::Whole, "picture height")
+    field_schema("height", FieldKind::WholeNumber, "picture height")
         .with_range(PICTURE_SIZE_RANGE)
-        .with_default_description("half of the width")
+        .make_optional("half of the width")
         .with_unit("pixels"),
 ])
 .with_shared_fields(&[VIEW_FIELDS]);
@@ -196,7 +197,7 @@ pub(super) fn parse_moving_camera<'a>(
     keyword: Token<'a>,
 ) -> Result<Spanned<CameraDescription>, SceneError> {
     let read = |parser: &mut Parser<'a>, word: Token<'a>| Ok(Spanned::new(parse_camera(parser, word)?, word.span()));
-    let allowed = block_keywords(&[], CAMERAS);
+    let allowed = block_keywords(&[], CAMERA_BLOCK_PARSERS);
     let (motion, mut camera) = parse_moving_block(parser, keyword, &allowed, read)?;
     if motion.iter().any(|map| matches!(map, TransformStep::Scale(_) | TransformStep::UniformScale(_))) {
         let message = "a camera cannot grow".to_owned();
@@ -209,10 +210,10 @@ pub(super) fn parse_moving_camera<'a>(
 
 /// Parses a camera block. Its keyword `word` has been read.
 pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<CameraDescription, SceneError> {
-    let (entry, f) = parse_block_by_keyword(parser, word, CAMERAS)?;
-    let center = f.value("center")?;
+    let (entry, f) = parse_block_by_keyword(parser, word, CAMERA_BLOCK_PARSERS)?;
+    let center = f.value_or_default("center")?;
     let (aim, direction) = parse_direction_or_target(&f, "center", center)?;
-    let up: DVec3 = f.value("up")?;
+    let up: DVec3 = f.value_or_default("up")?;
     // For a smaller sine of the angle between `up` and the view, rounding decides which way is up.
     if up.normalize().cross(direction.normalize()).length() < 1e-9 {
         let culprit = f.get("up").or(f.get("direction")).or(f.get("lookAt"));
@@ -220,21 +221,23 @@ pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Resu
         let help = "give an `up` that points elsewhere, e.g. `up 0 0 1`".to_owned();
         return Err(f.error_at(culprit.map_or(word.span(), |field| field.span()), message, "parallel", help));
     }
-    let width: u32 = f.value("width")?;
+    let width: u32 = f.value_or_default("width")?;
     let projection = (entry.parse)(&f, &CameraPose { center, direction, aim })?;
     let height = match projection {
         ProjectionDescription::Panorama => f.optional_value("height").unwrap_or(width.div_ceil(2)),
-        ProjectionDescription::Perspective { .. } | ProjectionDescription::Orthographic { .. } => f.value("height")?,
+        ProjectionDescription::Perspective { .. } | ProjectionDescription::Orthographic { .. } => {
+            f.value_or_default("height")?
+        }
     };
     Ok(CameraDescription { center, aim, up, projection, width, height, motion: Vec::new() })
 }
 
 fn parse_perspective_projection(f: &BlockFields<'_>, view: &CameraPose) -> Result<ProjectionDescription, SceneError> {
-    Ok(ProjectionDescription::Perspective { angle: f.value("angle")?, lens: parse_lens(f, view)? })
+    Ok(ProjectionDescription::Perspective { angle: f.value_or_default("angle")?, lens: parse_lens(f, view)? })
 }
 
 fn parse_orthographic_projection(f: &BlockFields<'_>, _: &CameraPose) -> Result<ProjectionDescription, SceneError> {
-    Ok(ProjectionDescription::Orthographic { size: f.value("size")? })
+    Ok(ProjectionDescription::Orthographic { size: f.value_or_default("size")? })
 }
 
 fn parse_panorama_projection(_: &BlockFields<'_>, _: &CameraPose) -> Result<ProjectionDescription, SceneError> {
@@ -269,7 +272,7 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraPose) -> Result<Option<LensDescr
     } else {
         match view.aim {
             DirectionOrTarget::Target(point) => FocusDescription::Point(point),
-            DirectionOrTarget::Direction(_) => FocusDescription::Distance(f.value("focusDistance")?),
+            DirectionOrTarget::Direction(_) => FocusDescription::Distance(f.value_or_default("focusDistance")?),
         }
     };
     let blades = f.optional_value("blades").unwrap_or(0);
@@ -394,15 +397,15 @@ const MIN_FOCUS_DISTANCE: f64 = 1e-12;
 
 /// Greatest lens radius and focus distance \[length]. Single precision can hold their squares and
 /// products.
-const MAX_LENS_LENGTH: f64 = 1e12;
+const MAX_RADIUS_OR_FOCUS: f64 = 1e12;
 
 /// Fails if single precision cannot hold the squares of the lens radius and the focus distance.
 fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
-    if !(lens.radius < MAX_LENS_LENGTH && lens.focus < MAX_LENS_LENGTH) {
+    if !(lens.radius < MAX_RADIUS_OR_FOCUS && lens.focus_distance < MAX_RADIUS_OR_FOCUS) {
         let message = "the lens is larger, or focused farther, than single precision can hold";
         return Err((message.to_owned(), "close it, or focus nearer"));
     }
-    if lens.focus < MIN_FOCUS_DISTANCE {
+    if lens.focus_distance < MIN_FOCUS_DISTANCE {
         let message = "the lens is focused nearer than single precision can hold";
         return Err((message.to_owned(), "focus at a distance of at least 1e-12"));
     }
@@ -424,5 +427,5 @@ fn resolve_lens(lens: &LensDescription, angle: f64, center: DVec3, direction: DV
         FocusDescription::Distance(distance) => distance,
         FocusDescription::Point(point) => (point - center).dot(direction.normalize()),
     };
-    Lens { radius, focus, blades: lens.blades }
+    Lens { radius, focus_distance: focus, blades: lens.blades }
 }

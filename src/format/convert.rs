@@ -26,7 +26,7 @@ pub struct ConvertedScene {
     pub grids: Vec<(PathBuf, Arc<GridFile>)>,
     /// Paths of existing files that the text refers to, such as meshes and pictures. Files still to
     /// be written are not included.
-    pub named_files: Vec<PathBuf>,
+    pub existing_file_paths: Vec<PathBuf>,
 }
 
 impl ConvertedScene {
@@ -73,7 +73,7 @@ impl ConvertedScene {
             }
             named_files.push(file);
         });
-        Self { text: description.to_string(), meshes, pictures, grids, named_files }
+        Self { text: description.to_string(), meshes, pictures, grids, existing_file_paths: named_files }
     }
 }
 

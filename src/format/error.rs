@@ -8,7 +8,7 @@ use miette::{Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCod
 use super::span::Span;
 
 /// Greatest number of errors of one scene file that are reported at once.
-pub(super) const MAX_ERRORS: usize = 20;
+pub(super) const MAX_REPORTED_ERRORS: usize = 20;
 
 /// Greatest number of bytes shown on either side of an error, because a file may be one long line.
 const CONTEXT_BYTES: usize = 200;
@@ -18,7 +18,7 @@ const MAX_UNDERLINED_BYTES: usize = 80;
 /// Name and text of a scene file; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct SourceText {
-    name: Arc<str>,
+    file_name: Arc<str>,
     text: Arc<str>,
 }
 
@@ -26,13 +26,13 @@ impl SourceText {
     /// Makes a source from the `text` that was read from the file `name`.
     #[must_use]
     pub fn new(name: &str, text: &str) -> Self {
-        Self { name: name.into(), text: text.into() }
+        Self { file_name: name.into(), text: text.into() }
     }
 
     /// Returns the name of the scene file.
     #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
+    pub fn file_name(&self) -> &str {
+        &self.file_name
     }
 
     /// Returns the text of the scene file.
@@ -45,14 +45,14 @@ impl SourceText {
     /// is empty.
     pub(super) fn warning_at_span(&self, span: Span, message: &str) -> String {
         if self.text.is_empty() {
-            return format!("{}: warning: {message}", self.name);
+            return format!("{}: warning: {message}", self.file_name);
         }
-        let (line, column) = self.line_and_column(span.start.min(self.text.len()));
-        format!("{}:{}:{}: warning: {message}", self.name, line + 1, column + 1)
+        let (line, column) = self.zero_based_line_column(span.start.min(self.text.len()));
+        format!("{}:{}:{}: warning: {message}", self.file_name, line + 1, column + 1)
     }
 
     /// Returns line and column, both from 0, of the byte at offset `at`. Columns count characters.
-    fn line_and_column(&self, at: usize) -> (usize, usize) {
+    fn zero_based_line_column(&self, at: usize) -> (usize, usize) {
         let before = &self.text[..self.text.floor_char_boundary(at)];
         let start = before.rfind('\n').map_or(0, |i| i + 1);
         (before.bytes().filter(|&b| b == b'\n').count(), before[start..].chars().count())
@@ -79,9 +79,9 @@ impl SourceCode for SourceText {
         };
         let window = text.floor_char_boundary(to.saturating_add(CONTEXT_BYTES));
         let end = text[to..window].match_indices('\n').nth(lines_after).map_or(window, |(i, _)| to + i);
-        let (line, column) = self.line_and_column(start);
+        let (line, column) = self.zero_based_line_column(start);
         let shown = SourceSpan::from(start..end);
-        let name = self.name.to_string();
+        let name = self.file_name.to_string();
         Ok(Box::new(MietteSpanContents::new_named(name, &text.as_bytes()[start..end], shown, line, column, 1)))
     }
 }
@@ -104,8 +104,8 @@ impl Display for SceneError {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         let SceneErrorData { source, line, column, message, .. } = &*self.0;
         match line {
-            0 => write!(f, "{}: {message}", source.name),
-            _ => write!(f, "{}:{line}:{column}: {message}", source.name),
+            0 => write!(f, "{}: {message}", source.file_name),
+            _ => write!(f, "{}:{line}:{column}: {message}", source.file_name),
         }
     }
 }
@@ -165,7 +165,7 @@ impl SceneError {
     #[must_use]
     pub fn from_errors(mut errors: Vec<Self>) -> Option<Self> {
         errors.sort_by_key(|error| error.0.span.start);
-        errors.truncate(MAX_ERRORS);
+        errors.truncate(MAX_REPORTED_ERRORS);
         let mut errors = errors.into_iter();
         let mut first = errors.next()?;
         first.0.further_errors.extend(errors);
@@ -187,7 +187,7 @@ impl SceneError {
         if let Some(i) = text[start..end].find(['\n', '\r']) {
             end = start + i;
         }
-        let (line, column) = source.line_and_column(start);
+        let (line, column) = source.zero_based_line_column(start);
         let span = Span { start, len: end - start };
         let (source, escaped_source) = (source.clone(), escape_near_span(source, span));
         let (line, column, is_out_of_memory, further_errors) = (line + 1, column + 1, false, Vec::new());
@@ -234,12 +234,12 @@ impl SceneError {
     /// Returns the name of the scene file.
     #[must_use]
     pub fn file_name(&self) -> &str {
-        self.0.source.name()
+        self.0.source.file_name()
     }
 
     /// Returns the text at the error's position; empty if there is none.
     #[must_use]
-    pub fn text(&self) -> &str {
+    pub fn offending_text(&self) -> &str {
         &self.0.source.text[self.0.span.start..][..self.0.span.len]
     }
 
@@ -298,7 +298,7 @@ fn escape_near_span(source: &SourceText, span: Span) -> Option<(SourceText, Span
         (escape(&text[from..span.start]), escape(&text[span.start..end]), escape(&text[end..to]));
     let span = Span { start: from + before.len(), len: inside.len() };
     let text = format!("{}{before}{inside}{after}{}", &text[..from], &text[to..]);
-    Some((SourceText::new(source.name(), &text), span))
+    Some((SourceText::new(source.file_name(), &text), span))
 }
 
 #[cfg(test)]

@@ -7,29 +7,30 @@ use std::path::Path;
 pub const SCENE_TEXT_EXTENSIONS: &[&str] = &["txt", "caustica"];
 
 /// Extensions of other programs' scene formats that have no importer.
-const UNREAD_SCENE_EXTENSIONS: &[&str] = &["usd", "usda", "usdc", "usdz", "blend", "fbx", "dae", "3ds", "abc", "x3d"];
+const UNSUPPORTED_SCENE_EXTENSIONS: &[&str] =
+    &["usd", "usda", "usdc", "usdz", "blend", "fbx", "dae", "3ds", "abc", "x3d"];
 
 /// Extensions of mesh formats that are not read.
-const UNREAD_MESH_EXTENSIONS: &[&str] = &["stl", "off"];
+const UNSUPPORTED_MESH_EXTENSIONS: &[&str] = &["stl", "off"];
 
 /// File extensions of the meshes that a scene file can refer to.
 const MESH_EXTENSIONS: &[&str] = &["obj", "ply"];
 
 /// True if the extension belongs to a known format from which no meshes are read: a scene format of
 /// another program, or an unread mesh format.
-pub(super) fn is_unread_mesh_format(extension: &str) -> bool {
+pub(super) fn is_unsupported_mesh_format(extension: &str) -> bool {
     let is_imported = IMPORTERS.iter().any(|importer| importer.extensions().contains(&extension));
     (is_imported && !SCENE_TEXT_EXTENSIONS.contains(&extension))
-        || UNREAD_SCENE_EXTENSIONS.contains(&extension)
-        || UNREAD_MESH_EXTENSIONS.contains(&extension)
+        || UNSUPPORTED_SCENE_EXTENSIONS.contains(&extension)
+        || UNSUPPORTED_MESH_EXTENSIONS.contains(&extension)
 }
 
 /// Returns advice to a user who gives a file with this extension as scene text; `None` if the file
 /// may be scene text. Extensions of importers do not occur.
 pub(super) fn remedy_for_foreign_scene(extension: &str) -> Option<&'static str> {
-    if UNREAD_SCENE_EXTENSIONS.contains(&extension) {
+    if UNSUPPORTED_SCENE_EXTENSIONS.contains(&extension) {
         Some("export the meshes as OBJ or PLY, and name them in a scene text: `TriangleMesh { file a.obj }`")
-    } else if MESH_EXTENSIONS.contains(&extension) || UNREAD_MESH_EXTENSIONS.contains(&extension) {
+    } else if MESH_EXTENSIONS.contains(&extension) || UNSUPPORTED_MESH_EXTENSIONS.contains(&extension) {
         Some("write a scene text that names the mesh: `TriangleMesh { file a.obj }`")
     } else {
         None

@@ -50,7 +50,7 @@ impl SceneFile {
         monitor: &dyn MeshReadMonitor,
         options: &ImportOptions,
     ) -> Result<Self, SceneReadError> {
-        let extension = options.format.clone().unwrap_or_else(|| lowercase_extension(path));
+        let extension = options.format_extension.clone().unwrap_or_else(|| lowercase_extension(path));
         let importer = IMPORTERS.iter().copied().find(|importer| importer.extensions().contains(&&*extension));
         let ImportedScene { description, source, assets, notes } =
             importer.unwrap_or(&SceneTextImporter).import(path, monitor, options)?;
@@ -98,7 +98,7 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`].
     pub fn resolve_monitored(&self, monitor: &dyn MeshReadMonitor, memory: MemoryLimit) -> Result<Scene, SceneError> {
-        Ok(self.resolve_after(None, monitor, memory)?.scene)
+        Ok(self.resolve_incrementally(None, monitor, memory)?.scene)
     }
 
     /// Builds the scene as [`SceneFile::resolve_monitored`] does, and shares with an `earlier`
@@ -110,7 +110,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// [`SceneError`].
-    pub fn resolve_after(
+    pub fn resolve_incrementally(
         &self,
         earlier: Option<&ResolvedScene>,
         monitor: &dyn MeshReadMonitor,

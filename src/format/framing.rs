@@ -4,7 +4,7 @@ use super::description::{CameraDescription, DirectionOrTarget, ProjectionDescrip
 use glam::DVec3;
 
 /// Picture height of imported cameras \[pixels], for formats that do not state it, such as glTF.
-const PICTURE_HEIGHT: f64 = 720.0;
+const DEFAULT_PICTURE_HEIGHT: f64 = 720.0;
 
 /// Aspect ratio (width : height) of the picture if the imported camera does not give one.
 pub(super) const DEFAULT_ASPECT_RATIO: f64 = 4.0 / 3.0;
@@ -12,12 +12,12 @@ pub(super) const DEFAULT_ASPECT_RATIO: f64 = 4.0 / 3.0;
 /// Largest aspect ratio (width : height) of a picture. The smallest is its inverse.
 const MAX_ASPECT_RATIO: f64 = 20.0;
 
-/// Returns a camera with a picture of [`PICTURE_HEIGHT`] and the aspect ratio `aspect` (width :
-/// height).
+/// Returns a camera with a picture of [`DEFAULT_PICTURE_HEIGHT`] and the aspect ratio `aspect`
+/// (width : height).
 ///
 /// `aspect` is clamped to [1/20, 20]. It is replaced by [`DEFAULT_ASPECT_RATIO`] if it is not above
 /// 0.
-pub(super) fn camera_description(
+pub(super) fn camera_with_aspect_ratio(
     center: DVec3,
     direction: DVec3,
     up: DVec3,
@@ -30,8 +30,8 @@ pub(super) fn camera_description(
         aim: DirectionOrTarget::Direction(direction),
         up,
         projection,
-        width: (PICTURE_HEIGHT * aspect).round() as u32,
-        height: PICTURE_HEIGHT as u32,
+        width: (DEFAULT_PICTURE_HEIGHT * aspect).round() as u32,
+        height: DEFAULT_PICTURE_HEIGHT as u32,
         motion: Vec::new(),
     }
 }
@@ -40,12 +40,12 @@ pub(super) fn camera_description(
 ///
 /// It looks at the center of the bounds from above, in front and to the right, with +y up.
 pub(super) fn framing_camera((low, high): (DVec3, DVec3)) -> CameraDescription {
-    const ANGLE: f64 = 40.0;
+    const FIELD_OF_VIEW_DEGREES: f64 = 40.0;
     let (center, radius) =
         if low.cmple(high).all() { (0.5 * low + 0.5 * high, 0.5 * (high - low).length()) } else { (DVec3::ZERO, 1.0) };
     let radius = if radius > 0.0 && radius.is_finite() { radius } else { 1.0 };
     let direction = DVec3::new(-0.5, -0.4, -1.0).normalize();
-    let distance = 1.05 * radius / libm::sin((0.5 * ANGLE).to_radians());
-    let projection = ProjectionDescription::Perspective { angle: ANGLE, lens: None };
-    camera_description(center - direction * distance, direction, DVec3::Y, (projection, DEFAULT_ASPECT_RATIO))
+    let distance = 1.05 * radius / libm::sin((0.5 * FIELD_OF_VIEW_DEGREES).to_radians());
+    let projection = ProjectionDescription::Perspective { angle: FIELD_OF_VIEW_DEGREES, lens: None };
+    camera_with_aspect_ratio(center - direction * distance, direction, DVec3::Y, (projection, DEFAULT_ASPECT_RATIO))
 }

@@ -54,7 +54,7 @@ pub struct ImportOptions {
     pub memory: MemoryLimit,
     /// File extension that selects the importer, in lower case and without the dot; `None` for the
     /// extension of the file itself.
-    pub format: Option<String>,
+    pub format_extension: Option<String>,
     /// True if a scene file of another program's format may name files outside its own folder.
     pub allows_outside_files: bool,
 }
@@ -66,7 +66,7 @@ pub struct ImportNote {
     pub message: String,
     /// True if the file asks for something that is ignored or approximated. False if the file
     /// leaves something out, such as a camera.
-    pub is_unsupported: bool,
+    pub concerns_unsupported_content: bool,
 }
 
 /// A scene that an importer read from a file.
@@ -97,7 +97,7 @@ pub enum SceneReadError {
     /// The scene would exceed the memory limit.
     #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), format_bytes(*needed), format_bytes(*free))]
     #[diagnostic(help("put large parts into meshes, or allow more memory (--memory)"))]
-    Memory {
+    OutOfMemory {
         /// Path of the scene file.
         path: PathBuf,
         /// Estimated memory of the scene \[bytes].
@@ -108,7 +108,7 @@ pub enum SceneReadError {
     /// The content of the file has errors.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Content(#[from] SceneError),
+    InvalidContent(#[from] SceneError),
 }
 
 /// Result of reading a part of a scene.

@@ -4,7 +4,7 @@ use crate::format::import::ImportNote;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest number of places that one message names. Further places are only counted.
-const NAMED_PLACES: usize = 3;
+const MAX_NAMED_PLACES: usize = 3;
 
 /// Messages about a file. Each distinct message occurs once, with all places where it applies.
 #[derive(Default)]
@@ -36,7 +36,7 @@ impl ImportNotes {
     pub fn into_notes(self) -> Vec<ImportNote> {
         let note = |((is_unsupported, message), places): ((bool, String), BTreeSet<String>)| {
             let message = if places.is_empty() { message } else { format!("{message} ({})", place_list(&places)) };
-            ImportNote { message, is_unsupported }
+            ImportNote { message, concerns_unsupported_content: is_unsupported }
         };
         self.places.into_iter().map(note).collect()
     }
@@ -44,8 +44,8 @@ impl ImportNotes {
 
 /// Returns the number of `places` and the first three of them as text, such as `4×: a, b, c, …`.
 fn place_list(places: &BTreeSet<String>) -> String {
-    let more = if places.len() > NAMED_PLACES { ", …" } else { "" };
-    let names = places.iter().take(NAMED_PLACES).map(String::as_str).collect::<Vec<_>>().join(", ");
+    let more = if places.len() > MAX_NAMED_PLACES { ", …" } else { "" };
+    let names = places.iter().take(MAX_NAMED_PLACES).map(String::as_str).collect::<Vec<_>>().join(", ");
     format!("{}×: {names}{more}", places.len())
 }
 
@@ -63,6 +63,6 @@ mod tests {
         let notes = notes.into_notes();
         assert_eq!(notes[0].message, "no camera");
         assert_eq!(notes[1].message, "sheen is ignored (4×: a, b, c, …)");
-        assert!(notes[1].is_unsupported && !notes[0].is_unsupported);
+        assert!(notes[1].concerns_unsupported_content && !notes[0].concerns_unsupported_content);
     }
 }

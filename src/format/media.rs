@@ -8,7 +8,7 @@ use super::language::lexer::Token;
 use super::language::names::parse_unique_block_name;
 use super::language::parser::Parser;
 use super::language::schema::{
-    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_COEFFICIENT, block_keywords, block_schema,
+    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_MEDIUM_COEFFICIENT, block_keywords, block_schema,
     field_schema,
 };
 use super::language::transforms::write_transform_field;
@@ -114,7 +114,7 @@ pub struct TransformedBoxDescription {
 }
 
 /// Medium blocks of the scene language, each with the function that converts its density fields.
-pub(super) static MEDIA: &[BlockParser<ParseDensity>] = &[
+pub(super) static MEDIUM_BLOCK_PARSERS: &[BlockParser<ParseDensity>] = &[
     BlockParser { block: &MEDIUM, parse: parse_medium_density },
     BlockParser { block: &CLOUD, parse: parse_cloud_density },
 ];
@@ -122,7 +122,7 @@ pub(super) static MEDIA: &[BlockParser<ParseDensity>] = &[
 /// Function that converts the parsed fields of a medium block to the density of the medium.
 type ParseDensity = fn(&BlockFields<'_>) -> Result<DensityDescription, SceneError>;
 
-const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
+const COEFFICIENT_RANGE: FieldRange = FieldRange::ClosedInterval(0.0, MAX_MEDIUM_COEFFICIENT);
 
 static OPTICAL_FIELDS: &[FieldSchema] = &[
     field_schema("absorption", FieldKind::Color, "absorption coefficient σa")
@@ -137,28 +137,27 @@ static OPTICAL_FIELDS: &[FieldSchema] = &[
         .with_range(COEFFICIENT_RANGE)
         .with_unit("1/length"),
     field_schema("albedo", FieldKind::Color, "σs/(σa + σs), together with `extinction`")
-        .with_range(FieldRange::Within(0.0, 1.0)),
+        .with_range(FieldRange::ClosedInterval(0.0, 1.0)),
     field_schema("emission", FieldKind::Color, "radiance gained per length")
         .with_range(COEFFICIENT_RANGE)
         .with_default_numbers(&[0.0, 0.0, 0.0])
         .with_unit("W/(m² sr)/length"),
     field_schema("phase", FieldKind::Word(&["isotropic", "rayleigh", "henyey-greenstein"]), "phase function")
-        .with_default_description("`isotropic`; with `anisotropy`, `henyey-greenstein`"),
+        .make_optional("`isotropic`; with `anisotropy`, `henyey-greenstein`"),
     field_schema("anisotropy", FieldKind::Number, "mean cosine g; above 0 scatters forward")
-        .with_range(FieldRange::Special("−1 < g < 1")),
+        .with_range(FieldRange::DescribedOnly("−1 < g < 1")),
 ];
 
 static EXTENT_FIELDS: &[FieldSchema] = &[
     field_schema("min", FieldKind::Point, "least corner of the box; required, but for a `Medium` without `grid`"),
     field_schema("max", FieldKind::Point, "greatest corner, above `min` in each component"),
     field_schema("Transform", FieldKind::TransformSteps, "maps from the space of the box to the world")
-        .with_default_description("none"),
+        .make_optional("none"),
 ];
 
 static MEDIUM: BlockSchema = block_schema("Medium", "a medium of constant density, or with the densities of a grid")
     .with_fields(&[
-        field_schema("grid", FieldKind::Name, "file of densities")
-            .with_default_description("none: density 1 everywhere"),
+        field_schema("grid", FieldKind::Name, "file of densities").make_optional("none: density 1 everywhere"),
         field_schema("densityScale", FieldKind::Number, "with `grid`: factor of its densities")
             .with_range(FieldRange::Positive)
             .with_default_numbers(&[1.0]),
@@ -169,20 +168,20 @@ static CLOUD: BlockSchema =
     block_schema("Cloud", "a medium with noise as density, from 0 to 1, in the ellipsoid inscribed in its box")
         .with_fields(&[
             field_schema("cover", FieldKind::Number, "amount of noise: 0 is empty, 1 is noise everywhere")
-                .with_range(FieldRange::Within(0.0, 1.0))
+                .with_range(FieldRange::ClosedInterval(0.0, 1.0))
                 .with_default_numbers(&[0.5]),
             field_schema("softness", FieldKind::Number, "share of the radius over which the edge fades")
-                .with_range(FieldRange::Within(0.0, 1.0))
+                .with_range(FieldRange::ClosedInterval(0.0, 1.0))
                 .with_default_numbers(&[0.3]),
-            field_schema("octaves", FieldKind::Whole, "octaves of noise")
-                .with_range(FieldRange::Within(1.0, 16.0))
+            field_schema("octaves", FieldKind::WholeNumber, "octaves of noise")
+                .with_range(FieldRange::ClosedInterval(1.0, 16.0))
                 .with_default_numbers(&[5.0]),
             field_schema("frequency", FieldKind::Number, "periods of the first octave along a side of the box")
                 .with_range(FieldRange::Positive)
                 .with_default_numbers(&[4.0]),
-            field_schema("seed", FieldKind::Whole, "seed of the noise").with_default_numbers(&[0.0]),
-            field_schema("resolution", FieldKind::Whole, "grid cells along the longest side")
-                .with_range(FieldRange::Within(2.0, 512.0))
+            field_schema("seed", FieldKind::WholeNumber, "seed of the noise").with_default_numbers(&[0.0]),
+            field_schema("resolution", FieldKind::WholeNumber, "grid cells along the longest side")
+                .with_range(FieldRange::ClosedInterval(2.0, 512.0))
                 .with_default_numbers(&[96.0]),
         ])
         .with_shared_fields(&[OPTICAL_FIELDS, EXTENT_FIELDS]);
@@ -194,20 +193,25 @@ pub(super) fn parse_media_block<'a>(
 ) -> Result<Vec<Spanned<MediumDescription>>, SceneError> {
     let mut media = Vec::new();
     parser.scope.check_precedes_materials(parser.lexer, block)?;
-    parser.scope.media.clear();
-    parser.parse_list_block(block, ("numMedia", "medium"), &block_keywords(&["numMedia"], MEDIA), |parser, word| {
-        let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.media.iter().any(|m| m == name);
-        let name = parse_unique_block_name(parser, word, ("medium", "media"), is_taken)?;
-        let (medium, result) = match parse_medium(parser, word, &name) {
-            Ok(medium) => (medium, Ok(())),
-            // A medium with errors still defines its name, so that references to it cause no more
-            // errors.
-            Err(error) => (placeholder_medium(&name), Err(error)),
-        };
-        parser.scope.media.push(name);
-        media.push(Spanned::new(medium, word.span()));
-        result
-    })?;
+    parser.scope.medium_names.clear();
+    parser.parse_list_block(
+        block,
+        ("numMedia", "medium"),
+        &block_keywords(&["numMedia"], MEDIUM_BLOCK_PARSERS),
+        |parser, word| {
+            let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.medium_names.iter().any(|m| m == name);
+            let name = parse_unique_block_name(parser, word, ("medium", "media"), is_taken)?;
+            let (medium, result) = match parse_medium(parser, word, &name) {
+                Ok(medium) => (medium, Ok(())),
+                // A medium with errors still defines its name, so that references to it cause no
+                // more errors.
+                Err(error) => (placeholder_medium(&name), Err(error)),
+            };
+            parser.scope.medium_names.push(name);
+            media.push(Spanned::new(medium, word.span()));
+            result
+        },
+    )?;
     Ok(media)
 }
 
@@ -223,12 +227,12 @@ fn placeholder_medium(name: &str) -> MediumDescription {
 
 /// Parses `{ … }` of a medium. Its keyword `word` and its `name` have been read.
 fn parse_medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<MediumDescription, SceneError> {
-    let (entry, f) = parse_block_by_keyword(parser, word, MEDIA)?;
+    let (entry, f) = parse_block_by_keyword(parser, word, MEDIUM_BLOCK_PARSERS)?;
     let f = &f;
     Ok(MediumDescription {
         name: name.to_owned(),
         coefficients: parse_medium_coefficients(f)?,
-        emission: f.value("emission")?,
+        emission: f.value_or_default("emission")?,
         phase: parse_phase_function(f)?,
         density: (entry.parse)(f)?,
     })
@@ -243,11 +247,11 @@ fn parse_medium_coefficients(f: &BlockFields<'_>) -> Result<MediumCoefficients, 
     let Some(extinction) = f.optional_value("extinction") else {
         f.forbid_fields(&["albedo"], "has no effect without `extinction`")?;
         return Ok(MediumCoefficients::AbsorptionScattering {
-            absorption: f.value("absorption")?,
-            scattering: f.value("scattering")?,
+            absorption: f.value_or_default("absorption")?,
+            scattering: f.value_or_default("scattering")?,
         });
     };
-    Ok(MediumCoefficients::ExtinctionAlbedo { extinction, albedo: f.value("albedo")? })
+    Ok(MediumCoefficients::ExtinctionAlbedo { extinction, albedo: f.value_or_default("albedo")? })
 }
 
 fn parse_phase_function(f: &BlockFields<'_>) -> Result<PhaseFunctionDescription, SceneError> {
@@ -264,7 +268,7 @@ fn parse_phase_function(f: &BlockFields<'_>) -> Result<PhaseFunctionDescription,
             field.ensure_valid(false, "belongs to `phase henyey-greenstein`: leave one of both out")?;
             Ok(PhaseFunctionDescription::Isotropic)
         }
-        (Some(_), None) => Ok(PhaseFunctionDescription::HenyeyGreenstein(f.value("anisotropy")?)),
+        (Some(_), None) => Ok(PhaseFunctionDescription::HenyeyGreenstein(f.value_or_default("anisotropy")?)),
     }
 }
 
@@ -274,24 +278,24 @@ fn parse_medium_density(f: &BlockFields<'_>) -> Result<DensityDescription, Scene
         f.forbid_fields(&["min", "max", "Transform", "densityScale"], "has no effect without `grid`")?;
         return Ok(DensityDescription::Homogeneous);
     };
-    Ok(DensityDescription::Grid { path, scale: f.value("densityScale")?, extent: parse_medium_box(f)? })
+    Ok(DensityDescription::Grid { path, scale: f.value_or_default("densityScale")?, extent: parse_medium_box(f)? })
 }
 
 fn parse_cloud_density(f: &BlockFields<'_>) -> Result<DensityDescription, SceneError> {
     Ok(DensityDescription::Cloud {
-        cover: f.value("cover")?,
-        softness: f.value("softness")?,
-        octaves: f.value("octaves")?,
-        frequency: f.value("frequency")?,
-        seed: f.value("seed")?,
-        resolution: f.value("resolution")?,
+        cover: f.value_or_default("cover")?,
+        softness: f.value_or_default("softness")?,
+        octaves: f.value_or_default("octaves")?,
+        frequency: f.value_or_default("frequency")?,
+        seed: f.value_or_default("seed")?,
+        resolution: f.value_or_default("resolution")?,
         extent: parse_medium_box(f)?,
     })
 }
 
 /// Returns the box of a grid or cloud, with the transform from box space to world space.
 fn parse_medium_box(f: &BlockFields<'_>) -> Result<TransformedBoxDescription, SceneError> {
-    let (min, max): (DVec3, DVec3) = (f.value("min")?, f.value("max")?);
+    let (min, max): (DVec3, DVec3) = (f.value_or_default("min")?, f.value_or_default("max")?);
     let sides = max - min;
     let is_valid = sides.min_element() > 0.0 && sides.is_finite();
     f.require_field("max")?.ensure_valid(is_valid, "must be above `min` in each component")?;
@@ -326,7 +330,7 @@ pub(super) fn write_medium(out: &mut SceneWriter<'_, '_>, medium: &MediumDescrip
     match &medium.density {
         DensityDescription::Homogeneous => {}
         DensityDescription::Grid { path, scale, extent } => {
-            out.write_name("grid", path)?;
+            out.write_name_field("grid", path)?;
             out.write_number("densityScale", *scale)?;
             write_medium_box(out, extent)?;
         }
@@ -399,10 +403,10 @@ fn make_density_grid(
             let mut grid = match r.assets.grids.get(path.as_str()) {
                 Some(grid) => (**grid).clone(),
                 None => grid::read_with_memory_limit(&file, r.memory.available_bytes()).map_err(|e| {
-                    r.file_or_memory_error(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help)
+                    r.file_or_memory_error(path, &e, matches!(e, grid::GridError::OutOfMemory { .. }), help)
                 })?,
             };
-            for value in &mut grid.values {
+            for value in &mut grid.densities {
                 let scaled = f64::from(*value) * scale;
                 if scaled > MAX_DENSITY {
                     let message = format!("the grid `{}` is as dense as {value}, times {scale}", path.value);
@@ -410,25 +414,25 @@ fn make_density_grid(
                 }
                 *value = scaled as f32;
             }
-            GridDensity::new(grid.size, grid.values, unit_cube_to_world(extent)).map_err(refuse)?
+            GridDensity::new(grid.size, grid.densities, unit_cube_to_world(extent)).map_err(refuse)?
         }
         DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
             let cloud = Cloud {
                 octaves: *octaves,
-                scale: *frequency,
+                frequency: *frequency,
                 cover: *cover,
                 softness: *softness,
                 seed: u64::from(*seed),
             };
             let size = grid_size(extent, *resolution);
-            let needed = grid::BYTES_PER_CELL * size.iter().map(|n| u64::from(*n)).product::<u64>();
+            let needed = grid::MEMORY_PER_CELL * size.iter().map(|n| u64::from(*n)).product::<u64>();
             if let Some(free) = r.memory.available_bytes().filter(|free| needed > *free) {
                 let message =
                     format!("the cloud takes {} of memory, and {} are free", format_bytes(needed), format_bytes(free));
                 let help = "choose a smaller `resolution`, or let the scene have more memory (--memory)";
                 return Err(r.error_at(described.span, &message, help).marked_out_of_memory());
             }
-            let density_at = cloud.density(1.0 / f64::from(*resolution));
+            let density_at = cloud.density_function(1.0 / f64::from(*resolution));
             GridDensity::from_fn(size, unit_cube_to_world(extent), density_at).map_err(refuse)?
         }
     };
@@ -440,7 +444,7 @@ fn make_density_grid(
 /// # Errors
 /// If the medium varies in space, or emits in a channel in which it neither absorbs nor scatters.
 /// Also if it absorbs or scatters, and the scene has a light at infinity.
-pub(super) fn add_ambient_medium(
+pub(super) fn set_ambient_medium(
     r: &mut Resolver<'_>,
     name: Option<&Spanned<String>>,
     lights: &[Spanned<LightDescription>],
@@ -465,7 +469,7 @@ pub(super) fn add_ambient_medium(
         let message =
             format!("the medium `{}` fills the scene and absorbs or scatters all light from infinity", name.value);
         let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
-        return Err(r.error_at(LightDescription::inside_motions(light).span, &message, help));
+        return Err(r.error_at(LightDescription::innermost_light(light).span, &message, help));
     }
     r.builder.set_ambient_medium(index);
     Ok(())

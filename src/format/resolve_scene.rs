@@ -10,7 +10,7 @@ use super::description::{GroupItem, ObjectDescription, ObjectGroup, SceneDescrip
 use super::error::{SceneError, SourceText};
 use super::lights::add_light;
 use super::materials::{add_materials, material_index};
-use super::media::{add_ambient_medium, add_media};
+use super::media::{add_media, set_ambient_medium};
 use super::mesh::MeshReadMonitor;
 use super::resolve::placement::ObjectEmission;
 use super::resolve::scene_meshes::SceneMeshes;
@@ -20,7 +20,7 @@ use super::span::{Span, Spanned};
 use super::textures::add_textures;
 use super::transform_step::TransformStep;
 use crate::color::Rgb;
-use crate::math::{Motion, MotionStep};
+use crate::math::{Motion, MotionFactor};
 use crate::scene::{Scene, SceneBuilder};
 use crate::stats::MemoryLimit;
 use glam::DVec3;
@@ -93,16 +93,16 @@ pub(super) fn resolve_with_assets(
         material_indices: HashMap::new(),
         monitor,
         memory,
-        triangles: 0,
+        triangle_count: 0,
         textures: HashMap::new(),
         pictures: HashMap::new(),
         media: HashMap::new(),
         materials: Vec::new(),
-        meshes: HashMap::new(),
-        file_materials: HashMap::new(),
+        mesh_parts: HashMap::new(),
+        mesh_file_materials: HashMap::new(),
         mesh_uses: count_mesh_uses(&description.root),
         scene_meshes: SceneMeshes::default(),
-        material: 0,
+        current_material_index: 0,
         transform_span: None,
     };
     let final_error = add_description(&mut resolver, description).err();
@@ -110,13 +110,14 @@ pub(super) fn resolve_with_assets(
     if let Some(error) = SceneError::from_errors(resolver.errors) {
         return Err(error);
     }
-    let scene = resolver.builder.build_after(earlier.map(|earlier| &earlier.scene), camera).map_err(|e| {
-        SceneError::error_for_whole_file(
-            source,
-            e.to_string(),
-            "choose units in which the scene is neither huge nor empty",
-        )
-    })?;
+    let scene =
+        resolver.builder.build_reusing_hierarchy(earlier.map(|earlier| &earlier.scene), camera).map_err(|e| {
+            SceneError::error_for_whole_file(
+                source,
+                e.to_string(),
+                "choose units in which the scene is neither huge nor empty",
+            )
+        })?;
     Ok(ResolvedScene { scene, meshes: resolver.scene_meshes })
 }
 
@@ -125,15 +126,15 @@ fn add_description<'a>(r: &mut Resolver<'a>, description: &'a SceneDescription) 
     r.builder.set_background(rgb(description.background));
     add_textures(r, &description.textures)?;
     add_media(r, &description.media)?;
-    add_ambient_medium(r, description.ambient_medium.as_ref(), &description.lights)?;
+    set_ambient_medium(r, description.ambient_medium.as_ref(), &description.lights)?;
     add_materials(r, &description.materials)?;
     for light in &description.lights {
         let result = add_light(r, light, &Motion::default());
         r.record_error(result)?;
     }
     if !description.camera.motion.is_empty() {
-        let steps = description.camera.motion.iter().map(TransformStep::motion_step);
-        r.builder.set_camera_motion(Motion::default().preceded_by_steps(steps));
+        let steps = description.camera.motion.iter().map(TransformStep::motion_factor);
+        r.builder.set_camera_motion(Motion::default().preceded_by_factors(steps));
     }
     add_group(r, &description.root, &Motion::default())
 }
@@ -142,8 +143,8 @@ fn add_description<'a>(r: &mut Resolver<'a>, description: &'a SceneDescription) 
 fn add_group(r: &mut Resolver<'_>, group: &ObjectGroup, to_world: &Motion) -> Result<(), SceneError> {
     for item in &group.items {
         match item {
-            GroupItem::MaterialIndex(index) => r.material = index.value,
-            GroupItem::MaterialName(name) => r.material = material_index(r, name)?,
+            GroupItem::MaterialIndex(index) => r.current_material_index = index.value,
+            GroupItem::MaterialName(name) => r.current_material_index = material_index(r, name)?,
             GroupItem::Object(object) => {
                 let transform_span = r.transform_span;
                 let result = add_object(r, object, to_world);
@@ -163,12 +164,12 @@ fn add_object(r: &mut Resolver<'_>, object: &Spanned<ObjectDescription>, to_worl
         ObjectDescription::Group(group) => add_group(r, group, to_world),
         ObjectDescription::Transform { steps, object: inner } => {
             r.transform_span = Some(object.span);
-            let step = MotionStep::Fixed(TransformStep::composed_matrix(steps));
-            add_object(r, inner, &to_world.preceded_by_steps([step]))
+            let step = MotionFactor::Fixed(TransformStep::composed_matrix(steps));
+            add_object(r, inner, &to_world.preceded_by_factors([step]))
         }
         ObjectDescription::Moving { steps, object: inner } => {
             r.transform_span = Some(object.span);
-            add_object(r, inner, &to_world.preceded_by_steps(steps.iter().map(TransformStep::motion_step)))
+            add_object(r, inner, &to_world.preceded_by_factors(steps.iter().map(TransformStep::motion_factor)))
         }
         ObjectDescription::Shape { shape, emission } => {
             let emission = object_emission(r, *emission);
@@ -184,10 +185,10 @@ fn add_object(r: &mut Resolver<'_>, object: &Spanned<ObjectDescription>, to_worl
 /// `own` is the radiance set on the object; `None` selects the emission of the material.
 fn object_emission(r: &Resolver<'_>, own: Option<DVec3>) -> ObjectEmission {
     match own {
-        Some(emission) => ObjectEmission { radiance: rgb(emission), is_of_object: true, texture: None },
+        Some(emission) => ObjectEmission { radiance: rgb(emission), is_set_on_object: true, texture: None },
         None => {
             let emission = r.current_material().map(|material| material.emission).unwrap_or_default();
-            ObjectEmission { radiance: emission.radiance, is_of_object: false, texture: emission.texture }
+            ObjectEmission { radiance: emission.radiance, is_set_on_object: false, texture: emission.texture }
         }
     }
 }

@@ -37,7 +37,7 @@ impl SceneImporter for SceneTextImporter {
         let (mut file, length) = open_file(path).map_err(unreadable)?;
         let name = path.display().to_string();
         let extension = lowercase_extension(path);
-        if options.format.is_none()
+        if options.format_extension.is_none()
             && let Some(help) = remedy_for_foreign_scene(&extension)
         {
             let message = format!("`.{extension}` is no scene format that is read");
@@ -45,7 +45,7 @@ impl SceneImporter for SceneTextImporter {
         }
         let needed = SCENE_BYTES_PER_TEXT_BYTE * length;
         if let Some(free) = options.memory.available_bytes().filter(|free| needed > *free) {
-            return Err(SceneReadError::Memory { path: path.to_owned(), needed, free });
+            return Err(SceneReadError::OutOfMemory { path: path.to_owned(), needed, free });
         }
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(unreadable)?;

@@ -6,14 +6,14 @@ use super::span::Spanned;
 #[derive(Clone, Debug, PartialEq)]
 pub enum TexturedValue<T> {
     /// A value that is constant over the surface.
-    Plain(T),
+    Constant(T),
     /// Name of the texture that varies the value over the surface.
     Texture(Spanned<String>),
 }
 
 impl<T> From<T> for TexturedValue<T> {
     fn from(value: T) -> Self {
-        Self::Plain(value)
+        Self::Constant(value)
     }
 }
 
@@ -21,7 +21,7 @@ impl<T> TexturedValue<T> {
     /// Returns the name of the texture; `None` for a constant.
     pub fn texture_name(&self) -> Option<&Spanned<String>> {
         match self {
-            Self::Plain(_) => None,
+            Self::Constant(_) => None,
             Self::Texture(name) => Some(name),
         }
     }

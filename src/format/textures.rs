@@ -97,19 +97,19 @@ pub struct TexcoordTransformDescription {
     /// Factors of u and v, neither of them 0.
     pub scale: DVec2,
     /// Counterclockwise rotation in degrees.
-    pub rotate: f64,
+    pub rotation_degrees: f64,
     /// Offset of u and v.
     pub offset: DVec2,
 }
 
 impl Default for TexcoordTransformDescription {
     fn default() -> Self {
-        Self { scale: DVec2::ONE, rotate: 0.0, offset: DVec2::ZERO }
+        Self { scale: DVec2::ONE, rotation_degrees: 0.0, offset: DVec2::ZERO }
     }
 }
 
 /// Texture blocks of the scene language, each with the function that converts its fields.
-pub(super) static TEXTURES: &[BlockParser<ParseTexture>] = &[
+pub(super) static TEXTURE_BLOCK_PARSERS: &[BlockParser<ParseTexture>] = &[
     BlockParser { block: &IMAGE, parse: parse_image_texture },
     BlockParser { block: &CHECKER, parse: parse_checker_texture },
     BlockParser { block: &NOISE, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Noise) },
@@ -138,8 +138,8 @@ static COLOR_FIELDS: &[FieldSchema] = &[
 
 // The last of 16 octaves is 32,768 times finer than the first.
 static PATTERN_FIELDS: &[FieldSchema] = &[
-    field_schema("octaves", FieldKind::Whole, "octaves of noise")
-        .with_range(FieldRange::Within(1.0, 16.0))
+    field_schema("octaves", FieldKind::WholeNumber, "octaves of noise")
+        .with_range(FieldRange::ClosedInterval(1.0, 16.0))
         .with_default_numbers(&[4.0]),
     field_schema("frequency", FieldKind::Number, "frequency f of the first octave, of veins and of rings")
         .with_range(FieldRange::Positive)
@@ -149,7 +149,7 @@ static PATTERN_FIELDS: &[FieldSchema] = &[
         .with_range(FieldRange::NonNegative)
         .with_default_numbers(&[1.0]),
     field_schema("Transform", FieldKind::TransformSteps, "maps from the pattern's space to the object's")
-        .with_default_description("none"),
+        .make_optional("none"),
 ];
 
 static IMAGE: BlockSchema = block_schema("Image", "a picture, which covers the unit square of texture coordinates")
@@ -185,10 +185,10 @@ pub(super) fn parse_textures_block<'a>(
 ) -> Result<Vec<Spanned<TextureDescription>>, SceneError> {
     let mut textures = Vec::new();
     parser.scope.check_precedes_materials(parser.lexer, block)?;
-    parser.scope.textures.clear();
-    let allowed = block_keywords(&["numTextures"], TEXTURES);
+    parser.scope.texture_names.clear();
+    let allowed = block_keywords(&["numTextures"], TEXTURE_BLOCK_PARSERS);
     parser.parse_list_block(block, ("numTextures", "texture"), &allowed, |parser, word| {
-        let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.textures.iter().any(|t| t == name);
+        let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.texture_names.iter().any(|t| t == name);
         let name = parse_unique_block_name(parser, word, ("texture", "textures"), is_taken)?;
         let (kind, result) = match parse_texture(parser, word) {
             Ok(kind) => (kind, Ok(())),
@@ -196,7 +196,7 @@ pub(super) fn parse_textures_block<'a>(
             // errors.
             Err(error) => (placeholder_texture(), Err(error)),
         };
-        parser.scope.textures.push(name.clone());
+        parser.scope.texture_names.push(name.clone());
         textures.push(Spanned::new(TextureDescription { name, kind }, word.span()));
         result
     })?;
@@ -208,13 +208,13 @@ fn placeholder_texture() -> TextureKindDescription {
 }
 
 fn parse_texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKindDescription, SceneError> {
-    let (entry, fields) = parse_block_by_keyword(parser, word, TEXTURES)?;
+    let (entry, fields) = parse_block_by_keyword(parser, word, TEXTURE_BLOCK_PARSERS)?;
     (entry.parse)(&fields)
 }
 
 fn parse_image_texture(f: &BlockFields<'_>) -> Result<TextureKindDescription, SceneError> {
     Ok(TextureKindDescription::Image {
-        path: f.value("file")?,
+        path: f.value_or_default("file")?,
         encoding: if f.field_word_or_default("encoding")? == "linear" {
             PictureEncoding::Linear
         } else {
@@ -242,22 +242,22 @@ fn parse_solid_pattern(
     Ok(TextureKindDescription::Solid {
         pattern,
         colors: parse_pattern_colors(f)?,
-        octaves: f.value("octaves")?,
-        frequency: f.value("frequency")?,
-        amplitude: f.value("amplitude")?,
+        octaves: f.value_or_default("octaves")?,
+        frequency: f.value_or_default("frequency")?,
+        amplitude: f.value_or_default("amplitude")?,
         steps: f.optional_value("Transform").unwrap_or_default(),
     })
 }
 
 fn parse_pattern_colors(f: &BlockFields<'_>) -> Result<[DVec3; 2], SceneError> {
-    Ok([f.value("color0")?, f.value("color1")?])
+    Ok([f.value_or_default("color0")?, f.value_or_default("color1")?])
 }
 
 fn parse_texcoord_transform(f: &BlockFields<'_>) -> Result<TexcoordTransformDescription, SceneError> {
     Ok(TexcoordTransformDescription {
-        scale: f.value("scale")?,
-        rotate: f.value("rotate")?,
-        offset: f.value("offset")?,
+        scale: f.value_or_default("scale")?,
+        rotation_degrees: f.value_or_default("rotate")?,
+        offset: f.value_or_default("offset")?,
     })
 }
 
@@ -273,7 +273,7 @@ pub(super) fn write_texture(out: &mut SceneWriter<'_, '_>, texture: &TextureDesc
     out.begin_named_block(block, &texture.name)?;
     match &texture.kind {
         TextureKindDescription::Image { path, encoding, wrap, coordinates } => {
-            out.write_name("file", path)?;
+            out.write_name_field("file", path)?;
             let encoding = match encoding {
                 PictureEncoding::Srgb => "srgb",
                 PictureEncoding::Linear => "linear",
@@ -309,7 +309,7 @@ fn write_pattern_colors(out: &mut SceneWriter<'_, '_>, colors: &[DVec3; 2]) -> f
 
 fn write_texcoord_transform(out: &mut SceneWriter<'_, '_>, coordinates: &TexcoordTransformDescription) -> fmt::Result {
     out.write_vec2("scale", coordinates.scale)?;
-    out.write_number("rotate", coordinates.rotate)?;
+    out.write_number("rotate", coordinates.rotation_degrees)?;
     out.write_vec2("offset", coordinates.offset)
 }
 
@@ -322,8 +322,8 @@ pub(super) fn add_textures<'a>(
         let added = match &texture.kind {
             TextureKindDescription::Image { path, encoding, wrap, coordinates } => {
                 let content = match encoding {
-                    PictureEncoding::Srgb => PixelMeaning::Radiance,
-                    PictureEncoding::Linear => PixelMeaning::Data,
+                    PictureEncoding::Srgb => PixelMeaning::Color,
+                    PictureEncoding::Linear => PixelMeaning::NonColor,
                 };
                 r.add_picture_texture(path, content, *wrap, texcoord_transform(coordinates))?
             }
@@ -345,7 +345,7 @@ pub(super) fn add_textures<'a>(
                     octaves: *octaves,
                     frequency: *frequency,
                     amplitude: *amplitude,
-                    to_pattern: *to_object.inverse(),
+                    object_to_pattern: *to_object.inverse(),
                 };
                 r.add_texture(Texture::Solid(solid), false)
             }
@@ -356,6 +356,6 @@ pub(super) fn add_textures<'a>(
 }
 
 fn texcoord_transform(coordinates: &TexcoordTransformDescription) -> UvTransform {
-    let TexcoordTransformDescription { scale, rotate, offset } = *coordinates;
+    let TexcoordTransformDescription { scale, rotation_degrees: rotate, offset } = *coordinates;
     UvTransform::new(scale, rotate.to_radians(), offset)
 }

@@ -1,6 +1,6 @@
 //! Steps of a transform: scales, translations, rotations and matrices.
 
-use crate::math::{self, MotionStep};
+use crate::math::{self, MotionFactor};
 use glam::{DAffine3, DMat4, DVec3};
 
 /// One step of a transform or motion.
@@ -49,16 +49,16 @@ impl TransformStep {
     ///
     /// A matrix step is not interpolated: it applies in full at all times.
     #[must_use]
-    pub fn motion_step(&self) -> MotionStep {
+    pub fn motion_factor(&self) -> MotionFactor {
         match *self {
-            Self::Scale(s) => MotionStep::Scale(s),
-            Self::UniformScale(s) => MotionStep::Scale(DVec3::splat(s)),
-            Self::Translate(t) => MotionStep::Translate(t),
-            Self::RotateX(angle) => MotionStep::Rotate(DVec3::X, angle),
-            Self::RotateY(angle) => MotionStep::Rotate(DVec3::Y, angle),
-            Self::RotateZ(angle) => MotionStep::Rotate(DVec3::Z, angle),
-            Self::Rotate { axis, angle } => MotionStep::Rotate(axis.normalize_or_zero(), angle),
-            Self::Matrix(_) => MotionStep::Fixed(self.matrix()),
+            Self::Scale(s) => MotionFactor::Scale(s),
+            Self::UniformScale(s) => MotionFactor::Scale(DVec3::splat(s)),
+            Self::Translate(t) => MotionFactor::Translate(t),
+            Self::RotateX(angle) => MotionFactor::RotateDegrees(DVec3::X, angle),
+            Self::RotateY(angle) => MotionFactor::RotateDegrees(DVec3::Y, angle),
+            Self::RotateZ(angle) => MotionFactor::RotateDegrees(DVec3::Z, angle),
+            Self::Rotate { axis, angle } => MotionFactor::RotateDegrees(axis.normalize_or_zero(), angle),
+            Self::Matrix(_) => MotionFactor::Fixed(self.matrix()),
         }
     }
 

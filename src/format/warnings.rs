@@ -74,7 +74,7 @@ fn dielectric_mesh_defect(report: &MeshReport) -> Option<String> {
     if report.triangles == 0 {
         return None;
     }
-    if !report.closed {
+    if !report.is_closed {
         return Some(format!("is open at {} edges: light that enters may not leave", report.boundary_edges));
     }
     if report.inconsistent_edges > 0 {

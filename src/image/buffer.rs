@@ -28,7 +28,7 @@ pub enum PictureSizeError {
     },
     /// The number of given pixels is not width × height.
     #[error("a picture of {width} × {height} pixels cannot be made of {found} pixels")]
-    Count {
+    PixelCountMismatch {
         /// Requested width \[pixels].
         width: u32,
         /// Requested height \[pixels].
@@ -62,7 +62,7 @@ pub struct Raster<T> {
 pub type Image = Raster<Vec3>;
 
 /// A picture of 8-bit RGB levels as stored in a PNG file, not linearised.
-pub type RgbBytes = Raster<[u8; 3]>;
+pub type Rgb8Image = Raster<[u8; 3]>;
 
 impl Image {
     /// A black picture.
@@ -82,7 +82,7 @@ impl<T: Copy> Raster<T> {
     /// [`PictureSizeError`] if the sides are invalid or do not match the number of pixels.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<T>) -> Result<Self, PictureSizeError> {
         if pixels.len() != pixel_count(width, height)? {
-            return Err(PictureSizeError::Count { width, height, found: pixels.len() });
+            return Err(PictureSizeError::PixelCountMismatch { width, height, found: pixels.len() });
         }
         Ok(Self { width, height, pixels })
     }
@@ -134,7 +134,7 @@ mod tests {
             PictureSizeError::TooLarge { width: u32::MAX, height: u32::MAX }
         );
         let short = Image::from_pixels(2, 2, vec![Vec3::ONE; 3]).unwrap_err();
-        assert_eq!(short, PictureSizeError::Count { width: 2, height: 2, found: 3 });
+        assert_eq!(short, PictureSizeError::PixelCountMismatch { width: 2, height: 2, found: 3 });
     }
 
     #[test]

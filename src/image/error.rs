@@ -17,7 +17,7 @@ pub enum WriteError {
     },
     /// A file with layers was requested, but its extension is not `.exr`.
     #[error("`{}` cannot hold layers: give it the extension .exr", path.display())]
-    NoLayers {
+    LayersNotSupported {
         /// Path of the output file, as given by the caller.
         path: PathBuf,
     },

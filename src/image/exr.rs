@@ -84,7 +84,7 @@ pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes
 ///
 /// It exceeds 3840 × 2160. If the display window is larger, the file must be long enough to hold
 /// data for all its pixels.
-const ACCEPTED_WINDOW: u64 = 1 << 23;
+const MAX_UNCHECKED_WINDOW_PIXELS: u64 = 1 << 23;
 
 impl From<exr::error::Error> for DecodeFailure {
     fn from(error: exr::error::Error) -> Self {
@@ -95,7 +95,7 @@ impl From<exr::error::Error> for DecodeFailure {
 /// Decodes the first layer with channels R, G and B of any sample type. Other channels are ignored.
 ///
 /// Fails if reading needs more than `free` bytes of memory; for `free`, `None` is no limit.
-pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
+pub(super) fn decode(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     for header in &MetaData::read_from_buffered(Cursor::new(file), false)?.headers {
         let Vec2(width, height) = header.layer_size;
         let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
@@ -111,7 +111,7 @@ pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailur
         // The decoder returns the display window. Pixels outside the data window are black.
         let Vec2(width, height) = header.shared_attributes.display_window.size;
         let shown = pixel_count(side(width), side(height))? as u64;
-        if shown > ACCEPTED_WINDOW {
+        if shown > MAX_UNCHECKED_WINDOW_PIXELS {
             check_compression_ratio(shown * 2 / block, file.len())?;
         }
         check_memory(pixels.max(shown) as usize, free)?;

@@ -36,8 +36,8 @@ impl ExrLayer {
 
 /// Checks whether [`write_layers`] can write to `path`, without changing a file.
 ///
-/// # Errors
-/// [`WriteError::NoLayers`] if the extension is not `.exr`, or the error of [`check_replaceable`].
+/// # Errors [`WriteError::LayersNotSupported`] if the extension is not `.exr`, or the error of
+/// [`check_replaceable`].
 pub fn check_layers_path(path: &Path) -> Result<(), WriteError> {
     check_exr_extension(path)?;
     check_replaceable(path)
@@ -47,7 +47,7 @@ fn check_exr_extension(path: &Path) -> Result<(), WriteError> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
         Ok(())
     } else {
-        Err(WriteError::NoLayers { path: path.to_owned() })
+        Err(WriteError::LayersNotSupported { path: path.to_owned() })
     }
 }
 

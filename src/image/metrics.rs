@@ -1,6 +1,6 @@
 //! Error metrics between two pictures.
 
-use super::buffer::{Image, RgbBytes};
+use super::buffer::{Image, Rgb8Image};
 use super::relative::RelativeErrorWeights;
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use serde::Serialize;
 pub enum MetricError {
     /// The two pictures differ in size.
     #[error("a picture of {} × {} pixels cannot be compared with one of {} × {}", a.0, a.1, b.0, b.1)]
-    Size {
+    SizeMismatch {
         /// Width and height of the first picture.
         a: (u32, u32),
         /// Width and height of the second picture.
@@ -27,7 +27,7 @@ pub enum MetricError {
     },
     /// An option of the metric is out of range.
     #[error("{name} is {value}, which is out of range")]
-    Parameter {
+    OptionOutOfRange {
         /// Name of the refused option: `epsilon`, `clip`, `exposure` or `pixels per degree`.
         name: &'static str,
         /// Refused value of the option.
@@ -61,7 +61,7 @@ pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64
     let clip = clip.unwrap_or(f64::MAX);
     for (name, value) in [("epsilon", epsilon), ("clip", clip)] {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(MetricError::Parameter { name, value });
+            return Err(MetricError::OptionOutOfRange { name, value });
         }
     }
     let mut sum = 0.0;
@@ -93,7 +93,7 @@ pub struct PixelDifferences {
     /// If several pixels have the largest difference, the first one is given.
     pub largest: [Option<LargestDifference>; 3],
     /// Number of pixels that differ in at least one channel.
-    pub pixels: usize,
+    pub differing_pixel_count: usize,
 }
 
 /// Finds the largest difference of two pictures in each channel. 0 and −0 are equal.
@@ -107,7 +107,7 @@ pub fn largest_differences(a: &Image, b: &Image) -> Result<PixelDifferences, Met
         if a == b {
             continue;
         }
-        found.pixels += 1;
+        found.differing_pixel_count += 1;
         for (most, difference) in found.largest.iter_mut().zip((a.as_dvec3() - b.as_dvec3()).abs().to_array()) {
             if difference > most.map_or(0.0, |m| m.difference) {
                 *most = Some(LargestDifference { difference, x: (i % width) as u32, y: (i / width) as u32 });
@@ -129,7 +129,7 @@ pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> 
         let d = a[i].as_dvec3() - b[i].as_dvec3();
         d * d
     };
-    Ok(RelativeErrorWeights::from_image(reference).mean(square).sqrt())
+    Ok(RelativeErrorWeights::from_image(reference).mean_relative_squared_error(square).sqrt())
 }
 
 /// Differences of the levels of two 8-bit pictures.
@@ -144,8 +144,8 @@ pub struct ByteDifference {
 /// Compares the levels of two 8-bit pictures.
 ///
 /// # Errors
-/// [`MetricError::Size`] if the sizes differ.
-pub fn differing_bytes(a: &RgbBytes, b: &RgbBytes) -> Result<ByteDifference, MetricError> {
+/// [`MetricError::SizeMismatch`] if the sizes differ.
+pub fn compare_bytes(a: &Rgb8Image, b: &Rgb8Image) -> Result<ByteDifference, MetricError> {
     check_equal_sizes((a.width(), a.height()), (b.width(), b.height()))?;
     let levels = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened()).map(|(a, b)| a.abs_diff(*b));
     Ok(levels
@@ -154,7 +154,7 @@ pub fn differing_bytes(a: &RgbBytes, b: &RgbBytes) -> Result<ByteDifference, Met
 }
 
 fn check_equal_sizes(a: (u32, u32), b: (u32, u32)) -> Result<(), MetricError> {
-    if a == b { Ok(()) } else { Err(MetricError::Size { a, b }) }
+    if a == b { Ok(()) } else { Err(MetricError::SizeMismatch { a, b }) }
 }
 
 /// Fails if the sizes of two pictures differ or a pixel is not finite.

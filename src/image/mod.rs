@@ -19,18 +19,18 @@ mod rgba;
 mod tone;
 mod write;
 
-pub use buffer::{Image, MAX_PIXELS, PictureSizeError, Raster, RgbBytes};
+pub use buffer::{Image, MAX_PIXELS, PictureSizeError, Raster, Rgb8Image};
 pub use error::{ReadError, WriteError};
 pub use layers::{ExrLayer, check_layers_path, write_layers};
 pub(crate) use open::open_file;
 pub use options::{BitDepth, ExrPrecision, WriteOptions};
 pub use ramp::{diverging_color, sequential_color};
 pub use read::{
-    PictureFormat, PixelMeaning, decode, read, read_bytes, read_data, read_with_format, read_with_memory_limit,
+    InputFormat, PixelMeaning, decode, read, read_and_detect_format, read_non_color, read_rgb8, read_with_memory_limit,
 };
 pub use relative::RelativeErrorWeights;
 pub use replace::{canonical_output_path, check_replaceable, replace_file, replace_file_with};
-pub(crate) use rgba::{RgbaLevels, decode_rgba_levels};
+pub(crate) use rgba::{QuantizedRgba, decode_quantized_rgba};
 pub(crate) use tone::srgb_decode;
 pub use tone::{ClippedPixelReport, MAX_EXPOSURE_STOPS, ToneCurve, ToneMap, UnknownToneCurve};
 pub use write::{OutputFormat, check_writable, encode, write};

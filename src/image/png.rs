@@ -6,7 +6,7 @@ use glam::Vec3;
 use png::{BitDepth as Depth, ColorType, Decoder, DecodingError, Encoder, EncodingError, SrgbRenderingIntent};
 use rayon::prelude::*;
 
-use super::buffer::{Image, RgbBytes, pixel_count};
+use super::buffer::{Image, Rgb8Image, pixel_count};
 use super::error::{DecodeFailure, WriteError, check_compression_ratio, check_memory};
 use super::options::{BitDepth, WriteOptions};
 use super::tone::{ClippedPixelReport, Quantizer, ToneCurve, srgb_decode};
@@ -82,7 +82,7 @@ struct DecodedPng {
     /// True if samples have 16 bits.
     sixteen: bool,
     /// Value of the gAMA chunk; `None` if the file has no such chunk, or if it has an sRGB chunk.
-    gamma: Option<f64>,
+    encoding_gamma: Option<f64>,
 }
 
 /// Decodes the samples of a PNG file. Fails if that needs more than `free` bytes of memory; for
@@ -129,16 +129,16 @@ fn decode_png_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, Deco
             samples.extend_from_slice(&pixel[at..at + size]);
         }
     }
-    Ok(DecodedPng { width, height, samples, sixteen, gamma })
+    Ok(DecodedPng { width, height, samples, sixteen, encoding_gamma: gamma })
 }
 
 /// Decodes a PNG file as linear radiance.
 ///
 /// The sRGB transfer function is undone. In a file with a gAMA chunk and no sRGB chunk, that gamma
 /// is undone instead.
-pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
+pub(super) fn decode(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let decoded = decode_png_samples(file, free)?;
-    match decoded.gamma {
+    match decoded.encoding_gamma {
         Some(gamma) => apply_transfer_function(decoded, |signal| libm::pow(signal, 1.0 / gamma) as f32),
         None => apply_transfer_function(decoded, |signal| srgb_decode(signal) as f32),
     }
@@ -146,7 +146,7 @@ pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailur
 
 /// Decodes a PNG file of data such as roughness: its levels become numbers from 0 to 1, without a
 /// transfer function.
-pub(super) fn read_data(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
+pub(super) fn decode_non_color(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     apply_transfer_function(decode_png_samples(file, free)?, |signal| signal as f32)
 }
 
@@ -168,14 +168,14 @@ fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> 
 }
 
 /// Decodes the levels of an 8-bit PNG file, without a transfer function.
-pub(super) fn read_bytes(file: &[u8]) -> Result<RgbBytes, DecodeFailure> {
+pub(super) fn decode_rgb8(file: &[u8]) -> Result<Rgb8Image, DecodeFailure> {
     let decoded = decode_png_samples(file, None)?;
     if decoded.sixteen {
         return Err(DecodeFailure::Reason(
             "it has 16 bits per channel, and only 8-bit pictures can be compared by bytes".into(),
         ));
     }
-    Ok(RgbBytes::from_pixels(decoded.width, decoded.height, decoded.samples.as_chunks().0.to_vec())?)
+    Ok(Rgb8Image::from_pixels(decoded.width, decoded.height, decoded.samples.as_chunks().0.to_vec())?)
 }
 
 #[cfg(test)]

@@ -51,7 +51,7 @@ fn interpolate_color_map(steps: &[[u8; 3]], t: f64) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::{Image, OutputFormat, WriteOptions, encode, read_bytes};
+    use crate::image::{Image, OutputFormat, WriteOptions, encode, read_rgb8};
 
     /// Returns the bytes that an 8-bit PNG stores for linear `colors`.
     fn stored_png_bytes(colors: Vec<Vec3>) -> Vec<[u8; 3]> {
@@ -59,7 +59,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         std::fs::write(&path, encode(OutputFormat::Png, &image, &WriteOptions::default()).unwrap().0).unwrap();
-        read_bytes(&path).unwrap().pixels().to_vec()
+        read_rgb8(&path).unwrap().pixels().to_vec()
     }
 
     #[test]

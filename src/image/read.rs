@@ -7,7 +7,7 @@ use ::image::DynamicImage;
 use ::image::codecs::hdr::HdrDecoder;
 use glam::Vec3;
 
-use super::buffer::{Image, RgbBytes, pixel_count};
+use super::buffer::{Image, Rgb8Image, pixel_count};
 use super::error::{DecodeFailure, ReadError, check_compression_ratio, check_memory};
 use super::open::open_file;
 use super::{exr, png};
@@ -19,7 +19,7 @@ const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 
 /// Picture file format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureFormat {
+pub enum InputFormat {
     /// PNG, whose levels encode display values, by the sRGB curve or a gamma.
     Png,
     /// OpenEXR, which holds linear radiance.
@@ -28,7 +28,7 @@ pub enum PictureFormat {
     Hdr,
 }
 
-impl PictureFormat {
+impl InputFormat {
     /// File format by the first bytes of `file`; `None` if they are no known signature.
     fn from_signature(file: &[u8]) -> Option<Self> {
         match file {
@@ -51,16 +51,16 @@ impl PictureFormat {
 /// [`ReadError`] if the file is missing, damaged, of another format, transparent, or larger than
 /// [`super::MAX_PIXELS`].
 pub fn read(path: &Path) -> Result<Image, ReadError> {
-    Ok(read_with_format(path)?.0)
+    Ok(read_and_detect_format(path)?.0)
 }
 
 /// Reads a picture as linear radiance like [`read`], and returns its file format.
 ///
 /// # Errors
 /// [`ReadError`], see [`read`].
-pub fn read_with_format(path: &Path) -> Result<(Image, PictureFormat), ReadError> {
+pub fn read_and_detect_format(path: &Path) -> Result<(Image, InputFormat), ReadError> {
     let file = read_file_bytes(path, None)?;
-    decode(path, &file, PixelMeaning::Radiance, None)
+    decode(path, &file, PixelMeaning::Color, None)
 }
 
 /// Reads a picture like [`read`], but returns PNG samples as numbers from 0 to 1, without a
@@ -68,8 +68,8 @@ pub fn read_with_format(path: &Path) -> Result<(Image, PictureFormat), ReadError
 ///
 /// # Errors
 /// [`ReadError`], see [`read`].
-pub fn read_data(path: &Path) -> Result<Image, ReadError> {
-    read_with_memory_limit(path, PixelMeaning::Data, None)
+pub fn read_non_color(path: &Path) -> Result<Image, ReadError> {
+    read_with_memory_limit(path, PixelMeaning::NonColor, None)
 }
 
 /// Meaning of the pixels of a picture file: radiance or other data.
@@ -78,10 +78,10 @@ pub fn read_data(path: &Path) -> Result<Image, ReadError> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelMeaning {
     /// The pixels are colours. PNG samples are linearised.
-    Radiance,
+    Color,
     /// The pixels are data such as roughness. PNG samples become numbers from 0 to 1 without a
     /// transfer function.
-    Data,
+    NonColor,
 }
 
 /// Reads a picture of the given `meaning`, if that needs at most `free` bytes of memory. For
@@ -106,14 +106,13 @@ pub fn decode(
     file: &[u8],
     meaning: PixelMeaning,
     free: Option<u64>,
-) -> Result<(Image, PictureFormat), ReadError> {
-    let format =
-        PictureFormat::from_signature(file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
+) -> Result<(Image, InputFormat), ReadError> {
+    let format = InputFormat::from_signature(file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
     let image = match (format, meaning) {
-        (PictureFormat::Png, PixelMeaning::Radiance) => png::read(file, free),
-        (PictureFormat::Png, PixelMeaning::Data) => png::read_data(file, free),
-        (PictureFormat::Exr, _) => exr::read(file, free),
-        (PictureFormat::Hdr, _) => read_hdr(file, free),
+        (InputFormat::Png, PixelMeaning::Color) => png::decode(file, free),
+        (InputFormat::Png, PixelMeaning::NonColor) => png::decode_non_color(file, free),
+        (InputFormat::Exr, _) => exr::decode(file, free),
+        (InputFormat::Hdr, _) => decode_hdr(file, free),
     };
     Ok((image.map_err(|failure| failure.into_read_error(path.to_owned()))?, format))
 }
@@ -122,10 +121,10 @@ pub fn decode(
 ///
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
-pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
+pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, ReadError> {
     let file = read_file_bytes(path, None)?;
-    let bytes = match PictureFormat::from_signature(&file) {
-        Some(PictureFormat::Png) => png::read_bytes(&file),
+    let bytes = match InputFormat::from_signature(&file) {
+        Some(InputFormat::Png) => png::decode_rgb8(&file),
         Some(_) => Err(DecodeFailure::Reason(
             "a picture of floating-point numbers has no bytes to compare: use an 8-bit PNG".into(),
         )),
@@ -135,7 +134,7 @@ pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
 }
 
 /// Decodes a Radiance HDR picture (Ward 1991, "Real Pixels") and divides it by its exposure.
-fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
+fn decode_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let reason = |error: ::image::ImageError| DecodeFailure::Reason(error.to_string());
     // Strict decoding accepts only one of the two signatures.
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(file)).map_err(reason)?;

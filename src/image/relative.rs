@@ -84,7 +84,7 @@ impl RelativeErrorWeights {
     ///
     /// `product` is the sum over channels of the squared error, or of the product of two errors.
     #[must_use]
-    pub fn clamped_relative_product(&self, i: usize, product: f64) -> f64 {
+    pub fn clamped_relative_squared_error(&self, i: usize, product: f64) -> f64 {
         (self.weights[i] * product).clamp(-1.0, 1.0)
     }
 
@@ -94,9 +94,9 @@ impl RelativeErrorWeights {
     /// product of the errors against two independent references, whose noise then cancels in the
     /// mean.
     #[must_use]
-    pub fn mean(&self, product: impl Fn(usize) -> DVec3) -> f64 {
+    pub fn mean_relative_squared_error(&self, product: impl Fn(usize) -> DVec3) -> f64 {
         let sum: f64 =
-            (0..self.weights.len()).map(|i| self.clamped_relative_product(i, product(i).element_sum())).sum();
+            (0..self.weights.len()).map(|i| self.clamped_relative_squared_error(i, product(i).element_sum())).sum();
         sum / self.weights.len() as f64
     }
 }

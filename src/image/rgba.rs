@@ -9,22 +9,22 @@ use std::path::Path;
 
 /// Integer levels of an RGBA picture as its file stores them, not linearised.
 #[derive(Clone, Debug)]
-pub(crate) struct RgbaLevels {
+pub(crate) struct QuantizedRgba {
     /// Picture width in pixels.
     pub width: u32,
     /// Picture height in pixels.
     pub height: u32,
-    /// Levels of red, green, blue and alpha from 0 to `greatest`, in rows from the top.
+    /// Levels of red, green, blue and alpha from 0 to `max_level`, in rows from the top.
     pub pixels: Vec<[u16; 4]>,
     /// Largest level, which stands for 1: 255 or 65,535.
-    pub greatest: u16,
+    pub max_level: u16,
 }
 
-impl RgbaLevels {
-    /// Returns the linear value in \[0, 1] of each level from 0 to `greatest`, by the sRGB transfer
-    /// function.
+impl QuantizedRgba {
+    /// Returns the linear value in \[0, 1] of each level from 0 to `max_level`, by the sRGB
+    /// transfer function.
     pub fn srgb_table(&self) -> Vec<f32> {
-        (0..=self.greatest).map(|level| srgb_decode(f64::from(level) / f64::from(self.greatest)) as f32).collect()
+        (0..=self.max_level).map(|level| srgb_decode(f64::from(level) / f64::from(self.max_level)) as f32).collect()
     }
 }
 
@@ -42,7 +42,11 @@ const DECODER_BYTES: u64 = 1 << 20;
 ///
 /// # Errors
 /// [`ReadError`] if the picture is damaged or too large.
-pub(crate) fn decode_rgba_levels(path: &Path, file: &[u8], free: Option<u64>) -> Result<Option<RgbaLevels>, ReadError> {
+pub(crate) fn decode_quantized_rgba(
+    path: &Path,
+    file: &[u8],
+    free: Option<u64>,
+) -> Result<Option<QuantizedRgba>, ReadError> {
     let format = match ::image::guess_format(file) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Bmp)) => format,
         Err(_) if has_tga_extension(path) => ImageFormat::Tga,
@@ -56,7 +60,7 @@ fn has_tga_extension(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tga"))
 }
 
-fn decode_levels(file: &[u8], format: ImageFormat, free: Option<u64>) -> Result<RgbaLevels, DecodeFailure> {
+fn decode_levels(file: &[u8], format: ImageFormat, free: Option<u64>) -> Result<QuantizedRgba, DecodeFailure> {
     let reason = |error: ImageError| DecodeFailure::Reason(error.to_string());
     let (width, height) = ImageReader::with_format(Cursor::new(file), format).into_dimensions().map_err(reason)?;
     let pixels = pixel_count(width, height)?;
@@ -76,5 +80,5 @@ fn decode_levels(file: &[u8], format: ImageFormat, free: Option<u64>) -> Result<
         | DynamicImage::ImageRgba16(_) => (decoded.into_rgba16().pixels().map(|p| p.0).collect(), u16::MAX),
         _ => (decoded.into_rgba8().pixels().map(|p| p.0.map(u16::from)).collect(), 255),
     };
-    Ok(RgbaLevels { width, height, pixels, greatest })
+    Ok(QuantizedRgba { width, height, pixels, max_level: greatest })
 }

@@ -13,7 +13,7 @@ use super::pilot_statistics::{box_mean, positive_median};
 use super::tiles;
 use crate::color;
 use crate::sampling::{Key, Purpose};
-use crate::scene::for_interior;
+use crate::scene::with_interior_type;
 use std::sync::Arc;
 
 /// Number of pictures from which the adaptive-sampling pilot measures the noise of each pixel, with
@@ -22,7 +22,7 @@ const PILOT_PICTURES: u32 = 4;
 
 /// Divisor of the number of photon paths of a pass: the adaptive-sampling pilot traces 1/16 of the
 /// paths.
-const PILOT_DIVISOR: u32 = 16;
+const PHOTON_PATH_DIVISOR: u32 = 16;
 
 /// Smallest number of camera rays of a pixel, divided by the mean over all pixels.
 const MIN_RELATIVE_COUNT: f64 = 0.5;
@@ -36,7 +36,7 @@ const MAX_RELATIVE_COUNT: f64 = 8.0;
 /// noise. Returns `None` if they have no noise.
 pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
-    let options = MapBuildOptions::for_pilot(key, PILOT_DIVISOR);
+    let options = MapBuildOptions::for_pilot(key, PHOTON_PATH_DIVISOR);
     let maps = renderer.map_builder.build(&options, &SilentMonitor, &mut PassResult::default());
     // Moving objects stay at one time, because the pilot does not slice the shutter interval.
     let pilot = renderer.with_one_sample();
@@ -46,7 +46,7 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
             let pass = u32::MAX - i;
             let (paths, sampling, key) =
                 (pilot.path_context(Some(&maps), pass), pilot.film_sampling(pass), pilot.camera_path_key(pass));
-            let picture = for_interior!(pilot.policy.effects, <I> {
+            let picture = with_interior_type!(pilot.policy.effects, <I> {
                 tiles::render_tiles(&sampling, key, &SilentMonitor, |camera_ray, task, branches| {
                     camera_path::trace_camera_path::<I>(&paths, camera_ray, task, branches)
                 })
@@ -55,7 +55,7 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
         })
         .collect();
     let (width, height) = renderer.scene.camera().size();
-    relative_ray_counts(&pictures, width as usize, height as usize, renderer.samples)
+    relative_ray_counts(&pictures, width as usize, height as usize, renderer.samples_per_pixel)
 }
 
 /// Returns the number of camera rays that each pixel needs, divided by the mean over all pixels;

@@ -12,7 +12,8 @@ use crate::stats::Counters;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct RayPhotonBalance {
     /// Number of camera rays per pixel.
-    pub samples: u32,
+    #[serde(rename = "samples")]
+    pub samples_per_pixel: u32,
     /// Number of unaimed photon paths, for
     /// [`Settings::unaimed_paths`](super::Settings::unaimed_paths); `None` without such paths.
     #[serde(rename = "photons")]
@@ -50,16 +51,19 @@ pub(super) const LOOKUP_WORK: f64 = 20.0;
 pub(super) struct NoiseSource {
     /// Variance of the picture of a pass with one sample of this source: one camera ray per pixel,
     /// or one photon path.
-    pub variance: f64,
+    pub single_sample_variance: f64,
     /// Work of one sample. The unit is the work of tracing one photon ray.
-    pub work: f64,
+    pub work_per_sample: f64,
     /// Number of samples before balancing.
-    pub count: f64,
+    pub sample_count: f64,
 }
 
 impl NoiseSource {
     fn has_noise(&self) -> bool {
-        self.variance > 0.0 && self.work > 0.0 && self.count > 0.0 && self.variance.is_finite()
+        self.single_sample_variance > 0.0
+            && self.work_per_sample > 0.0
+            && self.sample_count > 0.0
+            && self.single_sample_variance.is_finite()
     }
 }
 
@@ -72,18 +76,22 @@ impl NoiseSource {
 pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
         let active = sources.iter().zip(numbers).filter(|(p, _)| p.has_noise());
-        active.map(|(p, n)| p.work * n).sum()
+        active.map(|(p, n)| p.work_per_sample * n).sum()
     };
     let numbers = |scale: f64| {
         sources.map(|p| {
-            let best = scale * (p.variance / p.work).sqrt();
-            if p.has_noise() { best.clamp(p.count / MAX_CHANGE, p.count * MAX_CHANGE) } else { p.count }
+            let best = scale * (p.single_sample_variance / p.work_per_sample).sqrt();
+            if p.has_noise() {
+                best.clamp(p.sample_count / MAX_CHANGE, p.sample_count * MAX_CHANGE)
+            } else {
+                p.sample_count
+            }
         })
     };
-    let given = work(&sources.map(|p| p.count));
+    let given = work(&sources.map(|p| p.sample_count));
     let (mut low, mut high) = (0.0, 0.0f64);
     for p in sources.iter().filter(|p| p.has_noise()) {
-        high = high.max(MAX_CHANGE * p.count / (p.variance / p.work).sqrt());
+        high = high.max(MAX_CHANGE * p.sample_count / (p.single_sample_variance / p.work_per_sample).sqrt());
     }
     // The work grows with the scale; sixty bisections exhaust double precision.
     for _ in 0..60 {

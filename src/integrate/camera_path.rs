@@ -46,13 +46,13 @@ const MAX_BRANCHES: usize = 16;
 
 /// Gather radius \[length] from which [`PathContext::min_gather_distance`] follows if a pass has no
 /// photon maps.
-const NO_MAP_RADIUS: f32 = 1.0;
+const FALLBACK_GATHER_RADIUS: f32 = 1.0;
 
 /// Smallest length of a final-gathering ray that reads the indirect map at its end, divided by the
 /// map's gather radius.
 ///
 /// At the end of a shorter ray, the blur of the map would show. The path then continues instead.
-const MIN_GATHER_RADII: f32 = 2.0;
+const MIN_RELATIVE_GATHER_DISTANCE: f32 = 2.0;
 
 /// Scene, policy, photon maps and limits that all camera paths of a pass share.
 pub(super) struct PathContext<'a> {
@@ -92,7 +92,7 @@ pub(super) struct PathState<I> {
     /// Previous vertex, if next-event estimation there could have sampled the light that the path
     /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
     /// shadow rays.
-    prev: Option<PrevVertex>,
+    prev_nee_vertex: Option<PrevVertex>,
     /// Sampler of the next vertex's random decisions.
     sampler: Sampler,
 }
@@ -119,7 +119,7 @@ pub(super) fn trace_camera_path<I: Interior>(
     let PathContext { scene, policy, nee, .. } = *paths;
     let weights = PathWeights {
         prefix: camera_ray.prefix_weights,
-        indirect: paths.technique.technique_weights(camera_ray.film_position),
+        indirect: paths.technique.technique_weights(camera_ray.weight_lookup_position),
     };
     let mut radiance = Rgb::ZERO;
     let mut branch = Some(PathState::from_camera_ray(paths, camera_ray));
@@ -134,10 +134,10 @@ pub(super) fn trace_camera_path<I: Interior>(
             };
             let mut hit = match event {
                 PathEvent::Surface(hit) => hit,
-                PathEvent::Scattered { transmittance, crossed_hidden_boundary } => {
+                PathEvent::Scattered { absorption_transmittance: transmittance, crossed_hidden_boundary } => {
                     path.throughput *= transmittance * path.pending_weight;
                     path.pending_weight = 1.0;
-                    path.history.casters += u32::from(crossed_hidden_boundary);
+                    path.history.casters_since_receiver += u32::from(crossed_hidden_boundary);
                     if media::scatter_in_medium(&mut path, phase, weights.indirect) {
                         continue;
                     }
@@ -145,19 +145,19 @@ pub(super) fn trace_camera_path<I: Interior>(
                 }
                 PathEvent::Escaped { crossed_hidden_boundary } => {
                     path.count_crossed_boundary(crossed_hidden_boundary);
-                    let escaped = path.throughput * escaped_radiance(paths, &path);
-                    radiance += weigh_found_light(escaped, &path, &weights, task);
+                    let escaped = path.throughput * mis_weighted_escaped_radiance(paths, &path);
+                    radiance += weigh_and_record_light(escaped, &path, &weights, task);
                     break;
                 }
             };
-            path.throughput *= hit.transmittance;
+            path.throughput *= hit.absorption_and_wavelength_weight;
             path.count_crossed_boundary(hit.crossed_hidden_boundary);
 
             // Add emission, weighted by MIS against next-event estimation at the previous vertex.
             if hit.surface.emission != Rgb::ZERO && may_add_hit_emission(policy, &path) {
-                let weight = path.prev.map_or(1.0, |prev| emission_mis_weight(nee, &prev, &hit.surface));
+                let weight = path.prev_nee_vertex.map_or(1.0, |prev| emission_mis_weight(nee, &prev, &hit.surface));
                 let found = path.throughput * hit.surface.emission * weight;
-                radiance += weigh_found_light(found, &path, &weights, task);
+                radiance += weigh_and_record_light(found, &path, &weights, task);
             }
             path.throughput *= path.pending_weight;
             path.pending_weight = 1.0;
@@ -205,7 +205,7 @@ fn shade_receiver<I: Interior>(
         path.throughput /= survival;
     }
     if policy.directions == DirectionSampling::OneLobe {
-        receiver.surface.bsdf = receiver.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ReceiverChoice));
+        receiver.surface.bsdf = receiver.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ReceiverBranch));
     }
     let surface = &receiver.surface;
     let interior = path.path_ray.interior;
@@ -217,7 +217,7 @@ fn shade_receiver<I: Interior>(
         && !weights.prefix.ends_at_receiver
         && match policy.continuation {
             PathContinuation::Never => false,
-            PathContinuation::Glossy => !surface.bsdf.is_diffuse(),
+            PathContinuation::Glossy => !surface.bsdf.is_diffuse_or_coated(),
             PathContinuation::GatherRays => !ends_gather_ray,
             PathContinuation::Always => true,
         };
@@ -226,7 +226,7 @@ fn shade_receiver<I: Interior>(
     }
 
     // Add direct light by next-event estimation.
-    let direct = if policy.direct_light && !ends_gather_ray && !weights.prefix.ends_at_receiver {
+    let direct = if policy.uses_nee && !ends_gather_ray && !weights.prefix.ends_at_receiver {
         nee.estimate_direct_light(&vertex, continues, task)
     } else {
         Rgb::ZERO
@@ -242,7 +242,7 @@ fn shade_receiver<I: Interior>(
     }
 
     // Continue in a sampled direction.
-    path.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
+    path.history = PathHistory { receivers: path.history.receivers + 1, casters_since_receiver: 0 };
     if !(continues && continue_path(policy, path, &vertex, task)) {
         return false;
     }
@@ -270,15 +270,15 @@ fn scatter_at_caster<I: Interior>(
     let PathContext { policy, nee, .. } = *paths;
     let surface = &caster.surface;
     let continues = path.bounce < paths.max_bounces;
-    path.history.casters += 1;
+    path.history.casters_since_receiver += 1;
     let interior = path.path_ray.interior;
     let vertex = path.vertex_at_surface(paths, surface, &interior, caster.distance);
 
     // Add direct light at glossy casters, unless photons carry the light that goes over this
     // caster.
-    if !surface.bsdf.is_specular() && policy.direct_light && may_add_light_after(policy, path.history) {
+    if !surface.bsdf.is_specular() && policy.uses_nee && may_add_light_after(policy, path.history) {
         let direct = path.throughput * nee.estimate_direct_light(&vertex, continues, task);
-        *radiance += weigh_found_light(direct, path, weights, task);
+        *radiance += weigh_and_record_light(direct, path, weights, task);
     }
     if !continues {
         return false;
@@ -310,7 +310,7 @@ fn continue_path<I: Interior>(
 ) -> bool {
     let Some(sample) = scatter::sample(policy.directions, vertex, task) else { return false };
     let mut next = path.after_scattering(vertex.surface, sample.wi, sample.weight, sample.is_transmitted);
-    next.prev = (!sample.is_specular).then_some(PrevVertex {
+    next.prev_nee_vertex = (!sample.is_specular).then_some(PrevVertex {
         p: vertex.surface.point.p,
         hemisphere: vertex.scattering_hemisphere(),
         history: vertex.history,
@@ -320,7 +320,7 @@ fn continue_path<I: Interior>(
         return false;
     }
     let certain = next.history.receivers == 0 && next.bounce <= ROULETTE_BOUNCE;
-    if !certain && !next.survives_roulette(path.sampler) {
+    if !certain && !next.play_russian_roulette(path.sampler) {
         return false;
     }
     *path = next;
@@ -343,8 +343,8 @@ fn photon_radiance<I: Interior>(
     let lookup_scale = match paths.policy.lookups {
         PhotonLookups::Never => return Rgb::ZERO,
         PhotonLookups::FewPerPixel => match vertex.sampler.sample_index_and_count() {
-            (index, samples) if vertex.history.receivers == 0 && index < weights.prefix.lookups => {
-                samples as f32 * weights.prefix.lookup
+            (index, samples) if vertex.history.receivers == 0 && index < weights.prefix.lookup_count => {
+                samples as f32 * weights.prefix.lookup_weight
             }
             _ => return Rgb::ZERO,
         },
@@ -385,7 +385,7 @@ fn shares_indirect_light(weights: IndirectWeights, history: PathHistory) -> bool
 /// paths continue.
 #[inline]
 fn is_path_continued(weights: IndirectWeights, sampler: Sampler) -> bool {
-    weights.continues_at_receiver(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverChoice))
+    weights.continues_at_receiver(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverBranch))
 }
 
 /// Returns `light` times its weight, for `light` that `path` found: emission that it hit, or direct
@@ -394,7 +394,7 @@ fn is_path_continued(weights: IndirectWeights, sampler: Sampler) -> bool {
 /// Up to the first receiver, extra prefix rays find the same light, so it has the weight of
 /// [`PrefixWeights`]. Later the weight is 1.
 #[inline]
-fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, weights: &PathWeights, task: &mut PathTask) -> Rgb {
+fn weigh_and_record_light<I>(light: Rgb, path: &PathState<I>, weights: &PathWeights, task: &mut PathTask) -> Rgb {
     if path.history.receivers > 0 {
         if path.history.receivers > 1 && path.carries_divided_light {
             task.records.light.divided_light_of_paths += light;
@@ -446,7 +446,8 @@ fn may_add_light_after(policy: &PathPolicy, history: PathHistory) -> bool {
 /// are off, because next-event estimation then samples only the centers of area lights.
 #[inline]
 fn may_add_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
-    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && may_add_light_after(policy, path.history)
+    (path.prev_nee_vertex.is_none() || policy.effects.has(Effect::SoftShadows))
+        && may_add_light_after(policy, path.history)
 }
 
 /// Returns the MIS weight of emission at `hit` against next-event estimation at `prev`; 1 if `hit`
@@ -456,7 +457,7 @@ fn may_add_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
 #[inline]
 fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
     let Some(light) = hit.light else { return 1.0 };
-    prev.pdf / (prev.pdf + nee.pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
+    prev.pdf / (prev.pdf + nee.mis_pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
 }
 
 /// Returns the radiance \[W/(m² sr)] that `path` adds as it leaves the scene: that of the
@@ -464,7 +465,7 @@ fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &Su
 ///
 /// Returns 0 for the background after a receiver, and for environment light that photons or
 /// next-event estimation carry.
-fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
+fn mis_weighted_escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let direction = path.path_ray.ray.direction;
     match scene.environment_light_index().filter(|_| policy.effects.has(Effect::Environment)) {
@@ -473,8 +474,8 @@ fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -
         None => scene.background(),
         Some(_) if !may_add_hit_emission(policy, path) => Rgb::ZERO,
         Some(light) => {
-            let light_pdf = |prev: PrevVertex| nee.pdf(&prev, light, direction, None);
-            let weight = path.prev.map_or(1.0, |prev| prev.pdf / (prev.pdf + light_pdf(prev)));
+            let light_pdf = |prev: PrevVertex| nee.mis_pdf(&prev, light, direction, None);
+            let weight = path.prev_nee_vertex.map_or(1.0, |prev| prev.pdf / (prev.pdf + light_pdf(prev)));
             scene.escaped_radiance(direction) * weight
         }
     }
@@ -491,8 +492,8 @@ impl<'a> PathContext<'a> {
         max_bounces: u32,
         technique: IndirectTechnique<'a>,
     ) -> Self {
-        let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.indirect.max_gather_radius());
-        let min_gather_distance = MIN_GATHER_RADII * radius;
+        let radius = maps.map_or(FALLBACK_GATHER_RADIUS, |maps| maps.indirect.max_gather_radius());
+        let min_gather_distance = MIN_RELATIVE_GATHER_DISTANCE * radius;
         Self { scene, policy, nee, maps, pass, max_bounces, technique, min_gather_distance }
     }
 
@@ -511,7 +512,7 @@ impl<I: Interior> PathState<I> {
     #[inline]
     fn start_dividing(&mut self, weights: IndirectWeights, sampler: Sampler) {
         let (_, samples) = sampler.sample_index_and_count();
-        self.pending_weight = weights.path_weight(samples);
+        self.pending_weight = weights.continued_path_factor(samples);
         self.carries_divided_light = true;
     }
 
@@ -528,7 +529,7 @@ impl<I: Interior> PathState<I> {
             history,
             pending_weight: 1.0,
             carries_divided_light: false,
-            prev: None,
+            prev_nee_vertex: None,
             sampler,
         }
     }
@@ -539,8 +540,8 @@ impl<I: Interior> PathState<I> {
     #[inline]
     fn count_crossed_boundary(&mut self, crossed_hidden_boundary: bool) {
         if crossed_hidden_boundary {
-            self.history.casters += 1;
-            self.prev = None;
+            self.history.casters_since_receiver += 1;
+            self.prev_nee_vertex = None;
         }
     }
 
@@ -557,8 +558,8 @@ impl<I: Interior> PathState<I> {
         PathVertex { surface, interior, history, throughput, distance, sampler, shadow_sampler }
     }
 
-    /// Returns the state of the path after it leaves `surface` in unit `direction`; its `prev` is
-    /// `None`.
+    /// Returns the state of the path after it leaves `surface` in unit `direction`; its
+    /// `prev_nee_vertex` is `None`.
     ///
     /// `weight` is the BSDF times the cosine over the pdf of the direction.
     #[inline]
@@ -573,14 +574,14 @@ impl<I: Interior> PathState<I> {
         let weight = weight * path_ray.leave_surface_with_wavelength_weight(surface, direction, transmitted);
         let sampler = self.sampler.next_vertex_sampler(self.bounce, transmitted);
         let throughput = self.throughput * weight;
-        Self { path_ray, throughput, bounce: self.bounce + 1, prev: None, sampler, ..*self }
+        Self { path_ray, throughput, bounce: self.bounce + 1, prev_nee_vertex: None, sampler, ..*self }
     }
 
     /// Plays Russian roulette with `sampler`. Returns false if the path ends.
     ///
     /// If the path survives, its throughput is divided by the survival probability.
     #[inline]
-    fn survives_roulette(&mut self, sampler: Sampler) -> bool {
+    fn play_russian_roulette(&mut self, sampler: Sampler) -> bool {
         let survival = (color::channel_mean(self.throughput) / ROULETTE_THROUGHPUT).min(1.0);
         if survival.is_nan() || sampler.get_1d(Dimension::Roulette) >= survival {
             return false;

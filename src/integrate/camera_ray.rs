@@ -13,7 +13,7 @@ pub(super) struct CameraRay {
     pub sampler: Sampler,
     /// Film position \[pixels from the top left] for which weights are looked up: in a render, the
     /// center of the ray's pixel; in a pilot that traces film points, the point.
-    pub film_position: Vec2,
+    pub weight_lookup_position: Vec2,
     /// Index of the slice of the shutter interval in which the ray is traced.
     pub shutter_slice: usize,
     /// Weights of the light that the path finds up to its first receiver.

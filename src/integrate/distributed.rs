@@ -15,9 +15,9 @@ use crate::scene::Effects;
 pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
     PathPolicy {
         effects,
-        samples: 4,
-        shares_paths: false,
-        direct_light: true,
+        default_samples_per_pixel: 4,
+        passes_share_paths: false,
+        uses_nee: true,
         light_sampling: LightSampling::OneRay,
         continuation: PathContinuation::Glossy,
         directions: DirectionSampling::OneLobe,

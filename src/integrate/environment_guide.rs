@@ -14,10 +14,10 @@ use glam::{Vec2, Vec3};
 
 /// Number of bins of shadow-ray directions along each side of a cell's unit square. A light turns
 /// points of the square into directions.
-const SIDE: usize = 32;
+const BINS_PER_SIDE: usize = 32;
 
 /// Number of bins of shadow-ray directions in each cell of the grid over the scene.
-const BINS: usize = SIDE * SIDE;
+const BINS_PER_CELL: usize = BINS_PER_SIDE * BINS_PER_SIDE;
 
 /// Number of times that the grid over the scene is refined to fit the guide. Each refinement splits
 /// each cell into eight.
@@ -48,10 +48,10 @@ pub(super) struct EnvironmentGuide {
 
 /// Data from which the guide is fitted, for each bin of each cell: the number of pilot rays, and
 /// the sum of their squared contributions to the picture.
-pub(super) struct EnvironmentGuideFit {
+pub(super) struct EnvironmentGuideFitter {
     grid: SceneCellGrid,
     counts: Vec<f64>,
-    squares: Vec<f64>,
+    squared_contribution_sums: Vec<f64>,
 }
 
 impl EnvironmentGuide {
@@ -61,7 +61,7 @@ impl EnvironmentGuide {
     /// Returns `None` if `light` is black or the pdf is 0.
     #[inline]
     pub fn sample_li(&self, light: &EnvironmentLight, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
-        let (u, _) = self.guided_sample(p, u);
+        let (u, _) = self.sample_unit_square(p, u);
         let (wi, _) = light.sample(u)?;
         // Compute the pdf from the direction, as MIS weights do. Rounding may move the direction to
         // another bin than `u`.
@@ -81,17 +81,17 @@ impl EnvironmentGuide {
     /// Returns a point in \[0, 1)² from which the light should sample a direction at `p`, and its
     /// pdf. `u` is uniform in \[0, 1)².
     #[inline]
-    pub fn guided_sample(&self, p: Vec3, u: Vec2) -> (Vec2, f32) {
+    pub fn sample_unit_square(&self, p: Vec3, u: Vec2) -> (Vec2, f32) {
         self.cells[self.grid.cell_index(p)].sample(u)
     }
 }
 
-impl EnvironmentGuideFit {
+impl EnvironmentGuideFitter {
     /// Makes a fit without rays. The boundaries of its cells divide the positions `points` evenly
     /// along each axis.
     pub fn new(points: &[Vec3]) -> Self {
-        let bins = (CELLS_PER_AXIS * CELLS_PER_AXIS * CELLS_PER_AXIS) as usize * BINS;
-        Self { grid: SceneCellGrid::new(points), counts: vec![0.0; bins], squares: vec![0.0; bins] }
+        let bins = (CELLS_PER_AXIS * CELLS_PER_AXIS * CELLS_PER_AXIS) as usize * BINS_PER_CELL;
+        Self { grid: SceneCellGrid::new(points), counts: vec![0.0; bins], squared_contribution_sums: vec![0.0; bins] }
     }
 
     /// Adds what a pilot ray from `p` found. The light has sampled its direction from the point `u`
@@ -99,9 +99,9 @@ impl EnvironmentGuideFit {
     ///
     /// `square` is the squared contribution to the picture that the ray would have without guiding.
     pub fn add(&mut self, p: Vec3, u: Vec2, square: f64) {
-        let bin = self.grid.cell_index(p) * BINS + SquareGridDistribution::cell_index(SIDE, u);
+        let bin = self.grid.cell_index(p) * BINS_PER_CELL + SquareGridDistribution::cell_index(BINS_PER_SIDE, u);
         self.counts[bin] += 1.0;
-        self.squares[bin] += square;
+        self.squared_contribution_sums[bin] += square;
     }
 
     /// Returns the guide fitted to the added pilot rays; `None` if none of them contributed to the
@@ -111,17 +111,17 @@ impl EnvironmentGuideFit {
     /// its parent bin, the larger bin of the next coarser level. That average is drawn towards its
     /// own parent's, and so on up to the whole scene.
     pub fn fitted_guide(&self) -> Option<EnvironmentGuide> {
-        let mean = self.squares.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
+        let mean = self.squared_contribution_sums.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
         let mut means = vec![mean; RefinementLevel(0).bin_count()];
         for level in (0..=REFINEMENTS).map(RefinementLevel) {
-            let (counts, squares) = (level.bin_sums(&self.counts), level.bin_sums(&self.squares));
+            let (counts, squares) = (level.bin_sums(&self.counts), level.bin_sums(&self.squared_contribution_sums));
             let mean = |i: usize| {
                 let parent = if level == RefinementLevel(0) { mean } else { means[level.parent_bin(i)] };
                 (squares[i] + PARENT_WEIGHT * parent) / (counts[i] + PARENT_WEIGHT)
             };
             means = (0..counts.len()).map(mean).collect();
         }
-        let cells = means.chunks_exact(BINS).map(distribution).collect::<Option<Vec<_>>>()?;
+        let cells = means.chunks_exact(BINS_PER_CELL).map(distribution).collect::<Option<Vec<_>>>()?;
         Some(EnvironmentGuide { grid: self.grid.clone(), cells })
     }
 }
@@ -133,23 +133,27 @@ struct RefinementLevel(u32);
 
 impl RefinementLevel {
     /// Returns the number of cells of this level along each axis of the scene.
-    fn cell_side(self) -> usize {
+    fn cells_per_axis(self) -> usize {
         1 << self.0
     }
 
     /// Returns the number of bins of this level along each side of the unit square of a cell.
-    fn bin_side(self) -> usize {
-        SIDE >> (REFINEMENTS - self.0)
+    fn bins_per_side(self) -> usize {
+        BINS_PER_SIDE >> (REFINEMENTS - self.0)
     }
 
     /// Returns the total number of bins of all cells of this level.
     fn bin_count(self) -> usize {
-        self.cell_side() * self.cell_side() * self.cell_side() * self.bin_side() * self.bin_side()
+        self.cells_per_axis()
+            * self.cells_per_axis()
+            * self.cells_per_axis()
+            * self.bins_per_side()
+            * self.bins_per_side()
     }
 
     /// Returns the index of the bin of the next coarser level that contains `bin` of this level.
     fn parent_bin(self, bin: usize) -> usize {
-        let (cells, bins) = (self.cell_side(), self.bin_side());
+        let (cells, bins) = (self.cells_per_axis(), self.bins_per_side());
         let (cell, bin) = (bin / (bins * bins), bin % (bins * bins));
         let (x, y, z) = (cell % cells, cell / cells % cells, cell / (cells * cells));
         let cell = ((z / 2) * (cells / 2) + y / 2) * (cells / 2) + x / 2;
@@ -180,8 +184,8 @@ fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
     if total <= 0.0 {
         return None;
     }
-    let weight = |root: &f64| (1.0 - DEFENSIVE_FRACTION) * root / total + DEFENSIVE_FRACTION / BINS as f64;
-    SquareGridDistribution::new(SIDE, &roots.iter().map(weight).collect::<Vec<_>>())
+    let weight = |root: &f64| (1.0 - DEFENSIVE_FRACTION) * root / total + DEFENSIVE_FRACTION / BINS_PER_CELL as f64;
+    SquareGridDistribution::new(BINS_PER_SIDE, &roots.iter().map(weight).collect::<Vec<_>>())
 }
 
 /// Division of space into cells by planes at right angles to the axes.

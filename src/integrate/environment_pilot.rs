@@ -4,7 +4,7 @@
 //! environment leave these points, guided by the rays of all earlier rounds. The last round
 //! measures how much guiding reduces the variance.
 
-use super::environment_guide::{EnvironmentGuide, EnvironmentGuideFit};
+use super::environment_guide::{EnvironmentGuide, EnvironmentGuideFitter};
 use super::policy::PathContinuation;
 use super::visible_pilot::record_receiver_points;
 use crate::color::{self, Rgb};
@@ -12,13 +12,13 @@ use crate::light::EnvironmentLight;
 use crate::math::{Ray, offset_ray_origin};
 use crate::photon::VisiblePoint;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
-use crate::scene::{Effects, Scene, for_interior};
+use crate::scene::{Effects, Scene, with_interior_type};
 use glam::Vec2;
 use rayon::prelude::*;
 
 /// Smallest and largest number of camera paths that find points for shadow rays of the
 /// environment-guiding pilot. Between these limits, there is one path per pixel.
-const PATHS: (u32, u32) = (4000, 8000);
+const PATH_COUNT_RANGE: (u32, u32) = (4000, 8000);
 
 /// Largest number of bounces of the camera paths that find points for shadow rays of the
 /// environment-guiding pilot.
@@ -68,10 +68,10 @@ struct PilotRay {
     /// Point in \[0, 1)² from which the light samples the ray's direction.
     u: Vec2,
     /// Pdf of `u` over the unit square.
-    pdf: f32,
+    u_pdf: f32,
     /// Contribution that the ray would make to the picture if it had been sampled without guiding;
     /// 0 if occluded.
-    contribution: f64,
+    unguided_contribution: f64,
 }
 
 /// Returns a guide of shadow rays to the environment `light` of `scene`, and a report. The guide is
@@ -86,17 +86,17 @@ pub(super) fn guide_environment_light(
 ) -> (Option<EnvironmentGuide>, EnvironmentGuidingReport) {
     let key = Key::new(seed).purpose_key(Purpose::EnvironmentGuiding);
     let (width, height) = scene.camera().size();
-    let paths = width.saturating_mul(height).clamp(PATHS.0, PATHS.1);
+    let paths = width.saturating_mul(height).clamp(PATH_COUNT_RANGE.0, PATH_COUNT_RANGE.1);
     let points =
         record_receiver_points(scene, effects, key.training_round_key(0), paths, PathContinuation::Always, MAX_BOUNCES);
-    let mut fit = EnvironmentGuideFit::new(&points.iter().map(|point| point.position).collect::<Vec<_>>());
+    let mut fit = EnvironmentGuideFitter::new(&points.iter().map(|point| point.position).collect::<Vec<_>>());
     let mut report = EnvironmentGuidingReport { variance_gain: 1.0, ..EnvironmentGuidingReport::default() };
     let mut guide = None;
     for round in 1..=ROUNDS {
         let rays = trace_round(scene, light, &points, guide.as_ref(), effects, key.training_round_key(round));
         report.shadow_rays += rays.len() as u64;
         if round == 1 {
-            let unoccluded = rays.iter().filter(|ray| ray.contribution > 0.0).count();
+            let unoccluded = rays.iter().filter(|ray| ray.unguided_contribution > 0.0).count();
             report.unoccluded_fraction = unoccluded as f64 / rays.len().max(1) as f64;
             if report.unoccluded_fraction > MAX_UNOCCLUDED_FRACTION {
                 return (None, report);
@@ -106,7 +106,7 @@ pub(super) fn guide_environment_light(
             report.variance_gain = guiding_variance_gain(&rays);
         }
         for ray in &rays {
-            fit.add(points[ray.point].position, ray.u, ray.contribution * ray.contribution);
+            fit.add(points[ray.point].position, ray.u, ray.unguided_contribution * ray.unguided_contribution);
         }
         guide = fit.fitted_guide();
     }
@@ -129,7 +129,7 @@ fn trace_round(
         let point = (index / RAYS_PER_POINT) as usize;
         let VisiblePoint { position: p, position_error, normal, weight } = points[point];
         let u = Sampler::new(key, index, count).get_2d(Dimension::LightPosition);
-        let (u, u_pdf) = guide.map_or((u, 1.0), |guide| guide.guided_sample(p, u));
+        let (u, u_pdf) = guide.map_or((u, 1.0), |guide| guide.sample_unit_square(p, u));
         let contribution = light.sample(u).map_or(0.0, |(wi, pdf)| {
             let cosine = wi.dot(normal);
             let origin = offset_ray_origin(p, position_error, normal, wi);
@@ -140,7 +140,7 @@ fn trace_round(
             let radiance = light.radiance(wi) * transmittance;
             f64::from(weight * cosine) * f64::from(color::channel_mean(radiance) / pdf)
         });
-        PilotRay { point, u, pdf: u_pdf, contribution }
+        PilotRay { point, u, u_pdf, unguided_contribution: contribution }
     };
     (0..count).into_par_iter().map(ray).collect()
 }
@@ -156,7 +156,7 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
     if !scene.bodies().any(|body| body.is_null_interface) {
         return Rgb::ZERO;
     }
-    for_interior!(effects, <I> {
+    with_interior_type!(effects, <I> {
         // Start as the light does: outside all bodies. Crossed boundaries reveal the bodies around
         // the ray's origin.
         let interior = scene.start_light_path::<I>(light, *ray, effects).interior;
@@ -169,7 +169,7 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
 fn guiding_variance_gain(rays: &[PilotRay]) -> f64 {
     let (mut unguided, mut guided) = (0.0, 0.0);
     for ray in rays {
-        let (square, pdf) = (ray.contribution * ray.contribution, f64::from(ray.pdf));
+        let (square, pdf) = (ray.unguided_contribution * ray.unguided_contribution, f64::from(ray.u_pdf));
         unguided += square / pdf;
         guided += square / (pdf * pdf);
     }

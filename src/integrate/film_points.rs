@@ -6,13 +6,13 @@ use super::path_task::PathTask;
 use super::prefix_rays::PrefixWeights;
 use crate::color::Rgb;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
-use crate::scene::{Effect, Scene, for_interior};
+use crate::scene::{Effect, Scene, with_interior_type};
 use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Number of film points of [`film_points_in_pixels`].
-pub(super) const POINTS: u32 = 1024;
+/// Number of film points of [`generate_film_points`].
+pub(super) const FILM_POINT_COUNT: u32 = 1024;
 
 /// Number of film points per parallel task.
 const CHUNK: usize = 64;
@@ -24,16 +24,16 @@ pub(super) type FilmPoint = (Vec2, Sampler);
 ///
 /// `set` numbers independent sets of points. Points with the same index in two sets lie in the same
 /// pixel.
-pub(super) fn film_points_in_pixels(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
+pub(super) fn generate_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
     let key = key.purpose_key(Purpose::Camera);
     let point = |i| {
-        let pixel = (Sampler::new(key, i, POINTS).get_2d(Dimension::Film) * size).floor();
+        let pixel = (Sampler::new(key, i, FILM_POINT_COUNT).get_2d(Dimension::Film) * size).floor();
         let sampler = Sampler::new(key.film_point_key(set, i), 0, 1);
         (pixel + sampler.get_2d(Dimension::Film), sampler)
     };
-    (0..POINTS).map(point).collect()
+    (0..FILM_POINT_COUNT).map(point).collect()
 }
 
 /// Traces a camera path through each of `points`.
@@ -74,7 +74,7 @@ fn trace_paths_by_chunks<T: Send>(
     result: &(impl Fn(Rgb, &mut PathTask) -> T + Sync),
 ) -> (Vec<T>, Vec<PathTask>) {
     let has_lens = paths.policy.effects.has(Effect::Lens);
-    for_interior!(paths.policy.effects, <I> {
+    with_interior_type!(paths.policy.effects, <I> {
         let chunks = points.par_chunks(CHUNK).map(|chunk| {
             let mut task = PathTask::new(nests_estimates, false);
             let mut stack = Vec::<PathState<I>>::new();
@@ -85,7 +85,7 @@ fn trace_paths_by_chunks<T: Send>(
                 let camera_ray = CameraRay {
                     ray,
                     sampler: *sampler,
-                    film_position: *film,
+                    weight_lookup_position: *film,
                     shutter_slice: 0,
                     prefix_weights: PrefixWeights::default(),
                 };

@@ -1,7 +1,7 @@
 //! Sampling of the film: which rays go through each pixel of a picture, and with which weights.
 
 use super::lamp_images::{LampImages, PixelLampImage, aimed_pdf, sample_aimed_film_point};
-use super::prefix_rays::{AimedRayWeights, PrefixRayCount, PrefixWeights};
+use super::prefix_rays::{AimedRayWeights, PixelPrefixRayCounts, PrefixWeights};
 use super::shutter::{PixelRaySlices, SlicedCameras};
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::math::Ray;
@@ -14,16 +14,16 @@ pub(super) struct FilmSampling<'a> {
     /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel.
     pub filter: Option<&'a Filter>,
     /// Mean number of rays per pixel.
-    pub samples: u32,
+    pub samples_per_pixel: u32,
     /// True if rays start at random points of the lens; false if at its center.
-    pub lens: bool,
+    pub samples_lens: bool,
     /// Number of rays of each pixel, divided by the mean over all pixels; `None` gives all pixels
     /// the mean.
     pub relative_ray_counts: Option<&'a [f32]>,
     /// Numbers of [prefix rays](super::prefix_rays); `None` traces none.
     pub prefix_rays: Option<PrefixRays<'a>>,
     /// True if each photon estimate is repeated with smaller nested discs, to measure its bias.
-    pub nested: bool,
+    pub nests_estimates: bool,
     /// True if the light of each pixel is also stored in three parts: direct, indirect and caustic
     /// light.
     pub groups_light: bool,
@@ -45,7 +45,7 @@ pub(super) struct FilmSampling<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct PrefixRays<'a> {
     /// Numbers of prefix rays of each pixel, by rows from the top.
-    pub counts: &'a [PrefixRayCount],
+    pub counts: &'a [PixelPrefixRayCounts],
     /// Random key of the rays that the pixel filter distributes.
     pub key: Key,
     /// Images of lamps in each pixel, at which some prefix rays are aimed.
@@ -87,16 +87,16 @@ impl<'a> FilmSampling<'a> {
     /// Returns the sampling of the whole picture of `camera` with `samples` rays per pixel; all
     /// other options are off.
     ///
-    /// `filter` and `lens` set the fields of these names.
+    /// `filter` and `lens` set the fields `filter` and `samples_lens`.
     pub fn of_camera(camera: &'a Camera, filter: Option<&'a Filter>, samples: u32, lens: bool) -> Self {
         Self {
             camera,
             filter,
-            samples,
-            lens,
+            samples_per_pixel: samples,
+            samples_lens: lens,
             relative_ray_counts: None,
             prefix_rays: None,
-            nested: false,
+            nests_estimates: false,
             groups_light: false,
             window: CropWindow::of_whole_picture(camera.size()),
             clamp: None,
@@ -110,14 +110,14 @@ impl FilmSampling<'_> {
     /// Returns the number of camera rays of a pixel, at least one. `pixel` is an index by rows from
     /// the top.
     fn ray_count(&self, pixel: usize) -> u32 {
-        let exact = |counts: &[f32]| (self.samples as f32 * counts[pixel]).round().max(1.0) as u32;
-        self.relative_ray_counts.map_or(self.samples, exact)
+        let exact = |counts: &[f32]| (self.samples_per_pixel as f32 * counts[pixel]).round().max(1.0) as u32;
+        self.relative_ray_counts.map_or(self.samples_per_pixel, exact)
     }
 
     /// Returns the number of [prefix rays](super::prefix_rays) of a pixel. `pixel` is an index by
     /// rows from the top.
-    fn prefix_ray_count(&self, pixel: usize) -> PrefixRayCount {
-        self.prefix_rays.map_or(PrefixRayCount::default(), |rays| rays.counts[pixel])
+    fn prefix_ray_count(&self, pixel: usize) -> PixelPrefixRayCounts {
+        self.prefix_rays.map_or(PixelPrefixRayCounts::default(), |rays| rays.counts[pixel])
     }
 
     /// Returns the camera rays of the pixel in column `x`, row `y` of the whole picture, its prefix
@@ -145,8 +145,8 @@ impl FilmSampling<'_> {
             is_aimed: false,
         };
         let camera_rays = rays(key, samples, slices, PrefixWeights::of_camera_paths(samples, used_slices, prefix));
-        let prefix_rays = self.prefix_rays.filter(|_| prefix.rays > 0).map(|PrefixRays { key, .. }| {
-            let count = prefix.rays.into();
+        let prefix_rays = self.prefix_rays.filter(|_| prefix.unaimed > 0).map(|PrefixRays { key, .. }| {
+            let count = prefix.unaimed.into();
             let weights = PrefixWeights::of_prefix_rays(samples, used_slices, prefix);
             rays(key, count, self.divide_rays(x, y, count), weights)
         });
@@ -191,7 +191,7 @@ impl FilmSampling<'_> {
             self.sample_film_position(corner, sampler).0
         };
         let camera = self.slices.as_ref().map_or(self.camera, |slices| slices.cameras[slice]);
-        let lens = self.lens.then(|| sampler.get_2d(Dimension::Lens));
+        let lens = self.samples_lens.then(|| sampler.get_2d(Dimension::Lens));
         let up_to_receiver = self.weight_near_lamp_images(images, weights, corner, film, on_lens);
         PixelRay {
             ray: camera.generate_ray(film, lens),
@@ -203,7 +203,7 @@ impl FilmSampling<'_> {
     /// Returns the point of the lens through which the ray of `sampler` goes \[length right and up
     /// from its center].
     fn lens_point(&self, sampler: Sampler) -> Vec2 {
-        if self.lens { self.camera.sample_lens(sampler.get_2d(Dimension::Lens)).as_vec2() } else { Vec2::ZERO }
+        if self.samples_lens { self.camera.sample_lens(sampler.get_2d(Dimension::Lens)).as_vec2() } else { Vec2::ZERO }
     }
 
     /// Returns the weight of light that the ray of `sampler` finds up to its first receiver. The
@@ -241,7 +241,7 @@ impl FilmSampling<'_> {
     #[inline]
     pub fn generate_ray(&self, slice: usize, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
         let (film, weight) = self.sample_film_position(corner, sampler);
-        let lens = self.lens.then(|| sampler.get_2d(Dimension::Lens));
+        let lens = self.samples_lens.then(|| sampler.get_2d(Dimension::Lens));
         let camera = self.slices.as_ref().map_or(self.camera, |slices| slices.cameras[slice]);
         (camera.generate_ray(film, lens), weight)
     }

@@ -29,9 +29,9 @@ pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
     let interreflection = effects.has(Effect::Interreflection);
     PathPolicy {
         effects,
-        samples: 8,
-        shares_paths: false,
-        direct_light: true,
+        default_samples_per_pixel: 8,
+        passes_share_paths: false,
+        uses_nee: true,
         light_sampling: LightSampling::OneRay,
         continuation: if interreflection { PathContinuation::Always } else { PathContinuation::Never },
         directions: DirectionSampling::Bsdf,

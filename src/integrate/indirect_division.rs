@@ -41,21 +41,21 @@ pub(super) struct IndirectWeights {
     pub photon_weight: f32,
     /// Number of the pixel's camera paths that continue at their first receiver: those with the
     /// lowest sample indices.
-    pub continued: u32,
+    pub continued_paths: u32,
     /// Number of camera paths of the pixel.
-    pub samples: u32,
+    pub samples_per_pixel: u32,
 }
 
 /// Relative variance and bias of indirect light in one cell of the film grid, by camera paths and
 /// by photon estimates. They are divided by the squared indirect light of the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct IndirectErrors {
+pub(super) struct RelativeIndirectErrors {
     /// Relative variance of the indirect light found by one camera path that continues at its first
     /// receiver.
-    pub path_variance: f32,
+    pub single_path_variance: f32,
     /// Relative variance of the photon estimate in the first pass, times the number of photon
     /// paths.
-    pub photon_variance: f32,
+    pub single_photon_path_variance: f32,
     /// Relative mean squared bias of the photon estimate in the first pass.
     pub squared_bias: f32,
 }
@@ -67,11 +67,11 @@ pub(super) struct IndirectDivision {
     /// Number of columns of the film grid, which divides the film into square cells.
     pub columns: u32,
     /// Errors of both techniques in each cell of the film grid, by rows from the top.
-    pub cells: Vec<IndirectErrors>,
+    pub cells: Vec<RelativeIndirectErrors>,
     /// Edge length of a cell of the film grid \[pixels].
     pub cell_size: f32,
     /// Number of camera paths per pixel.
-    pub samples: u32,
+    pub samples_per_pixel: u32,
     /// Number of unaimed photon paths per pass. They fill the interreflection map.
     pub unaimed_paths: u32,
     /// Price of a camera path, as a relative variance. A path continues after its first receiver
@@ -79,7 +79,7 @@ pub(super) struct IndirectDivision {
     pub path_price: f32,
     /// Number of passes with photon estimates of indirect light. Later passes use camera paths
     /// alone.
-    pub passes: u32,
+    pub passes_with_photons: u32,
 }
 
 /// Technique that finds the indirect light at the first receivers of the camera paths of one pass.
@@ -99,7 +99,7 @@ pub(super) enum IndirectTechnique<'a> {
         /// Number of passes up to this one, which counts too.
         pass_count: f32,
         /// Area of gather discs in the pass, divided by that in the first pass.
-        area: f32,
+        relative_disc_area: f32,
     },
 }
 
@@ -109,7 +109,9 @@ impl IndirectTechnique<'_> {
         match self {
             Self::Paths => 0.0,
             Self::Photons | Self::Comparison => 1.0,
-            Self::Weighted { division, pass_count, area } => division.mean_photon_weight(*pass_count, *area),
+            Self::Weighted { division, pass_count, relative_disc_area: area } => {
+                division.mean_photon_weight(*pass_count, *area)
+            }
         }
     }
 
@@ -119,9 +121,9 @@ impl IndirectTechnique<'_> {
     pub fn technique_weights(&self, film_position: Vec2) -> IndirectWeights {
         match self {
             Self::Paths => IndirectWeights::default(),
-            Self::Photons => IndirectWeights { photon_weight: 1.0, continued: 0, samples: 1 },
+            Self::Photons => IndirectWeights { photon_weight: 1.0, continued_paths: 0, samples_per_pixel: 1 },
             Self::Comparison => IndirectWeights::COMPARISON,
-            Self::Weighted { division, pass_count, area } => {
+            Self::Weighted { division, pass_count, relative_disc_area: area } => {
                 division.technique_weights(film_position, *pass_count, *area)
             }
         }
@@ -131,7 +133,7 @@ impl IndirectTechnique<'_> {
 impl IndirectWeights {
     /// Weight 1 for camera paths and also for photon estimates, for a pilot that compares them.
     /// Indirect light then counts twice.
-    const COMPARISON: Self = Self { photon_weight: 1.0, continued: u32::MAX, samples: u32::MAX };
+    const COMPARISON: Self = Self { photon_weight: 1.0, continued_paths: u32::MAX, samples_per_pixel: u32::MAX };
 
     /// True if camera path number `index` of the `count` paths of a pixel continues at its first
     /// receiver: if `index` is below the number of continued paths.
@@ -140,7 +142,11 @@ impl IndirectWeights {
     /// `continued`/`samples`, by the random number `u` in \[0, 1).
     #[inline]
     pub fn continues_at_receiver(&self, (index, count): (u32, u32), u: f32) -> bool {
-        if count == 1 { u * (self.samples as f32) < self.continued as f32 } else { index < self.continued }
+        if count == 1 {
+            u * (self.samples_per_pixel as f32) < self.continued_paths as f32
+        } else {
+            index < self.continued_paths
+        }
     }
 
     /// Returns the factor on the light of each camera path that continues at its first receiver, if
@@ -148,16 +154,16 @@ impl IndirectWeights {
     ///
     /// In a pilot, `count` is 1, and the single path stands for all paths of the pixel.
     #[inline]
-    pub fn path_weight(&self, count: u32) -> f32 {
+    pub fn continued_path_factor(&self, count: u32) -> f32 {
         if *self == Self::COMPARISON {
             return 1.0;
         }
-        let count = if count == 1 { self.samples } else { count };
-        (1.0 - self.photon_weight) * count as f32 / self.continued.min(count).max(1) as f32
+        let count = if count == 1 { self.samples_per_pixel } else { count };
+        (1.0 - self.photon_weight) * count as f32 / self.continued_paths.min(count).max(1) as f32
     }
 }
 
-impl IndirectErrors {
+impl RelativeIndirectErrors {
     /// Returns the weights of camera paths and of photon estimates, and the number of continued
     /// camera paths, for which the error of indirect light is least at the price of a path.
     ///
@@ -165,9 +171,9 @@ impl IndirectErrors {
     /// divided by that in the first pass.
     #[inline]
     fn least_error_weights(&self, division: &IndirectDivision, pass_count: f32, area: f32) -> IndirectWeights {
-        let samples = division.samples;
-        let photons = self.photon_error(division.unaimed_paths, pass_count, area);
-        let paths = self.path_variance;
+        let samples = division.samples_per_pixel;
+        let photons = self.photon_mean_squared_error(division.unaimed_paths, pass_count, area);
+        let paths = self.single_path_variance;
         if photons <= 0.0 || paths <= 0.0 {
             // The pilot found no light by one of the techniques.
             return IndirectWeights::default();
@@ -179,7 +185,7 @@ impl IndirectErrors {
         let continued = wanted.clamp(0.0, samples as f32).round();
         let error = paths / continued.max(f32::MIN_POSITIVE);
         let weight = if continued == 0.0 { 1.0 } else { error / (error + photons) };
-        IndirectWeights { photon_weight: weight, continued: continued as u32, samples }
+        IndirectWeights { photon_weight: weight, continued_paths: continued as u32, samples_per_pixel: samples }
     }
 
     /// Returns the relative mean squared error of the photon estimate in the last of
@@ -189,8 +195,8 @@ impl IndirectErrors {
     /// gather discs, divided by that in the first pass. The squared bias counts `pass_count` times,
     /// because all passes share it.
     #[inline]
-    fn photon_error(&self, photon_paths: u32, pass_count: f32, area: f32) -> f32 {
-        self.photon_variance / (photon_paths as f32 * area) + pass_count * self.squared_bias * area * area
+    fn photon_mean_squared_error(&self, photon_paths: u32, pass_count: f32, area: f32) -> f32 {
+        self.single_photon_path_variance / (photon_paths as f32 * area) + pass_count * self.squared_bias * area * area
     }
 }
 
@@ -203,7 +209,7 @@ impl IndirectDivision {
     /// Returns the errors of both techniques at a film position \[pixels from the top left],
     /// interpolated between cells of the film grid.
     #[inline]
-    fn interpolated_errors(&self, film_position: Vec2) -> IndirectErrors {
+    fn interpolated_errors(&self, film_position: Vec2) -> RelativeIndirectErrors {
         let rows = self.cells.len() as u32 / self.columns;
         let last = Vec2::new((self.columns - 1) as f32, (rows - 1) as f32);
         let place = (film_position / self.cell_size - 0.5).clamp(Vec2::ZERO, last);
@@ -215,10 +221,10 @@ impl IndirectDivision {
             (cell(corner.x, corner.y + 1.0), (1.0 - part.x) * part.y),
             (cell(corner.x + 1.0, corner.y + 1.0), part.x * part.y),
         ];
-        let mean = |value: fn(&IndirectErrors) -> f32| corners.iter().map(|(c, w)| value(c) * w).sum::<f32>();
-        IndirectErrors {
-            path_variance: mean(|c| c.path_variance),
-            photon_variance: mean(|c| c.photon_variance),
+        let mean = |value: fn(&RelativeIndirectErrors) -> f32| corners.iter().map(|(c, w)| value(c) * w).sum::<f32>();
+        RelativeIndirectErrors {
+            single_path_variance: mean(|c| c.single_path_variance),
+            single_photon_path_variance: mean(|c| c.single_photon_path_variance),
             squared_bias: mean(|c| c.squared_bias),
         }
     }
@@ -242,11 +248,11 @@ impl IndirectDivision {
         for cell in &self.cells {
             let weights = cell.least_error_weights(self, pass_count, area);
             let error = if weights.photon_weight > 0.0 {
-                weights.photon_weight * cell.photon_error(self.unaimed_paths, pass_count, area)
+                weights.photon_weight * cell.photon_mean_squared_error(self.unaimed_paths, pass_count, area)
             } else {
-                cell.path_variance / self.samples as f32
+                cell.single_path_variance / self.samples_per_pixel as f32
             };
-            let continued = if weights.photon_weight > 0.0 { weights.continued } else { self.samples };
+            let continued = if weights.photon_weight > 0.0 { weights.continued_paths } else { self.samples_per_pixel };
             sums = (sums.0 + f64::from(error), sums.1 + f64::from(continued));
         }
         let cells = self.cells.len().max(1) as f64;

@@ -13,7 +13,7 @@
 
 use super::balance;
 use super::film_points::{FilmPoint, map_paths_through_film_points};
-use super::indirect_division::{IndirectDivision, IndirectErrors, IndirectTechnique};
+use super::indirect_division::{IndirectDivision, IndirectTechnique, RelativeIndirectErrors};
 use super::map_builder::MapBuildOptions;
 use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
@@ -27,7 +27,7 @@ use glam::Vec2;
 
 /// Number of cells of the film grid along the longer side of the film. The indirect-light pilot
 /// measures noise and bias in each cell.
-const CELLS: u32 = 24;
+const CELLS_ALONG_LONGER_SIDE: u32 = 24;
 
 /// Number of camera paths through each cell of the film grid, in each of the indirect-light pilot's
 /// two trials.
@@ -35,17 +35,17 @@ const CELL_POINTS: u32 = 16;
 
 /// Least divisor of the number of photon paths of a pass: each of the indirect-light pilot's two
 /// trials traces at most 1/8 of the paths.
-const MIN_DIVISOR: u32 = 8;
+const MIN_PHOTON_PATH_DIVISOR: u32 = 8;
 
 /// Largest number of photon paths in each of the indirect-light pilot's two trials.
-const MAX_PATHS: u32 = 1 << 17;
+const MAX_PHOTON_PATHS: u32 = 1 << 17;
 
 /// Number of passes of a typical render. The indirect-light pilot minimizes error times work after
 /// this many passes.
 const TYPICAL_PASS_COUNT: u32 = 4;
 
 /// Largest number of passes in which photon estimates carry a part of the indirect light.
-const MAX_PASSES: u32 = 1 << 16;
+const MAX_PASSES_WITH_PHOTONS: u32 = 1 << 16;
 
 /// Largest error times work of a division of indirect light, divided by that of camera paths alone,
 /// at which passes use photon estimates.
@@ -53,7 +53,7 @@ const MAX_RELATIVE_COST: f64 = 0.8;
 
 /// Candidate numbers of photon paths per pass, divided by the number in the settings. The
 /// indirect-light pilot chooses the best one.
-const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
+const PHOTON_PATH_FRACTIONS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 
 /// Stride over the film points at which the indirect-light pilot measures work: every eighth point
 /// is used.
@@ -69,29 +69,29 @@ const LOOKUP_PHOTON_WORK: f64 = 0.3;
 /// Largest fraction of a cell's indirect light that photon estimates of the indirect-light pilot
 /// may miss. If they miss more, the pilot has too few photons there to measure their variance, and
 /// assumes one.
-const MOST_MISSED: f64 = 0.9;
+const MAX_MISSED_FRACTION: f64 = 0.9;
 
 /// Relative variance that is assumed for photon estimates in a cell where they miss more than
-/// [`MOST_MISSED`] of the indirect light. It holds for scenes with scattering media.
+/// [`MAX_MISSED_FRACTION`] of the indirect light. It holds for scenes with scattering media.
 ///
 /// In thick media, photons near the camera may be rare, but then each carries great flux.
-const RARE_IN_MEDIA: f64 = 1e4;
+const ASSUMED_VARIANCE_IN_MEDIA: f64 = 1e4;
 
 /// Bias of a density estimate, divided by its difference from an estimate with half the disc area.
 const BIAS_FACTOR: f64 = 2.0;
 
 /// Parts of the light of one camera path, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
-struct LightParts {
+struct TrialPathLight {
     /// Direct light at the first receiver.
     direct: f64,
     /// Emission that the path finds up to its first receiver, plus the caustics there. This pilot
     /// ignores their noise, because other pilots reduce it.
     emission_and_caustics: f64,
     /// Indirect light found by the camera path after its first receiver.
-    path_light: f64,
+    path_indirect: f64,
     /// Indirect light found by the photon estimate at the first receiver.
-    photon_light: f64,
+    photon_indirect: f64,
     /// Noisy estimate of the bias of the photon estimate.
     bias: f64,
 }
@@ -118,7 +118,7 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
     let unaimed_paths = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
     pilot.map_builder.compares_techniques = true;
-    let divisor = unaimed_paths.div_ceil(MAX_PATHS).max(MIN_DIVISOR);
+    let divisor = unaimed_paths.div_ceil(MAX_PHOTON_PATHS).max(MIN_PHOTON_PATH_DIVISOR);
     let (cell_size, grid) = film_grid(renderer.scene.camera().size());
     let points = |trial: u32| -> Vec<FilmPoint> {
         let key = pilot_key(&pilot).pilot_trial_key(trial).purpose_key(Purpose::Camera);
@@ -139,7 +139,8 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
     let (light, counters) = trial.trace_paths(&pilot, &film_points, IndirectTechnique::Comparison);
     let (other_light, _) = other_trial.trace_paths(&pilot, &other_film_points, IndirectTechnique::Comparison);
     let trial_photons = f64::from(unaimed_paths) / f64::from(divisor);
-    let rare = if pilot.scene.media_in_use().iter().any(|medium| medium.scatters()) { RARE_IN_MEDIA } else { 1.0 };
+    let rare =
+        if pilot.scene.media_in_use().iter().any(|medium| medium.scatters()) { ASSUMED_VARIANCE_IN_MEDIA } else { 1.0 };
     let (cells, direct_variance) = cell_errors(&light, &other_light, grid.0, trial_photons, rare)?;
 
     // Measure the work of each part of a pass.
@@ -158,12 +159,16 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
         columns: grid.0,
         cells,
         cell_size,
-        samples: renderer.samples,
+        samples_per_pixel: renderer.samples_per_pixel,
         unaimed_paths,
         path_price: 0.0,
-        passes: MAX_PASSES,
+        passes_with_photons: MAX_PASSES_WITH_PHOTONS,
     };
-    let parts = if renderer.settings.allows_balance { &PHOTON_PARTS[..] } else { &PHOTON_PARTS[..1] };
+    let parts = if renderer.settings.allows_ray_photon_balance {
+        &PHOTON_PATH_FRACTIONS[..]
+    } else {
+        &PHOTON_PATH_FRACTIONS[..1]
+    };
     least_cost_division(&division, parts, &cost, |pass| renderer.map_builder.relative_disc_area(pass))
 }
 
@@ -174,7 +179,7 @@ fn pilot_key(pilot: &PassRenderer<'_>) -> Key {
 /// Returns the edge length of a cell of the film grid \[pixels], and the grid's numbers of columns
 /// and rows.
 fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
-    let size = (width.max(height) as f32 / CELLS as f32).max(1.0);
+    let size = (width.max(height) as f32 / CELLS_ALONG_LONGER_SIDE as f32).max(1.0);
     let cells = |pixels: u32| ((pixels as f32 / size).ceil() as u32).max(1);
     (size, (cells(width), cells(height)))
 }
@@ -217,10 +222,10 @@ impl<'a> PilotTrial<'a> {
         pilot: &PassRenderer<'_>,
         points: &[FilmPoint],
         technique: IndirectTechnique<'_>,
-    ) -> (Vec<LightParts>, Counters) {
+    ) -> (Vec<TrialPathLight>, Counters) {
         let nests_estimates = matches!(technique, IndirectTechnique::Comparison);
         let paths = pilot.path_context(Some(&self.maps), 0).with_technique(technique);
-        map_paths_through_film_points(&paths, points, nests_estimates, LightParts::from_path_sums)
+        map_paths_through_film_points(&paths, points, nests_estimates, TrialPathLight::from_path_sums)
     }
 
     /// Returns the work of the camera paths through `points`, and of the photons of the
@@ -238,14 +243,15 @@ impl<'a> PilotTrial<'a> {
         TrialWork {
             path_work: balance::camera_path_work(both),
             prefix_work: scale * balance::camera_path_work(&prefixes),
-            photon_work: rays_per_path * unaimed.emitted_paths as f64 + balance::photon_storage_work(unaimed.stored),
+            photon_work: rays_per_path * unaimed.emitted_paths as f64
+                + balance::photon_storage_work(unaimed.stored_photons),
             gathering_work: LOOKUP_PHOTON_WORK
                 * (both.gathered_photons as f64 - scale * alone.gathered_photons as f64).max(0.0),
         }
     }
 }
 
-impl LightParts {
+impl TrialPathLight {
     /// Splits the `radiance` of a camera path into its parts, by the sums of light in `task`.
     /// Resets these sums.
     fn from_path_sums(radiance: Rgb, task: &mut PathTask) -> Self {
@@ -262,8 +268,8 @@ impl LightParts {
         Self {
             direct: total - up_to_receiver - all_photons - paths,
             emission_and_caustics: up_to_receiver + all_photons - photons,
-            path_light: paths,
-            photon_light: photons,
+            path_indirect: paths,
+            photon_indirect: photons,
             bias: BIAS_FACTOR * step,
         }
     }
@@ -276,15 +282,15 @@ impl LightParts {
 /// trial. `rare` is the variance that is assumed for photon estimates that found almost no light,
 /// divided by the squared light that camera paths found.
 fn cell_errors(
-    one: &[LightParts],
-    other: &[LightParts],
+    one: &[TrialPathLight],
+    other: &[TrialPathLight],
     columns: u32,
     paths: f64,
     rare: f64,
-) -> Option<(Vec<IndirectErrors>, f64)> {
+) -> Option<(Vec<RelativeIndirectErrors>, f64)> {
     let size = CELL_POINTS as usize;
-    let light = |p: &LightParts| p.direct + p.emission_and_caustics + 0.5 * (p.path_light + p.photon_light);
-    let cells: Vec<(&[LightParts], &[LightParts])> = one.chunks(size).zip(other.chunks(size)).collect();
+    let light = |p: &TrialPathLight| p.direct + p.emission_and_caustics + 0.5 * (p.path_indirect + p.photon_indirect);
+    let cells: Vec<(&[TrialPathLight], &[TrialPathLight])> = one.chunks(size).zip(other.chunks(size)).collect();
     let cell_light: Vec<f64> =
         cells.iter().map(|(a, b)| a.iter().chain(*b).map(light).sum::<f64>() / (2 * size) as f64).collect();
     let median = positive_median(cell_light.iter().copied())?;
@@ -300,11 +306,11 @@ fn cell_errors(
             for (a, b) in a.iter().zip(*b) {
                 let half = |a: f64, b: f64| 0.5 * (a - b) * (a - b);
                 sums[0] += half(a.direct, b.direct) * scale;
-                sums[1] += half(a.path_light, b.path_light) * scale;
-                sums[2] += half(a.photon_light, b.photon_light) * scale;
+                sums[1] += half(a.path_indirect, b.path_indirect) * scale;
+                sums[2] += half(a.photon_indirect, b.photon_indirect) * scale;
                 sums[3] += a.bias * b.bias * scale;
-                sums[4] += 0.5 * (a.path_light + b.path_light) * (scale / size as f64).sqrt();
-                sums[5] += 0.5 * (a.photon_light + b.photon_light) * (scale / size as f64).sqrt();
+                sums[4] += 0.5 * (a.path_indirect + b.path_indirect) * (scale / size as f64).sqrt();
+                sums[5] += 0.5 * (a.photon_indirect + b.photon_indirect) * (scale / size as f64).sqrt();
             }
             sums
         })
@@ -317,7 +323,7 @@ fn cell_errors(
         // If the pilot has too few photons to measure the variance of the photon estimate, assume
         // one.
         let missed = (by_paths - by_photons).max(0.0);
-        let relative_variance = if missed > MOST_MISSED * by_paths {
+        let relative_variance = if missed > MAX_MISSED_FRACTION * by_paths {
             rare
         } else if missed > 0.5 * by_paths {
             1.0
@@ -325,9 +331,9 @@ fn cell_errors(
             0.0
         };
         let least_variance = relative_variance * by_paths * by_paths;
-        IndirectErrors {
-            path_variance: smoothed(i, 1) as f32,
-            photon_variance: (smoothed(i, 2).max(least_variance) * paths) as f32,
+        RelativeIndirectErrors {
+            single_path_variance: smoothed(i, 1) as f32,
+            single_photon_path_variance: (smoothed(i, 2).max(least_variance) * paths) as f32,
             squared_bias: smoothed(i, 3).max(0.0) as f32,
         }
     };
@@ -352,9 +358,9 @@ fn least_cost_division(
     cost: &PassCost,
     area: impl Fn(u32) -> f64,
 ) -> Option<IndirectDivision> {
-    let n = f64::from(division.samples);
+    let n = f64::from(division.samples_per_pixel);
     let cells = division.cells.len().max(1) as f64;
-    let path_variance = division.cells.iter().map(|c| f64::from(c.path_variance)).sum::<f64>() / cells;
+    let path_variance = division.cells.iter().map(|c| f64::from(c.single_path_variance)).sum::<f64>() / cells;
     let alone = (cost.direct_variance + path_variance) * (cost.prefix_work + cost.continuation_work);
     let error_and_work = |division: &IndirectDivision, part: f64, pass_count: u32| {
         let (error, paths) = division.mean_error_and_paths(pass_count as f32, area(pass_count - 1) as f32);
@@ -385,12 +391,12 @@ fn least_cost_division(
     }
     // The product of error and work grows from pass to pass: find the last pass in which photons
     // pay.
-    let (mut passes, mut limit) = (1, MAX_PASSES);
+    let (mut passes, mut limit) = (1, MAX_PASSES_WITH_PHOTONS);
     while passes + 1 < limit {
         let middle = passes + (limit - passes) / 2;
         if pays(middle) { passes = middle } else { limit = middle }
     }
-    Some(IndirectDivision { passes, ..best.0 })
+    Some(IndirectDivision { passes_with_photons: passes, ..best.0 })
 }
 
 #[cfg(test)]

@@ -55,7 +55,7 @@ pub trait Integrator: Send + Sync {
 
     /// Returns the largest gather radius of each photon map in the first pass; `None` without
     /// photons. In later passes, radii may be smaller.
-    fn gather_radii(&self) -> Option<GatherRadii> {
+    fn initial_gather_radii(&self) -> Option<GatherRadii> {
         None
     }
 

@@ -15,19 +15,20 @@ use crate::camera::{Camera, Filter};
 use crate::color;
 use crate::light::{Light, LightSurface};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
-use crate::scene::{Effect, Effects, Interior, PathEvent, Scene, for_interior};
+use crate::scene::{Effect, Effects, Interior, PathEvent, Scene, with_interior_type};
 use glam::{DVec2, Vec2};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
 /// Number of camera rays per pixel that search images of lamps.
-const RAYS: u32 = 16;
+const MAX_RAYS_PER_PIXEL: u32 = 16;
 
 /// Largest number of lamps whose images are searched.
 const MAX_LAMPS: usize = 64;
 
-/// Number of the [`RAYS`] that each pixel gets. The others go through pixels near predicted images.
-const FIRST_RAYS: u32 = 4;
+/// Number of the [`MAX_RAYS_PER_PIXEL`] that each pixel gets. The others go through pixels near
+/// predicted images.
+const MIN_RAYS_PER_PIXEL: u32 = 4;
 
 /// Least throughput, as a mean over RGB, of a chain of specular vertices that is followed.
 ///
@@ -54,21 +55,21 @@ const MAX_STEPS: u32 = 8;
 
 /// Distance from the center of an image to a point just beyond its end, relative to the longest
 /// half axis of the ellipse. From there, the pilot searches other parts of the image.
-const END_DISTANCE: f32 = 1.1;
+const RELATIVE_IMAGE_END_DISTANCE: f32 = 1.1;
 
 /// Largest half width and half height of the part of the film that an image covers as the point on
 /// the lens varies \[pixels]. Larger images are blurred or thin, so that no pixel gets much of
 /// their light.
-const MAX_EXTENT: f32 = 12.0;
+const MAX_IMAGE_HALF_EXTENT: f32 = 12.0;
 
 /// Distance from the center of the lamp at which Newton steps aim, relative to the lamp's radius.
 ///
 /// They aim at the near side of the lamp, so that searches from several sides find several parts of
 /// an image.
-const AIMED_MISS: f64 = 0.5;
+const TARGET_RELATIVE_MISS: f64 = 0.5;
 
 /// Distance from the center of the lamp within which a search ends, relative to the lamp's radius.
-const END_MISS: f64 = 0.75;
+const CONVERGED_RELATIVE_MISS: f64 = 0.75;
 
 /// Image of a lamp that the pilot has found.
 #[derive(Clone, Copy, Debug)]
@@ -87,12 +88,12 @@ struct FoundLampImage {
 
 /// Light of an image in a pixel, averaged over RGB.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ImageInPixel {
+pub(super) struct LampImageContribution {
     /// Index of the pixel, by rows from the top.
     pub pixel: u32,
     pub image: LampImage,
     /// Radiance that the image adds to the pixel \[W/(m² sr)].
-    pub light: f64,
+    pub pixel_radiance: f64,
     /// Mean square of the radiance that a camera ray of the pixel finds in the image.
     pub mean_square: f64,
 }
@@ -113,7 +114,7 @@ struct Candidate {
 
 /// Returns the images of lamps in each pixel, by pixels. A pixel has an image for each that the
 /// pixel filter reaches.
-pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<ImageInPixel> {
+pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<LampImageContribution> {
     let scene = renderer.scene;
     let lamps = lamp_spheres(scene);
     if lamps.is_empty() || !renderer.policy.effects.has(Effect::Specular) {
@@ -125,7 +126,7 @@ pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<ImageInPixel>
     let (width, height) = scene.camera().size();
     let columns = width.div_ceil(TILE_SIZE);
     let tiles = columns * height.div_ceil(TILE_SIZE);
-    let found: Vec<FoundLampImage> = for_interior!(effects, <I> {
+    let found: Vec<FoundLampImage> = with_interior_type!(effects, <I> {
         let images = |tile| search.images_in_tile::<I>(tile % columns * TILE_SIZE, tile / columns * TILE_SIZE);
         (0..tiles).into_par_iter().flat_map_iter(images).collect()
     });
@@ -175,12 +176,12 @@ impl ImageSearch<'_> {
         let (mut candidates, mut stack) = (Vec::new(), Vec::new());
         let tile: Vec<(u32, u32)> = rows.flat_map(|y| columns.clone().map(move |x| (x, y))).collect();
         let mut searched = tile.clone();
-        for index in 0..RAYS {
-            if index == FIRST_RAYS {
+        for index in 0..MAX_RAYS_PER_PIXEL {
+            if index == MIN_RAYS_PER_PIXEL {
                 searched = pixels_near_images(&tile, &candidates);
             }
             for &(x, y) in &searched {
-                let sampler = Sampler::new(self.key.pixel_key(x, y), index, RAYS);
+                let sampler = Sampler::new(self.key.pixel_key(x, y), index, MAX_RAYS_PER_PIXEL);
                 let point = CameraPoint {
                     film: Vec2::new(x as f32, y as f32) + sampler.get_2d(Dimension::Film),
                     on_lens: has_lens.then(|| camera.sample_lens(sampler.get_2d(Dimension::Lens))),
@@ -247,7 +248,7 @@ impl ImageSearch<'_> {
             for lamp in &self.lamps {
                 let Some(passage) = bundle.lamp_passage(lamp, reach) else { continue };
                 let area = std::f64::consts::PI / passage.to_disc.determinant().abs();
-                let to_image = to_near_side(&passage);
+                let to_image = vector_to_near_side(&passage);
                 if to_image.abs().max_element() <= MAX_DISTANCE && area <= MAX_AREA {
                     let radiance = color::channel_mean(bundle.throughput) * self.lamp_radiance(lamp);
                     let noise = area * (f64::from(radiance) * f64::from(radiance));
@@ -281,9 +282,9 @@ impl ImageSearch<'_> {
                 step *= 0.5;
                 continue;
             };
-            if passage.miss > END_MISS {
+            if passage.relative_miss > CONVERGED_RELATIVE_MISS {
                 from = point.film;
-                let to_image = to_near_side(&passage);
+                let to_image = vector_to_near_side(&passage);
                 let largest = to_image.abs().max_element();
                 step = (to_image * (MAX_DISTANCE / largest).min(1.0)).as_vec2();
                 let moved = (from + step - start.film).abs().max_element();
@@ -296,16 +297,17 @@ impl ImageSearch<'_> {
             if hit.surface.light != Some(lamp.light) {
                 return None;
             }
-            let radiance = color::channel_mean(bundle.throughput * hit.transmittance * hit.surface.emission);
-            let lens_shift = passage.lens_shift.as_mat2();
+            let radiance =
+                color::channel_mean(bundle.throughput * hit.absorption_and_wavelength_weight * hit.surface.emission);
+            let lens_shift = passage.shift_per_lens_position.as_mat2();
             let image = LampImage {
                 center: point.film + passage.to_image.as_vec2() - lens_shift * point.lens_point(),
-                lens_shift,
+                shift_per_lens_position: lens_shift,
                 to_disc: passage.to_disc.as_mat2(),
             };
             let lens_radius = self.lens_radius() as f32;
             let extent = image.half_extent_over_lens(lens_radius).max_element();
-            let valid = image.area() <= MAX_AREA as f32 && extent <= MAX_EXTENT && radiance > 0.0;
+            let valid = image.area() <= MAX_AREA as f32 && extent <= MAX_IMAGE_HALF_EXTENT && radiance > 0.0;
             return valid.then_some(FoundLampImage { image, point, sampler, light: lamp.light, chain, radiance });
         }
         None
@@ -325,15 +327,15 @@ fn pixels_near_images(tile: &[(u32, u32)], candidates: &[Candidate]) -> Vec<(u32
 
 /// Returns the vector on the film from a camera ray to the near side of a lamp that it passes
 /// \[pixels], in the linear approximation `passage`.
-fn to_near_side(passage: &LampPassage) -> DVec2 {
-    passage.to_image * (1.0 - AIMED_MISS / passage.miss).max(0.0)
+fn vector_to_near_side(passage: &LampPassage) -> DVec2 {
+    passage.to_image * (1.0 - TARGET_RELATIVE_MISS / passage.relative_miss).max(0.0)
 }
 
 impl FoundLampImage {
     /// Returns the film points \[pixels] just beyond both ends of the ellipse, for the lens point
     /// at which the image was found.
     fn ends(&self) -> [Vec2; 2] {
-        let longest = self.image.longest_axis() * END_DISTANCE;
+        let longest = self.image.longest_half_axis() * RELATIVE_IMAGE_END_DISTANCE;
         let center = self.image.film_point(Vec2::ZERO, self.point.lens_point());
         [center - longest, center + longest]
     }
@@ -396,7 +398,12 @@ fn distinct_images(found: Vec<FoundLampImage>, lens_radius: f32) -> Vec<FoundLam
 /// Returns the images of `images` in each pixel that the pixel filter reaches, sorted by pixels.
 ///
 /// `lens_radius` is the radius of the lens \[length]; 0 if rays do not sample it.
-fn images_by_pixel(images: &[FoundLampImage], camera: &Camera, filter: &Filter, lens_radius: f32) -> Vec<ImageInPixel> {
+fn images_by_pixel(
+    images: &[FoundLampImage],
+    camera: &Camera,
+    filter: &Filter,
+    lens_radius: f32,
+) -> Vec<LampImageContribution> {
     let (width, height) = camera.size();
     let grid = |steps: [f32; 4]| steps.into_iter().flat_map(move |y| steps.map(|x| Vec2::new(x, y)));
     let disc_points = || grid([-0.75, -0.25, 0.25, 0.75]).filter(|p| p.length_squared() < 1.0);
@@ -419,15 +426,15 @@ fn images_by_pixel(images: &[FoundLampImage], camera: &Camera, filter: &Filter, 
                 let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
                 let value = |p: &Vec2| {
                     let offset = *p - center;
-                    f64::from((filter.normalized_value(offset.x) * filter.normalized_value(offset.y)).abs())
+                    f64::from((filter.normalized_axis_value(offset.x) * filter.normalized_axis_value(offset.y)).abs())
                 };
                 let covered = area * points.iter().map(value).sum::<f64>() / points.len() as f64;
                 if covered > 0.0 {
                     let radiance = f64::from(*radiance);
-                    in_pixels.push(ImageInPixel {
+                    in_pixels.push(LampImageContribution {
                         pixel: y * width + x,
                         image: *image,
-                        light: radiance * covered,
+                        pixel_radiance: radiance * covered,
                         mean_square: radiance * radiance * covered,
                     });
                 }

@@ -27,7 +27,7 @@ pub(super) struct LampImage {
     /// Center of the image for rays through the center of the lens \[pixels from the top left].
     pub center: Vec2,
     /// Shift of the image by the position on the lens \[pixels/length].
-    pub lens_shift: Mat2,
+    pub shift_per_lens_position: Mat2,
     /// Map from vectors on the film \[pixels] to coordinates in which the image is the unit disc.
     pub to_disc: Mat2,
 }
@@ -43,11 +43,11 @@ impl LampImage {
     pub fn half_extent_over_lens(&self, lens_radius: f32) -> Vec2 {
         let from_disc = self.to_disc.inverse();
         let rows = |matrix: Mat2| Vec2::new(matrix.row(0).length(), matrix.row(1).length());
-        rows(from_disc) + rows(self.lens_shift) * lens_radius
+        rows(from_disc) + rows(self.shift_per_lens_position) * lens_radius
     }
 
     /// Returns the longest half axis of the ellipse \[pixels].
-    pub fn longest_axis(&self) -> Vec2 {
+    pub fn longest_half_axis(&self) -> Vec2 {
         // The half axes are images of perpendicular vectors whose images are perpendicular.
         let from_disc = self.to_disc.inverse();
         let (a, b) = (from_disc.x_axis, from_disc.y_axis);
@@ -59,13 +59,13 @@ impl LampImage {
     /// Returns the film point `film` \[pixels] in coordinates in which the image is the unit disc,
     /// for rays through the point `on_lens` of the lens.
     pub fn disc_point(&self, film: Vec2, on_lens: Vec2) -> Vec2 {
-        self.to_disc * (film - self.center - self.lens_shift * on_lens)
+        self.to_disc * (film - self.center - self.shift_per_lens_position * on_lens)
     }
 
     /// Returns the film point \[pixels] at the point `disc` of the disc, the inverse of
     /// [`LampImage::disc_point`].
     pub fn film_point(&self, disc: Vec2, on_lens: Vec2) -> Vec2 {
-        self.center + self.lens_shift * on_lens + self.to_disc.inverse() * disc
+        self.center + self.shift_per_lens_position * on_lens + self.to_disc.inverse() * disc
     }
 
     /// Pdf \[1/pixel²] with which rays are aimed at film point `film`, given their point `on_lens`
@@ -96,13 +96,13 @@ impl LampImage {
 pub(super) struct PixelLampImage {
     pub image: LampImage,
     /// Probability that an aimed ray of the pixel is aimed at this image.
-    pub share: f32,
+    pub aim_probability: f32,
 }
 
 /// Returns the pdf \[1/pixel²] with which a ray that is aimed at one of `images` goes through film
 /// point `film`, given its point `on_lens` of the lens.
 pub(super) fn aimed_pdf(images: &[PixelLampImage], film: Vec2, on_lens: Vec2) -> f32 {
-    images.iter().map(|target| target.share * target.image.pdf(film, on_lens)).sum()
+    images.iter().map(|target| target.aim_probability * target.image.pdf(film, on_lens)).sum()
 }
 
 /// Samples the film point \[pixels] of a ray that is aimed at one of `images`, given its point
@@ -111,13 +111,13 @@ pub(super) fn sample_aimed_film_point(images: &[PixelLampImage], sampler: Sample
     let mut u = sampler.get_2d(Dimension::Film);
     let (last, others) = images.split_last().expect("a pixel with aimed rays has an image");
     for target in others {
-        if u.x < target.share {
-            u.x /= target.share;
+        if u.x < target.aim_probability {
+            u.x /= target.aim_probability;
             return target.image.sample(u, on_lens);
         }
-        u.x -= target.share;
+        u.x -= target.aim_probability;
     }
-    u.x = (u.x / last.share).min(1.0 - f32::EPSILON / 2.0);
+    u.x = (u.x / last.aim_probability).min(1.0 - f32::EPSILON / 2.0);
     last.image.sample(u, on_lens)
 }
 

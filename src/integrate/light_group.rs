@@ -38,7 +38,7 @@ impl LightGroup {
     /// `history`.
     #[inline]
     pub(super) fn of_found_light(history: PathHistory) -> Self {
-        match (history.receivers, history.casters) {
+        match (history.receivers, history.casters_since_receiver) {
             (0, _) | (1, 0) => Self::Direct,
             (1, _) => Self::Caustic,
             (_, _) => Self::Indirect,
@@ -49,14 +49,14 @@ impl LightGroup {
     /// on the path before it.
     #[inline]
     pub(super) fn of_direct_light(history: PathHistory) -> Self {
-        Self::of_found_light(PathHistory { receivers: history.receivers + 1, casters: 0 })
+        Self::of_found_light(PathHistory { receivers: history.receivers + 1, casters_since_receiver: 0 })
     }
 
     /// Returns the group of an estimate from the caustic map at a receiver. `history` holds the
     /// receivers and casters on the path before it.
     #[inline]
     pub(super) fn of_caustic_map(history: PathHistory) -> Self {
-        Self::of_found_light(PathHistory { receivers: history.receivers + 1, casters: 1 })
+        Self::of_found_light(PathHistory { receivers: history.receivers + 1, casters_since_receiver: 1 })
     }
 }
 

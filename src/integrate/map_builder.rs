@@ -26,14 +26,14 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Default limit on the number of photons of a density estimate in the caustic map.
-pub const CAUSTIC_K: u32 = 50;
+pub const DEFAULT_CAUSTIC_K: u32 = 50;
 
 /// Divisor of the number of unaimed photon paths of a pass: 1/16 as many photon paths guide
 /// final-gathering rays.
 const GUIDE_PHOTON_DIVISOR: u32 = 16;
 
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
-const WAVELENGTH_BAND: f32 = 20.0;
+const WAVELENGTH_KERNEL_HALF_WIDTH: f32 = 20.0;
 
 /// Lower bound on the photon limit k of density estimates. The limit shrinks over the passes.
 const MIN_K: f64 = 8.0;
@@ -282,10 +282,10 @@ impl<'a> PhotonMapBuilder<'a> {
             return IndirectTechnique::Photons;
         }
         match self.division.as_deref() {
-            Some(division) if pass < division.passes => IndirectTechnique::Weighted {
+            Some(division) if pass < division.passes_with_photons => IndirectTechnique::Weighted {
                 division,
                 pass_count: pass as f32 + 1.0,
-                area: self.relative_disc_area(pass) as f32,
+                relative_disc_area: self.relative_disc_area(pass) as f32,
             },
             _ => IndirectTechnique::Paths,
         }
@@ -300,8 +300,8 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Returns `mask`, with `beams` true if the estimator for media reads photon beams, and false
     /// if it reads photon points.
-    fn with_beams_if_read(&self, mask: StoreMask) -> StoreMask {
-        StoreMask { beams: self.settings.volume_estimator == VolumeEstimator::Beams, ..mask }
+    fn mask_for_volume_estimator(&self, mask: StoreMask) -> StoreMask {
+        StoreMask { stores_beams: self.settings.volume_estimator == VolumeEstimator::Beams, ..mask }
     }
 
     /// Returns the law by which gather radii shrink from pass to pass.
@@ -365,7 +365,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let task = PhotonTracingTask {
             source: self.aimed_source.as_ref(),
             mask: self.request.aimed,
-            paths: self.counts.divided_by(options.divisor).aimed,
+            paths: self.counts.divided_by(options.photon_path_divisor).aimed,
             key: options.photon_path_key(Purpose::AimedPhotons),
             light_tracer: light_tracer.as_ref(),
         };
@@ -373,10 +373,10 @@ impl<'a> PhotonMapBuilder<'a> {
         out.aimed += photon_report(&traced);
         let deposits = traced.deposits;
         AimedPhotons {
-            caustic: UnindexedMapPhotons { surface: deposits.surface_photons, volume: deposits.volume },
+            caustic: UnindexedMapPhotons { surface: deposits.surface_photons, volume: deposits.volume_photons },
             after_caustic: UnindexedMapPhotons {
-                surface: deposits.after_caustic,
-                volume: deposits.after_caustic_volume,
+                surface: deposits.after_caustic_surface_photons,
+                volume: deposits.after_caustic_volume_photons,
             },
             splats: deposits.splats,
         }
@@ -393,13 +393,13 @@ impl<'a> PhotonMapBuilder<'a> {
         let task = PhotonTracingTask {
             source: self.unaimed_source.as_ref(),
             mask: self.request.unaimed,
-            paths: self.counts.divided_by(options.divisor).unaimed,
+            paths: self.counts.divided_by(options.photon_path_divisor).unaimed,
             key: options.photon_path_key(Purpose::UnaimedPhotons),
             light_tracer: None,
         };
         let traced = self.trace_photons(task, monitor, out);
         out.unaimed += photon_report(&traced);
-        UnindexedMapPhotons { surface: traced.deposits.surface_photons, volume: traced.deposits.volume }
+        UnindexedMapPhotons { surface: traced.deposits.surface_photons, volume: traced.deposits.volume_photons }
     }
 
     /// Traces the photons that guide final-gathering rays, and returns them; empty if the policy
@@ -410,13 +410,13 @@ impl<'a> PhotonMapBuilder<'a> {
         monitor: &dyn ProgressMonitor,
         out: &mut PassResult,
     ) -> Vec<Photon> {
-        if !self.request.guides {
+        if !self.request.builds_guide_map {
             return Vec::new();
         }
         let task = PhotonTracingTask {
             source: self.unaimed_source.as_ref(),
             mask: StoreMask::INDIRECT,
-            paths: self.counts.divided_by(options.divisor).unaimed / GUIDE_PHOTON_DIVISOR,
+            paths: self.counts.divided_by(options.photon_path_divisor).unaimed / GUIDE_PHOTON_DIVISOR,
             key: options.photon_path_key(Purpose::GatherRayGuides),
             light_tracer: None,
         };
@@ -447,10 +447,10 @@ impl<'a> PhotonMapBuilder<'a> {
 
         // The limit grows with the number of paths, so that discs keep their size.
         let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.aimed_paths.max(1));
-        let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
+        let usual_k = (f64::from(DEFAULT_CAUSTIC_K) * ratio).round().max(1.0) as u32;
         let limits = |surface: f32, volume: VolumeKernelRadii, usual_k: u32| DensityEstimateLimits {
             radii: MapRadii { surface, volume },
-            k: photon_limit(self.settings.gather_k.unwrap_or(usual_k), options.divisor),
+            k: photon_limit(self.settings.gather_k.unwrap_or(usual_k), options.photon_path_divisor),
         };
         let radius = |of_map: fn(GatherRadii) -> f32| self.radii.map_or(1.0, of_map);
         let index_caustic = || {
@@ -491,7 +491,7 @@ impl<'a> PhotonMapBuilder<'a> {
             radii.volume.beams * kernel_radius_ratio(beam_dimensions, alpha, pass),
             radii.volume.points * kernel_radius_ratio(point_dimensions, alpha, pass),
         );
-        let band = WAVELENGTH_BAND * area.sqrt() as f32;
+        let band = WAVELENGTH_KERNEL_HALF_WIDTH * area.sqrt() as f32;
         let limit = if options.has_photon_limit { k } else { 0 };
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };
@@ -524,13 +524,13 @@ impl<'a> PhotonMapBuilder<'a> {
         let Some(source) = source else { return TracedPhotons::default() };
         let start = Instant::now();
         monitor.begin_stage(PassStage::Photons, u64::from(paths));
-        let photon_tracer = self.photon_tracer(source, self.with_beams_if_read(mask));
+        let photon_tracer = self.photon_tracer(source, self.mask_for_volume_estimator(mask));
         let traced = photon_tracer.trace_and_connect(key, paths, light_tracer, &|n| {
             monitor.report_progress(n);
             if monitor.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         out.counters.photon_rays += traced.rays;
-        out.counters.rejected_photons += traced.deposits.rejected;
+        out.counters.rejected_photons += traced.deposits.rejected_deposits;
         out.seconds.photons += start.elapsed().as_secs_f64();
         traced
     }
@@ -548,7 +548,7 @@ fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option
 }
 
 fn photon_report(traced: &TracedPhotons) -> PhotonReport {
-    PhotonReport { emitted_paths: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
+    PhotonReport { emitted_paths: traced.paths, stored_photons: traced.deposits.len() as u64, audit: traced.audit }
 }
 
 /// Returns the results of both closures. The calling thread runs `here`, while the thread pool runs

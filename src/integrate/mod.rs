@@ -40,8 +40,8 @@
 //!
 //! Which photons a pass stores is decided in three steps. `PathPolicy::photon_map_request` names
 //! the kinds of photons for the maps that a policy reads. `PhotonMapBuilder::new` drops unaimed
-//! paths if media emit light. `PhotonMapBuilder::with_beams_if_read` decides between photon beams
-//! and photon points.
+//! paths if media emit light. `PhotonMapBuilder::mask_for_volume_estimator` decides between photon
+//! beams and photon points.
 //!
 //! # State of a camera path
 //!
@@ -114,10 +114,10 @@ pub use balance::RayPhotonBalance;
 pub use environment_pilot::EnvironmentGuidingReport;
 pub use integrator::Integrator;
 pub use light_group::LightGroup;
-pub use map_builder::CAUSTIC_K;
+pub use map_builder::DEFAULT_CAUSTIC_K;
 pub use nested_differences::{MeanGatherDisc, NestedDifferences};
 pub use pass::{ExpectedPhotons, PassResult, PassStage, PhotonReport, ProgressMonitor, SilentMonitor, StageTimes};
-pub use radius_law::{ALPHA, RadiusLaw, squared_radius_ratio};
+pub use radius_law::{DEFAULT_ALPHA, RadiusLaw, squared_radius_ratio};
 pub use radius_pilot::{EmissionGuidingReports, GatherRadii};
 pub use scatter_point_pilot::ScatterPointGuidingReport;
 pub use settings::{CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, Settings};

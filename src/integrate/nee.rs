@@ -27,9 +27,9 @@ const FEW_LIGHTS: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShadowRayScheme {
     /// This many shadow rays to every light.
-    All(u32),
+    EveryLight(u32),
     /// This many shadow rays, each to a randomly chosen light.
-    Chosen(u32),
+    RandomLights(u32),
 }
 
 /// Guides of shadow rays that pilots have learned: for their directions to the environment, and for
@@ -99,18 +99,18 @@ impl<'a> NextEventEstimator<'a> {
         let sampled = |n: u32| {
             let surfaces = if aims_at_centers { 1 } else { lights.iter().filter(|l| !l.is_delta()).count() as u32 };
             if lights.len() > n as usize {
-                ShadowRayScheme::Chosen(n)
+                ShadowRayScheme::RandomLights(n)
             } else {
-                ShadowRayScheme::All((n / surfaces.max(1)).max(1))
+                ShadowRayScheme::EveryLight((n / surfaces.max(1)).max(1))
             }
         };
         let schemes = match light_sampling {
-            LightSampling::Centers => [ShadowRayScheme::All(1); 2],
+            LightSampling::Centers => [ShadowRayScheme::EveryLight(1); 2],
             LightSampling::Rays(n) => [sampled(n); 2],
-            LightSampling::OneRay if lights.len() <= FEW_LIGHTS => [ShadowRayScheme::All(1), sampled(1)],
+            LightSampling::OneRay if lights.len() <= FEW_LIGHTS => [ShadowRayScheme::EveryLight(1), sampled(1)],
             LightSampling::OneRay => [sampled(1); 2],
         };
-        let light_sampler = if schemes.iter().any(|s| matches!(s, ShadowRayScheme::Chosen(_))) {
+        let light_sampler = if schemes.iter().any(|s| matches!(s, ShadowRayScheme::RandomLights(_))) {
             LightBvhSampler::new(lights, scene.photon_domain())
         } else {
             None
@@ -134,8 +134,8 @@ impl<'a> NextEventEstimator<'a> {
     /// sends shadow rays to all of them. Returns 0 if these rays go to randomly chosen lights.
     pub fn always_sampled_light_count(&self) -> usize {
         match self.schemes[0] {
-            ShadowRayScheme::All(_) => self.lights.len(),
-            ShadowRayScheme::Chosen(_) => 0,
+            ShadowRayScheme::EveryLight(_) => self.lights.len(),
+            ShadowRayScheme::RandomLights(_) => 0,
         }
     }
 
@@ -181,11 +181,11 @@ impl<'a> NextEventEstimator<'a> {
         task: &mut PathTask,
     ) -> Rgb {
         let rays = match (self.shadow_ray_scheme(vertex.history), &self.light_sampler) {
-            (ShadowRayScheme::All(rays), _) => rays,
-            (ShadowRayScheme::Chosen(rays), Some(sampler)) => {
+            (ShadowRayScheme::EveryLight(rays), _) => rays,
+            (ShadowRayScheme::RandomLights(rays), Some(sampler)) => {
                 return self.estimate_sampled_lights(sampler, rays, vertex, continues, task);
             }
-            (ShadowRayScheme::Chosen(_), None) => return Rgb::ZERO,
+            (ShadowRayScheme::RandomLights(_), None) => return Rgb::ZERO,
         };
         let mut sum = Rgb::ZERO;
         for (i, light) in self.lights.iter().enumerate() {
@@ -234,13 +234,13 @@ impl<'a> NextEventEstimator<'a> {
     ///
     /// `hit` is the point on the light; `None` for the environment.
     #[inline]
-    pub fn pdf(&self, prev: &PrevVertex, light: usize, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
+    pub fn mis_pdf(&self, prev: &PrevVertex, light: usize, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
         let rays = match (self.shadow_ray_scheme(prev.history), &self.light_sampler) {
-            (ShadowRayScheme::All(rays), _) => rays as f32,
-            (ShadowRayScheme::Chosen(rays), Some(sampler)) => {
+            (ShadowRayScheme::EveryLight(rays), _) => rays as f32,
+            (ShadowRayScheme::RandomLights(rays), Some(sampler)) => {
                 sampler.probability(prev.p, prev.hemisphere, light) * rays as f32
             }
-            (ShadowRayScheme::Chosen(_), None) => 0.0,
+            (ShadowRayScheme::RandomLights(_), None) => 0.0,
         };
         rays * self.pdf_li(light, prev.p, wi, hit)
     }

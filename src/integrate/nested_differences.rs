@@ -2,7 +2,7 @@
 //! between the sizes measure the bias.
 
 use crate::color::Rgb;
-use crate::photon::LEVELS;
+use crate::photon::NESTED_DISC_COUNT;
 use glam::DVec3;
 use serde::Serialize;
 
@@ -25,7 +25,7 @@ pub struct MeanGatherDisc {
 pub struct NestedDifferences {
     /// Two differences of radiance \[W/(m² sr)] between estimates with discs of neighbouring areas:
     /// full minus half, and half minus quarter.
-    pub differences: [Rgb; LEVELS - 1],
+    pub differences: [Rgb; NESTED_DISC_COUNT - 1],
     /// Mean radius and photon count of the estimates from the caustic map; `None` without an
     /// estimate.
     pub caustic_disc: Option<MeanGatherDisc>,
@@ -66,9 +66,10 @@ pub(super) struct PixelNestedDifferenceSum {
     /// Sums over the photon estimates of the current camera ray of throughput times difference
     /// \[W/(m² sr)]. The differences are: full minus half disc area, and half minus quarter disc
     /// area.
-    ray: [Rgb; LEVELS - 1],
-    /// Sum of `ray` over the camera rays of the pixel, weighted by the pixel filter \[W/(m² sr)].
-    pixel: [DVec3; LEVELS - 1],
+    camera_ray_sum: [Rgb; NESTED_DISC_COUNT - 1],
+    /// Sum of `camera_ray_sum` over the camera rays of the pixel, weighted by the pixel filter
+    /// \[W/(m² sr)].
+    pixel_sum: [DVec3; NESTED_DISC_COUNT - 1],
     /// Radiance of the last estimate minus its radiance with half the disc area \[W/(m² sr)].
     pub last_difference: Rgb,
     /// Sums of radius and photon count over the pixel's estimates from the caustic map.
@@ -88,8 +89,8 @@ impl PixelNestedDifferenceSum {
     ///
     /// `throughput` is the factor from the estimate's radiance to radiance of the pixel.
     #[inline]
-    pub fn add(&mut self, throughput: Rgb, radiance: [Rgb; LEVELS]) {
-        for (sum, pair) in self.ray.iter_mut().zip(radiance.windows(2)) {
+    pub fn add(&mut self, throughput: Rgb, radiance: [Rgb; NESTED_DISC_COUNT]) {
+        for (sum, pair) in self.camera_ray_sum.iter_mut().zip(radiance.windows(2)) {
             *sum += throughput * (pair[0] - pair[1]);
         }
         self.last_difference = radiance[0] - radiance[1];
@@ -101,19 +102,19 @@ impl PixelNestedDifferenceSum {
     /// A weight of `None`, or a sum that is not finite, drops the ray.
     #[inline]
     pub fn finish_camera_ray(&mut self, weight: Option<f32>) {
-        if let Some(weight) = weight.filter(|_| self.ray.iter().all(|difference| difference.is_finite())) {
-            for (sum, difference) in self.pixel.iter_mut().zip(self.ray) {
+        if let Some(weight) = weight.filter(|_| self.camera_ray_sum.iter().all(|difference| difference.is_finite())) {
+            for (sum, difference) in self.pixel_sum.iter_mut().zip(self.camera_ray_sum) {
                 *sum += difference.as_dvec3() * f64::from(weight);
             }
         }
-        self.ray = [Rgb::ZERO; LEVELS - 1];
+        self.camera_ray_sum = [Rgb::ZERO; NESTED_DISC_COUNT - 1];
     }
 
     /// Returns the pixel's nested differences, and resets the sums for the next pixel.
     ///
     /// Differences of radiance are means over the pixel's `rays` camera rays.
     pub fn finish_pixel(&mut self, rays: u32) -> NestedDifferences {
-        let differences = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
+        let differences = self.pixel_sum.map(|sum| (sum / f64::from(rays)).as_vec3());
         let differences = NestedDifferences {
             differences,
             caustic_disc: self.caustic_discs.mean(),

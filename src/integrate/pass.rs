@@ -59,7 +59,8 @@ pub struct PhotonReport {
     #[serde(rename = "emitted")]
     pub emitted_paths: u64,
     /// Number of stored photons.
-    pub stored: u64,
+    #[serde(rename = "stored")]
+    pub stored_photons: u64,
     /// Flux \[W] that the paths emitted, and the parts of it that were absorbed, escaped or were
     /// stopped.
     pub audit: EnergyAudit,
@@ -74,7 +75,7 @@ pub struct ExpectedPhotons {
     /// Expected number of stored photons of all maps.
     pub stored_photons: u64,
     /// Expected number of stored photons in the largest map.
-    pub largest_map: u64,
+    pub photons_in_largest_map: u64,
 }
 
 /// Result of one pass.
@@ -100,11 +101,11 @@ pub struct PassResult {
     ///
     /// Empty unless [`CameraPathSettings::groups_light`](super::CameraPathSettings::groups_light)
     /// is true.
-    pub groups: Vec<Vec<Rgb>>,
+    pub light_groups: Vec<Vec<Rgb>>,
     /// Radiance that clamping removed from each pixel \[W/(m² sr)].
     ///
     /// Empty unless [`CameraPathSettings::clamp`](super::CameraPathSettings::clamp) is set.
-    pub clamped: Vec<Rgb>,
+    pub removed_by_clamp: Vec<Rgb>,
     /// Pairs of the index of a pixel in `image`, and its radiance by camera paths that no other
     /// pass traces \[W/(m² sr)].
     ///
@@ -123,7 +124,7 @@ impl AddAssign for StageTimes {
 impl AddAssign for PhotonReport {
     fn add_assign(&mut self, o: Self) {
         self.emitted_paths += o.emitted_paths;
-        self.stored += o.stored;
+        self.stored_photons += o.stored_photons;
         self.audit += o.audit;
     }
 }

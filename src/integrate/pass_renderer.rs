@@ -7,7 +7,7 @@ use super::map_builder::PhotonMapBuilder;
 use super::nee::{NextEventEstimator, ShadowRayGuides};
 use super::photon_maps::PhotonMaps;
 use super::policy::PathPolicy;
-use super::prefix_rays::PrefixRayCounts;
+use super::prefix_rays::PrefixRayAllocation;
 use super::settings::Settings;
 use super::shutter::{MAX_PHOTON_SLICES, MAX_SLICES, SLICE_PIXELS, SlicedCameras};
 use super::tiles;
@@ -29,13 +29,13 @@ pub(super) struct PassRenderer<'a> {
     guides: ShadowRayGuides,
     pub map_builder: PhotonMapBuilder<'a>,
     /// Mean number of camera rays per pixel and pass.
-    pub samples: u32,
-    /// Number of camera rays of each pixel, divided by `samples`; `None` gives each pixel `samples`
-    /// rays.
+    pub samples_per_pixel: u32,
+    /// Number of camera rays of each pixel, divided by `samples_per_pixel`; `None` gives each pixel
+    /// `samples_per_pixel` rays.
     pub relative_ray_counts: Option<Arc<[f32]>>,
     /// Number of [prefix rays](super::prefix_rays) of each pixel, and their work; `None` traces
     /// none.
-    pub prefix_rays: Option<PrefixRayCounts>,
+    pub prefix_rays: Option<PrefixRayAllocation>,
 }
 
 impl<'a> PassRenderer<'a> {
@@ -50,7 +50,7 @@ impl<'a> PassRenderer<'a> {
             nee: NextEventEstimator::new(scene, &policy, ShadowRayGuides::default()),
             guides: ShadowRayGuides::default(),
             map_builder: PhotonMapBuilder::new(scene, settings.clone(), policy),
-            samples: settings.camera_paths.samples.unwrap_or(policy.samples),
+            samples_per_pixel: settings.camera_paths.samples_per_pixel.unwrap_or(policy.default_samples_per_pixel),
             settings,
             relative_ray_counts: None,
             prefix_rays: None,
@@ -67,7 +67,7 @@ impl<'a> PassRenderer<'a> {
             nee: NextEventEstimator::new(scene, &self.policy, self.guides.clone()),
             guides: self.guides.clone(),
             map_builder: self.map_builder.for_scene_at_time(scene),
-            samples: self.samples,
+            samples_per_pixel: self.samples_per_pixel,
             relative_ray_counts: self.relative_ray_counts.clone(),
             prefix_rays: self.prefix_rays.clone(),
         }
@@ -100,7 +100,7 @@ impl<'a> PassRenderer<'a> {
     /// forbid the pilot.
     pub fn find_environment_guide(&self) -> (ShadowRayGuides, Option<EnvironmentGuidingReport>) {
         let light = self.nee.guidable_environment_light().filter(|_| self.settings.allows_environment_guiding);
-        let Some(light) = light.filter(|_| self.policy.direct_light) else { return (self.guides.clone(), None) };
+        let Some(light) = light.filter(|_| self.policy.uses_nee) else { return (self.guides.clone(), None) };
         let seed = self.settings.camera_paths.seed;
         let (guide, report) = guide_environment_light(self.scene, light, self.policy.effects, seed);
         (ShadowRayGuides { environment: guide.map(Arc::new), ..self.guides.clone() }, Some(report))
@@ -108,7 +108,12 @@ impl<'a> PassRenderer<'a> {
 
     /// Returns this renderer with one camera ray per pixel and no prefix rays.
     pub fn with_one_sample(&self) -> Self {
-        Self { samples: 1, relative_ray_counts: None, prefix_rays: None, ..self.for_scene_at_time(self.scene) }
+        Self {
+            samples_per_pixel: 1,
+            relative_ray_counts: None,
+            prefix_rays: None,
+            ..self.for_scene_at_time(self.scene)
+        }
     }
 
     /// True if something moves while the shutter is open, so that passes show different times.
@@ -125,19 +130,19 @@ impl<'a> PassRenderer<'a> {
             return 1;
         }
         let scene = self.scene;
-        let wanted = (scene::motion_on_film(scene) / SLICE_PIXELS).ceil();
+        let wanted = (scene::max_motion_in_pixels(scene) / SLICE_PIXELS).ceil();
         // Placing the moving parts for all slices must not cost more than tracing the camera rays.
         let (width, height) = scene.camera().size();
-        let rays = u64::from(width) * u64::from(height) * u64::from(self.samples);
-        let affordable = rays / (scene.unshared_part_count() as u64).max(1);
+        let rays = u64::from(width) * u64::from(height) * u64::from(self.samples_per_pixel);
+        let affordable = rays / (scene.parts_copied_per_time() as u64).max(1);
         let most = if !self.map_builder.traces_photons() {
             MAX_SLICES
         } else if self.policy.reads_photons_each_sample() {
             // A camera ray reads only photons of its slice, and they carry all indirect light. So
             // use no more slices than a pixel has rays.
-            self.samples.min(MAX_PHOTON_SLICES)
+            self.samples_per_pixel.min(MAX_PHOTON_SLICES)
         } else {
-            self.samples.saturating_mul(2).min(MAX_PHOTON_SLICES)
+            self.samples_per_pixel.saturating_mul(2).min(MAX_PHOTON_SLICES)
         };
         (wanted as u32).min(most).min(u32::try_from(affordable).unwrap_or(u32::MAX)).max(1)
     }
@@ -159,7 +164,7 @@ impl<'a> PassRenderer<'a> {
     /// Returns the random key of the camera paths of pass `pass`.
     pub fn camera_path_key(&self, pass: u32) -> Key {
         let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera);
-        if self.policy.shares_paths { key.shared_paths_key() } else { key.pass_key(pass) }
+        if self.policy.passes_share_paths { key.shared_camera_paths_key() } else { key.pass_key(pass) }
     }
 
     /// Returns the random key of the [prefix rays](super::prefix_rays) of pass `pass`.
@@ -181,8 +186,8 @@ impl<'a> PassRenderer<'a> {
                     .purpose_key(Purpose::AimedPrefixRays)
                     .pass_key(pass),
             }),
-            nested: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
-            ..FilmSampling::of_camera(self.scene.camera(), filter, self.samples, lens)
+            nests_estimates: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
+            ..FilmSampling::of_camera(self.scene.camera(), filter, self.samples_per_pixel, lens)
         }
     }
 
@@ -199,11 +204,11 @@ impl<'a> PassRenderer<'a> {
         let settings = &self.settings.camera_paths;
         let window = settings.window(self.scene.camera().size());
         let sampling = FilmSampling { slices, window, clamp: settings.clamp, ..self.film_sampling(pass) };
-        if !(sampling.nested && self.policy.shares_paths) {
+        if !(sampling.nests_estimates && self.policy.passes_share_paths) {
             return None;
         }
         let tile_stride = tiles::rendered_tile_stride(sampling.window.size(), UNSHARED_PATH_TILE_COUNT);
-        let key = Key::new(settings.seed).purpose_key(Purpose::Camera).unshared_paths_key(pass);
-        Some((FilmSampling { nested: false, tile_stride, ..sampling }, key))
+        let key = Key::new(settings.seed).purpose_key(Purpose::Camera).unshared_camera_paths_key(pass);
+        Some((FilmSampling { nests_estimates: false, tile_stride, ..sampling }, key))
     }
 }

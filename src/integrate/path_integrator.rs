@@ -15,18 +15,18 @@ use super::pass::{ExpectedPhotons, PassResult, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::policy::{PathPolicy, PolicyFn};
 use super::prefix_pilot::find_prefix_ray_counts;
-use super::prefix_rays::PrefixRayCounts;
+use super::prefix_rays::PrefixRayAllocation;
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReports, GatherRadii};
 use super::scatter_point_pilot::{ScatterPointGuidingReport, guide_scatter_points};
 use super::settings::{CameraPathSettings, IndirectPhotons, Settings};
 use super::shutter::{ShutterSlice, SlicedCameras};
 use super::tiles::render_tiles;
-use super::work_pilot::{find_ray_photon_balance, measure_pass_work};
+use super::work_pilot::{estimate_pass_counters, find_ray_photon_balance};
 use crate::photon::add_splats;
 use crate::plan::Plan;
 use crate::sampling::{Key, Purpose};
-use crate::scene::{Effect, Effects, Scene, for_interior};
+use crate::scene::{Effect, Effects, Scene, with_interior_type};
 use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -49,7 +49,7 @@ pub(super) struct PathIntegrator<'a> {
     balance: Option<RayPhotonBalance>,
     /// Number of slices of the shutter interval in each pass. Each slice has its own photons and
     /// camera rays.
-    slices: u32,
+    shutter_slice_count: u32,
 }
 
 impl Integrator for PathIntegrator<'_> {
@@ -58,7 +58,7 @@ impl Integrator for PathIntegrator<'_> {
 
         // Move the scene to the time of each slice of the shutter interval.
         let renderer = &self.renderer;
-        let slices = (0..self.slices).map(|index| ShutterSlice { index, count: self.slices });
+        let slices = (0..self.shutter_slice_count).map(|index| ShutterSlice { index, count: self.shutter_slice_count });
         let seed = renderer.settings.camera_paths.seed;
         let scenes: Vec<Scene> = if renderer.has_motion() {
             slices.clone().map(|slice| renderer.scene.at_time(slice.time(seed, pass))).collect()
@@ -78,7 +78,7 @@ impl Integrator for PathIntegrator<'_> {
                 // Each slice estimates the light of the whole shutter interval, so the picture
                 // needs the mean over the slices.
                 let share = 1.0 / slice.count as f32;
-                maps.splats.par_iter_mut().for_each(|splat| splat.radiance *= share);
+                maps.splats.par_iter_mut().for_each(|splat| splat.integrated_radiance *= share);
                 splats.append(&mut maps.splats);
             }
             maps_of_slices.push(slice_maps);
@@ -89,22 +89,22 @@ impl Integrator for PathIntegrator<'_> {
         let inputs = renderers.iter().zip(&maps_of_slices);
         let paths: Vec<_> = inputs.map(|(renderer, maps)| renderer.path_context(maps.as_ref(), pass)).collect();
         let key = renderer.camera_path_key(pass);
-        let cameras = || (self.slices > 1).then(|| sliced_cameras(renderers, pass));
+        let cameras = || (self.shutter_slice_count > 1).then(|| sliced_cameras(renderers, pass));
         let settings = &renderer.settings.camera_paths;
         let CameraPathSettings { groups_light, clamp, .. } = *settings;
         let window = settings.window(renderer.scene.camera().size());
         let sampling =
             FilmSampling { slices: cameras(), groups_light, window, clamp, ..renderers[0].film_sampling(pass) };
         let render_camera_paths = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn ProgressMonitor| {
-            for_interior!(paths[0].policy.effects, <I> {
+            with_interior_type!(paths[0].policy.effects, <I> {
                 render_tiles(sampling, key, monitor, |camera_ray, task, branches| {
                     trace_camera_path::<I>(&paths[camera_ray.shutter_slice], camera_ray, task, branches)
                 })
             })
         };
         let picture = render_camera_paths(&sampling, key, monitor);
-        (out.image, out.nested, out.groups) = (picture.image, picture.nested, picture.groups);
-        out.clamped = picture.clamped;
+        (out.image, out.nested, out.light_groups) = (picture.image, picture.nested, picture.light_groups);
+        out.removed_by_clamp = picture.removed_by_clamp;
         out.counters += picture.counters;
 
         // Add the light that photons sent to the camera.
@@ -113,7 +113,7 @@ impl Integrator for PathIntegrator<'_> {
             let corner = Vec2::new(window.left as f32, window.top as f32);
             splats.par_iter_mut().for_each(|splat| splat.film_position -= corner);
             let (width, _) = window.size();
-            if let Some(caustic) = out.groups.get_mut(LightGroup::Caustic as usize) {
+            if let Some(caustic) = out.light_groups.get_mut(LightGroup::Caustic as usize) {
                 add_splats(splats.clone(), &settings.filter, width, caustic);
             }
             add_splats(splats, &settings.filter, width, &mut out.image);
@@ -122,7 +122,8 @@ impl Integrator for PathIntegrator<'_> {
         // If passes share camera paths, trace some tiles a second time by unshared paths.
         if let Some((sampling, key)) = renderers[0].unshared_path_sampling(pass, cameras()) {
             let unshared = render_camera_paths(&sampling, key, &SilentMonitor);
-            out.unshared_path_pixels = unshared.pixels.iter().map(|i| (*i, unshared.image[*i as usize])).collect();
+            out.unshared_path_pixels =
+                unshared.rendered_pixel_indices.iter().map(|i| (*i, unshared.image[*i as usize])).collect();
         }
         out.seconds.camera += start.elapsed().as_secs_f64();
         out
@@ -134,7 +135,7 @@ impl Integrator for PathIntegrator<'_> {
 
     fn expected_work(&self, effects: Effects) -> Counters {
         let policy = (self.make_policy)(effects, &self.renderer.settings);
-        let mut work = measure_pass_work(&self.renderer.with_policy(policy));
+        let mut work = estimate_pass_counters(&self.renderer.with_policy(policy));
         // Most prefix rays follow specular surfaces, so their work counts as work of this effect.
         if effects.has(Effect::Specular)
             && let Some(prefix_rays) = &self.renderer.prefix_rays
@@ -153,14 +154,14 @@ impl Integrator for PathIntegrator<'_> {
     }
 
     fn prefix_rays_per_pixel(&self) -> f64 {
-        self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayCounts::mean_rays_per_pixel)
+        self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayAllocation::mean_rays_per_pixel)
     }
 
     fn photon_share_of_indirect_light(&self, pass: u32) -> f64 {
         self.renderer.map_builder.technique_of_pass(pass).mean_photon_weight()
     }
 
-    fn gather_radii(&self) -> Option<GatherRadii> {
+    fn initial_gather_radii(&self) -> Option<GatherRadii> {
         self.renderer.map_builder.radii
     }
 
@@ -224,8 +225,9 @@ impl<'a> PathIntegrator<'a> {
         };
         // Balance camera rays against photons. Use only effects that change the picture, so that
         // the others do not change the balance.
-        let balances =
-            settings.allows_balance && settings.camera_paths.samples.is_none() && policy.allows_ray_photon_balance();
+        let balances = settings.allows_ray_photon_balance
+            && settings.camera_paths.samples_per_pixel.is_none()
+            && policy.allows_ray_photon_balance();
         let balance = match (balances, needed_policy()) {
             (false, _) => None,
             (true, None) => find_ray_photon_balance(&renderer),
@@ -235,19 +237,25 @@ impl<'a> PathIntegrator<'a> {
                 find_ray_photon_balance(&renderer)
             }
         };
-        if let Some(RayPhotonBalance { samples, unaimed_paths: photons, aimed_paths: caustic_photons }) = balance {
-            renderer.samples = samples;
+        if let Some(RayPhotonBalance {
+            samples_per_pixel: samples,
+            unaimed_paths: photons,
+            aimed_paths: caustic_photons,
+        }) = balance
+        {
+            renderer.samples_per_pixel = samples;
             let counts = &mut renderer.map_builder.counts;
             counts.unaimed = photons.unwrap_or(counts.unaimed);
             counts.aimed = caustic_photons.unwrap_or(counts.aimed);
             let unaimed_paths = counts.unaimed;
             if let Some(division) = &mut renderer.map_builder.division {
-                *division = Arc::new(IndirectDivision { samples, unaimed_paths, ..(**division).clone() });
+                *division =
+                    Arc::new(IndirectDivision { samples_per_pixel: samples, unaimed_paths, ..(**division).clone() });
             }
         }
 
         // Divide directly visible caustics between photon estimates and light tracing.
-        renderer.map_builder.find_density_estimate_shares();
+        renderer.map_builder.set_density_estimate_shares();
 
         // Add prefix rays where highlights and caustics need them.
         if settings.allows_prefix_rays && policy.allows_prefix_rays() {
@@ -260,7 +268,15 @@ impl<'a> PathIntegrator<'a> {
 
         // Divide the shutter interval.
         let slices = run_pilot(&renderer, needed_policy(), PassRenderer::find_slice_count);
-        Self { renderer, plan, make_policy, environment_guiding, scatter_point_guiding, balance, slices }
+        Self {
+            renderer,
+            plan,
+            make_policy,
+            environment_guiding,
+            scatter_point_guiding,
+            balance,
+            shutter_slice_count: slices,
+        }
     }
 }
 

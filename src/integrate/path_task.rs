@@ -3,7 +3,7 @@
 use super::gather_guide::GatherGuide;
 use super::light_group::GroupedLight;
 use super::nested_differences::PixelNestedDifferenceSum;
-use super::scatter_point_guide::{GuidedDistances, InScatteringSample};
+use super::scatter_point_guide::{GuidedDistanceDistribution, InScatteringSample};
 use crate::color::Rgb;
 use crate::medium::TransmittanceCurve;
 use crate::photon::{PhotonSearchBuffers, VisiblePoint};
@@ -77,7 +77,7 @@ pub(super) struct ScratchBuffers {
     /// Transmittance along the current medium segment.
     pub transmittance: TransmittanceCurve,
     /// Distribution of guided scattering distances along the current medium segment.
-    pub guided_distances: GuidedDistances,
+    pub guided_distances: GuidedDistanceDistribution,
 }
 
 /// Reusable buffers of photon searches, for each map of photons on surfaces.

@@ -10,7 +10,7 @@ use super::volume_estimate::{BeamAndPointMaps, wavelength_kernel_weight};
 use crate::bsdf::TransportMode;
 use crate::color::Rgb;
 use crate::photon::{
-    Bandwidth, Kernel, NestedRadianceEstimate, PhotonData, PhotonMap, PhotonSearchBuffers, Splat, disc_coverage,
+    Bandwidth, Kernel, NestedRadianceEstimate, PhotonAttributes, PhotonMap, PhotonSearchBuffers, Splat, disc_coverage,
     nested_disc_coverage,
 };
 use crate::scene::{Interior, Scene};
@@ -201,18 +201,22 @@ impl PhotonDensityEstimator<'_> {
         if self.map.is_empty() {
             return Rgb::ZERO;
         }
-        task.counters.gathers += 1;
+        task.counters.density_estimates += 1;
         let surface = vertex.surface;
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
-        let brdf = |photon: &PhotonData| {
+        let brdf = |photon: &PhotonAttributes| {
             let mut brdf =
                 surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
             if HAS_SHARES {
                 brdf *= photon.density_estimate_share();
             }
             if I::HAS_MEDIA_OR_WAVELENGTH {
-                brdf * wavelength_kernel_weight(wavelength, photon.wavelength_code(), self.volume.band)
+                brdf * wavelength_kernel_weight(
+                    wavelength,
+                    photon.wavelength_code(),
+                    self.volume.wavelength_kernel_half_width,
+                )
             } else {
                 brdf
             }
@@ -223,17 +227,17 @@ impl PhotonDensityEstimator<'_> {
         let (buffers, discs) = scratch(task);
         if !nested {
             let estimate = self.map.estimate_radiance(p, normal, bandwidth, kernel, buffers, brdf);
-            task.counters.gathered_photons += u64::from(estimate.count);
-            if estimate.count == 0 {
+            task.counters.gathered_photons += u64::from(estimate.photon_count);
+            if estimate.photon_count == 0 {
                 return Rgb::ZERO;
             }
             return estimate.radiance / disc_coverage(self.scene, p, normal, estimate.radius, kernel, key);
         }
-        let NestedRadianceEstimate { whole, mut radiance } =
+        let NestedRadianceEstimate { full_disc: whole, mut radiance } =
             self.map.estimate_radiance_in_nested_discs(p, normal, bandwidth, kernel, buffers, brdf);
-        discs.add(whole.radius, whole.count);
-        task.counters.gathered_photons += u64::from(whole.count);
-        if whole.count == 0 {
+        discs.add(whole.radius, whole.photon_count);
+        task.counters.gathered_photons += u64::from(whole.photon_count);
+        if whole.photon_count == 0 {
             return Rgb::ZERO;
         }
         let covered = disc_coverage(self.scene, p, normal, whole.radius, kernel, key);

@@ -38,9 +38,9 @@ pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
     };
     PathPolicy {
         effects,
-        samples,
-        shares_paths: false,
-        direct_light: true,
+        default_samples_per_pixel: samples,
+        passes_share_paths: false,
+        uses_nee: true,
         light_sampling,
         continuation,
         directions,

@@ -17,11 +17,11 @@ pub(super) struct PathPolicy {
     /// Effects of light to simulate.
     pub effects: Effects,
     /// Default number of camera rays per pixel in each pass.
-    pub samples: u32,
+    pub default_samples_per_pixel: u32,
     /// True if every pass traces the same camera paths.
-    pub shares_paths: bool,
+    pub passes_share_paths: bool,
     /// True if camera paths find direct light by next-event estimation.
-    pub direct_light: bool,
+    pub uses_nee: bool,
     /// Number and targets of the shadow rays of next-event estimation.
     pub light_sampling: LightSampling,
     /// Set of receivers from which a camera path continues.
@@ -114,7 +114,7 @@ pub(super) struct PhotonMapRequest {
     pub unaimed: StoreMask,
     /// True if passes build a separate photon map whose photons guide the directions of
     /// final-gathering rays.
-    pub guides: bool,
+    pub builds_guide_map: bool,
 }
 
 impl PathPolicy {
@@ -141,7 +141,7 @@ impl PathPolicy {
     /// True if a pilot may change the numbers of camera rays and photon paths, to get less noise
     /// for the same work.
     pub fn allows_ray_photon_balance(&self) -> bool {
-        !self.shares_paths
+        !self.passes_share_paths
     }
 
     /// Returns the kinds of photons that passes must store for this policy. Photons of effects that
@@ -158,7 +158,7 @@ impl PathPolicy {
         };
         let (after_caustic, unaimed) = match self.lookups {
             PhotonLookups::Never | PhotonLookups::RecordVisible => {
-                return PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
+                return PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, builds_guide_map: false };
             }
             PhotonLookups::FewPerPixel => {
                 let merges = self.indirect_photons != IndirectPhotons::Off;
@@ -171,7 +171,11 @@ impl PathPolicy {
         };
         let aimed =
             StoreMask { caustic: caustics, after_caustic, separates_after_caustic: after_caustic, ..StoreMask::NONE };
-        PhotonMapRequest { aimed, unaimed, guides: self.directions == DirectionSampling::Guided && interreflection }
+        PhotonMapRequest {
+            aimed,
+            unaimed,
+            builds_guide_map: self.directions == DirectionSampling::Guided && interreflection,
+        }
     }
 }
 
@@ -185,7 +189,7 @@ mod tests {
     fn policies_request_the_maps_they_read() {
         let settings = Settings { final_gathering: FinalGathering::Importance, ..Settings::default() };
         let maps = |make: PolicyFn, effects| make(effects, &settings).photon_map_request();
-        let none = PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
+        let none = PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, builds_guide_map: false };
         assert_eq!(maps(path::path_policy, Effects::ALL), none);
         let aimed = StoreMask { after_caustic: true, separates_after_caustic: true, ..StoreMask::CAUSTIC };
         let unaimed = StoreMask { after_direct: true, ..StoreMask::NONE };
@@ -193,10 +197,14 @@ mod tests {
         let settings = Settings { indirect_photons: IndirectPhotons::Off, ..settings.clone() };
         let without = hybrid::path_policy(Effects::ALL, &settings).photon_map_request();
         assert_eq!(without, PhotonMapRequest { aimed, ..none });
-        let sppm = PhotonMapRequest { aimed: StoreMask::CAUSTIC, unaimed: StoreMask::INDIRECT, guides: false };
+        let sppm =
+            PhotonMapRequest { aimed: StoreMask::CAUSTIC, unaimed: StoreMask::INDIRECT, builds_guide_map: false };
         assert_eq!(maps(sppm::path_policy, Effects::ALL), sppm);
         let gathering = StoreMask { direct: true, ..StoreMask::INDIRECT };
-        assert_eq!(maps(pm::path_policy, Effects::ALL), PhotonMapRequest { unaimed: gathering, guides: true, ..sppm });
+        assert_eq!(
+            maps(pm::path_policy, Effects::ALL),
+            PhotonMapRequest { unaimed: gathering, builds_guide_map: true, ..sppm }
+        );
         assert_eq!(maps(pm::path_policy, Effects::ALL.without_effect(Effect::Gathering)), sppm);
     }
 
@@ -208,7 +216,8 @@ mod tests {
             .without_effect(Effect::CausticBounces)
             .without_effect(Effect::Interreflection);
         for make in [hybrid::path_policy as PolicyFn, sppm::path_policy, pm::path_policy] {
-            let PhotonMapRequest { aimed, unaimed, guides } = make(direct, &settings).photon_map_request();
+            let PhotonMapRequest { aimed, unaimed, builds_guide_map: guides } =
+                make(direct, &settings).photon_map_request();
             assert_eq!((aimed, unaimed, guides), (StoreMask::NONE, StoreMask::NONE, false));
         }
     }

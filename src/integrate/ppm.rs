@@ -17,8 +17,8 @@ use crate::scene::Effects;
 pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
     PathPolicy {
         // Later passes trace the same camera rays, so the first pass must have enough of them.
-        samples: 4,
-        shares_paths: true,
+        default_samples_per_pixel: 4,
+        passes_share_paths: true,
         light_sampling: LightSampling::Rays(1),
         ..sppm::path_policy(effects, settings)
     }

@@ -22,18 +22,18 @@ use super::balance;
 use super::camera_path;
 use super::camera_ray::CameraRay;
 use super::film_sampling::FilmSampling;
-use super::lamp_image_pilot::{ImageInPixel, find_lamp_images};
+use super::lamp_image_pilot::{LampImageContribution, find_lamp_images};
 use super::lamp_images::{LampImages, PixelLampImage};
 use super::map_builder::MapBuildOptions;
 use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::prefix_rays::{AimedRayWeights, PrefixRayCount, PrefixRayCounts, PrefixWeights};
+use super::prefix_rays::{AimedRayWeights, PixelPrefixRayCounts, PrefixRayAllocation, PrefixWeights};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::sampling::{Key, Purpose};
-use crate::scene::{Effect, for_interior};
+use crate::scene::{Effect, with_interior_type};
 use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -52,10 +52,10 @@ const LOOKUP_PICTURES: u32 = 2;
 
 /// Least divisor of the number of photon paths of a pass: the prefix-ray pilot traces at most a
 /// quarter of the paths.
-const MIN_DIVISOR: u32 = 4;
+const MIN_PHOTON_PATH_DIVISOR: u32 = 4;
 
 /// Largest number of photon paths that the prefix-ray pilot traces for one photon map.
-const MAX_PATHS: u32 = 1 << 20;
+const MAX_PHOTON_PATHS: u32 = 1 << 20;
 
 /// Number of iterations of each search for the numbers of prefix rays with the least variance times
 /// work.
@@ -65,7 +65,7 @@ const SEARCH_STEPS: u32 = 20;
 ///
 /// It limits the waste of work on a pixel where the prefix-ray pilot found a rare bright ray by
 /// chance.
-const MAX_WORK: f64 = 0.3;
+const MAX_RELATIVE_WORK: f64 = 0.3;
 
 /// Mean number of prefix rays per pixel below which a pass traces no prefix rays at all.
 const MIN_MEAN_COUNT: f64 = 1e-3;
@@ -93,7 +93,7 @@ const ASSUMED_AIMED_RAYS: u8 = 8;
 struct RunningVariance {
     count: u32,
     mean: f32,
-    squares: f64,
+    squared_deviation_sum: f64,
 }
 
 impl RunningVariance {
@@ -102,12 +102,12 @@ impl RunningVariance {
         let before = value - self.mean;
         self.mean += before / self.count as f32;
         // Use f64: the square of a small f32 could underflow.
-        self.squares += f64::from(before) * f64::from(value - self.mean);
+        self.squared_deviation_sum += f64::from(before) * f64::from(value - self.mean);
     }
 
     /// Returns the unbiased sample variance; there must be at least two values.
     fn variance(&self) -> f64 {
-        self.squares / f64::from(self.count - 1)
+        self.squared_deviation_sum / f64::from(self.count - 1)
     }
 }
 
@@ -124,12 +124,12 @@ struct PixelLightStatistics {
     /// Sum over whole camera paths of (`after_receiver` − its mean) times (`up_to_receiver` − its
     /// mean), from which
     /// their covariance follows.
-    products: f64,
+    deviation_product_sum: f64,
 }
 
 /// Relative variances of the light that one ray of a pixel finds; see [`pixel_variances`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct PixelVariance {
+struct RelativePixelVariances {
     /// Variance of the light after the first receiver.
     after_receiver: f64,
     /// Variance of the emission and direct light that the path finds up to its first receiver.
@@ -147,7 +147,7 @@ struct PixelVariance {
     unaimed: f64,
 }
 
-/// Square roots of variances of [`PixelVariance`], from which numbers of rays follow.
+/// Square roots of variances of [`RelativePixelVariances`], from which numbers of rays follow.
 struct PixelDeviations {
     up_to_receiver: f64,
     photons: f64,
@@ -160,7 +160,7 @@ struct PixelDeviations {
 ///
 /// The prefix-ray pilot does not model the light that prefix rays find in scattering or emitting
 /// media. The numbers suit the camera rays and photons of a pass by `renderer`.
-pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<PrefixRayCounts> {
+pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<PrefixRayAllocation> {
     let (scene, effects) = (renderer.scene, renderer.policy.effects);
     if effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits()) {
         return None;
@@ -175,7 +175,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays);
     let mut out = PassResult::default();
     let counts = renderer.map_builder.counts;
-    let divisor = counts.unaimed.max(counts.aimed).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
+    let divisor = counts.unaimed.max(counts.aimed).div_ceil(MAX_PHOTON_PATHS).max(MIN_PHOTON_PATH_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {
         let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, divisor) };
         renderer.map_builder.build(&options, &SilentMonitor, &mut out)
@@ -189,12 +189,14 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
             light.after_receiver.add(parts.x);
             light.up_to_receiver.add(parts.y);
             light.photon_estimate.add(parts.z);
-            light.products += f64::from(before) * f64::from(parts.y - light.up_to_receiver.mean);
+            light.deviation_product_sum += f64::from(before) * f64::from(parts.y - light.up_to_receiver.mean);
         });
         whole_work += picture.counters;
     }
-    let candidates = pixel_variances(&light, &found_images, (width as usize, height as usize))
-        .map_or_else(|| vec![false; light.len()], |variances| find_lookup_candidates(&variances, renderer.samples));
+    let candidates = pixel_variances(&light, &found_images, (width as usize, height as usize)).map_or_else(
+        || vec![false; light.len()],
+        |variances| find_lookup_candidates(&variances, renderer.samples_per_pixel),
+    );
     let candidate_count = candidates.iter().filter(|candidate| **candidate).count();
     let (mut ray_work, mut lookup_work) = (Counters::default(), Counters::default());
     for i in WHOLE_PICTURES..WHOLE_PICTURES + PREFIX_PICTURES {
@@ -209,9 +211,9 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
                 light.photon_estimate.add(parts.z);
             }
         });
-        let Counters { gathers, gathered_photons, .. } = picture.counters;
-        lookup_work += Counters { gathers, gathered_photons, ..Counters::default() };
-        ray_work += Counters { gathers: 0, gathered_photons: 0, ..picture.counters };
+        let Counters { density_estimates: gathers, gathered_photons, .. } = picture.counters;
+        lookup_work += Counters { density_estimates: gathers, gathered_photons, ..Counters::default() };
+        ray_work += Counters { density_estimates: 0, gathered_photons: 0, ..picture.counters };
     }
 
     // Measure the work of the camera paths and photons of a pass, of a prefix ray and of a lookup.
@@ -220,35 +222,36 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let traced_lookups = candidate_count.max(1) as f64 * f64::from(LOOKUP_PICTURES);
     let part = f64::from(divisor);
     let lookup = |counters: &Counters| {
-        balance::LOOKUP_WORK * counters.gathers as f64
+        balance::LOOKUP_WORK * counters.density_estimates as f64
             + balance::GATHERED_PHOTON_WORK * part * counters.gathered_photons as f64
     };
-    let stored = out.aimed.stored + out.unaimed.stored;
+    let stored = out.aimed.stored_photons + out.unaimed.stored_photons;
     let photons = part * (out.counters.photon_rays as f64 + balance::photon_storage_work(stored));
     let whole_pictures = f64::from(WHOLE_PICTURES);
-    let camera = f64::from(renderer.samples) * balance::camera_path_work(&whole_work) / whole_pictures;
+    let camera = f64::from(renderer.samples_per_pixel) * balance::camera_path_work(&whole_work) / whole_pictures;
     let work = PassWork {
-        camera: camera / pixels,
-        photon_work: (photons + lookup(&whole_work) / whole_pictures) / pixels,
-        prefix_ray: balance::camera_path_work(&ray_work) / traced_rays,
-        lookup: lookup(&lookup_work) / traced_lookups,
+        camera_work_per_pixel: camera / pixels,
+        photon_work_per_pixel: (photons + lookup(&whole_work) / whole_pictures) / pixels,
+        work_per_prefix_ray: balance::camera_path_work(&ray_work) / traced_rays,
+        work_per_lookup: lookup(&lookup_work) / traced_lookups,
     };
 
     let variances = pixel_variances(&light, &found_images, (width as usize, height as usize))?;
-    let counts = efficient_ray_counts(&variances, renderer.samples, &work)?;
-    let sum = |number: fn(&PrefixRayCount) -> u8| counts.iter().map(|count| u64::from(number(count))).sum::<u64>();
-    let (rays, lookups) = (sum(|count| count.rays) + sum(|count| count.aimed), sum(|count| count.lookups));
+    let counts = efficient_ray_counts(&variances, renderer.samples_per_pixel, &work)?;
+    let sum =
+        |number: fn(&PixelPrefixRayCounts) -> u8| counts.iter().map(|count| u64::from(number(count))).sum::<u64>();
+    let (rays, lookups) = (sum(|count| count.unaimed) + sum(|count| count.aimed), sum(|count| count.lookups));
     let scaled = |n: u64, total: u64, traced: f64| (n as f64 * total as f64 / traced).round() as u64;
     let expected_work = Counters {
         camera_rays: rays,
         continuation_rays: scaled(ray_work.continuation_rays, rays, traced_rays),
         shadow_rays: scaled(ray_work.shadow_rays, rays, traced_rays),
-        gathers: scaled(lookup_work.gathers, lookups, traced_lookups),
+        density_estimates: scaled(lookup_work.density_estimates, lookups, traced_lookups),
         gathered_photons: scaled(lookup_work.gathered_photons * u64::from(divisor), lookups, traced_lookups),
         ..Counters::default()
     };
     let lamp_images = lamp_images.in_pixels(|pixel| counts[pixel].aimed > 0);
-    Some(PrefixRayCounts { counts: counts.into(), lamp_images, expected_work })
+    Some(PrefixRayAllocation { counts: counts.into(), lamp_images, expected_work })
 }
 
 /// Returns the images of lamps in each of a picture's `pixels` pixels, from `found`, which is
@@ -256,14 +259,17 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 ///
 /// An image gets a share of the aimed rays of a pixel in proportion to its light in the pixel. Of
 /// many images, the [`MAX_PIXEL_IMAGES`] with most light remain.
-fn images_of_pixels(found: &[ImageInPixel], pixels: usize) -> LampImages {
+fn images_of_pixels(found: &[LampImageContribution], pixels: usize) -> LampImages {
     let mut images = vec![Vec::new(); pixels];
     for in_pixel in found.chunk_by(|a, b| a.pixel == b.pixel) {
-        let mut brightest: Vec<&ImageInPixel> = in_pixel.iter().collect();
-        brightest.sort_by(|a, b| b.light.total_cmp(&a.light));
+        let mut brightest: Vec<&LampImageContribution> = in_pixel.iter().collect();
+        brightest.sort_by(|a, b| b.pixel_radiance.total_cmp(&a.pixel_radiance));
         brightest.truncate(MAX_PIXEL_IMAGES);
-        let total: f64 = brightest.iter().map(|image| image.light).sum();
-        let share = |image: &&ImageInPixel| PixelLampImage { image: image.image, share: (image.light / total) as f32 };
+        let total: f64 = brightest.iter().map(|image| image.pixel_radiance).sum();
+        let share = |image: &&LampImageContribution| PixelLampImage {
+            image: image.image,
+            aim_probability: (image.pixel_radiance / total) as f32,
+        };
         images[in_pixel[0].pixel as usize] = brightest.iter().map(share).collect();
     }
     LampImages::from_pixels(&images)
@@ -286,7 +292,7 @@ enum PathParts {
 /// `variances` are those of single whole camera paths. A pass traces n = `samples` camera paths in
 /// each pixel, and only one of them reads photon maps. A second photon estimate pays if the
 /// variance of the estimate is above about 1/n² of that of a camera path.
-fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
+fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.after_receiver + v.up_to_receiver).sum();
     let least = CANDIDATE_VARIANCE * total / variances.len() as f64;
@@ -311,13 +317,13 @@ fn render_light_parts(
     let pass = u32::MAX - i;
     let pilot = renderer.with_one_sample();
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
-    let sampling = FilmSampling { nested: false, ..pilot.film_sampling(pass) };
+    let sampling = FilmSampling { nests_estimates: false, ..pilot.film_sampling(pass) };
     let (width, _) = renderer.scene.camera().size();
-    let aimed = PrefixRayCount { aimed: ASSUMED_AIMED_RAYS, ..PrefixRayCount::default() };
-    let weights = AimedRayWeights::new(renderer.samples, aimed);
-    for_interior!(pilot.policy.effects, <I> {
+    let aimed = PixelPrefixRayCounts { aimed: ASSUMED_AIMED_RAYS, ..PixelPrefixRayCounts::default() };
+    let weights = AimedRayWeights::new(renderer.samples_per_pixel, aimed);
+    with_interior_type!(pilot.policy.effects, <I> {
         tiles::render_tiles(&sampling, key, &SilentMonitor, |camera_ray, task, branches| {
-            let center = camera_ray.film_position;
+            let center = camera_ray.weight_lookup_position;
             let parts = parts(center);
             let images = lamp_images.of_pixel(center.y as usize * width as usize + center.x as usize);
             let up_to_receiver = if images.is_empty() {
@@ -328,7 +334,7 @@ fn render_light_parts(
             let prefix_weights = PrefixWeights {
                 up_to_receiver,
                 ends_at_receiver: parts != PathParts::Whole,
-                lookups: u32::from(parts != PathParts::Prefix),
+                lookup_count: u32::from(parts != PathParts::Prefix),
                 ..PrefixWeights::default()
             };
             let camera_ray = CameraRay { prefix_weights, ..*camera_ray };
@@ -350,16 +356,16 @@ fn render_light_parts(
 /// pixels, and the relative error, which neglects bright ones.
 fn pixel_variances(
     light: &[PixelLightStatistics],
-    images: &[ImageInPixel],
+    images: &[LampImageContribution],
     size: (usize, usize),
-) -> Option<Vec<PixelVariance>> {
+) -> Option<Vec<RelativePixelVariances>> {
     let values = |value: fn(&PixelLightStatistics) -> f64| light.par_iter().map(value).collect::<Vec<f64>>();
     let mut mean = values(|l| f64::from(l.after_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean));
-    images.iter().for_each(|image| mean[image.pixel as usize] += image.light);
+    images.iter().for_each(|image| mean[image.pixel as usize] += image.pixel_radiance);
     let median = positive_median(mean.iter().copied())?;
     let after_receiver = values(|l| l.after_receiver.variance());
     let up_to_receiver = values(|l| l.up_to_receiver.variance());
-    let (products, photons) = (values(|l| l.products), values(|l| l.photon_estimate.variance()));
+    let (products, photons) = (values(|l| l.deviation_product_sum), values(|l| l.photon_estimate.variance()));
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright rays.
     let box_mean = |values: &[f64], i: usize, reach: usize| box_mean(|i| values[i], i, reach, size);
@@ -370,18 +376,18 @@ fn pixel_variances(
         let up_to_receiver = smoothed(&up_to_receiver, i);
         let covariance = smoothed(&products, i) / f64::from(WHOLE_PICTURES - 1);
         let photons = smoothed(&photons, i);
-        PixelVariance {
+        RelativePixelVariances {
             after_receiver: box_mean(&after_receiver, i, 1) * scale,
             up_to_receiver: (up_to_receiver + 2.0 * covariance.min(0.0)).max(0.0) * scale,
             photon_estimate: photons * scale,
-            ..PixelVariance::default()
+            ..RelativePixelVariances::default()
         }
     };
-    let mut variances: Vec<PixelVariance> = (0..light.len()).into_par_iter().map(variance).collect();
+    let mut variances: Vec<RelativePixelVariances> = (0..light.len()).into_par_iter().map(variance).collect();
     for in_pixel in images.chunk_by(|a, b| a.pixel == b.pixel) {
         let pixel = in_pixel[0].pixel as usize;
-        let sum = |value: fn(&ImageInPixel) -> f64| in_pixel.iter().map(value).sum::<f64>();
-        let light = sum(|image| image.light);
+        let sum = |value: fn(&LampImageContribution) -> f64| in_pixel.iter().map(value).sum::<f64>();
+        let light = sum(|image| image.pixel_radiance);
         variances[pixel].aimed = light * light * scale(pixel);
         variances[pixel].unaimed = sum(|image| image.mean_square) * scale(pixel);
     }
@@ -392,23 +398,28 @@ fn pixel_variances(
 #[derive(Clone, Copy, Debug)]
 struct PassWork {
     /// Work of all camera paths of a pixel.
-    camera: f64,
+    camera_work_per_pixel: f64,
     /// Work of tracing, indexing and gathering photons, divided by the number of pixels.
-    photon_work: f64,
+    photon_work_per_pixel: f64,
     /// Work of one prefix ray without photon estimate.
-    prefix_ray: f64,
+    work_per_prefix_ray: f64,
     /// Work of the photon estimates of one prefix ray.
-    lookup: f64,
+    work_per_lookup: f64,
 }
 
 /// Returns the numbers of prefix rays for which variance times work of a pass is least, within
-/// [`MAX_WORK`]; `None` if almost no pixel needs prefix rays.
+/// [`MAX_RELATIVE_WORK`]; `None` if almost no pixel needs prefix rays.
 ///
 /// The noise of photons is not measured here. Another pilot has balanced rays and photons. So
 /// photons are assumed to have the same ratio of variance to work as camera paths.
-fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWork) -> Option<Vec<PrefixRayCount>> {
+fn efficient_ray_counts(
+    variances: &[RelativePixelVariances],
+    samples: u32,
+    work: &PassWork,
+) -> Option<Vec<PixelPrefixRayCounts>> {
     let n = f64::from(samples);
-    let (ray_scale, lookup_scale) = (1.0 / work.prefix_ray.sqrt(), 1.0 / (work.prefix_ray + work.lookup).sqrt());
+    let (ray_scale, lookup_scale) =
+        (1.0 / work.work_per_prefix_ray.sqrt(), 1.0 / (work.work_per_prefix_ray + work.work_per_lookup).sqrt());
     // Numbers of prefix rays, of photon lookups and of aimed rays in a pixel. They give all pixels
     // the same derivative of variance by work: −1/scale².
     let count = |deviations: &PixelDeviations, scale: f64| {
@@ -420,7 +431,7 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
         let aimed = if pays { whole(deviations.aimed * scale * ray_scale).clamp(1.0, MAX_AIMED_RAYS) } else { 0.0 };
         (rays, lookups, aimed)
     };
-    let deviations = |v: &PixelVariance| PixelDeviations {
+    let deviations = |v: &RelativePixelVariances| PixelDeviations {
         up_to_receiver: v.up_to_receiver.sqrt(),
         photons: v.photon_estimate.sqrt(),
         aimed: v.aimed.sqrt(),
@@ -433,14 +444,14 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
     let prefix_work = |scale: f64| {
         let pixel_work = |deviations: &PixelDeviations| {
             let (rays, lookups, aimed) = count(deviations, scale);
-            work.prefix_ray * (rays + aimed) + work.lookup * lookups
+            work.work_per_prefix_ray * (rays + aimed) + work.work_per_lookup * lookups
         };
         mean(deviations.par_iter().map(pixel_work).collect())
     };
-    let rest_work = work.camera + work.photon_work;
-    let photon_variance_factor = rest_work / work.camera.max(f64::MIN_POSITIVE);
+    let rest_work = work.camera_work_per_pixel + work.photon_work_per_pixel;
+    let photon_variance_factor = rest_work / work.camera_work_per_pixel.max(f64::MIN_POSITIVE);
     let variance = |scale: f64| {
-        let pixel_variance = |(v, deviations): (&PixelVariance, &PixelDeviations)| {
+        let pixel_variance = |(v, deviations): (&RelativePixelVariances, &PixelDeviations)| {
             let (rays, lookups, aimed) = count(deviations, scale);
             let images = if aimed > 0.0 { v.aimed / aimed } else { v.unaimed / n };
             photon_variance_factor * v.after_receiver / n
@@ -462,20 +473,20 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
     }
 
     // If the work of prefix rays is above the limit, bisect for fewer rays.
-    if prefix_work(scale) > MAX_WORK * rest_work {
+    if prefix_work(scale) > MAX_RELATIVE_WORK * rest_work {
         let (mut low, mut high) = (0.0, scale);
         for _ in 0..SEARCH_STEPS {
             let middle = 0.5 * (low + high);
-            if prefix_work(middle) > MAX_WORK * rest_work { high = middle } else { low = middle }
+            if prefix_work(middle) > MAX_RELATIVE_WORK * rest_work { high = middle } else { low = middle }
         }
         scale = low;
     }
     let whole = |deviations: &PixelDeviations| {
         let (rays, lookups, aimed) = count(deviations, scale);
-        PrefixRayCount { rays: rays as u8, lookups: lookups as u8, aimed: aimed as u8 }
+        PixelPrefixRayCounts { unaimed: rays as u8, lookups: lookups as u8, aimed: aimed as u8 }
     };
-    let counts: Vec<PrefixRayCount> = deviations.par_iter().map(whole).collect();
-    let mean_count = counts.iter().map(|n| f64::from(n.rays) + f64::from(n.aimed)).sum::<f64>() / pixels;
+    let counts: Vec<PixelPrefixRayCounts> = deviations.par_iter().map(whole).collect();
+    let mean_count = counts.iter().map(|n| f64::from(n.unaimed) + f64::from(n.aimed)).sum::<f64>() / pixels;
     (mean_count >= MIN_MEAN_COUNT).then_some(counts)
 }
 

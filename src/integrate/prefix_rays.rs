@@ -19,21 +19,21 @@ pub(super) struct PrefixWeights {
     pub up_to_receiver: f32,
     /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
     /// with the lowest sample indices.
-    pub lookups: u32,
+    pub lookup_count: u32,
     /// Weight of a photon estimate: 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
     ///
     /// Of the pixel's n camera paths, k read photon maps. Of its m prefix rays, l read photon maps.
     /// The `lookup_scale` of an estimate is this weight times n, or times m for prefix rays.
-    pub lookup: f32,
+    pub lookup_weight: f32,
     /// True for prefix rays, which end at their first receiver; false for camera paths.
     pub ends_at_receiver: bool,
 }
 
 /// Numbers of prefix rays of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct PrefixRayCount {
+pub(super) struct PixelPrefixRayCounts {
     /// Number of prefix rays that the pixel filter distributes.
-    pub rays: u8,
+    pub unaimed: u8,
     /// Number of these that read photon maps.
     pub lookups: u8,
     /// Number of further prefix rays, which are aimed at images of lamps.
@@ -43,7 +43,7 @@ pub(super) struct PrefixRayCount {
 impl Default for PrefixWeights {
     /// Returns the weights of camera paths in a pixel without prefix rays.
     fn default() -> Self {
-        Self { up_to_receiver: 1.0, lookups: 1, lookup: 1.0, ends_at_receiver: false }
+        Self { up_to_receiver: 1.0, lookup_count: 1, lookup_weight: 1.0, ends_at_receiver: false }
     }
 }
 
@@ -51,28 +51,28 @@ impl PrefixWeights {
     /// Returns the weights of the light that each of a pixel's `samples` camera paths finds.
     /// `prefix` counts the prefix rays of the pixel.
     ///
-    /// The first `lookups` camera paths read photon maps.
-    pub fn of_camera_paths(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
-        let (n, m) = (samples as f32, f32::from(prefix.rays));
+    /// The first `lookup_count` camera paths read photon maps.
+    pub fn of_camera_paths(samples: u32, lookups: u32, prefix: PixelPrefixRayCounts) -> Self {
+        let (n, m) = (samples as f32, f32::from(prefix.unaimed));
         let lookup = 1.0 / (lookups as f32 + f32::from(prefix.lookups));
-        Self { up_to_receiver: n / (n + m), lookups, lookup, ends_at_receiver: false }
+        Self { up_to_receiver: n / (n + m), lookup_count: lookups, lookup_weight: lookup, ends_at_receiver: false }
     }
 
     /// Returns the weights of the light that each prefix ray of a pixel finds. `prefix` counts the
     /// pixel's prefix rays, at least one.
     ///
     /// The pixel has `samples` camera paths; the first `lookups` of them read photon maps.
-    pub fn of_prefix_rays(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
-        let (n, m) = (samples as f32, f32::from(prefix.rays));
+    pub fn of_prefix_rays(samples: u32, lookups: u32, prefix: PixelPrefixRayCounts) -> Self {
+        let (n, m) = (samples as f32, f32::from(prefix.unaimed));
         let weights = Self::of_camera_paths(samples, lookups, prefix);
-        let lookup = weights.lookup * n / m;
-        Self { lookups: prefix.lookups.into(), lookup, ends_at_receiver: true, ..weights }
+        let lookup = weights.lookup_weight * n / m;
+        Self { lookup_count: prefix.lookups.into(), lookup_weight: lookup, ends_at_receiver: true, ..weights }
     }
 
     /// Returns the weights of the light that each prefix ray finds which is aimed at an image of a
     /// lamp. The pixel's `samples` camera paths set the weight up to the receiver for each ray.
     pub fn of_aimed_rays() -> Self {
-        Self { lookups: 0, lookup: 0.0, ends_at_receiver: true, ..Self::default() }
+        Self { lookup_count: 0, lookup_weight: 0.0, ends_at_receiver: true, ..Self::default() }
     }
 }
 
@@ -90,9 +90,9 @@ pub(super) struct AimedRayWeights {
 
 impl AimedRayWeights {
     /// Returns the weights of a pixel with `samples` camera paths and the prefix rays `prefix`.
-    pub fn new(samples: u32, prefix: PrefixRayCount) -> Self {
+    pub fn new(samples: u32, prefix: PixelPrefixRayCounts) -> Self {
         let camera_paths = samples as f32;
-        let filtered_rays = camera_paths + f32::from(prefix.rays);
+        let filtered_rays = camera_paths + f32::from(prefix.unaimed);
         Self { camera_paths, filtered_rays, aimed_rays: prefix.aimed.into() }
     }
 
@@ -109,20 +109,20 @@ impl AimedRayWeights {
 
 /// Number of prefix rays of each pixel, which a pilot chose, and their work.
 #[derive(Clone, Debug)]
-pub(super) struct PrefixRayCounts {
+pub(super) struct PrefixRayAllocation {
     /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the
     /// top.
-    pub counts: Arc<[PrefixRayCount]>,
+    pub counts: Arc<[PixelPrefixRayCounts]>,
     /// Images of lamps in the pixels that have aimed rays.
     pub lamp_images: LampImages,
     /// Rays and gathered photons of all prefix rays of a pass.
     pub expected_work: Counters,
 }
 
-impl PrefixRayCounts {
+impl PrefixRayAllocation {
     /// Returns the number of prefix rays per pixel, as a mean over the picture.
     pub fn mean_rays_per_pixel(&self) -> f64 {
-        self.counts.iter().map(|n| f64::from(n.rays) + f64::from(n.aimed)).sum::<f64>()
+        self.counts.iter().map(|n| f64::from(n.unaimed) + f64::from(n.aimed)).sum::<f64>()
             / self.counts.len().max(1) as f64
     }
 }
@@ -135,7 +135,7 @@ mod tests {
     /// weight, divided by the number of camera paths, add up to the pdf of the filter.
     #[test]
     fn aimed_rays_share_light_with_other_rays() {
-        let prefix = PrefixRayCount { rays: 3, lookups: 0, aimed: 5 };
+        let prefix = PixelPrefixRayCounts { unaimed: 3, lookups: 0, aimed: 5 };
         let weights = AimedRayWeights::new(8, prefix);
         for (filter_pdf, aimed_pdf) in [(0.7f32, 0.0), (0.7, 1e-3), (0.2, 400.0), (0.0, 2.0)] {
             let density = 11.0 * filter_pdf + 5.0 * aimed_pdf;

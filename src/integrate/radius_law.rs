@@ -6,7 +6,7 @@ use crate::photon::Kernel;
 ///
 /// After N passes, the variance falls as N^−α and the squared bias as N^2(α−1). The value ⅔
 /// balances both (Kaplanyan and Dachsbacher 2013).
-pub const ALPHA: f64 = 2.0 / 3.0;
+pub const DEFAULT_ALPHA: f64 = 2.0 / 3.0;
 
 /// Law by which gather radii shrink from pass to pass, and the kernel of density estimates.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -48,14 +48,17 @@ mod tests {
     fn kernels_shrink_by_their_dimension() {
         for pass in [0, 1, 17, 1000] {
             assert!(
-                (f64::from(kernel_radius_ratio(2, ALPHA, pass)) - squared_radius_ratio(ALPHA, pass).sqrt()).abs()
+                (f64::from(kernel_radius_ratio(2, DEFAULT_ALPHA, pass))
+                    - squared_radius_ratio(DEFAULT_ALPHA, pass).sqrt())
+                .abs()
                     < 1e-6
             );
         }
         // The radius falls as N^((α−1)/d), which gives the powers −1/5, −1/6 and −1/7.
         for (dimensions, power) in [(1, -0.2), (2, -1.0 / 6.0), (3, -1.0 / 7.0)] {
             let ratio = f64::from(
-                kernel_radius_ratio(dimensions, ALPHA, 99_999) / kernel_radius_ratio(dimensions, ALPHA, 9999),
+                kernel_radius_ratio(dimensions, DEFAULT_ALPHA, 99_999)
+                    / kernel_radius_ratio(dimensions, DEFAULT_ALPHA, 9999),
             );
             assert!((libm::log10(ratio) - power).abs() < 1e-3, "{dimensions}: {ratio}");
         }
@@ -66,15 +69,20 @@ mod tests {
     #[test]
     fn squared_radius_ratio_is_a_ratio_of_gammas() {
         assert_eq!(
-            (squared_radius_ratio(ALPHA, 0), squared_radius_ratio(1.0, 1000), kernel_radius_ratio(3, 1.0, 1000)),
+            (
+                squared_radius_ratio(DEFAULT_ALPHA, 0),
+                squared_radius_ratio(1.0, 1000),
+                kernel_radius_ratio(3, 1.0, 1000)
+            ),
             (1.0, 1.0, 1.0)
         );
         for pass in [1u32, 10, 1000, 1_000_000] {
             let n = f64::from(pass) + 1.0;
-            let closed = libm::exp(libm::lgamma(n + ALPHA) - libm::lgamma(1.0 + ALPHA) - libm::lgamma(n + 1.0));
-            assert!((squared_radius_ratio(ALPHA, pass) / closed - 1.0).abs() < 1e-7);
-            let asymptote = libm::pow(n, ALPHA - 1.0) / libm::tgamma(1.0 + ALPHA);
-            assert!((squared_radius_ratio(ALPHA, pass) / asymptote - 1.0).abs() < 1.0 / n);
+            let closed =
+                libm::exp(libm::lgamma(n + DEFAULT_ALPHA) - libm::lgamma(1.0 + DEFAULT_ALPHA) - libm::lgamma(n + 1.0));
+            assert!((squared_radius_ratio(DEFAULT_ALPHA, pass) / closed - 1.0).abs() < 1e-7);
+            let asymptote = libm::pow(n, DEFAULT_ALPHA - 1.0) / libm::tgamma(1.0 + DEFAULT_ALPHA);
+            assert!((squared_radius_ratio(DEFAULT_ALPHA, pass) / asymptote - 1.0).abs() < 1.0 / n);
         }
     }
 }

@@ -20,7 +20,7 @@ pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
 /// Number of photon paths of a pilot that finds gather radii, as a multiple of the paths of a pass.
 /// [`MIN_PATHS`] and [`MAX_PATHS`] limit it.
-const PILOT_PASSES: u32 = 4;
+const PILOT_PATH_FACTOR: u32 = 4;
 
 /// Smallest number of photon paths of a pilot that finds gather radii, even if a pass traces fewer
 /// paths.
@@ -36,16 +36,16 @@ const RADIUS_QUANTILE: f64 = 0.75;
 
 /// Largest gather radius, divided by the scene's radius. A larger radius would blur the whole
 /// scene.
-const MAX_RADIUS: f32 = 0.1;
+const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
 /// Smallest gather radius that single precision resolves, divided by the radius of the scene. If
 /// most photons are closer to the origin than that radius, it is divided by their distance from the
 /// origin.
-const MIN_RADIUS: f32 = 1e-6;
+const MIN_RELATIVE_RADIUS: f32 = 1e-6;
 
 /// Smallest gather radius, divided by the width of a pixel's footprint on the closest visible
 /// surface.
-const PIXEL_PART: f32 = 0.125;
+const MIN_RADIUS_PIXELS: f32 = 0.125;
 
 /// Number of camera rays, along each side of the picture, that find the closest visible surface.
 const DISTANCE_RAYS: u32 = 8;
@@ -64,11 +64,11 @@ const TARGET_MEDIAN_KERNEL_COUNT: f64 = 64.0;
 /// medium.
 ///
 /// If a smaller radius would hold enough beams, passes drop beams at random instead.
-const BEAM_PIXEL_PART: f32 = 0.25;
+const MIN_BEAM_RADIUS_PIXELS: f32 = 0.25;
 
 /// Kernel radius with which a pilot counts photons in media, divided by the scene's radius. The
 /// radius for passes follows from the count.
-const TRIAL_RADIUS: f32 = 0.02;
+const TRIAL_RELATIVE_RADIUS: f32 = 0.02;
 
 /// Largest gather radii on surfaces in the first pass \[length].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +96,7 @@ pub struct EmissionGuidingReports {
 /// Returns the number of photon paths of a pilot that finds gather radii: four times the `paths` of
 /// a pass, but at least 16,384 and at most `most`.
 pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
-    paths.saturating_mul(PILOT_PASSES).max(MIN_PATHS).min(most)
+    paths.saturating_mul(PILOT_PATH_FACTOR).max(MIN_PATHS).min(most)
 }
 
 /// Runs a gather-radius pilot. Returns the gather radius \[length] within which three of four
@@ -112,7 +112,7 @@ pub(super) fn find_gather_radius(
     min_radius: f32,
 ) -> Option<f32> {
     let scene = tracer.scene;
-    let key = Key::new(seed).purpose_key(Purpose::Pilot);
+    let key = Key::new(seed).purpose_key(Purpose::RadiusPilot);
     let pilot = pilot_path_count(paths, max_pilot_paths);
     let traced = tracer.trace(key, pilot, &|_| {});
     let photons = &traced.deposits.surface_photons;
@@ -123,7 +123,7 @@ pub(super) fn find_gather_radius(
     let map = PhotonMap::build(photons.par_iter().copied().collect());
     let step = photons.len().div_ceil(RADIUS_SAMPLES);
     let distance = |p: &Photon| {
-        let normal = p.data.normal().normalize();
+        let normal = p.attributes.normal().normalize();
         map.kth_photon_distance(p.position, normal, k, size).unwrap_or(size)
     };
     let mut radii: Vec<f32> = photons.par_iter().step_by(step).map(distance).collect();
@@ -135,13 +135,13 @@ pub(super) fn find_gather_radius(
     let far = Some(coordinates[quantile]).filter(|far| *far > 0.0).unwrap_or(size);
     // Photon density is proportional to the number of paths, disc area to the square of the radius.
     let scaled = radii[quantile] * (pilot as f32 / paths as f32).sqrt();
-    Some(scaled.max(min_radius).clamp(size.min(far) * MIN_RADIUS, size * MAX_RADIUS))
+    Some(scaled.max(min_radius).clamp(size.min(far) * MIN_RELATIVE_RADIUS, size * MAX_RELATIVE_RADIUS))
 }
 
 /// Returns the lower bound on gather radii in the first pass \[length]: 1/8 of the width of a
 /// pixel's footprint on the closest visible surface.
 pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
-    let (width, spread) = scene.camera().pixel_footprint();
+    let (width, spread) = scene.camera().pixel_footprint_and_growth();
     let (columns, rows) = scene.camera().size();
     let position = |i: u32, size: u32| (i as f32 + 0.5) / DISTANCE_RAYS as f32 * size as f32;
     let rays = (0..DISTANCE_RAYS * DISTANCE_RAYS)
@@ -149,7 +149,7 @@ pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
     let hits = rays.filter_map(|p| scene.intersect(&scene.camera().generate_ray(p, None)));
     // If nothing is visible, any radius will do.
     let distance = hits.map(|hit| hit.t).min_by(f32::total_cmp).unwrap_or(0.0);
-    ((width + spread * distance) * PIXEL_PART).min(scene.photon_domain().radius * MAX_RADIUS)
+    ((width + spread * distance) * MIN_RADIUS_PIXELS).min(scene.photon_domain().radius * MAX_RELATIVE_RADIUS)
 }
 
 /// Kernel radii of photon estimates in media \[length].
@@ -171,10 +171,10 @@ impl Default for VolumeKernelRadii {
 /// passes keep; `None` if the pilot stores no photon in media.
 ///
 /// Within a kernel radius, the median camera ray finds 64 beams or photons, in a pass of `paths`
-/// photon paths. The radius for beams is at least [`BEAM_PIXEL_PART`] of a pixel's footprint. If it
-/// then holds more than 64 beams, passes keep only a fraction of the beams. This costs little
-/// sharpness and saves time: the bounding boxes of dense beams are far larger than a smaller
-/// radius.
+/// photon paths. The radius for beams is at least [`MIN_BEAM_RADIUS_PIXELS`] of a pixel's
+/// footprint. If it then holds more than 64 beams, passes keep only a fraction of the beams. This
+/// costs little sharpness and saves time: the bounding boxes of dense beams are far larger than a
+/// smaller radius.
 pub(super) fn find_volume_kernel_radii(
     tracer: &PhotonTracer<'_>,
     effects: Effects,
@@ -182,17 +182,17 @@ pub(super) fn find_volume_kernel_radii(
     settings: &Settings,
 ) -> Option<VolumeKernelRadii> {
     let scene = tracer.scene;
-    let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
+    let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::RadiusPilot);
     let pilot = pilot_path_count(paths, MAX_PATHS);
     let traced = tracer.trace(key, pilot, &|_| {});
-    let mut volume = traced.deposits.volume;
-    volume.beams.extend(traced.deposits.after_caustic_volume.beams);
-    volume.points.extend(traced.deposits.after_caustic_volume.points);
+    let mut volume = traced.deposits.volume_photons;
+    volume.beams.extend(traced.deposits.after_caustic_volume_photons.beams);
+    volume.points.extend(traced.deposits.after_caustic_volume_photons.points);
     if volume.is_empty() {
         return None;
     }
     let size = scene.photon_domain().radius.max(f32::MIN_POSITIVE);
-    let trial = size * TRIAL_RADIUS;
+    let trial = size * TRIAL_RELATIVE_RADIUS;
     let camera_paths = trace_medium_segments(scene, effects, key);
     let more = f64::from(paths) / f64::from(pilot);
     let radius = |counts: Vec<f64>, dimensions: u32| {
@@ -200,7 +200,7 @@ pub(super) fn find_volume_kernel_radii(
         counts.sort_by(f64::total_cmp);
         let median = counts.get(counts.len() / 2).copied().unwrap_or(1.0);
         let ratio = libm::pow(TARGET_MEDIAN_KERNEL_COUNT / (median * more), 1.0 / f64::from(dimensions)) as f32;
-        (trial * ratio).clamp(size * MIN_RADIUS, size * MAX_RADIUS)
+        (trial * ratio).clamp(size * MIN_RELATIVE_RADIUS, size * MAX_RELATIVE_RADIUS)
     };
     let (beam_dimensions, point_dimensions) = settings.volume_estimator.kernel_dimensions();
     let (beams, points) = (PhotonBeamMap::build(volume.beams, trial), VolumePhotonMap::build(volume.points, trial));
@@ -222,7 +222,7 @@ pub(super) fn find_volume_kernel_radii(
         count
     });
     let points = radius(points.collect(), point_dimensions);
-    let widest = (median_footprint(scene, &camera_paths) * BEAM_PIXEL_PART).min(size * MAX_RADIUS);
+    let widest = (median_footprint(scene, &camera_paths) * MIN_BEAM_RADIUS_PIXELS).min(size * MAX_RELATIVE_RADIUS);
     let kept_beam_fraction = if beams < widest { beams / widest } else { 1.0 };
     Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beam_fraction })
 }
@@ -232,7 +232,7 @@ pub(super) fn find_volume_kernel_radii(
 ///
 /// The distance of a path is that from the camera to the middle of its way through media.
 fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
-    let (width, spread) = scene.camera().pixel_footprint();
+    let (width, spread) = scene.camera().pixel_footprint_and_growth();
     let size = scene.photon_domain().radius;
     let eye = scene.camera().center().as_vec3();
     let middle = |segments: &Vec<Ray>| {

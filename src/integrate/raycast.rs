@@ -26,7 +26,7 @@ pub(super) struct RaycastIntegrator<'a> {
     plan: Plan,
     /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel.
     filter: Option<Filter>,
-    samples: u32,
+    samples_per_pixel: u32,
     seed: u64,
     window: CropWindow,
 }
@@ -35,7 +35,7 @@ impl Integrator for RaycastIntegrator<'_> {
     fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> PassResult {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
-        let samples = self.samples;
+        let samples = self.samples_per_pixel;
         let sampling = FilmSampling { window: self.window, ..FilmSampling::of_camera(camera, filter, samples, false) };
         let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =
@@ -46,7 +46,7 @@ impl Integrator for RaycastIntegrator<'_> {
 
     fn expected_work(&self, _: Effects) -> Counters {
         let (width, height) = self.scene.camera().size();
-        let camera_rays = u64::from(width) * u64::from(height) * u64::from(self.samples);
+        let camera_rays = u64::from(width) * u64::from(height) * u64::from(self.samples_per_pixel);
         Counters { camera_rays, ..Counters::default() }
     }
 
@@ -59,10 +59,10 @@ impl<'a> RaycastIntegrator<'a> {
     /// Makes an integrator that sends one ray through a corner of each pixel. If `settings` ask for
     /// several rays per pixel, the rays follow the pixel filter instead.
     pub fn new(scene: &'a Scene, plan: Plan, settings: &CameraPathSettings) -> Self {
-        let samples = settings.samples.unwrap_or(1);
+        let samples = settings.samples_per_pixel.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
         let window = settings.window(scene.camera().size());
-        Self { scene, plan, filter, samples, seed: settings.seed, window }
+        Self { scene, plan, filter, samples_per_pixel: samples, seed: settings.seed, window }
     }
 
     /// Returns the radiance along a camera ray by Phong's shading model.
@@ -98,7 +98,7 @@ fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, 
         return material.kind().phong_appearance(&MeanParameterEvaluator);
     }
     let at = scene.texture_context(hit, &surface.point, surface.wo, cone);
-    material.kind().phong_appearance(&TextureEvaluator { textures: scene.textures(), at })
+    material.kind().phong_appearance(&TextureEvaluator { textures: scene.textures(), context: at })
 }
 
 /// Returns c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L, for one light of color c.

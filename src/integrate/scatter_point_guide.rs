@@ -23,15 +23,15 @@ pub(super) struct ScatterPointGuide {
     grid: MediumCellGrid,
     /// Root mean square of the radiance that a shadow ray finds, for each light and cell \[W/(m²
     /// sr)].
-    values: Vec<f32>,
+    rms_radiance_by_light_and_cell: Vec<f32>,
 }
 
 /// Data to which [`ScatterPointGuide`] is fitted: for each light and cell, the number of pilot rays
 /// and the sum of the squares of what they found.
-pub(super) struct ScatterPointFit {
+pub(super) struct ScatterPointGuideFitter {
     grid: MediumCellGrid,
     ray_counts: Vec<f64>,
-    squares: Vec<f64>,
+    squared_radiance_sums: Vec<f64>,
 }
 
 /// Radiance that one shadow ray of a pilot found from a point of a medium.
@@ -52,7 +52,7 @@ pub(super) struct InScatteringSample {
 ///
 /// Its memory is reused from ray to ray.
 #[derive(Debug, Default)]
-pub(super) struct GuidedDistances {
+pub(super) struct GuidedDistanceDistribution {
     /// Distance along the ray at which the first piece begins \[length].
     start: f32,
     /// Distance along the ray at which each piece ends \[length].
@@ -75,11 +75,17 @@ impl ScatterPointGuide {
     /// index `light`, in a medium of mean extinction coefficient `extinction` \[1/length].
     ///
     /// The distribution is empty if the ray meets no cell in which the pilot found light.
-    pub fn distances_along(&self, light: usize, ray: &Ray, extinction: f32, distances: &mut GuidedDistances) {
+    pub fn distances_along(
+        &self,
+        light: usize,
+        ray: &Ray,
+        extinction: f32,
+        distances: &mut GuidedDistanceDistribution,
+    ) {
         distances.clear();
         let len = self.grid.len();
         // The guide has no values for lights that the pilot did not record.
-        let Some(values) = self.values.get(light * len..(light + 1) * len) else { return };
+        let Some(values) = self.rms_radiance_by_light_and_cell.get(light * len..(light + 1) * len) else { return };
         self.grid.for_each_cell(ray, |cell, from, to| {
             // Any positive weight is unbiased: this one is close to exp(−depth).
             let depth = extinction * 0.5 * (from + to);
@@ -89,20 +95,20 @@ impl ScatterPointGuide {
     }
 }
 
-impl ScatterPointFit {
+impl ScatterPointGuideFitter {
     /// Makes an empty fit for `lights` lights, over the bounding box of `points`. Returns `None` if
     /// the box is empty or not finite.
     pub fn new(points: impl Iterator<Item = Vec3>, lights: usize) -> Option<Self> {
         let grid = MediumCellGrid::new(&Bounds::from_points(points))?;
         let len = grid.len() * lights;
-        Some(Self { grid, ray_counts: vec![0.0; len], squares: vec![0.0; len] })
+        Some(Self { grid, ray_counts: vec![0.0; len], squared_radiance_sums: vec![0.0; len] })
     }
 
     /// Adds what one shadow ray of the pilot found.
     pub fn add(&mut self, sample: &InScatteringSample) {
         let i = sample.light * self.grid.len() + self.grid.cell_index(sample.p);
         self.ray_counts[i] += 1.0;
-        self.squares[i] += sample.scattered_radiance * sample.scattered_radiance;
+        self.squared_radiance_sums[i] += sample.scattered_radiance * sample.scattered_radiance;
     }
 
     /// Returns the guide fitted to the added rays.
@@ -114,19 +120,19 @@ impl ScatterPointFit {
             let (mut count, mut square) = (0.0, 0.0);
             self.grid.for_each_neighbor(i % len, |cell| {
                 count += self.ray_counts[i / len * len + cell];
-                square += self.squares[i / len * len + cell];
+                square += self.squared_radiance_sums[i / len * len + cell];
             });
             let neighborhood = if count > 0.0 { square / count } else { 0.0 };
-            let mean =
-                (self.squares[i] + NEIGHBORHOOD_WEIGHT * neighborhood) / (self.ray_counts[i] + NEIGHBORHOOD_WEIGHT);
+            let mean = (self.squared_radiance_sums[i] + NEIGHBORHOOD_WEIGHT * neighborhood)
+                / (self.ray_counts[i] + NEIGHBORHOOD_WEIGHT);
             mean.sqrt() as f32
         };
         let values = (0..self.ray_counts.len()).map(mean).collect();
-        ScatterPointGuide { grid: self.grid, values }
+        ScatterPointGuide { grid: self.grid, rms_radiance_by_light_and_cell: values }
     }
 }
 
-impl GuidedDistances {
+impl GuidedDistanceDistribution {
     /// Removes all pieces.
     pub fn clear(&mut self) {
         self.ends.clear();

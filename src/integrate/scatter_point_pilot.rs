@@ -6,12 +6,12 @@
 
 use super::balance::{camera_path_work, relative_variance};
 use super::camera_path::PathContext;
-use super::film_points::{film_points_in_pixels, map_paths_through_film_points, trace_paths_through_film_points};
+use super::film_points::{generate_film_points, map_paths_through_film_points, trace_paths_through_film_points};
 use super::indirect_division::IndirectTechnique;
 use super::nee::{NextEventEstimator, ScatterPointSampling, ShadowRayGuides};
 use super::pass_renderer::PassRenderer;
 use super::policy::{PathContinuation, PathPolicy, PhotonLookups};
-use super::scatter_point_guide::{ScatterPointFit, ScatterPointGuide};
+use super::scatter_point_guide::{ScatterPointGuide, ScatterPointGuideFitter};
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::Effect;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 /// Smallest and largest number of camera paths that find the lit parts of media. Between these
 /// limits, the scatter-point pilot traces one path per pixel.
-const PATHS: (u32, u32) = (2000, 6000);
+const PATH_COUNT_RANGE: (u32, u32) = (2000, 6000);
 
 /// Mean numbers of guided points per camera path that the scatter-point pilot tries. It compares
 /// their noise and work.
@@ -65,7 +65,7 @@ pub(super) fn guide_scatter_points(
     renderer: &PassRenderer<'_>,
 ) -> (ScatterPointSampling, Option<ScatterPointGuidingReport>) {
     let (scene, policy, settings) = (renderer.scene, &renderer.policy, &renderer.settings);
-    let may_guide = policy.direct_light && policy.effects.has(Effect::Media) && settings.allows_scatter_point_guiding;
+    let may_guide = policy.uses_nee && policy.effects.has(Effect::Media) && settings.allows_scatter_point_guiding;
     if !may_guide || !scene.media_in_use().iter().any(|medium| medium.is_homogeneous() && medium.scatters()) {
         return (ScatterPointSampling::Unguided, None);
     }
@@ -97,7 +97,7 @@ struct LearnedGuide {
 fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<LearnedGuide> {
     let (width, height) = renderer.scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
-    let count = width.saturating_mul(height).clamp(PATHS.0, PATHS.1);
+    let count = width.saturating_mul(height).clamp(PATH_COUNT_RANGE.0, PATH_COUNT_RANGE.1);
     let samplers = (0..count).map(|i| Sampler::new(key, i, count));
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
     let policy = PathPolicy { continuation: PathContinuation::Never, lookups: PhotonLookups::Never, ..renderer.policy };
@@ -109,7 +109,7 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
     if mean_radiance.is_nan() || mean_radiance <= 0.0 {
         return None;
     }
-    let mut fit = ScatterPointFit::new(samples().map(|sample| sample.p), lights)?;
+    let mut fit = ScatterPointGuideFitter::new(samples().map(|sample| sample.p), lights)?;
     samples().for_each(|sample| fit.add(sample));
     Some(LearnedGuide { guide: Arc::new(fit.fitted_guide()), mean_radiance, shadow_rays: samples().count() as u64 })
 }
@@ -126,7 +126,7 @@ fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGui
     // Estimate the radiance at film points twice with each sampling.
     let estimate = |sampling: &ScatterPointSampling| {
         [0, 1].map(|set| {
-            let points = film_points_in_pixels(renderer.scene, key, set);
+            let points = generate_film_points(renderer.scene, key, set);
             with_path_context(renderer, &renderer.policy, sampling.clone(), |paths| {
                 map_paths_through_film_points(paths, &points, false, |radiance, _| radiance)
             })

@@ -1,6 +1,6 @@
 //! Settings of the rendering algorithms.
 
-use super::radius_law::ALPHA;
+use super::radius_law::DEFAULT_ALPHA;
 use super::volume_estimate::VolumeEstimator;
 use crate::camera::{CropWindow, Filter, FilterKind};
 use crate::photon::Kernel;
@@ -10,7 +10,7 @@ use crate::plan::EffectOverrides;
 #[derive(Clone, Debug)]
 pub struct CameraPathSettings {
     /// Camera rays per pixel and pass; `None` uses the default of the algorithm.
-    pub samples: Option<u32>,
+    pub samples_per_pixel: Option<u32>,
     /// Largest number of bounces of a camera or photon path.
     pub max_bounces: u32,
     /// Seed of all random numbers.
@@ -41,7 +41,7 @@ pub struct CameraPathSettings {
 impl Default for CameraPathSettings {
     fn default() -> Self {
         Self {
-            samples: None,
+            samples_per_pixel: None,
             max_bounces: 100,
             seed: 0,
             filter: Filter::new(FilterKind::default()),
@@ -50,7 +50,7 @@ impl Default for CameraPathSettings {
             groups_light: false,
             crop: None,
             clamp: None,
-            effects: EffectOverrides::PLANNED,
+            effects: EffectOverrides::NO_OVERRIDES,
         }
     }
 }
@@ -83,15 +83,16 @@ pub struct Settings {
     /// True if a pilot may trade camera rays for photon paths, to get less noise for the same work.
     ///
     /// `unaimed_paths`, `aimed_paths` and the camera rays per pixel are then starting values.
-    pub allows_balance: bool,
+    pub allows_ray_photon_balance: bool,
     /// Largest number of photons of a density estimate; 0 for no limit.
     ///
-    /// `None` stands for [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and for no limit in
-    /// other maps. The farthest photon only sets the radius, so a limit of 1 acts like 2.
+    /// `None` stands for [`DEFAULT_CAUSTIC_K`](super::DEFAULT_CAUSTIC_K) in the caustic map, and
+    /// for no limit in other maps. The farthest photon only sets the radius, so a limit of 1 acts
+    /// like 2.
     pub gather_k: Option<u32>,
     /// Largest gather radius of the first pass \[length]. `None` lets a pilot choose one for each
     /// map.
-    pub radius: Option<f32>,
+    pub initial_gather_radius: Option<f32>,
     /// Exponent α in (0, 1] by which gather radii shrink over the passes; 1 keeps them fixed.
     /// [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
     pub alpha: f64,
@@ -165,10 +166,10 @@ impl Default for Settings {
             camera_paths: CameraPathSettings::default(),
             unaimed_paths: 500_000,
             aimed_paths: 250_000,
-            allows_balance: true,
+            allows_ray_photon_balance: true,
             gather_k: None,
-            radius: None,
-            alpha: ALPHA,
+            initial_gather_radius: None,
+            alpha: DEFAULT_ALPHA,
             kernel: Kernel::default(),
             allows_prefix_rays: true,
             allows_environment_guiding: true,

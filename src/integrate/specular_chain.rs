@@ -15,7 +15,7 @@ const FILM_STEP: f32 = 0.02;
 
 /// Distance on the lens between a ray of a bundle and its neighbours, relative to the radius of the
 /// lens.
-const LENS_STEP: f64 = 0.02;
+const RELATIVE_LENS_STEP: f64 = 0.02;
 
 /// Number of rays of a bundle: a camera ray, two neighbours on the film, and two on the lens.
 const BUNDLE_RAYS: usize = 5;
@@ -29,16 +29,19 @@ pub(super) struct SpecularChain {
     /// Number of vertices.
     length: u32,
     /// Bit i is set if the chain is transmitted at vertex i.
-    transmitted: u32,
+    transmitted_bits: u32,
 }
 
 impl SpecularChain {
     fn with_vertex(self, is_transmitted: bool) -> Self {
-        Self { length: self.length + 1, transmitted: self.transmitted | u32::from(is_transmitted) << self.length }
+        Self {
+            length: self.length + 1,
+            transmitted_bits: self.transmitted_bits | u32::from(is_transmitted) << self.length,
+        }
     }
 
     fn is_transmitted_at(self, vertex: u32) -> bool {
-        self.transmitted >> vertex & 1 == 1
+        self.transmitted_bits >> vertex & 1 == 1
     }
 }
 
@@ -66,7 +69,7 @@ pub(super) struct RayBundle<I> {
     /// on the lens.
     rays: [PathRay<I>; BUNDLE_RAYS],
     /// Number of rays that are traced: without a lens, the first three.
-    count: usize,
+    traced_ray_count: usize,
     /// Distance between neighbours on the lens \[length].
     lens_step: f64,
     /// Factor from radiance that arrives along the camera ray to radiance of the pixel.
@@ -90,11 +93,11 @@ pub(super) struct LampSphere {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampPassage {
     /// Distance of the camera ray from the center of the lamp, relative to the lamp's radius.
-    pub miss: f64,
+    pub relative_miss: f64,
     /// Vector on the film from the camera ray to the center of the lamp's image \[pixels].
     pub to_image: DVec2,
     /// Shift of the image by the position on the lens \[pixels/length].
-    pub lens_shift: DMat2,
+    pub shift_per_lens_position: DMat2,
     /// Map from vectors on the film \[pixels] to coordinates in which the image is the unit disc.
     pub to_disc: DMat2,
 }
@@ -103,7 +106,7 @@ impl<I: Interior> RayBundle<I> {
     /// Returns the bundle of the camera ray through `point`, before its first vertex.
     pub fn from_camera(scene: &Scene, effects: Effects, point: CameraPoint, sampler: Sampler) -> Self {
         let camera = scene.camera();
-        let lens_step = camera.lens().map_or(0.0, |lens| lens.radius * LENS_STEP);
+        let lens_step = camera.lens().map_or(0.0, |lens| lens.radius * RELATIVE_LENS_STEP);
         let count = if point.on_lens.is_some() { BUNDLE_RAYS } else { 3 };
         let ray = |film: Vec2, on_lens: DVec2| {
             let ray = match point.on_lens {
@@ -121,7 +124,14 @@ impl<I: Interior> RayBundle<I> {
             ray(Vec2::ZERO, DVec2::X * lens_step),
             ray(Vec2::ZERO, DVec2::Y * lens_step),
         ];
-        Self { rays, count, lens_step, throughput: Rgb::ONE, chain: SpecularChain::default(), sampler }
+        Self {
+            rays,
+            traced_ray_count: count,
+            lens_step,
+            throughput: Rgb::ONE,
+            chain: SpecularChain::default(),
+            sampler,
+        }
     }
 
     /// Traces the camera ray to its next vertex, and returns the event there.
@@ -138,7 +148,7 @@ impl<I: Interior> RayBundle<I> {
         }
         let mut traced = self;
         let mut neighbours = [None; BUNDLE_RAYS - 1];
-        for (neighbour, ray) in neighbours.iter_mut().zip(&mut traced.rays[1..self.count]) {
+        for (neighbour, ray) in neighbours.iter_mut().zip(&mut traced.rays[1..self.traced_ray_count]) {
             match ray.next_vertex(scene, self.sampler.sample_key(), |_| None) {
                 PathEvent::Surface(vertex) if is_specular(&vertex.surface) => *neighbour = Some(vertex.surface),
                 PathEvent::Surface(_) | PathEvent::Scattered { .. } | PathEvent::Escaped { .. } => return [None; 2],
@@ -148,11 +158,11 @@ impl<I: Interior> RayBundle<I> {
             let (direction, weight) = scattered_direction(&vertex.surface, is_transmitted, self.sampler)?;
             let mut next = traced;
             let factor = next.rays[0].leave_surface_with_wavelength_weight(&vertex.surface, direction, is_transmitted);
-            next.throughput *= vertex.transmittance * weight * factor;
+            next.throughput *= vertex.absorption_and_wavelength_weight * weight * factor;
             if crate::color::channel_mean(next.throughput) < min_throughput {
                 return None;
             }
-            for (ray, surface) in next.rays[1..self.count].iter_mut().zip(neighbours.iter().flatten()) {
+            for (ray, surface) in next.rays[1..self.traced_ray_count].iter_mut().zip(neighbours.iter().flatten()) {
                 let (direction, _) = scattered_direction(surface, is_transmitted, self.sampler)?;
                 ray.leave_surface_with_wavelength_weight(surface, direction, is_transmitted);
             }
@@ -209,15 +219,15 @@ impl<I: Interior> RayBundle<I> {
         if !from_disc.is_finite() {
             return None;
         }
-        let by_lens = if self.count > 3 {
+        let by_lens = if self.traced_ray_count > 3 {
             DMat2::from_cols(derivative(3, self.lens_step)?, derivative(4, self.lens_step)?)
         } else {
             DMat2::ZERO
         };
         Some(LampPassage {
-            miss: at.length(),
+            relative_miss: at.length(),
             to_image: -(from_disc * at),
-            lens_shift: -(from_disc * by_lens),
+            shift_per_lens_position: -(from_disc * by_lens),
             to_disc,
         })
     }

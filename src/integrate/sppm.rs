@@ -16,9 +16,9 @@ use crate::scene::Effects;
 pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
     PathPolicy {
         effects,
-        samples: 1,
-        shares_paths: false,
-        direct_light: true,
+        default_samples_per_pixel: 1,
+        passes_share_paths: false,
+        uses_nee: true,
         light_sampling: LightSampling::Rays(4),
         continuation: PathContinuation::Never,
         directions: DirectionSampling::Bsdf,

@@ -10,7 +10,7 @@ use crate::bsdf::TransportMode;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{
-    Effect, Effects, FilmMotionMeter, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, for_interior,
+    Effect, Effects, FilmMotionMeter, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, with_interior_type,
 };
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -57,9 +57,9 @@ pub struct SurfaceAovs {
     /// Position in world space \[length], as a mean over the rays that reach a surface.
     pub position: Vec<Vec3>,
     /// Number of the object that most rays reach, counted from 1: shapes, then meshes, then planes.
-    pub object: Vec<u32>,
+    pub object_id: Vec<u32>,
     /// Number of the material of most rays, counted from 1 in the order of the scene.
-    pub material: Vec<u32>,
+    pub material_id: Vec<u32>,
     /// Motion on the film from the opening to the closing of the shutter \[pixels to the right and
     /// down], as a mean over the rays.
     ///
@@ -76,8 +76,8 @@ struct PixelAovs {
     normal: Vec3,
     depth: f32,
     position: Vec3,
-    object: u32,
-    material: u32,
+    object_id: u32,
+    material_id: u32,
     motion: Vec2,
 }
 
@@ -105,8 +105,8 @@ struct BranchEndSurface {
     /// Length of the path from the camera to the surface \[length].
     depth: f32,
     position: DVec3,
-    object: u32,
-    material: u32,
+    object_index: u32,
+    material_index: u32,
 }
 
 /// State of one branch of a camera ray between two specular surfaces. Smooth dielectrics split a
@@ -176,7 +176,7 @@ pub fn render_surface_aovs(
                 let sampler = Sampler::new(key.pixel_key(x, y), ray, rays);
                 let at_time = &scenes[ray as usize % scenes.len()];
                 let (camera_ray, weight) = at_time.film.generate_ray(0, Vec2::new(x as f32, y as f32), sampler);
-                let found = for_interior!(effects, <I> {
+                let found = with_interior_type!(effects, <I> {
                     let path_ray: PathRay<I> = at_time.scene.start_camera_path(camera_ray, effects);
                     trace_ray(at_time, path_ray, sampler)
                 });
@@ -194,8 +194,8 @@ pub fn render_surface_aovs(
         normal: pixels.iter().map(|pixel| pixel.normal).collect(),
         depth: pixels.iter().map(|pixel| pixel.depth).collect(),
         position: pixels.iter().map(|pixel| pixel.position).collect(),
-        object: pixels.iter().map(|pixel| pixel.object).collect(),
-        material: pixels.iter().map(|pixel| pixel.material).collect(),
+        object_id: pixels.iter().map(|pixel| pixel.object_id).collect(),
+        material_id: pixels.iter().map(|pixel| pixel.material_id).collect(),
         motion: pixels.iter().map(|pixel| pixel.motion).collect(),
     })
 }
@@ -221,7 +221,7 @@ fn trace_ray<I: Interior>(at_time: &SceneAtTime<'_>, path_ray: PathRay<I>, sampl
                 continue;
             }
         };
-        branch.weight *= hit.transmittance;
+        branch.weight *= hit.absorption_and_wavelength_weight;
         branch.depth += hit.distance;
         let surface = &hit.surface;
         if branch.bounces == 0 {
@@ -306,7 +306,13 @@ impl RayAovs {
         {
             let (object, material) = scene.object_and_material_index(&hit);
             let position = scene.origin() + surface.point.p.as_dvec3();
-            self.heaviest = Some(BranchEndSurface { weight, depth: branch.depth, position, object, material });
+            self.heaviest = Some(BranchEndSurface {
+                weight,
+                depth: branch.depth,
+                position,
+                object_index: object,
+                material_index: material,
+            });
         }
     }
 }
@@ -340,8 +346,8 @@ impl PixelAovs {
             if let Some(heaviest) = ray.heaviest {
                 depth += f64::from(heaviest.depth);
                 position += heaviest.position;
-                objects.push(heaviest.object);
-                materials.push(heaviest.material);
+                objects.push(heaviest.object_index);
+                materials.push(heaviest.material_index);
             }
         }
         let (all, hits) = (f64::max(count, 1.0), f64::max(objects.len() as f64, 1.0));
@@ -350,8 +356,8 @@ impl PixelAovs {
             normal: (normal / all).as_vec3(),
             depth: (depth / hits) as f32,
             position: (position / hits).as_vec3(),
-            object: most_frequent_index(&mut objects).map_or(0, |index| index + 1),
-            material: most_frequent_index(&mut materials).map_or(0, |index| index + 1),
+            object_id: most_frequent_index(&mut objects).map_or(0, |index| index + 1),
+            material_id: most_frequent_index(&mut materials).map_or(0, |index| index + 1),
             motion: (motion / all).as_vec2(),
         }
     }

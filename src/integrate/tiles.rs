@@ -22,23 +22,31 @@ const TILE_SIZE: u32 = 16;
 pub(super) struct FilmImage {
     /// Radiance of each pixel of the window, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
-    /// Nested photon estimates of each pixel; empty unless [`FilmSampling::nested`] is true.
+    /// Nested photon estimates of each pixel; empty unless [`FilmSampling::nests_estimates`] is
+    /// true.
     pub nested: Vec<NestedDifferences>,
     /// Radiance of each pixel by light group, which adds up to `image`, in the order of
     /// [`LightGroup::ALL`] \[W/(m² sr)]; empty unless [`FilmSampling::groups_light`] is true.
-    pub groups: Vec<Vec<Rgb>>,
+    pub light_groups: Vec<Vec<Rgb>>,
     /// Radiance that clamping removed from each pixel \[W/(m² sr)]; empty unless light is clamped.
-    pub clamped: Vec<Rgb>,
+    pub removed_by_clamp: Vec<Rgb>,
     /// Indices in `image` of the rendered pixels, if only one of several tiles is rendered; else
     /// empty.
-    pub pixels: Vec<u32>,
+    pub rendered_pixel_indices: Vec<u32>,
     pub counters: Counters,
 }
 
 impl FilmImage {
     /// Crops this picture, which shows the window `outer`, to the window `inner`.
     fn cropped_to_window(self, outer: CropWindow, inner: CropWindow) -> Self {
-        let Self { image, nested, groups, clamped, pixels, counters } = self;
+        let Self {
+            image,
+            nested,
+            light_groups: groups,
+            removed_by_clamp: clamped,
+            rendered_pixel_indices: pixels,
+            counters,
+        } = self;
         let pixels = pixels.into_iter().filter_map(|i| {
             let (x, y) = (outer.left + i % outer.size().0, outer.top + i / outer.size().0);
             let is_inside = (inner.left..inner.right).contains(&x) && (inner.top..inner.bottom).contains(&y);
@@ -47,9 +55,9 @@ impl FilmImage {
         Self {
             image: cropped_pixels(&image, outer, inner),
             nested: cropped_pixels(&nested, outer, inner),
-            groups: groups.iter().map(|group| cropped_pixels(group, outer, inner)).collect(),
-            clamped: cropped_pixels(&clamped, outer, inner),
-            pixels: pixels.collect(),
+            light_groups: groups.iter().map(|group| cropped_pixels(group, outer, inner)).collect(),
+            removed_by_clamp: cropped_pixels(&clamped, outer, inner),
+            rendered_pixel_indices: pixels.collect(),
             counters,
         }
     }
@@ -69,12 +77,13 @@ struct Tile<'a> {
     index: u32,
     /// Parts of the picture's rows that lie in the tile, from the top.
     image: Vec<&'a mut [Rgb]>,
-    /// Rows of nested estimates in the tile; empty unless [`FilmSampling::nested`] is true.
+    /// Rows of nested estimates in the tile; empty unless [`FilmSampling::nests_estimates`] is
+    /// true.
     nested: Vec<&'a mut [NestedDifferences]>,
     /// Rows of each light group in the tile; empty unless [`FilmSampling::groups_light`] is true.
-    groups: Vec<Vec<&'a mut [Rgb]>>,
+    light_groups: Vec<Vec<&'a mut [Rgb]>>,
     /// Rows of the radiance that clamping removes, in the tile; empty unless light is clamped.
-    clamped: Vec<&'a mut [Rgb]>,
+    removed_by_clamp: Vec<&'a mut [Rgb]>,
 }
 
 impl<'a> Tile<'a> {
@@ -92,30 +101,30 @@ impl<'a> Tile<'a> {
             index,
             image: Vec::new(),
             nested: Vec::new(),
-            groups: (0..group_count).map(|_| Vec::new()).collect(),
-            clamped: Vec::new(),
+            light_groups: (0..group_count).map(|_| Vec::new()).collect(),
+            removed_by_clamp: Vec::new(),
         };
         let mut tiles: Vec<Self> = (0..width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE)).map(empty).collect();
         row_pieces_by_tile(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
         row_pieces_by_tile(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
-        row_pieces_by_tile(clamped, width).for_each(|(tile, row)| tiles[tile].clamped.push(row));
+        row_pieces_by_tile(clamped, width).for_each(|(tile, row)| tiles[tile].removed_by_clamp.push(row));
         for (group, pixels) in groups.iter_mut().enumerate() {
-            row_pieces_by_tile(pixels, width).for_each(|(tile, row)| tiles[tile].groups[group].push(row));
+            row_pieces_by_tile(pixels, width).for_each(|(tile, row)| tiles[tile].light_groups[group].push(row));
         }
         tiles
     }
 
     /// Stores `pixel` in column `column`, row `row` of the tile.
     fn store_pixel(&mut self, column: usize, row: usize, pixel: RenderedPixel) {
-        let RenderedPixel { radiance, nested, groups, clamped } = pixel;
+        let RenderedPixel { radiance, nested, light_groups: groups, removed_by_clamp: clamped } = pixel;
         self.image[row][column] = radiance;
         if let Some(pixels) = self.nested.get_mut(row) {
             pixels[column] = nested;
         }
-        if let Some(pixels) = self.clamped.get_mut(row) {
+        if let Some(pixels) = self.removed_by_clamp.get_mut(row) {
             pixels[column] = clamped;
         }
-        self.groups.iter_mut().zip(groups).for_each(|(rows, light)| rows[row][column] = light);
+        self.light_groups.iter_mut().zip(groups).for_each(|(rows, light)| rows[row][column] = light);
     }
 }
 
@@ -149,7 +158,7 @@ pub(super) fn render_tiles<Stack: Default>(
 
     // Cut the picture into tiles.
     let mut image = vec![Rgb::ZERO; pixels];
-    let mut nested = vec![NestedDifferences::default(); if sampling.nested { pixels } else { 0 }];
+    let mut nested = vec![NestedDifferences::default(); if sampling.nests_estimates { pixels } else { 0 }];
     let mut groups = vec![vec![Rgb::ZERO; pixels]; if sampling.groups_light { LightGroup::ALL.len() } else { 0 }];
     let mut clamped = vec![Rgb::ZERO; if sampling.clamp.is_some() { pixels } else { 0 }];
     let mut tiles = Tile::split_image_into_tiles(&mut image, &mut nested, &mut groups, &mut clamped, width);
@@ -158,7 +167,7 @@ pub(super) fn render_tiles<Stack: Default>(
     let rendered_pixels = if stride > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
 
     let work = tiles.into_par_iter().map(|mut tile| {
-        let mut task = PathTask::new(sampling.nested, sampling.groups_light);
+        let mut task = PathTask::new(sampling.nests_estimates, sampling.groups_light);
         let mut branches = Stack::default();
         let mut rendered = 0;
         let tile_pixels = tile_pixels(tile.index, columns, width, height).take_while(|_| !monitor.is_cancelled());
@@ -176,7 +185,13 @@ pub(super) fn render_tiles<Stack: Default>(
                     let shutter_slice = rays.slices.slice(index);
                     let PixelRay { ray, filter_weight, prefix_weights } =
                         sampling.generate_pixel_ray(&rays, shutter_slice, corner, sampler);
-                    let camera_ray = CameraRay { ray, sampler, film_position, shutter_slice, prefix_weights };
+                    let camera_ray = CameraRay {
+                        ray,
+                        sampler,
+                        weight_lookup_position: film_position,
+                        shutter_slice,
+                        prefix_weights,
+                    };
                     task.counters.camera_rays += 1;
                     task.pixel.photon_radiance = Rgb::ZERO;
                     let radiance = trace_ray(&camera_ray, &mut task, &mut branches);
@@ -196,7 +211,14 @@ pub(super) fn render_tiles<Stack: Default>(
         a += b;
         a
     });
-    let picture = FilmImage { image, nested, groups, clamped, pixels: rendered_pixels, counters };
+    let picture = FilmImage {
+        image,
+        nested,
+        light_groups: groups,
+        removed_by_clamp: clamped,
+        rendered_pixel_indices: rendered_pixels,
+        counters,
+    };
     if window == sampling.window { picture } else { picture.cropped_to_window(window, sampling.window) }
 }
 
@@ -204,12 +226,12 @@ pub(super) fn render_tiles<Stack: Default>(
 struct RenderedPixel {
     /// Radiance \[W/(m² sr)].
     radiance: Rgb,
-    /// Differences of nested photon estimates; 0 unless [`FilmSampling::nested`] is true.
+    /// Differences of nested photon estimates; 0 unless [`FilmSampling::nests_estimates`] is true.
     nested: NestedDifferences,
     /// Radiance by light group \[W/(m² sr)]; 0 unless [`FilmSampling::groups_light`] is true.
-    groups: [Rgb; LightGroup::ALL.len()],
+    light_groups: [Rgb; LightGroup::ALL.len()],
     /// Radiance that clamping removed \[W/(m² sr)].
-    clamped: Rgb,
+    removed_by_clamp: Rgb,
 }
 
 /// Returns the stride n ≥ 2 for which rendering one of every n tiles renders about `wanted` tiles.
@@ -236,9 +258,9 @@ fn tile_pixels(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterato
 #[derive(Default)]
 struct PixelSums {
     radiance: RaySums,
-    groups: [RaySums; LightGroup::ALL.len()],
+    light_groups: [RaySums; LightGroup::ALL.len()],
     /// Radiance that clamping removed.
-    clamped: RaySums,
+    removed_by_clamp: RaySums,
 }
 
 impl PixelSums {
@@ -255,20 +277,20 @@ impl PixelSums {
     ) {
         let is_prefix_ray = camera_ray.prefix_weights.ends_at_receiver;
         if let Some(limit) = sampling.clamp {
-            self.clamped.add_ray(clamp_path_light(&mut radiance, limit, task), weight, is_prefix_ray);
+            self.removed_by_clamp.add_ray(clamp_path_light(&mut radiance, limit, task), weight, is_prefix_ray);
         }
         let groups = task.pixel.groups.take_sums();
         let is_finite = radiance.is_finite();
         if is_finite {
             self.radiance.add_ray(radiance, weight, is_prefix_ray);
             if sampling.groups_light {
-                let sums = self.groups.iter_mut().zip(groups);
+                let sums = self.light_groups.iter_mut().zip(groups);
                 sums.for_each(|(sum, light)| sum.add_ray(light, weight, is_prefix_ray));
             }
         } else {
             task.counters.rejected_samples += 1;
         }
-        if sampling.nested {
+        if sampling.nests_estimates {
             task.pixel.nested.finish_camera_ray(is_finite.then_some(weight));
         }
     }
@@ -280,8 +302,8 @@ impl PixelSums {
         RenderedPixel {
             radiance: self.radiance.pixel_value(is_signed, samples),
             nested: task.pixel.nested.finish_pixel(samples),
-            groups: self.groups.map(|sum| sum.pixel_value(is_signed, samples)),
-            clamped: self.clamped.pixel_value(is_signed, samples),
+            light_groups: self.light_groups.map(|sum| sum.pixel_value(is_signed, samples)),
+            removed_by_clamp: self.removed_by_clamp.pixel_value(is_signed, samples),
         }
     }
 }

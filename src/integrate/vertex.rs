@@ -14,14 +14,14 @@ pub(super) struct PathHistory {
     pub receivers: u32,
     /// Number of casters visited since the last receiver, or since the camera if there is no
     /// receiver.
-    pub casters: u32,
+    pub casters_since_receiver: u32,
 }
 
 impl PathHistory {
     /// True if a light that the path hits now would form a caustic on the path's last receiver.
     #[inline]
     pub fn is_caustic(self) -> bool {
-        self.receivers > 0 && self.casters > 0
+        self.receivers > 0 && self.casters_since_receiver > 0
     }
 }
 
@@ -72,7 +72,7 @@ impl<I: Interior> PathVertex<'_, I> {
             let ray = Ray { t_max: distance, ..path_ray.ray };
             return scene.interior_transmittance(&ray, &path_ray.interior, self.shadow_sampler.sample_key());
         }
-        path_ray.interior.transmittance(scene, distance)
+        path_ray.interior.absorption_transmittance(scene, distance)
     }
 }
 

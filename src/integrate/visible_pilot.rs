@@ -14,11 +14,11 @@ use glam::Vec2;
 
 /// Smallest and largest number of camera rays that find visible points. Between these limits, there
 /// are four rays per pixel.
-const RAYS: (u32, u32) = (2000, 20_000);
+const RAY_COUNT_RANGE: (u32, u32) = (2000, 20_000);
 
 /// Largest distance between a photon and a visible point at which the photon counts as visible,
 /// divided by the diagonal of the bounding box of all visible points.
-const MAX_RADIUS: f32 = 0.1;
+const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
 /// Returns a map of the points on receivers that the camera sees directly or over casters, such as
 /// glass or mirrors.
@@ -33,10 +33,10 @@ pub(super) fn find_visible_points(
 ) -> VisiblePointMap {
     let key = Key::new(settings.seed).purpose_key(Purpose::VisiblePoints);
     let (width, height) = scene.camera().size();
-    let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAYS.0, RAYS.1);
+    let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAY_COUNT_RANGE.0, RAY_COUNT_RANGE.1);
     let visible = record_receiver_points(scene, effects, key, rays, PathContinuation::Never, settings.max_bounces);
     let extent = Bounds::from_points(visible.iter().map(|point| point.position)).extent().length();
-    let radius = if extent > 0.0 { radius.min(extent * MAX_RADIUS) } else { radius };
+    let radius = if extent > 0.0 { radius.min(extent * MAX_RELATIVE_RADIUS) } else { radius };
     VisiblePointMap::new(visible, radius)
 }
 
@@ -67,9 +67,9 @@ pub(super) fn record_receiver_points(
 fn path_policy(effects: Effects) -> PathPolicy {
     PathPolicy {
         effects,
-        samples: 1,
-        shares_paths: false,
-        direct_light: false,
+        default_samples_per_pixel: 1,
+        passes_share_paths: false,
+        uses_nee: false,
         light_sampling: LightSampling::Centers,
         continuation: PathContinuation::Never,
         directions: DirectionSampling::Bsdf,

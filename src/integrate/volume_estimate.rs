@@ -6,7 +6,7 @@ use crate::color::{Rgb, Wavelength};
 use crate::math::{Frame, Ray};
 use crate::medium::{self, Medium, TransmittanceCurve};
 use crate::photon::{
-    BeamIntersection, KernelProbes, LEVELS, PhotonBeam, PhotonBeamMap, VolumePhotonMap, VolumePhotons,
+    BeamIntersection, KernelProbes, NESTED_DISC_COUNT, PhotonBeam, PhotonBeamMap, VolumePhotonMap, VolumePhotons,
 };
 use crate::scene::{Interior, MediumSegment, Scene};
 use glam::Vec3;
@@ -44,7 +44,7 @@ pub(super) struct BeamAndPointMaps {
     points: VolumePhotonMap,
     estimator: VolumeEstimator,
     /// Half width of the kernel over wavelengths, for estimates in media and on surfaces \[nm].
-    pub band: f32,
+    pub wavelength_kernel_half_width: f32,
 }
 
 /// Sums of the radiance from photons in a medium, for a kernel of the full radius and for kernels
@@ -53,7 +53,7 @@ pub(super) struct BeamAndPointMaps {
 /// Surfaces hide a part of the kernel. Probe rays from its center measure that part. The first of
 /// them goes towards one photon, chosen with a probability proportional to its radiance.
 struct NestedKernelSums {
-    sums: [Rgb; LEVELS],
+    sums: [Rgb; NESTED_DISC_COUNT],
     /// Number of dimensions in which the kernel spreads: 1 to 3.
     dimensions: u32,
     /// True if the kernels of smaller radii are summed too, to estimate the bias.
@@ -67,7 +67,7 @@ struct ChosenPhoton {
     /// Radiance of the photon times the kernel value for the full radius.
     radiance: Rgb,
     /// Squared distance of the photon from the kernel's center, divided by the squared full radius.
-    x2: f32,
+    squared_relative_distance: f32,
     /// Ray from the kernel's center towards the photon, of unit direction.
     towards: Ray,
 }
@@ -76,7 +76,7 @@ impl NestedKernelSums {
     /// Makes empty sums for a kernel in `dimensions` dimensions. If `nests_estimates` is true, the
     /// kernels of smaller radii are summed too.
     fn new(dimensions: u32, nests_estimates: bool) -> Self {
-        Self { sums: [Rgb::ZERO; LEVELS], dimensions, nests_estimates, chosen: None }
+        Self { sums: [Rgb::ZERO; NESTED_DISC_COUNT], dimensions, nests_estimates, chosen: None }
     }
 
     /// Adds one photon of the given `radiance`. `weight` is the kernel value of the full radius at
@@ -89,7 +89,7 @@ impl NestedKernelSums {
         let radiance = radiance * weight;
         self.sums[0] += radiance;
         if rng.random::<f32>() * self.sums[0].element_sum() < radiance.element_sum() {
-            self.chosen = Some(ChosenPhoton { radiance, x2, towards: towards() });
+            self.chosen = Some(ChosenPhoton { radiance, squared_relative_distance: x2, towards: towards() });
         }
         if self.nests_estimates {
             let factors = kernel_ratios(self.dimensions, x2);
@@ -104,8 +104,14 @@ impl NestedKernelSums {
     /// not hidden. Photons behind a surface should be left out. Measuring c for all photons takes
     /// too many probe rays. So one photon is chosen with probability f/F, where F is the sum. The
     /// function adds F/c − F for it, or −F if it is hidden. This has the same mean.
-    fn with_coverage_correction(mut self, scene: &Scene, axis: Vec3, radius: f32, factor: Rgb) -> [Rgb; LEVELS] {
-        if let Some(ChosenPhoton { radiance, x2, towards }) = self.chosen {
+    fn with_coverage_correction(
+        mut self,
+        scene: &Scene,
+        axis: Vec3,
+        radius: f32,
+        factor: Rgb,
+    ) -> [Rgb; NESTED_DISC_COUNT] {
+        if let Some(ChosenPhoton { radiance, squared_relative_distance: x2, towards }) = self.chosen {
             let probes = KernelProbes::trace(scene, &towards, axis, self.dimensions, radius);
             let sees = probes.first_probe_is_clear(x2.sqrt() * radius);
             let all = self.sums[0].element_sum() / radiance.element_sum();
@@ -126,10 +132,10 @@ impl NestedKernelSums {
 /// At the fraction x of its radius, a kernel is proportional to 1 − x² in one and three dimensions,
 /// and to (1 − x²)² in two. `x2` is x² for the full radius.
 #[inline]
-fn kernel_ratios(dimensions: u32, x2: f32) -> [f32; LEVELS] {
+fn kernel_ratios(dimensions: u32, x2: f32) -> [f32; NESTED_DISC_COUNT] {
     let level_scale = [1.0, SQRT_2, 2.0, 2.0 * SQRT_2][dimensions as usize];
     let (mut scale, mut x) = (1.0, x2);
-    let mut ratios = [1.0; LEVELS];
+    let mut ratios = [1.0; NESTED_DISC_COUNT];
     for value in &mut ratios[1..] {
         scale *= level_scale;
         x *= 2.0;
@@ -149,7 +155,7 @@ impl BeamAndPointMaps {
             beams: PhotonBeamMap::build(stored_beams, beams),
             points: VolumePhotonMap::build(stored_points, points),
             estimator,
-            band,
+            wavelength_kernel_half_width: band,
         }
     }
 
@@ -168,12 +174,13 @@ impl BeamAndPointMaps {
         if self.beams.is_empty() && self.points.is_empty() {
             return Rgb::ZERO;
         }
-        task.counters.gathers += 1;
+        task.counters.density_estimates += 1;
         let nests_estimates = task.pixel.nested.is_wanted;
         let (count, curve) = (&mut task.counters.gathered_photons, &mut task.scratch.transmittance);
         let MediumSegment { ray, medium, .. } = path_segment.segment;
-        let mut levels = [Rgb::ZERO; LEVELS];
-        let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
+        let mut levels = [Rgb::ZERO; NESTED_DISC_COUNT];
+        let mut add =
+            |sums: [Rgb; NESTED_DISC_COUNT]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
         if medium.is_homogeneous() {
             add(self.estimate_by_beams(scene, path_segment, rng, count, nests_estimates));
         }
@@ -203,8 +210,8 @@ impl BeamAndPointMaps {
         rng: &mut impl Rng,
         count: &mut u64,
         nests_estimates: bool,
-    ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
+    ) -> [Rgb; NESTED_DISC_COUNT] {
+        let MediumSegment { ray, medium, medium_index: index, interior, .. } = path_segment.segment;
         let (own, extinction) = (interior.wavelength(), medium.extinction());
         let mut sums = NestedKernelSums::new(1, nests_estimates);
         self.beams.visit_near_ray(ray, |beam, crossing| {
@@ -214,9 +221,11 @@ impl BeamAndPointMaps {
             *count += 1;
             let transmittance = medium::transmittance(extinction, crossing.t + crossing.s);
             let phase = medium.phase.evaluate(-crossing.cos);
-            let radiance = beam.flux * transmittance * wavelength_kernel_weight(own, beam.wavelength_code, self.band);
+            let radiance = beam.flux
+                * transmittance
+                * wavelength_kernel_weight(own, beam.wavelength_code, self.wavelength_kernel_half_width);
             let towards = || ray_towards_beam(ray, beam, &crossing);
-            sums.add(radiance, phase * crossing.weight, crossing.x2, rng, towards);
+            sums.add(radiance, phase * crossing.weight, crossing.squared_relative_distance, rng, towards);
         });
         sums.with_coverage_correction(scene, ray.direction, self.beams.radius(), medium.scattering)
     }
@@ -230,8 +239,8 @@ impl BeamAndPointMaps {
         (curve, rng): (&TransmittanceCurve, &mut impl Rng),
         count: &mut u64,
         nests_estimates: bool,
-    ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
+    ) -> [Rgb; NESTED_DISC_COUNT] {
+        let MediumSegment { ray, medium, medium_index: index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
         let mut sums = NestedKernelSums::new(2, nests_estimates);
         self.points.visit_near_ray(ray, |photon, t, cos, weight, x2| {
@@ -241,8 +250,9 @@ impl BeamAndPointMaps {
             *count += 1;
             let transmittance = curve.transmittance_at(t);
             let phase = medium.phase.evaluate(-cos);
-            let radiance =
-                photon.flux() * transmittance * wavelength_kernel_weight(own, photon.wavelength_code, self.band);
+            let radiance = photon.flux()
+                * transmittance
+                * wavelength_kernel_weight(own, photon.wavelength_code, self.wavelength_kernel_half_width);
             let towards = || {
                 let center = ray.at(t);
                 let offset = photon.position - center;
@@ -262,11 +272,11 @@ impl BeamAndPointMaps {
         rng: &mut impl Rng,
         count: &mut u64,
         nests_estimates: bool,
-    ) -> [Rgb; LEVELS] {
-        let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
+    ) -> [Rgb; NESTED_DISC_COUNT] {
+        let MediumSegment { ray, medium, medium_index: index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
         let distance_sample = medium.distance_sample(ray, ray.t_max, path_segment.throughput, rng);
-        let Some(t) = distance_sample.scattering_distance else { return [Rgb::ZERO; LEVELS] };
+        let Some(t) = distance_sample.scattering_distance else { return [Rgb::ZERO; NESTED_DISC_COUNT] };
         let p = ray.at(t);
         let mut sums = NestedKernelSums::new(3, nests_estimates);
         self.points.visit_near_point(p, |photon, weight, x2| {
@@ -275,7 +285,8 @@ impl BeamAndPointMaps {
             }
             *count += 1;
             let phase = medium.phase.evaluate(-photon.direction().dot(ray.direction));
-            let radiance = photon.flux() * wavelength_kernel_weight(own, photon.wavelength_code, self.band);
+            let radiance = photon.flux()
+                * wavelength_kernel_weight(own, photon.wavelength_code, self.wavelength_kernel_half_width);
             sums.add(radiance, phase * weight, x2, rng, || ray_along(p, photon.position - p, ray.direction));
         });
         // The weight is σs·T over the pdf of the distance. Photons already carry scattered light,
@@ -319,7 +330,7 @@ pub(super) fn wavelength_kernel_weight(own: Option<Wavelength>, other: u8, band:
     }
     let response = other.weight() * other.pdf();
     let nm = own.nanometres();
-    let width = (nm + band).min(Wavelength::LONGEST) - (nm - band).max(Wavelength::SHORTEST);
+    let width = (nm + band).min(Wavelength::LONGEST_NM) - (nm - band).max(Wavelength::SHORTEST_NM);
     Rgb::select(response.cmpgt(Rgb::ZERO), 1.0 / (response * width), Rgb::ZERO)
 }
 

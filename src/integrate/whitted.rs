@@ -18,9 +18,9 @@ const MIN_THROUGHPUT: f32 = 1.0 / 256.0;
 pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
     PathPolicy {
         effects,
-        samples: 1,
-        shares_paths: false,
-        direct_light: true,
+        default_samples_per_pixel: 1,
+        passes_share_paths: false,
+        uses_nee: true,
         light_sampling: LightSampling::Centers,
         continuation: PathContinuation::Never,
         directions: DirectionSampling::Bsdf,

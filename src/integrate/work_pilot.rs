@@ -2,7 +2,7 @@
 //! photons.
 
 use super::balance::{self, NoiseSource, RayPhotonBalance};
-use super::film_points::{FilmPoint, POINTS, film_points_in_pixels, map_paths_through_film_points};
+use super::film_points::{FILM_POINT_COUNT, FilmPoint, generate_film_points, map_paths_through_film_points};
 use super::map_builder::MapBuildOptions;
 use super::pass::{PassResult, PhotonReport, SilentMonitor};
 use super::pass_renderer::PassRenderer;
@@ -14,7 +14,7 @@ use crate::stats::Counters;
 
 /// Divisor of the number of photon paths of a pass: the ray-photon-balance pilot traces 1/16 of the
 /// paths.
-const PILOT_DIVISOR: u32 = 16;
+const PHOTON_PATH_DIVISOR: u32 = 16;
 
 /// Radiance at the ray-photon-balance pilot's film points, and counts of the rays of their camera
 /// paths.
@@ -37,7 +37,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
         let mut out = PassResult::default();
         let options = MapBuildOptions {
             has_photon_limit: false,
-            ..MapBuildOptions::for_pilot(key.pilot_trial_key(trial), PILOT_DIVISOR)
+            ..MapBuildOptions::for_pilot(key.pilot_trial_key(trial), PHOTON_PATH_DIVISOR)
         };
         (renderer.map_builder.build(&options, &SilentMonitor, &mut out), out)
     };
@@ -46,7 +46,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     // Estimate the radiance at each point four times: once as reference, and once with each of the
     // three sources of noise replaced.
     let (points, other_points) =
-        (film_points_in_pixels(renderer.scene, key, 0), film_points_in_pixels(renderer.scene, key, 1));
+        (generate_film_points(renderer.scene, key, 0), generate_film_points(renderer.scene, key, 1));
     let reference = estimate_at_points(renderer, Some(&maps), &points);
     let other_camera = estimate_at_points(renderer, Some(&maps), &other_points);
     std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
@@ -75,11 +75,11 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
 
     // Measure the work of each source.
     let pixel_count = pixel_count(renderer.scene);
-    let points = f64::from(POINTS);
+    let points = f64::from(FILM_POINT_COUNT);
     // A pass traces more photon paths than the pilot, so each density estimate of the pass gathers
     // more photons.
     let gathering =
-        |counters: &Counters| balance::gathering_work(counters) / points * pixel_count * f64::from(PILOT_DIVISOR);
+        |counters: &Counters| balance::gathering_work(counters) / points * pixel_count * f64::from(PHOTON_PATH_DIVISOR);
     let gathered = gathering(&reference.counters);
     let gathered_unaimed =
         if other_maps.interreflection.is_some() { gathered - gathering(&gathered_aimed) } else { 0.0 };
@@ -88,15 +88,15 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let photons = |noise: f64, report: &PhotonReport, count: u32, gathered: f64, gathered_paths: f64| {
         let emitted = report.emitted_paths as f64;
         let work = rays / paths
-            + balance::photon_storage_work(report.stored) / emitted.max(1.0)
-            + gathered / (gathered_paths * f64::from(PILOT_DIVISOR));
-        NoiseSource { variance: noise * emitted, work, count: f64::from(count) }
+            + balance::photon_storage_work(report.stored_photons) / emitted.max(1.0)
+            + gathered / (gathered_paths * f64::from(PHOTON_PATH_DIVISOR));
+        NoiseSource { single_sample_variance: noise * emitted, work_per_sample: work, sample_count: f64::from(count) }
     };
     let tracing = balance::camera_path_work(&reference.counters) / points * pixel_count;
     let camera = NoiseSource {
-        variance: noise(&other_camera),
-        work: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
-        count: f64::from(renderer.samples),
+        single_sample_variance: noise(&other_camera),
+        work_per_sample: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
+        sample_count: f64::from(renderer.samples_per_pixel),
     };
     let unaimed_noise = other_unaimed.map_or(0.0, |other| noise(&other));
     let (unaimed, aimed) = if other_maps.interreflection.is_some() {
@@ -116,31 +116,32 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let [samples, unaimed, aimed] = balance::balance_sample_counts(&[camera, unaimed, aimed]);
     let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
     Some(RayPhotonBalance {
-        samples: samples.round().max(1.0) as u32,
+        samples_per_pixel: samples.round().max(1.0) as u32,
         unaimed_paths: paths(unaimed, made.unaimed.emitted_paths),
         aimed_paths: paths(aimed, made.aimed.emitted_paths),
     })
 }
 
 /// Estimates the ray and photon counts of a pass by tracing few camera rays and few photons.
-pub(super) fn measure_pass_work(renderer: &PassRenderer<'_>) -> Counters {
+pub(super) fn estimate_pass_counters(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = PassResult::default();
-    let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, PILOT_DIVISOR) };
+    let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, PHOTON_PATH_DIVISOR) };
     let maps = renderer.map_builder.build(&options, &SilentMonitor, &mut out);
-    let counters = estimate_at_points(renderer, Some(&maps), &film_points_in_pixels(renderer.scene, key, 0)).counters;
-    let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
+    let counters = estimate_at_points(renderer, Some(&maps), &generate_film_points(renderer.scene, key, 0)).counters;
+    let Counters { continuation_rays, shadow_rays, density_estimates: gathers, gathered_photons, .. } = counters;
     let scaled = |n: u64, factor: f64| (n as f64 * factor).round() as u64;
     let pixel_count = pixel_count(renderer.scene);
-    let samples = f64::from(renderer.samples) * pixel_count / f64::from(POINTS);
-    let estimates = if renderer.policy.reads_photons_each_sample() { samples } else { pixel_count / f64::from(POINTS) };
-    let photons = f64::from(PILOT_DIVISOR);
+    let samples = f64::from(renderer.samples_per_pixel) * pixel_count / f64::from(FILM_POINT_COUNT);
+    let estimates =
+        if renderer.policy.reads_photons_each_sample() { samples } else { pixel_count / f64::from(FILM_POINT_COUNT) };
+    let photons = f64::from(PHOTON_PATH_DIVISOR);
     Counters {
-        camera_rays: u64::from(renderer.samples) * pixel_count as u64,
+        camera_rays: u64::from(renderer.samples_per_pixel) * pixel_count as u64,
         continuation_rays: scaled(continuation_rays, samples),
         shadow_rays: scaled(shadow_rays, samples),
         photon_rays: scaled(out.counters.photon_rays, photons),
-        gathers: scaled(gathers, estimates),
+        density_estimates: scaled(gathers, estimates),
         gathered_photons: scaled(gathered_photons, estimates * photons),
         rejected_samples: 0,
         rejected_photons: 0,
@@ -166,7 +167,7 @@ fn pixel_count(scene: &Scene) -> f64 {
 mod tests {
     use crate::camera::Camera;
     use crate::integrate::{Algorithm, IndirectPhotons, Settings};
-    use crate::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
+    use crate::scene::{LightStrength, Material, SceneBuilder, UnscaledDeltaLight};
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
@@ -181,7 +182,7 @@ mod tests {
         let glass = builder.add_material(Material::dielectric(1.5, Vec3::ZERO));
         builder.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO);
         builder.add_shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.8)), glass, Vec3::ZERO);
-        let kind = DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 1.0) };
+        let kind = UnscaledDeltaLight::Point { position: DVec3::new(2.0, 4.0, 1.0) };
         builder.add_delta_light(kind, LightStrength::Power(Vec3::splat(100.0)));
         let eye =
             Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 64, 48).unwrap();

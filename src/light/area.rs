@@ -7,8 +7,8 @@ use crate::color::Rgb;
 use crate::math::{BoundingSphere, Bounds, Frame, Ray, offset_ray_origin, warp};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::{
-    Mesh, Shape, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint, TRIANGLE_HIT_ERROR, TexCoord,
-    TextureMapping,
+    Mesh, RELATIVE_TRIANGLE_HIT_ERROR, Shape, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint,
+    TexCoord, TextureMapping,
 };
 use crate::texture::{Texture, TextureEvalContext};
 use glam::{DVec3, Vec2, Vec3};
@@ -27,10 +27,10 @@ pub enum LightSurface {
         /// Mesh that contains the triangles of the light.
         mesh: Arc<Mesh>,
         /// Index of the light's first triangle in `mesh`.
-        first: u32,
+        first_triangle: u32,
         /// Discrete distribution over the light's triangles by area. Its index 0 stands for
-        /// triangle `first` of `mesh`.
-        choice: DiscreteDistribution,
+        /// triangle `first_triangle` of `mesh`.
+        triangle_distribution: DiscreteDistribution,
     },
 }
 
@@ -71,7 +71,7 @@ impl LightSurface {
     pub fn area(&self) -> f64 {
         match self {
             Self::Shape(shape) => shape.area(),
-            Self::Triangles { choice, .. } => choice.weight_sum(),
+            Self::Triangles { triangle_distribution: choice, .. } => choice.weight_sum(),
         }
     }
 
@@ -81,7 +81,7 @@ impl LightSurface {
     pub fn pdf(&self, point: &SurfacePoint) -> f32 {
         match self {
             Self::Shape(shape) => shape.pdf(point),
-            Self::Triangles { choice, .. } => (1.0 / choice.weight_sum()) as f32,
+            Self::Triangles { triangle_distribution: choice, .. } => (1.0 / choice.weight_sum()) as f32,
         }
     }
 
@@ -99,9 +99,9 @@ impl LightSurface {
         match self {
             Self::Shape(shape) => {
                 let sample = shape.sample(u);
-                (sample, SurfaceCoord::Shape(sample.uv))
+                (sample, SurfaceCoord::Shape(sample.shape_coords))
             }
-            Self::Triangles { mesh, first, choice } => {
+            Self::Triangles { mesh, first_triangle: first, triangle_distribution: choice } => {
                 let (i, probability) = choice.sample(u.x);
                 // The remainder of u.x within the chosen interval is uniform again.
                 let x = choice.remapped_sample(u.x, i);
@@ -109,7 +109,7 @@ impl LightSurface {
                 let i = *first + i as u32;
                 let point = mesh.surface_point(i as usize, b);
                 let area = choice.weight_sum() * f64::from(probability);
-                (ShapeSample { point, pdf: probability / area as f32, uv: b }, SurfaceCoord::Triangle(i, b))
+                (ShapeSample { point, pdf: probability / area as f32, shape_coords: b }, SurfaceCoord::Triangle(i, b))
             }
         }
     }
@@ -135,7 +135,7 @@ impl LightSurface {
 
     /// Center of the bounding box, for an analytic shape; an arbitrary point of the surface, for
     /// mesh triangles.
-    pub(super) fn center(&self) -> Vec3 {
+    pub(super) fn center_or_surface_point(&self) -> Vec3 {
         match self {
             Self::Shape(shape) => shape.bounds().center(),
             Self::Triangles { .. } => self.sample(Vec2::splat(0.5)).point.p,
@@ -155,10 +155,10 @@ impl LightSurface {
     fn bounds(&self) -> (Bounds, DirectionCone) {
         match self {
             Self::Shape(shape) => {
-                let cone = |point: SurfacePoint| DirectionCone { axis: point.ng.as_dvec3(), angle: NORMAL_ERROR };
+                let cone = |point: SurfacePoint| DirectionCone { axis: point.ng.as_dvec3(), half_angle: NORMAL_ERROR };
                 (shape.bounds(), self.point_if_planar().map_or(DirectionCone::ALL, cone))
             }
-            Self::Triangles { mesh, first, choice } => {
+            Self::Triangles { mesh, first_triangle: first, triangle_distribution: choice } => {
                 let triangles = || *first as usize..*first as usize + choice.len();
                 // The shading normals at a triangle's corners decide which side is the outer one.
                 // If they disagree, both sides may emit.
@@ -169,7 +169,7 @@ impl LightSurface {
                 let sum: Option<DVec3> = triangles().map(|i| normal(i).map(|n| n * mesh.triangle_area(i))).sum();
                 let around = |axis: DVec3| {
                     let widest = triangles().filter_map(normal).map(|n| angle_between(n, axis)).fold(0.0, f64::max);
-                    DirectionCone { axis, angle: (widest + NORMAL_ERROR).min(PI_F64) }
+                    DirectionCone { axis, half_angle: (widest + NORMAL_ERROR).min(PI_F64) }
                 };
                 let normals = sum.and_then(DVec3::try_normalize).map_or(DirectionCone::ALL, around);
                 (Bounds::from_points(triangles().flat_map(|i| mesh.corners(i))), normals)
@@ -227,7 +227,7 @@ impl AreaLight {
     #[inline]
     fn sample_surface_by_area(&self, p: Vec3, u: Vec2) -> Option<(SolidAngleSample, SurfaceCoord)> {
         let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_point_with_coord(u);
-        let (d2, wi, _) = crate::math::direction_and_distance(p, point.p)?;
+        let (d2, wi, _) = crate::math::distance2_direction_distance(p, point.p)?;
         let cos = -wi.dot(point.ng);
         (cos > 0.0).then(|| (SolidAngleSample { point, wi, pdf: d2 * pdf / cos }, coord))
     }
@@ -257,7 +257,7 @@ impl LightSource for AreaLight {
         // length.
         let relative_error = match &self.surface {
             LightSurface::Shape(shape) => shape.relative_hit_error(),
-            LightSurface::Triangles { .. } => TRIANGLE_HIT_ERROR,
+            LightSurface::Triangles { .. } => RELATIVE_TRIANGLE_HIT_ERROR,
         };
         let position_error = point.position_error + (point.p - p).abs() * relative_error;
         let target = ShadowTarget::Point(offset_ray_origin(point.p, position_error, point.ng, -wi));

@@ -17,7 +17,7 @@ pub struct EnvironmentLight {
     map: EquirectangularMap,
     /// Sine and cosine, in this order, of the angle by which the map is rotated about +y,
     /// anticlockwise as seen from +y.
-    rotation: [f32; 2],
+    rotation_sin_cos: [f32; 2],
 }
 
 impl EnvironmentLight {
@@ -26,16 +26,16 @@ impl EnvironmentLight {
     /// The map is rotated by `angle` \[radians] about +y, anticlockwise as seen from +y.
     ///
     /// # Errors
-    /// [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
+    /// [`EmissionPictureError::InvalidPixel`] if a scaled pixel is negative or not finite.
     pub fn new(map: Image, angle: f64, scale: Rgb) -> Result<Self, EmissionPictureError> {
         let rotation = [libm::sin(angle) as f32, libm::cos(angle) as f32];
-        Ok(Self { map: EquirectangularMap::new(map, scale)?, rotation })
+        Ok(Self { map: EquirectangularMap::new(map, scale)?, rotation_sin_cos: rotation })
     }
 
     /// Creates a light with the same radiance \[W/(m² sr)] in all directions.
     ///
     /// # Errors
-    /// [`EmissionPictureError::Value`] if the radiance is negative or not finite.
+    /// [`EmissionPictureError::InvalidPixel`] if the radiance is negative or not finite.
     pub fn with_constant_radiance(radiance: Rgb) -> Result<Self, EmissionPictureError> {
         Self::new(Image::from_pixels(1, 1, vec![radiance])?, 0.0, Rgb::ONE)
     }
@@ -43,7 +43,7 @@ impl EnvironmentLight {
     /// Transforms a direction from world space to the frame of the map.
     #[inline]
     fn world_to_map(&self, d: Vec3) -> Vec3 {
-        let [sin, cos] = self.rotation;
+        let [sin, cos] = self.rotation_sin_cos;
         Vec3::new(cos * d.x - sin * d.z, d.y, sin * d.x + cos * d.z)
     }
 
@@ -70,7 +70,7 @@ impl EnvironmentLight {
     #[must_use]
     pub fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
         let d = self.map.sample(u)?;
-        let [sin, cos] = self.rotation;
+        let [sin, cos] = self.rotation_sin_cos;
         let direction = Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x);
         // Rounding may move the direction to another pixel, so its pdf is looked up again.
         let pdf = self.pdf(direction);

@@ -30,7 +30,7 @@ pub(super) struct DirectionCone {
     /// Unit axis of the cone.
     pub axis: DVec3,
     /// Half angle of the cone \[radians].
-    pub angle: f64,
+    pub half_angle: f64,
 }
 
 /// Upper bound of the rounding error of a unit normal in f32 \[radians].
@@ -38,22 +38,22 @@ pub(super) const NORMAL_ERROR: f64 = 1e-6;
 
 impl DirectionCone {
     /// The cone of all directions.
-    pub const ALL: Self = Self { axis: DVec3::Z, angle: PI };
+    pub const ALL: Self = Self { axis: DVec3::Z, half_angle: PI };
 
     /// Returns a cone that contains both `self` and `other`.
     fn union(self, other: Self) -> Self {
         let between = angle_between(self.axis, other.axis);
-        if (between + other.angle).min(PI) <= self.angle {
+        if (between + other.half_angle).min(PI) <= self.half_angle {
             return self;
         }
-        if (between + self.angle).min(PI) <= other.angle {
+        if (between + self.half_angle).min(PI) <= other.half_angle {
             return other;
         }
-        let half = 0.5 * (self.angle + between + other.angle);
+        let half = 0.5 * (self.half_angle + between + other.half_angle);
         let around = self.axis.cross(other.axis).try_normalize();
         match around {
             Some(around) if half < PI => {
-                Self { axis: DQuat::from_axis_angle(around, half - self.angle) * self.axis, angle: half }
+                Self { axis: DQuat::from_axis_angle(around, half - self.half_angle) * self.axis, half_angle: half }
             }
             Some(_) | None => Self::ALL,
         }
@@ -97,8 +97,8 @@ impl LightBounds {
     ///
     /// Directions inside the cone of normals have weight 1. A direction outside, within `spread` of
     /// the cone, has the cosine of its angle to the cone as weight.
-    fn solid_angle(&self) -> f64 {
-        let o = self.normal_cone.angle;
+    fn weighted_solid_angle(&self) -> f64 {
+        let o = self.normal_cone.half_angle;
         let w = (o + self.spread).min(PI);
         let (sin, cos) = libm::sincos(o);
         let falloff = 2.0 * w * sin - libm::cos(o - 2.0 * w) - 2.0 * o * sin + cos;
@@ -108,23 +108,23 @@ impl LightBounds {
     /// Cost of a light BVH node with these bounds: flux × solid angle × squared diagonal of the
     /// box.
     pub fn bvh_node_cost(&self) -> f64 {
-        self.flux * self.solid_angle() * f64::from(self.space.extent().length_squared())
+        self.flux * self.weighted_solid_angle() * f64::from(self.space.extent().length_squared())
     }
 }
 
-/// Lower bound of the squared distance by which [`LightImportance::importance_at`] divides, as a
+/// Lower bound of the squared distance by which [`CompactLightBounds::importance_at`] divides, as a
 /// multiple of the squared radius r² of the lights' bounding sphere.
 ///
 /// With this bound, a point among the lights gets about the mean of 1/d² over their box. Over a
 /// ball of radius R, this mean is 3/R², as if d² were R²/3. A cube inside the bounding sphere has
 /// the volume of a ball with R² = r²/2, which gives r²/6.
-const MIN_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
+const MIN_RELATIVE_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
 /// Bounds of one or more lights, in a form from which their importance at a point is computed fast.
 ///
 /// A bounding sphere replaces the box of [`LightBounds`], and cosines replace angles.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LightImportance {
+pub(super) struct CompactLightBounds {
     /// Center of the bounding sphere of all lights.
     center: Vec3,
     radius_squared: f64,
@@ -156,25 +156,25 @@ impl CosSin {
     }
 }
 
-impl From<LightBounds> for LightImportance {
+impl From<LightBounds> for CompactLightBounds {
     fn from(bounds: LightBounds) -> Self {
         let sphere = bounds.space.bounding_sphere();
         // The radius includes the rounding errors of the sphere. It must be positive, because it
         // limits a divisor from below.
         let radius = (f64::from(sphere.radius) * (1.0 + 1e-6)).max(f64::from(f32::MIN_POSITIVE));
-        let (sin, cos) = libm::sincos(bounds.normal_cone.angle);
+        let (sin, cos) = libm::sincos(bounds.normal_cone.half_angle);
         Self {
             center: sphere.center,
             radius_squared: radius * radius,
             axis: bounds.normal_cone.axis.as_vec3(),
             normal_half_angle: CosSin(cos, sin),
             cos_spread: libm::cos(bounds.spread),
-            intensity: bounds.flux / bounds.solid_angle(),
+            intensity: bounds.flux / bounds.weighted_solid_angle(),
         }
     }
 }
 
-impl LightImportance {
+impl CompactLightBounds {
     /// Importance of the lights for light sampling at `p`: their approximate irradiance \[W/m²].
     ///
     /// If a unit normal `n` is given, only light that arrives on the side of `n` counts. The result
@@ -200,6 +200,6 @@ impl LightImportance {
         if received <= 0.0 {
             return 0.0;
         }
-        self.intensity * emitted * received / d2.max(self.radius_squared * MIN_SQUARED_DISTANCE)
+        self.intensity * emitted * received / d2.max(self.radius_squared * MIN_RELATIVE_SQUARED_DISTANCE)
     }
 }

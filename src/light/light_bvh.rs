@@ -1,7 +1,7 @@
 //! Light sampling with a bounding volume hierarchy over the lights.
 
 use super::Light;
-use super::light_bounds::{LightBounds, LightImportance};
+use super::light_bounds::{CompactLightBounds, LightBounds};
 use crate::color;
 use crate::math::{BoundingSphere, Bounds};
 use glam::Vec3;
@@ -27,7 +27,7 @@ pub struct LightBvhSampler {
 
 #[derive(Clone, Debug)]
 struct LightBvhNode {
-    importance: LightImportance,
+    bounds: CompactLightBounds,
     kind: LightBvhNodeKind,
 }
 
@@ -107,14 +107,14 @@ impl LightBvhSampler {
         let index = self.nodes.len();
         let [(light, _)] = *lights else {
             let (first, second) = split_lights_by_cost(lights, depth);
-            self.nodes.push(LightBvhNode { importance: whole.into(), kind: LightBvhNodeKind::Inner(0) });
+            self.nodes.push(LightBvhNode { bounds: whole.into(), kind: LightBvhNodeKind::Inner(0) });
             self.build_subtree(first, depth + 1, trail);
             self.nodes[index].kind = LightBvhNodeKind::Inner(self.nodes.len() as u32);
             self.build_subtree(second, depth + 1, trail | 1 << depth);
             return;
         };
         self.locations[light as usize] = LightBvhLocation::Tree(trail);
-        self.nodes.push(LightBvhNode { importance: whole.into(), kind: LightBvhNodeKind::Leaf(light) });
+        self.nodes.push(LightBvhNode { bounds: whole.into(), kind: LightBvhNodeKind::Leaf(light) });
     }
 
     /// Samples a light for the point `p` by `u` in \[0, 1).
@@ -190,7 +190,7 @@ impl LightBvhSampler {
     /// the index `second`.
     #[inline]
     fn child_probabilities(&self, parent: usize, second: usize, p: Vec3, n: Option<Vec3>) -> Option<[f64; 2]> {
-        let [a, b] = [parent + 1, second].map(|i| self.nodes[i].importance.importance_at(p, n));
+        let [a, b] = [parent + 1, second].map(|i| self.nodes[i].bounds.importance_at(p, n));
         let total = a + b;
         // Both quotients are computed, because 1 − a/total would round a small probability to zero.
         (total > 0.0).then(|| [a / total, b / total])

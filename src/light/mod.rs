@@ -5,12 +5,13 @@
 //! kind.
 //!
 //! A light of a scene file is a `LightDescription` first. The scene builder keeps lights at one
-//! position or direction as [`DeltaLightKind`], so that they can move. It makes a [`Light`] of each
-//! for a given time.
+//! position or direction as [`UnscaledDeltaLight`], so that they can move. It makes a [`Light`] of
+//! each for a given time.
 
 mod area;
 mod directional;
 mod environment;
+mod equirectangular_map;
 mod goniometric;
 mod light_bounds;
 mod light_bvh;
@@ -19,7 +20,6 @@ mod photon_aim;
 mod point;
 mod projector;
 mod source;
-mod spherical_map;
 mod spot;
 #[cfg(test)]
 mod tests;
@@ -27,6 +27,7 @@ mod tests;
 pub use area::{AreaLight, EmissionTexture, LightSurface};
 pub use directional::DirectionalLight;
 pub use environment::EnvironmentLight;
+pub use equirectangular_map::{EmissionPictureError, EquirectangularMap};
 pub use goniometric::{GoniometricLight, map_from_intensity_profile};
 pub use light_bvh::LightBvhSampler;
 pub use oriented::{IntensityPattern, OrientedPointLight};
@@ -34,7 +35,6 @@ pub use photon_aim::PhotonAim;
 pub use point::PointLight;
 pub use projector::{ProjectedPicture, ProjectorLight};
 pub use source::{DirectLightSample, EmissionDimensions, EmissionSample, ShadowTarget};
-pub use spherical_map::{EmissionPictureError, EquirectangularMap};
 pub use spot::SpotLight;
 
 use crate::color::Rgb;
@@ -195,10 +195,10 @@ impl Light {
     ///
     /// If the light consists of mesh triangles, the result is an arbitrary point of them.
     #[must_use]
-    pub fn center(&self) -> Option<Vec3> {
+    pub fn center_or_surface_point(&self) -> Option<Vec3> {
         match self.geometry() {
             LightGeometry::Point(position) => Some(position),
-            LightGeometry::Surface(surface) => Some(surface.center()),
+            LightGeometry::Surface(surface) => Some(surface.center_or_surface_point()),
             LightGeometry::Parallel(_) | LightGeometry::AllDirections => None,
         }
     }
@@ -311,10 +311,10 @@ impl Light {
     }
 }
 
-/// Kind and placement of a delta light, which emits from one point or from one direction.
-/// Coordinates are world coordinates.
+/// A delta light without its strength: it emits from one point or from one direction. Coordinates
+/// are world coordinates.
 #[derive(Clone, Debug)]
-pub enum DeltaLightKind {
+pub enum UnscaledDeltaLight {
     /// A point light, which emits equally in all directions.
     Point {
         /// Position of the point light.
@@ -342,30 +342,30 @@ pub enum DeltaLightKind {
 
 /// Position or direction from which a delta light comes, in world coordinates.
 #[derive(Clone, Copy, Debug)]
-pub enum DeltaLightPlace {
+pub enum LightPositionOrDirection {
     /// Position of the light.
     Position(DVec3),
     /// Direction in which parallel light travels, of any length above zero.
     Direction(DVec3),
 }
 
-impl DeltaLightKind {
+impl UnscaledDeltaLight {
     /// Position or direction from which the light comes.
     #[must_use]
-    pub fn place(&self) -> DeltaLightPlace {
+    pub fn position_or_direction(&self) -> LightPositionOrDirection {
         match self {
-            Self::Point { position } | Self::Spot { position, .. } => DeltaLightPlace::Position(*position),
-            Self::Oriented(source) => DeltaLightPlace::Position(source.position),
-            Self::Directional { direction } => DeltaLightPlace::Direction(*direction),
+            Self::Point { position } | Self::Spot { position, .. } => LightPositionOrDirection::Position(*position),
+            Self::Oriented(source) => LightPositionOrDirection::Position(source.position),
+            Self::Directional { direction } => LightPositionOrDirection::Direction(*direction),
         }
     }
 
     /// Position of the light; `None` for a directional light.
     #[must_use]
     pub fn position(&self) -> Option<DVec3> {
-        match self.place() {
-            DeltaLightPlace::Position(position) => Some(position),
-            DeltaLightPlace::Direction(_) => None,
+        match self.position_or_direction() {
+            LightPositionOrDirection::Position(position) => Some(position),
+            LightPositionOrDirection::Direction(_) => None,
         }
     }
 

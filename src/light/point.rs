@@ -89,7 +89,7 @@ impl<L: PositionalLight> LightSource for L {
 
     #[inline]
     fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectLightSample> {
-        let (d2, wi, _) = crate::math::direction_and_distance(p, self.position())?;
+        let (d2, wi, _) = crate::math::distance2_direction_distance(p, self.position())?;
         let irradiance = self.intensity(-wi) / d2;
         let target = ShadowTarget::Point(self.position());
         (irradiance != Rgb::ZERO).then_some(DirectLightSample { wi, target, weight: irradiance, pdf: None })

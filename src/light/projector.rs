@@ -1,10 +1,10 @@
 //! Projector lights.
 
 use super::EmissionPictureError;
+use super::equirectangular_map::scale_and_validate_picture;
 use super::light_bounds::{DirectionCone, NORMAL_ERROR};
 use super::point::{PositionalLight, cone_may_illuminate};
 use super::source::EmissionSample;
-use super::spherical_map::scale_emission_picture;
 use crate::color::{self, Rgb};
 use crate::image::Image;
 use crate::math::{BoundingSphere, Ray};
@@ -48,9 +48,9 @@ impl ProjectedPicture {
     /// Returns `None` if the picture is black.
     ///
     /// # Errors
-    /// [`EmissionPictureError::Value`] if a pixel is negative or not finite.
+    /// [`EmissionPictureError::InvalidPixel`] if a pixel is negative or not finite.
     pub fn new(picture: Image, angle: f64) -> Result<Option<Self>, EmissionPictureError> {
-        let picture = scale_emission_picture(picture, Rgb::ONE)?;
+        let picture = scale_and_validate_picture(picture, Rgb::ONE)?;
         let (width, height) = (picture.width() as usize, picture.height() as usize);
         let y = libm::tan(0.5 * angle);
         let half_size = DVec2::new(y * width as f64 / height as f64, y);
@@ -100,14 +100,14 @@ impl ProjectedPicture {
         let size = DVec2::new(f64::from(self.picture.width()), f64::from(self.picture.height()));
         let p = self.half_size * ((pixel.as_dvec2() + within.as_dvec2()) / size * 2.0 - 1.0);
         let local = DVec3::new(p.x, -p.y, 1.0).normalize();
-        let pdf = f64::from(pdf) * self.area_pdf_to_solid_angle(local.z);
+        let pdf = f64::from(pdf) * self.solid_angle_pdf_factor(local.z);
         (pdf > 0.0).then(|| (local.as_vec3(), self.pixel_value(pixel), pdf as f32))
     }
 
     /// Pdf \[1/sr] with which [`ProjectedPicture::sample`] samples the unit direction `local`, with
     /// the components right, up and forward.
     fn pdf(&self, local: Vec3) -> f32 {
-        let factor = self.area_pdf_to_solid_angle(f64::from(local.z)) as f32;
+        let factor = self.solid_angle_pdf_factor(f64::from(local.z)) as f32;
         self.pixel_in_direction(local).map_or(0.0, |pixel| self.distribution.pdf(pixel) * factor)
     }
 
@@ -115,7 +115,7 @@ impl ProjectedPicture {
     ///
     /// `cos` is the cosine between the direction and the axis of projection. An area dA in the
     /// plane at distance 1 subtends the solid angle dA cos³.
-    fn area_pdf_to_solid_angle(&self, cos: f64) -> f64 {
+    fn solid_angle_pdf_factor(&self, cos: f64) -> f64 {
         1.0 / (4.0 * self.half_size.x * self.half_size.y * cos * cos * cos)
     }
 
@@ -184,7 +184,7 @@ impl PositionalLight for ProjectorLight {
 
     fn emission_cone(&self) -> (DirectionCone, f64) {
         let angle = libm::atan(self.picture.half_size.length()) + NORMAL_ERROR;
-        (DirectionCone { axis: self.axes[2].as_dvec3(), angle }, 0.0)
+        (DirectionCone { axis: self.axes[2].as_dvec3(), half_angle: angle }, 0.0)
     }
 
     fn may_illuminate(&self, sphere: BoundingSphere) -> bool {

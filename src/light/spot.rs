@@ -93,7 +93,7 @@ impl PositionalLight for SpotLight {
         let [inner, outer] = [self.inner_one_minus_cos, self.outer_one_minus_cos]
             .map(|drop| 2.0 * libm::asin((0.5 * f64::from(drop)).sqrt().min(1.0)));
         let spread = (outer - inner).min(FRAC_PI_2);
-        (DirectionCone { axis: self.axis.as_dvec3(), angle: outer - spread + NORMAL_ERROR }, spread)
+        (DirectionCone { axis: self.axis.as_dvec3(), half_angle: outer - spread + NORMAL_ERROR }, spread)
     }
 
     fn may_illuminate(&self, sphere: BoundingSphere) -> bool {

@@ -4,13 +4,13 @@ use rayon::prelude::*;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Binary logarithm of the ratio [`BIN_SIZE`] between the two quanta of a pixel.
-const BIN_BITS: i32 = 31;
+/// Binary logarithm of the ratio [`QUANTUM_RATIO`] between the two quanta of a pixel.
+const QUANTUM_RATIO_LOG2: i32 = 31;
 
 /// Ratio between the upper and the lower quantum of a pixel: 2³¹.
 ///
 /// A quantum is the unit of an integer sum; [`BinnedSums`] describes both.
-const BIN_SIZE: f64 = (1u64 << BIN_BITS) as f64;
+const QUANTUM_RATIO: f64 = (1u64 << QUANTUM_RATIO_LOG2) as f64;
 
 /// Number of levels. The level of a pixel selects its two quanta.
 ///
@@ -24,14 +24,14 @@ const LEVELS: usize = 18;
 const FIRST_EXPONENT: i32 = -294;
 
 /// Upper quantum of each level: the unit of the upper integer sum.
-const QUANTA: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT, BIN_BITS);
+const UPPER_QUANTA: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT, QUANTUM_RATIO_LOG2);
 
 /// Inverse of the upper quantum of each level.
-const INVERSE_QUANTA: [f64; LEVELS] = powers_of_two(-FIRST_EXPONENT, -BIN_BITS);
+const INVERSE_UPPER_QUANTA: [f64; LEVELS] = powers_of_two(-FIRST_EXPONENT, -QUANTUM_RATIO_LOG2);
 
 /// Limit of each level: half the upper quantum of the next level. Absolute values of a pixel are
 /// below the limit of its level.
-const LIMITS: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT + BIN_BITS - 1, BIN_BITS);
+const LEVEL_LIMITS: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT + QUANTUM_RATIO_LOG2 - 1, QUANTUM_RATIO_LOG2);
 
 /// Number that rounds a small f64 to an integer when it is added.
 ///
@@ -77,24 +77,24 @@ impl<const N: usize> BinnedSums<N> {
 
     /// Returns the number of pixels.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn pixel_count(&self) -> usize {
         self.tags.len()
     }
 
     /// True if there are no pixels.
     #[must_use]
-    pub fn is_empty(&self) -> bool {
+    pub fn has_no_pixels(&self) -> bool {
         self.tags.is_empty()
     }
 
     /// Adds one value of each channel to each pixel: `value(i)` to pixel `i`.
     #[inline]
-    pub fn add(&mut self, value: impl Fn(usize) -> [f64; N] + Sync) {
+    pub fn add_to_all_pixels(&mut self, value: impl Fn(usize) -> [f64; N] + Sync) {
         let pixels = self.bins.par_iter_mut().zip(&mut self.tags).enumerate();
         pixels.with_min_len(MIN_PIXELS_PER_TASK).for_each(|(i, (bins, tag))| {
             let values = value(i);
             let level = level_of(*tag);
-            let limit = LIMITS[level];
+            let limit = LEVEL_LIMITS[level];
             if values.iter().fold(true, |fit, value| fit & (value.abs() < limit)) {
                 add_to_bins(bins, level, values);
             } else {
@@ -122,15 +122,15 @@ impl<const N: usize> BinnedSums<N> {
     /// Returns the sums of pixel `i`, rounded to f64.
     #[inline]
     #[must_use]
-    pub fn value(&self, i: usize) -> [f64; N] {
+    pub fn pixel_sums(&self, i: usize) -> [f64; N] {
         let ([upper, lower], tag) = (self.bins[i], self.tags[i]);
-        let quantum = self.quantum(i);
+        let quantum = self.lower_quantum(i);
         let mut sums = [0.0; N];
         for channel in 0..N {
             // Carry whole upper quanta of the lower bin, so only the last addition rounds.
-            let carry = lower[channel] >> BIN_BITS;
-            let rest = lower[channel] - (carry << BIN_BITS);
-            sums[channel] = ((upper[channel] + carry) as f64 * BIN_SIZE + rest as f64) * quantum;
+            let carry = lower[channel] >> QUANTUM_RATIO_LOG2;
+            let rest = lower[channel] - (carry << QUANTUM_RATIO_LOG2);
+            sums[channel] = ((upper[channel] + carry) as f64 * QUANTUM_RATIO + rest as f64) * quantum;
         }
         if usize::from(tag) >= 1 << LEVEL_BITS {
             for (channel, sum) in sums.iter_mut().enumerate() {
@@ -149,8 +149,8 @@ impl<const N: usize> BinnedSums<N> {
     /// this quantum.
     #[inline]
     #[must_use]
-    pub fn quantum(&self, i: usize) -> f64 {
-        QUANTA[level_of(self.tags[i])] / BIN_SIZE
+    pub fn lower_quantum(&self, i: usize) -> f64 {
+        UPPER_QUANTA[level_of(self.tags[i])] / QUANTUM_RATIO
     }
 }
 
@@ -194,7 +194,7 @@ const fn powers_of_two(first: i32, step: i32) -> [f64; LEVELS] {
 }
 
 /// Returns the level of a pixel from its tag. The level is the index of the pixel's quanta in
-/// [`QUANTA`].
+/// [`UPPER_QUANTA`].
 #[inline]
 fn level_of(tag: u16) -> usize {
     usize::from(tag & ((1 << LEVEL_BITS) - 1))
@@ -205,14 +205,14 @@ fn level_of(tag: u16) -> usize {
 /// All absolute values are below the limit of this level.
 #[inline]
 fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [f64; N]) {
-    let inverse = INVERSE_QUANTA[level];
+    let inverse = INVERSE_UPPER_QUANTA[level];
     let integer = |rounded: f64| rounded.to_bits().wrapping_sub(ROUNDER.to_bits()) as i64;
     let [upper, lower] = bins;
     for channel in 0..N {
         // Products with powers of two are exact, and so is the difference.
         let scaled = values[channel] * inverse;
         let rounded = scaled + ROUNDER;
-        let rest = (scaled - (rounded - ROUNDER)) * BIN_SIZE;
+        let rest = (scaled - (rounded - ROUNDER)) * QUANTUM_RATIO;
         upper[channel] += integer(rounded);
         lower[channel] += integer(rest + ROUNDER);
     }
@@ -227,15 +227,15 @@ fn add_beyond_limit<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, mut
     for (channel, value) in values.iter_mut().enumerate() {
         let infinities = match *value {
             v if v.is_nan() => 3,
-            v if v >= LIMITS[LEVELS - 1] => 1,
-            v if v <= -LIMITS[LEVELS - 1] => 2,
+            v if v >= LEVEL_LIMITS[LEVELS - 1] => 1,
+            v if v <= -LEVEL_LIMITS[LEVELS - 1] => 2,
             _ => continue,
         };
         *tag |= infinities << (LEVEL_BITS + 2 * channel as u16);
         *value = 0.0;
     }
     let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    let level = LIMITS.partition_point(|limit| *limit <= largest).max(level_of(*tag));
+    let level = LEVEL_LIMITS.partition_point(|limit| *limit <= largest).max(level_of(*tag));
     raise_level(bins, tag, level);
     add_to_bins(bins, level, values);
 }

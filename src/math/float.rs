@@ -18,7 +18,7 @@ pub const fn rounding_error_bound(n: u32) -> f32 {
 /// must not be 0. The formula avoids cancellation (Higham 2002, section 1.8).
 #[inline]
 #[must_use]
-pub fn quadratic_roots(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64, f64)> {
+pub fn quadratic_roots_half_b(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64, f64)> {
     if discriminant < 0.0 {
         return None;
     }
@@ -57,7 +57,7 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
 /// `None` if the squared distance is 0 or not finite.
 #[inline]
 #[must_use]
-pub fn direction_and_distance(from: Vec3, to: Vec3) -> Option<(f32, Vec3, f32)> {
+pub fn distance2_direction_distance(from: Vec3, to: Vec3) -> Option<(f32, Vec3, f32)> {
     let d = to - from;
     let d2 = d.length_squared();
     if d2 > 0.0 && d2.is_finite() {
@@ -75,11 +75,11 @@ mod tests {
     #[test]
     fn quadratic_keeps_the_small_root() {
         // t² − 2·10⁸ t + 1 = 0: the small root is 5·10⁻⁹, lost by the textbook formula.
-        let (small, large) = quadratic_roots(1.0, -1e8, 1.0, 1e16 - 1.0).unwrap();
+        let (small, large) = quadratic_roots_half_b(1.0, -1e8, 1.0, 1e16 - 1.0).unwrap();
         assert!((small / 5e-9 - 1.0).abs() < 1e-12, "{small}");
         assert!((large / 2e8 - 1.0).abs() < 1e-12);
-        assert!(quadratic_roots(1.0, 0.0, 1.0, -1.0).is_none());
-        assert_eq!(quadratic_roots(1.0, 0.0, 0.0, 0.0), Some((0.0, 0.0)));
+        assert!(quadratic_roots_half_b(1.0, 0.0, 1.0, -1.0).is_none());
+        assert_eq!(quadratic_roots_half_b(1.0, 0.0, 0.0, 0.0), Some((0.0, 0.0)));
     }
 
     #[test]

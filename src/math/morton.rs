@@ -5,7 +5,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// Number of items whose bounding box one Rayon task computes.
-const CHUNK: usize = 4096;
+const ITEMS_PER_TASK: usize = 4096;
 
 /// Indices of `items`, sorted by the Morton codes of their positions.
 ///
@@ -14,7 +14,7 @@ const CHUNK: usize = 4096;
 /// threads.
 #[must_use]
 pub fn morton_order<T: Sync>(items: &[T], position: impl Fn(&T) -> Vec3 + Sync) -> Vec<u32> {
-    let bounds = items.par_chunks(CHUNK).map(|items| Bounds::from_points(items.iter().map(&position)));
+    let bounds = items.par_chunks(ITEMS_PER_TASK).map(|items| Bounds::from_points(items.iter().map(&position)));
     let bounds = bounds.reduce(|| Bounds::EMPTY, Bounds::union);
     let scale = Vec3::splat(f32::from(u16::MAX) * 16.0) / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
     let key = |(i, item)| (morton_code((position(item) - bounds.min) * scale), i as u32);

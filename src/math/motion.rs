@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 /// One factor of a [`Motion`], which is a product of affine maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MotionStep {
+pub enum MotionFactor {
     /// A map that does not depend on time.
     Fixed(DAffine3),
     /// Translation by t times the given vector \[length], at time t in \[0, 1].
@@ -12,21 +12,21 @@ pub enum MotionStep {
     /// Right-handed rotation about the given unit axis through the origin.
     ///
     /// The angle at time t in \[0, 1] is t times the given number \[degrees].
-    Rotate(DVec3, f64),
+    RotateDegrees(DVec3, f64),
     /// Scaling along the axes by factors that are linear in time.
     ///
     /// The factors are 1 at time 0. The given factors, above 0, hold at time 1.
     Scale(DVec3),
 }
 
-impl MotionStep {
+impl MotionFactor {
     /// Returns the affine map at `time` in \[0, 1]: 0 is the opening of the shutter, 1 its closing.
     #[must_use]
     pub fn at_time(&self, time: f64) -> DAffine3 {
         match *self {
             Self::Fixed(map) => map,
             Self::Translate(by) => DAffine3::from_translation(by * time),
-            Self::Rotate(axis, angle) => DAffine3::from_mat3(rotation_matrix_degrees(axis, angle * time)),
+            Self::RotateDegrees(axis, angle) => DAffine3::from_mat3(rotation_matrix_degrees(axis, angle * time)),
             Self::Scale(by) => DAffine3::from_scale(DVec3::ONE + (by - 1.0) * time),
         }
     }
@@ -41,55 +41,55 @@ pub struct Motion {
     /// first.
     ///
     /// Adjacent steps that do not depend on time are merged.
-    steps: Vec<MotionStep>,
+    factors: Vec<MotionFactor>,
 }
 
 impl Motion {
     /// Motion that equals `map` at all times.
     #[must_use]
     pub fn constant_motion(map: DAffine3) -> Self {
-        Self::default().preceded_by_steps([MotionStep::Fixed(map)])
+        Self::default().preceded_by_factors([MotionFactor::Fixed(map)])
     }
 
     /// This motion with `steps` applied before it.
     ///
     /// A point is mapped by the last of `steps` first, and by this motion last.
     #[must_use]
-    pub fn preceded_by_steps(&self, steps: impl IntoIterator<Item = MotionStep>) -> Self {
-        let mut all = self.steps.clone();
+    pub fn preceded_by_factors(&self, steps: impl IntoIterator<Item = MotionFactor>) -> Self {
+        let mut all = self.factors.clone();
         for step in steps {
             match (all.last_mut(), step) {
-                (Some(MotionStep::Fixed(outer)), MotionStep::Fixed(inner)) => *outer *= inner,
+                (Some(MotionFactor::Fixed(outer)), MotionFactor::Fixed(inner)) => *outer *= inner,
                 _ => all.push(step),
             }
         }
-        Self { steps: all }
+        Self { factors: all }
     }
 
     /// This motion with the point `place` instead of the origin as centre of its rotations and
     /// scales.
     #[must_use]
     pub fn pivoted_at_point(&self, place: DVec3) -> Self {
-        let back = MotionStep::Fixed(DAffine3::from_translation(-place));
-        self.followed_by_map(DAffine3::from_translation(place)).preceded_by_steps([back])
+        let back = MotionFactor::Fixed(DAffine3::from_translation(-place));
+        self.followed_by_map(DAffine3::from_translation(place)).preceded_by_factors([back])
     }
 
     /// This motion with `map` applied after it.
     #[must_use]
     pub fn followed_by_map(&self, map: DAffine3) -> Self {
-        Self::constant_motion(map).preceded_by_steps(self.steps.iter().copied())
+        Self::constant_motion(map).preceded_by_factors(self.factors.iter().copied())
     }
 
     /// Returns the affine map at `time` in \[0, 1]: 0 is the opening of the shutter, 1 its closing.
     #[must_use]
     pub fn at_time(&self, time: f64) -> DAffine3 {
-        self.steps.iter().fold(DAffine3::IDENTITY, |map, step| map * step.at_time(time))
+        self.factors.iter().fold(DAffine3::IDENTITY, |map, step| map * step.at_time(time))
     }
 
     /// True if the map does not depend on time.
     #[must_use]
     pub fn is_constant(&self) -> bool {
-        self.steps.iter().all(|step| matches!(step, MotionStep::Fixed(_)))
+        self.factors.iter().all(|step| matches!(step, MotionFactor::Fixed(_)))
     }
 }
 
@@ -127,10 +127,10 @@ mod tests {
 
     #[test]
     fn rotations_move_points_along_circles() {
-        let motion = Motion::constant_motion(DAffine3::from_translation(DVec3::Y)).preceded_by_steps([
-            MotionStep::Rotate(DVec3::Y, 180.0),
-            MotionStep::Translate(DVec3::X),
-            MotionStep::Scale(DVec3::splat(3.0)),
+        let motion = Motion::constant_motion(DAffine3::from_translation(DVec3::Y)).preceded_by_factors([
+            MotionFactor::RotateDegrees(DVec3::Y, 180.0),
+            MotionFactor::Translate(DVec3::X),
+            MotionFactor::Scale(DVec3::splat(3.0)),
         ]);
         for time in [0.0, 0.3, 1.0] {
             let p = motion.at_time(time).transform_point3(DVec3::ZERO);
@@ -146,8 +146,8 @@ mod tests {
     #[test]
     fn adjacent_fixed_steps_merge() {
         let (a, b) = (DAffine3::from_scale(DVec3::splat(2.0)), DAffine3::from_translation(DVec3::X));
-        let motion = Motion::constant_motion(a).preceded_by_steps([MotionStep::Fixed(b)]);
-        assert!(motion.is_constant() && motion.steps.len() == 1);
+        let motion = Motion::constant_motion(a).preceded_by_factors([MotionFactor::Fixed(b)]);
+        assert!(motion.is_constant() && motion.factors.len() == 1);
         assert_eq!((motion.at_time(0.0), motion.at_time(0.7)), (a * b, a * b));
         assert_eq!(motion.followed_by_map(b).at_time(0.5), b * a * b);
     }

@@ -117,7 +117,7 @@ impl Transform {
     /// the linear part.
     #[inline]
     #[must_use]
-    pub fn world_area(&self, n: DVec3) -> f64 {
+    pub fn world_element_area(&self, n: DVec3) -> f64 {
         self.determinant.abs() * self.transform_normal(n).length()
     }
 

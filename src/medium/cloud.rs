@@ -12,7 +12,7 @@ pub struct Cloud {
     /// one.
     pub octaves: u32,
     /// Number of wavelengths of the first noise octave along each side of the unit cube.
-    pub scale: f64,
+    pub frequency: f64,
     /// Coverage from 0 to 1: the fraction of the range of noise values that becomes cloud.
     ///
     /// At 0 the unit cube is empty; at 1 all of the inscribed ball is cloud.
@@ -30,12 +30,12 @@ impl Cloud {
     ///
     /// `width` is the width of the noise filter, as a fraction of the side of the cube. The filter
     /// removes noise finer than its width; 0 filters nothing.
-    pub fn density(&self, width: f64) -> impl Fn(DVec3) -> f32 + Sync + use<> {
+    pub fn density_function(&self, width: f64) -> impl Fn(DVec3) -> f32 + Sync + use<> {
         let mut rng = Key::new(self.seed).rng();
         // The shift separates the noise of different seeds. It is small enough for coordinates to
         // keep their digits.
         let shift = DVec3::from_array(std::array::from_fn(|_| 65536.0 * rng.random::<f64>()));
-        let Self { octaves, scale, cover, softness, .. } = *self;
+        let Self { octaves, frequency: scale, cover, softness, .. } = *self;
         move |p| {
             let inwards = 1.0 - (2.0 * p - 1.0).length();
             let edge = if inwards > 0.0 { smoothstep(inwards / softness.max(f64::MIN_POSITIVE)) } else { 0.0 };
@@ -61,21 +61,21 @@ fn smoothstep(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const CLOUD: Cloud = Cloud { octaves: 5, scale: 4.0, cover: 0.7, softness: 0.4, seed: 1 };
+    const CLOUD: Cloud = Cloud { octaves: 5, frequency: 4.0, cover: 0.7, softness: 0.4, seed: 1 };
 
     fn unit_cube_grid_points() -> impl Iterator<Item = DVec3> {
         (0..20u32.pow(3)).map(|i| (DVec3::from([i % 20, i / 20 % 20, i / 400].map(f64::from)) + 0.5) / 20.0)
     }
 
     fn mean_density(cloud: Cloud) -> f64 {
-        let density = cloud.density(0.0);
+        let density = cloud.density_function(0.0);
         unit_cube_grid_points().map(|p| f64::from(density(p))).sum::<f64>() / 8000.0
     }
 
     #[test]
     fn cloud_density_is_in_range_and_in_the_ellipsoid() {
         for softness in [0.0, 0.4, 1.0] {
-            let density = Cloud { softness, cover: 1.0, ..CLOUD }.density(0.0);
+            let density = Cloud { softness, cover: 1.0, ..CLOUD }.density_function(0.0);
             for p in unit_cube_grid_points() {
                 let d = density(p);
                 assert!((0.0..=1.0).contains(&d), "{p} {d}");

@@ -20,7 +20,7 @@ pub enum GridDensityError {
     TooLarge(u32, u32, u32),
     /// The number of listed densities differs from the number of cells.
     #[error("the grid has {expected} cells, but {found} densities are given")]
-    Count {
+    DensityCountMismatch {
         /// Number of cells of the grid, which is the number of densities needed.
         expected: usize,
         /// Number of densities that were given.
@@ -28,7 +28,7 @@ pub enum GridDensityError {
     },
     /// A density is negative or not finite.
     #[error("the density of cell ({x}, {y}, {z}), counted from 0, is {value}: it must be finite and at least 0")]
-    Cell {
+    InvalidDensity {
         /// Column of the invalid cell: its index along x.
         x: u32,
         /// Row of the invalid cell: its index along y.
@@ -40,7 +40,7 @@ pub enum GridDensityError {
     },
     /// The map from the unit cube to scene coordinates is singular.
     #[error("the grid cannot be placed: {0}")]
-    Placement(#[from] SingularTransformError),
+    SingularPlacement(#[from] SingularTransformError),
 }
 
 /// Density of a medium on a regular grid that fills a box; 0 outside the box.
@@ -50,18 +50,18 @@ pub enum GridDensityError {
 /// values.
 #[derive(Clone, Debug)]
 pub struct GridDensity {
-    grid: Arc<SharedGridData>,
+    grid: Arc<SharedDensityGrid>,
     /// Map from the unit cube to the box of the grid, in scene coordinates.
     placement: Transform,
 }
 
 /// Cell densities and block majorants, which all copies of a grid share.
 #[derive(Debug)]
-struct SharedGridData {
-    size: [u32; 3],
-    values: Vec<f32>,
+struct SharedDensityGrid {
+    cell_counts: [u32; 3],
+    densities: Vec<f32>,
     /// Number of majorant blocks along each side of the grid.
-    blocks: [u32; 3],
+    block_counts: [u32; 3],
     /// Majorant of each block, with x fastest: an upper bound of the density in the block.
     majorants: Vec<f32>,
     max_density: f32,
@@ -77,18 +77,27 @@ impl GridDensity {
     pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
         let expected = checked_cell_count(size)?;
         if values.len() != expected {
-            return Err(GridDensityError::Count { expected, found: values.len() });
+            return Err(GridDensityError::DensityCountMismatch { expected, found: values.len() });
         }
         if let Some(i) = values.iter().position(|v| !(*v >= 0.0 && v.is_finite())) {
             let (row, layer) = (size[0] as usize, size[0] as usize * size[1] as usize);
             let [x, y, z] = [i % row, i % layer / row, i / layer].map(|i| i as u32);
-            return Err(GridDensityError::Cell { x, y, z, value: values[i] });
+            return Err(GridDensityError::InvalidDensity { x, y, z, value: values[i] });
         }
         let placement = Transform::new(placement)?;
         let blocks = size.map(|n| n.div_ceil(BLOCK_SIDE));
         let majorants = block_majorants(size, &values, blocks);
         let max_density = majorants.iter().copied().fold(0.0, f32::max);
-        Ok(Self { grid: Arc::new(SharedGridData { size, values, blocks, majorants, max_density }), placement })
+        Ok(Self {
+            grid: Arc::new(SharedDensityGrid {
+                cell_counts: size,
+                densities: values,
+                block_counts: blocks,
+                majorants,
+                max_density,
+            }),
+            placement,
+        })
     }
 
     /// Creates a grid of `size` cells (along x, y and z), whose values are those of `density` at
@@ -148,8 +157,8 @@ impl GridDensity {
 
     /// Number of cells along x, y and z.
     #[must_use]
-    pub fn size(&self) -> [u32; 3] {
-        self.grid.size
+    pub fn cell_counts(&self) -> [u32; 3] {
+        self.grid.cell_counts
     }
 
     /// Map from the unit cube to scene coordinates.
@@ -161,7 +170,7 @@ impl GridDensity {
     /// Memory of the grid's densities and majorants \[bytes].
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        size_of::<SharedGridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
+        size_of::<SharedDensityGrid>() + size_of::<f32>() * (self.grid.densities.len() + self.grid.majorants.len())
     }
 
     /// Transforms the first `distance` \[length] of `ray` to grid space, where cells have side 1.
@@ -170,17 +179,17 @@ impl GridDensity {
         let inverse = self.placement.inverse();
         let origin = inverse.transform_point3(ray.origin.as_dvec3()) * cells;
         let step = inverse.transform_vector3(ray.direction.as_dvec3()) * cells;
-        GridRay { grid: &self.grid, origin, step, distance: f64::from(distance) }
+        GridRay { grid: &self.grid, origin, direction: step, max_distance: f64::from(distance) }
     }
 }
 
 /// A ray in grid space, where cells have side 1.
 pub(super) struct GridRay<'a> {
-    grid: &'a SharedGridData,
+    grid: &'a SharedDensityGrid,
     origin: DVec3,
     /// Change of the position in grid space per unit of scene distance along the ray.
-    step: DVec3,
-    distance: f64,
+    direction: DVec3,
+    max_distance: f64,
 }
 
 impl GridRay<'_> {
@@ -188,11 +197,11 @@ impl GridRay<'_> {
     ///
     /// Each item holds the distances \[length] where the ray enters and leaves the block, and the
     /// majorant.
-    pub(super) fn blocks_along_ray(&self) -> impl Iterator<Item = (f64, f64, f64)> {
-        let SharedGridData { blocks, majorants, .. } = self.grid;
+    pub(super) fn majorant_segments(&self) -> impl Iterator<Item = (f64, f64, f64)> {
+        let SharedDensityGrid { block_counts: blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);
         let far = self.grid.cells_per_axis() / side;
-        MajorantIterator::new(self.origin / side, self.step / side, far, *blocks, self.distance).filter_map(
+        MajorantIterator::new(self.origin / side, self.direction / side, far, *blocks, self.max_distance).filter_map(
             |(t0, t1, index)| {
                 let majorant = f64::from(majorants[index]);
                 (majorant > 0.0).then_some((t0, t1, majorant))
@@ -202,13 +211,13 @@ impl GridRay<'_> {
 
     /// Density at distance `t` \[scene length] along the ray, a point that must be inside the grid.
     pub(super) fn density(&self, t: f64) -> f64 {
-        f64::from(self.grid.interpolate_density(self.origin + self.step * t))
+        f64::from(self.grid.interpolate_density(self.origin + self.direction * t))
     }
 }
 
-impl SharedGridData {
+impl SharedDensityGrid {
     fn cells_per_axis(&self) -> DVec3 {
-        let [x, y, z] = self.size.map(f64::from);
+        let [x, y, z] = self.cell_counts.map(f64::from);
         DVec3::new(x, y, z)
     }
 
@@ -220,10 +229,10 @@ impl SharedGridData {
         let f = (q - low).as_vec3();
         let high = (low + 1.0).min(last).as_uvec3().to_array().map(|i| i as usize);
         let low = low.as_uvec3().to_array().map(|i| i as usize);
-        let [nx, ny, _] = self.size.map(|n| n as usize);
+        let [nx, ny, _] = self.cell_counts.map(|n| n as usize);
         let along = |y: usize, z: usize| {
             let row = (z * ny + y) * nx;
-            lerp(f.x, self.values[row + low[0]], self.values[row + high[0]])
+            lerp(f.x, self.densities[row + low[0]], self.densities[row + high[0]])
         };
         let near = lerp(f.y, along(low[1], low[2]), along(high[1], low[2]));
         let far = lerp(f.y, along(low[1], high[2]), along(high[1], high[2]));

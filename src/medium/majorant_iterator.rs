@@ -9,14 +9,14 @@ use glam::DVec3;
 pub(super) struct MajorantIterator {
     origin: DVec3,
     /// Change of the position, in units of blocks, per unit of distance along the ray.
-    step: DVec3,
+    direction: DVec3,
     /// Number of blocks along each axis.
-    count: [u32; 3],
+    block_counts: [u32; 3],
     /// Current block: its index along each axis.
-    cell: [u32; 3],
+    block: [u32; 3],
     /// Distance along the ray to the next block face perpendicular to each axis; infinite for an
     /// axis perpendicular to the ray.
-    next: [f64; 3],
+    next_face_t: [f64; 3],
     /// Distance along the ray where the ray enters the current block.
     t: f64,
     /// Distance along the ray where the iteration ends: the ray leaves the grid, or reaches its own
@@ -45,15 +45,16 @@ impl MajorantIterator {
         }
         let start = origin + step * t;
         let cell = std::array::from_fn(|axis| (start[axis].max(0.0) as u32).min(count[axis] - 1));
-        let mut blocks = Self { origin, step, count, cell, next: [0.0; 3], t, end };
-        blocks.next = std::array::from_fn(|axis| blocks.distance_to_block_face(axis));
+        let mut blocks =
+            Self { origin, direction: step, block_counts: count, block: cell, next_face_t: [0.0; 3], t, end };
+        blocks.next_face_t = std::array::from_fn(|axis| blocks.distance_to_block_face(axis));
         blocks
     }
 
     /// Distance along the ray to the face, perpendicular to `axis`, through which the ray would
     /// leave the current block; infinite if the ray is parallel to the face.
     fn distance_to_block_face(&self, axis: usize) -> f64 {
-        let (o, s, cell) = (self.origin[axis], self.step[axis], f64::from(self.cell[axis]));
+        let (o, s, cell) = (self.origin[axis], self.direction[axis], f64::from(self.block[axis]));
         if s > 0.0 {
             (cell + 1.0 - o) / s
         } else if s < 0.0 {
@@ -71,7 +72,7 @@ impl Iterator for MajorantIterator {
 
     fn next(&mut self) -> Option<Self::Item> {
         while self.t < self.end {
-            let [x, y, z] = self.next;
+            let [x, y, z] = self.next_face_t;
             let axis = if x <= y && x <= z {
                 0
             } else if y <= z {
@@ -79,19 +80,19 @@ impl Iterator for MajorantIterator {
             } else {
                 2
             };
-            let (start, stop) = (self.t, self.next[axis].min(self.end));
-            let [cx, cy, cz] = self.cell.map(|c| c as usize);
-            let index = (cz * self.count[1] as usize + cy) * self.count[0] as usize + cx;
-            let forward = self.step[axis] > 0.0;
-            let edge = if forward { self.count[axis] - 1 } else { 0 };
-            if self.cell[axis] == edge {
+            let (start, stop) = (self.t, self.next_face_t[axis].min(self.end));
+            let [cx, cy, cz] = self.block.map(|c| c as usize);
+            let index = (cz * self.block_counts[1] as usize + cy) * self.block_counts[0] as usize + cx;
+            let forward = self.direction[axis] > 0.0;
+            let edge = if forward { self.block_counts[axis] - 1 } else { 0 };
+            if self.block[axis] == edge {
                 // Rounding may place the last block face before the end of the ray. The last block
                 // ends where the ray leaves the grid.
                 self.t = self.end;
                 return Some((start, self.end, index));
             }
-            self.cell[axis] = if forward { self.cell[axis] + 1 } else { self.cell[axis] - 1 };
-            self.next[axis] = self.distance_to_block_face(axis);
+            self.block[axis] = if forward { self.block[axis] + 1 } else { self.block[axis] - 1 };
+            self.next_face_t[axis] = self.distance_to_block_face(axis);
             if stop > start {
                 self.t = stop;
                 return Some((start, stop, index));

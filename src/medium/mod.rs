@@ -73,7 +73,7 @@ impl TransmittanceCurve {
         self.homogeneous_extinction = Rgb::ZERO;
         match &medium.density {
             None => self.homogeneous_extinction = medium.extinction(),
-            Some(grid) => tracking::transmittance_curve(medium, grid, ray, distance, rng, self),
+            Some(grid) => tracking::sample_transmittance_curve(medium, grid, ray, distance, rng, self),
         }
     }
 

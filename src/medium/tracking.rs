@@ -59,7 +59,7 @@ fn track_collisions<R: Rng>(
     // `depth` is the optical depth to the next collision. The part that remains after a block is
     // used in the next block.
     let mut depth = sample_exponential(rng);
-    for (start, stop, majorant) in line.blocks_along_ray() {
+    for (start, stop, majorant) in line.majorant_segments() {
         let mut t = start;
         loop {
             let step = depth / (rate * majorant);
@@ -111,7 +111,7 @@ pub(super) fn transmittance(medium: &Medium, grid: &GridDensity, ray: &Ray, dist
 
 /// Estimates the transmittance from the start of `ray` to all distances up to `distance`, by one
 /// run of ratio tracking; appends its steps to `curve`.
-pub(super) fn transmittance_curve(
+pub(super) fn sample_transmittance_curve(
     medium: &Medium,
     grid: &GridDensity,
     ray: &Ray,
@@ -121,7 +121,7 @@ pub(super) fn transmittance_curve(
 ) {
     let sigma = medium.extinction().as_dvec3();
     let line = grid.ray_in_grid(ray, distance);
-    let depth: f64 = line.blocks_along_ray().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
+    let depth: f64 = line.majorant_segments().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
     if sigma == DVec3::ZERO || depth <= 0.0 {
         return;
     }
@@ -216,7 +216,7 @@ pub(super) fn emitted_radiance(
 ) -> Rgb {
     let (sigma, emission) = (medium.extinction().as_dvec3(), medium.emission.as_dvec3());
     let line = grid.ray_in_grid(ray, distance);
-    let depth: f64 = line.blocks_along_ray().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
+    let depth: f64 = line.majorant_segments().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
     if depth <= 0.0 {
         return Rgb::ZERO;
     }

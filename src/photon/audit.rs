@@ -7,7 +7,7 @@ use std::ops::AddAssign;
 /// Sums of the flux \[W] that the paths of a photon pass emit and lose, for each RGB channel.
 ///
 /// Energy is conserved: emitted = absorbed + escaped + stopped + roulette, up to rounding. The
-/// expected value of `roulette` is zero.
+/// expected value of `net_roulette_loss` is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EnergyAudit {
     /// Flux emitted by the lights \[W].
@@ -20,7 +20,8 @@ pub struct EnergyAudit {
     /// none of their further photons.
     pub stopped: [f64; 3],
     /// Flux removed by Russian roulette minus flux added by it \[W].
-    pub roulette: [f64; 3],
+    #[serde(rename = "roulette")]
+    pub net_roulette_loss: [f64; 3],
 }
 
 impl AddAssign for EnergyAudit {
@@ -30,7 +31,7 @@ impl AddAssign for EnergyAudit {
             (&mut self.absorbed, other.absorbed),
             (&mut self.escaped, other.escaped),
             (&mut self.stopped, other.stopped),
-            (&mut self.roulette, other.roulette),
+            (&mut self.net_roulette_loss, other.net_roulette_loss),
         ];
         for (mine, theirs) in pairs {
             *mine = (DVec3::from(*mine) + DVec3::from(theirs)).to_array();

@@ -70,7 +70,7 @@ pub struct BeamIntersection {
     /// K₁ is the 1D Epanechnikov kernel, d the distance between ray and beam, and θ their angle.
     pub weight: f32,
     /// Squared distance between ray and beam, divided by the squared kernel radius.
-    pub x2: f32,
+    pub squared_relative_distance: f32,
 }
 
 /// Largest sine of the angle at which a ray and a photon beam count as parallel: twice the rounding
@@ -98,7 +98,13 @@ impl BeamIntersection {
         }
         let x2 = height * height / (radius * radius * sin2);
         let weight = 0.75 * (1.0 - x2) / (radius * sin2.sqrt());
-        Some(Self { t: t as f32, s: s as f32, cos: d.dot(b) as f32, weight: weight as f32, x2: x2 as f32 })
+        Some(Self {
+            t: t as f32,
+            s: s as f32,
+            cos: d.dot(b) as f32,
+            weight: weight as f32,
+            squared_relative_distance: x2 as f32,
+        })
     }
 }
 
@@ -118,10 +124,10 @@ pub struct PhotonBeamMap {
 }
 
 /// Number of beams that one Rayon task handles.
-const CHUNK: usize = 4096;
+const BEAMS_PER_TASK: usize = 4096;
 
 /// Upper bound of the mean number of pieces into which [`PhotonBeamMap`] splits a beam.
-const MAX_PIECES: f64 = 4.0;
+const MAX_MEAN_BEAM_PIECES: f64 = 4.0;
 
 impl PhotonBeamMap {
     /// Builds the map for beam estimates with a 1D kernel of radius `radius` \[length]. Invalid
@@ -130,7 +136,7 @@ impl PhotonBeamMap {
     /// The result does not depend on the number of threads.
     #[must_use]
     pub fn build(mut beams: Vec<PhotonBeam>, radius: f32) -> Self {
-        if !beams.par_iter().with_min_len(CHUNK).all(PhotonBeam::is_valid) {
+        if !beams.par_iter().with_min_len(BEAMS_PER_TASK).all(PhotonBeam::is_valid) {
             beams.retain(PhotonBeam::is_valid);
         }
         let radius = radius.max(0.0);
@@ -221,8 +227,9 @@ fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
         let at = move |k: u32| whole * (k as f32 / count as f32);
         (0..count).map(move |k| BeamPiece { beam: index, from: at(k), to: at(k + 1) })
     };
-    let starts = (0..beams.len()).into_par_iter().step_by(CHUNK);
-    let chunk = |start: usize| (start as u32..beams.len().min(start + CHUNK) as u32).flat_map(pieces_of).collect();
+    let starts = (0..beams.len()).into_par_iter().step_by(BEAMS_PER_TASK);
+    let chunk =
+        |start: usize| (start as u32..beams.len().min(start + BEAMS_PER_TASK) as u32).flat_map(pieces_of).collect();
     let chunks: Vec<Vec<BeamPiece>> = starts.map(chunk).collect();
     concatenate(&chunks.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
@@ -242,12 +249,12 @@ fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
 /// bounding boxes of all pieces.
 ///
 /// `radius` is the kernel radius \[length], by which boxes are expanded. The mean number of pieces
-/// per beam stays below [`MAX_PIECES`].
+/// per beam stays below [`MAX_MEAN_BEAM_PIECES`].
 fn optimal_beam_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
-    let lengths = beams.par_iter().with_min_len(CHUNK).map(|b| f64::from(b.length) * sqrt_half_box_area(b));
+    let lengths = beams.par_iter().with_min_len(BEAMS_PER_TASK).map(|b| f64::from(b.length) * sqrt_half_box_area(b));
     // The sum is serial: its rounding depends on the order.
     let total: f64 = lengths.collect::<Vec<_>>().iter().sum();
-    let most = (MAX_PIECES - 1.0) * beams.len().max(1) as f64;
+    let most = (MAX_MEAN_BEAM_PIECES - 1.0) * beams.len().max(1) as f64;
     (12f64.sqrt() * f64::from(radius)).max(total / most).max(f64::MIN_POSITIVE)
 }
 

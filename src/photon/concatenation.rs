@@ -35,7 +35,7 @@ struct Concatenation<'a, T> {
 }
 
 /// Iterator over the items of a [`Concatenation`].
-struct Items<'a, T> {
+struct ConcatenationIter<'a, T> {
     /// Rest of the first part that holds items.
     front: slice::Iter<'a, T>,
     /// Whole parts between `front` and `back`.
@@ -79,20 +79,20 @@ impl<T: Sync> IndexedParallelIterator for Concatenation<'_, T> {
 
 impl<'a, T: Sync> Producer for Concatenation<'a, T> {
     type Item = &'a T;
-    type IntoIter = Items<'a, T>;
+    type IntoIter = ConcatenationIter<'a, T>;
 
-    fn into_iter(self) -> Items<'a, T> {
+    fn into_iter(self) -> ConcatenationIter<'a, T> {
         let Range { start, end } = self.range;
         if start == end {
-            return Items { front: [].iter(), middle: [].iter(), back: [].iter() };
+            return ConcatenationIter { front: [].iter(), middle: [].iter(), back: [].iter() };
         }
         let (first, last) = (self.part_of(start), self.part_of(end - 1));
         let (from, to) = (start - self.starts[first], end - self.starts[last]);
         if first == last {
             let front = self.parts[first][from..to].iter();
-            return Items { front, middle: [].iter(), back: [].iter() };
+            return ConcatenationIter { front, middle: [].iter(), back: [].iter() };
         }
-        Items {
+        ConcatenationIter {
             front: self.parts[first][from..].iter(),
             middle: self.parts[first + 1..last].iter(),
             back: self.parts[last][..to].iter(),
@@ -106,7 +106,7 @@ impl<'a, T: Sync> Producer for Concatenation<'a, T> {
     }
 }
 
-impl<'a, T> Iterator for Items<'a, T> {
+impl<'a, T> Iterator for ConcatenationIter<'a, T> {
     type Item = &'a T;
 
     #[inline]
@@ -129,7 +129,7 @@ impl<'a, T> Iterator for Items<'a, T> {
     }
 }
 
-impl<T> DoubleEndedIterator for Items<'_, T> {
+impl<T> DoubleEndedIterator for ConcatenationIter<'_, T> {
     fn next_back(&mut self) -> Option<Self::Item> {
         loop {
             if let Some(item) = self.back.next_back() {
@@ -143,9 +143,9 @@ impl<T> DoubleEndedIterator for Items<'_, T> {
     }
 }
 
-impl<T> ExactSizeIterator for Items<'_, T> {}
+impl<T> ExactSizeIterator for ConcatenationIter<'_, T> {}
 
-impl<T> FusedIterator for Items<'_, T> {}
+impl<T> FusedIterator for ConcatenationIter<'_, T> {}
 
 #[cfg(test)]
 mod tests {

@@ -2,7 +2,7 @@
 //! corrects boundary bias.
 
 use super::Kernel;
-use super::estimate::{LEVELS, MAX_RELATIVE_HEIGHT, MIN_NORMAL_COSINE};
+use super::estimate::{MAX_RELATIVE_HEIGHT, MIN_NORMAL_COSINE, NESTED_DISC_COUNT};
 use crate::math::{Bounds, Frame, Ray, warp};
 use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::{NearPrimitives, Scene};
@@ -55,13 +55,13 @@ fn coverage_by_probes(
     let height = radius * MAX_RELATIVE_HEIGHT;
     let (mut covered, mut whole) = (0.0, 0.0);
     for i in 0..PROBES {
-        let d = warp::square_to_uniform_disc(sobol_2d(i, key, Dimension::Probe));
+        let d = warp::square_to_uniform_disc(sobol_2d(i, key, Dimension::CoverageProbe));
         let shape = kernel.unnormalized_value(d.length_squared());
         whole += shape;
         let above = p + (frame.s * d.x + frame.t * d.y) * radius + normal * height;
         let ray = Ray { t_max: 2.0 * height, ..Ray::new(above, -normal) };
         let Some(hit) = primitives.intersect(&ray) else { continue };
-        let cos = scene.normal_at(&ray, &hit).dot(normal).abs();
+        let cos = scene.geometric_normal_at(&ray, &hit).dot(normal).abs();
         if cos > MIN_NORMAL_COSINE {
             let rise = (height - hit.t) / radius;
             // A flat surface is hit at `height` up to rounding errors. Such hits must count as
@@ -91,10 +91,10 @@ pub fn nested_disc_coverage(
     radius: f32,
     kernel: Kernel,
     key: Key,
-) -> [f32; LEVELS] {
+) -> [f32; NESTED_DISC_COUNT] {
     let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));
     let mut radius = radius;
-    [(); LEVELS].map(|()| {
+    [(); NESTED_DISC_COUNT].map(|()| {
         let covered = coverage_by_probes(scene, &primitives, p, normal, radius, kernel, key);
         radius *= std::f32::consts::FRAC_1_SQRT_2;
         covered

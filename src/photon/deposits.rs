@@ -47,27 +47,27 @@ impl VolumePhotons {
 /// Photons and splats that a photon pass stored, in the order of path indices.
 #[derive(Debug, Default)]
 pub struct Deposits {
-    /// Photons on surfaces, except the photons in `after_caustic`.
+    /// Photons on surfaces, except the photons in `after_caustic_surface_photons`.
     pub surface_photons: Vec<Photon>,
     /// Surface photons that a receiver has scattered after a caustic
     /// ([`PhotonKind::AfterCaustic`]).
     ///
     /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `surface_photons`
     /// holds these photons instead, and this list is empty.
-    pub after_caustic: Vec<Photon>,
-    /// Photons in media, except the photons in `after_caustic_volume`.
-    pub volume: VolumePhotons,
+    pub after_caustic_surface_photons: Vec<Photon>,
+    /// Photons in media, except the photons in `after_caustic_volume_photons`.
+    pub volume_photons: VolumePhotons,
     /// Photons in media that a receiver has scattered after a caustic
     /// ([`PhotonKind::AfterCaustic`]).
     ///
-    /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `volume` holds these
-    /// photons instead, and this list is empty.
-    pub after_caustic_volume: VolumePhotons,
+    /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `volume_photons`
+    /// holds these photons instead, and this list is empty.
+    pub after_caustic_volume_photons: VolumePhotons,
     /// Number of deposits that were not stored because their flux or position was invalid.
     ///
     /// Invalid values are not finite; the flux of a photon is also invalid if it is negative.
     /// Deposits of zero flux do not count.
-    pub rejected: u64,
+    pub rejected_deposits: u64,
     /// Splats of caustic photons on the film; the list is empty without light tracing.
     pub splats: Vec<Splat>,
 }
@@ -76,7 +76,10 @@ impl Deposits {
     /// Total number of stored photons and beams, on surfaces and in media; splats do not count.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.surface_photons.len() + self.after_caustic.len() + self.volume.len() + self.after_caustic_volume.len()
+        self.surface_photons.len()
+            + self.after_caustic_surface_photons.len()
+            + self.volume_photons.len()
+            + self.after_caustic_volume_photons.len()
     }
 
     /// True if the pass stored no photon and no beam; it may have stored splats.
@@ -92,10 +95,10 @@ impl Deposits {
         };
         let all = Self {
             surface_photons: concatenated_lists(&chunks, |chunk| &chunk.surface_photons),
-            after_caustic: concatenated_lists(&chunks, |chunk| &chunk.after_caustic),
-            volume: volumes(|chunk| &chunk.volume),
-            after_caustic_volume: volumes(|chunk| &chunk.after_caustic_volume),
-            rejected: chunks.iter().map(|chunk| chunk.rejected).sum(),
+            after_caustic_surface_photons: concatenated_lists(&chunks, |chunk| &chunk.after_caustic_surface_photons),
+            volume_photons: volumes(|chunk| &chunk.volume_photons),
+            after_caustic_volume_photons: volumes(|chunk| &chunk.after_caustic_volume_photons),
+            rejected_deposits: chunks.iter().map(|chunk| chunk.rejected_deposits).sum(),
             splats: concatenated_lists(&chunks, |chunk| &chunk.splats),
         };
         // Returning memory to the system takes as long as a copy, so it is done in parallel too.
@@ -104,14 +107,14 @@ impl Deposits {
     }
 
     /// Stores one deposit of a photon path of `tracer` in the list for its place and kind. An
-    /// invalid deposit increments `rejected` instead.
+    /// invalid deposit increments `rejected_deposits` instead.
     #[inline]
     pub(super) fn store_deposit(&mut self, tracer: &PhotonTracer<'_>, deposit: &Deposit<'_>) {
         let is_separate = tracer.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
         let (photons, volume) = if is_separate {
-            (&mut self.after_caustic, &mut self.after_caustic_volume)
+            (&mut self.after_caustic_surface_photons, &mut self.after_caustic_volume_photons)
         } else {
-            (&mut self.surface_photons, &mut self.volume)
+            (&mut self.surface_photons, &mut self.volume_photons)
         };
         let flux = deposit.flux;
         let code = deposit.wavelength.map_or(0, Wavelength::byte_code);
@@ -124,7 +127,7 @@ impl Deposits {
             }
             DepositPlace::Film(film_position) => {
                 let is_valid = flux.is_finite() && flux != Rgb::ZERO;
-                is_valid.then(|| self.splats.push(Splat { film_position, radiance: flux }))
+                is_valid.then(|| self.splats.push(Splat { film_position, integrated_radiance: flux }))
             }
             DepositPlace::Beam { ray, medium } => {
                 let length = beam_length(tracer, ray, medium);
@@ -137,7 +140,7 @@ impl Deposits {
                 photon.map(|photon| volume.points.push(photon))
             }
         };
-        self.rejected += u64::from(stored.is_none() && flux != Rgb::ZERO);
+        self.rejected_deposits += u64::from(stored.is_none() && flux != Rgb::ZERO);
     }
 }
 
@@ -156,7 +159,7 @@ pub struct Splat {
     /// Film position that receives the light \[pixels from the top left].
     pub film_position: Vec2,
     /// Radiance integrated over the film area in square pixels \[W/(m² sr)·pixel²].
-    pub radiance: Rgb,
+    pub integrated_radiance: Rgb,
 }
 
 /// Flux that a photon path deposits on a surface, in a medium or on the film.
@@ -174,7 +177,7 @@ pub(super) struct Deposit<'a> {
 /// Place where a photon path deposits flux: on a surface, in a medium or on the film.
 pub(super) enum DepositPlace<'a> {
     /// A point on a surface, and the share of the photon's flux that density estimates use, in
-    /// steps of 1/[`SHARE_STEPS`](super::record::SHARE_STEPS).
+    /// steps of 1/[`SHARE_STEPS`](super::surface_photon::SHARE_STEPS).
     ///
     /// Light tracing splats the remaining flux on the film. The share is `None` without light
     /// tracing, and for photons that are not caustic.

@@ -46,12 +46,13 @@ pub(super) struct PrimaryEmissionSample {
     /// Index of the sampled light in [`Scene::lights`].
     pub light: usize,
     /// Probability with which the source samples light number `light`.
-    pub probability: f32,
+    pub light_probability: f32,
     /// Primary sample in \[0, 1)² that determines the position on the light.
-    pub position: Vec2,
+    pub position_sample: Vec2,
     /// Primary sample in \[0, 1)² that determines the emitted direction.
-    pub direction: Vec2,
-    /// Joint pdf of `position` and `direction` over \[0, 1)⁴; 1 without emission guiding.
+    pub direction_sample: Vec2,
+    /// Joint pdf of `position_sample` and `direction_sample` over \[0, 1)⁴; 1 without emission
+    /// guiding.
     pub pdf: f32,
 }
 
@@ -164,17 +165,17 @@ impl<'a> PhotonSource<'a> {
     /// with the positions and with the directions.
     #[must_use]
     pub fn emit_photon_path<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
-        let point = self.primary_emission_sample(pass_key, index, paths);
+        let point = self.sample_primary_emission(pass_key, index, paths);
         let (mut ray, flux) = self.start_photon_path::<I>(&point)?;
         let wavelength_sample = || self.wavelength_sample(pass_key, index, paths, point.light);
         ray.interior.set_wavelength_sample(self.scene, wavelength_sample);
-        Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
+        Some((ray, flux / (point.light_probability * paths as f32 * point.pdf)))
     }
 
     /// Samples the light, and the primary samples of position and direction, for photon path
     /// `index` in a pass of `paths` paths.
     #[inline]
-    pub(super) fn primary_emission_sample(&self, pass_key: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
+    pub(super) fn sample_primary_emission(&self, pass_key: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
         let (light, probability) = self.light_distribution.sample(systematic_light_sample(pass_key, index, paths));
         let position = sobol_2d(index, pass_key, Dimension::LightPosition);
         let direction = sobol_2d(index, pass_key, Dimension::LightDirection);
@@ -182,7 +183,13 @@ impl<'a> PhotonSource<'a> {
             Some(Some(distribution)) => distribution.sample(position, direction),
             Some(None) | None => (position, direction, 1.0),
         };
-        PrimaryEmissionSample { light, probability, position, direction, pdf }
+        PrimaryEmissionSample {
+            light,
+            light_probability: probability,
+            position_sample: position,
+            direction_sample: direction,
+            pdf,
+        }
     }
 
     /// Returns the primary sample in \[0, 1) that selects the wavelength of photon path `index`.
@@ -207,8 +214,8 @@ impl<'a> PhotonSource<'a> {
         let light = &self.lights()[point.light];
         let domain = self.scene.photon_domain();
         let emission = match &self.aim {
-            Some(aim) => light.sample_le_towards(aim, domain, point.position, point.direction),
-            None => light.sample_le(domain, point.position, point.direction),
+            Some(aim) => light.sample_le_towards(aim, domain, point.position_sample, point.direction_sample),
+            None => light.sample_le(domain, point.position_sample, point.direction_sample),
         }?;
         let ray = match (light.is_infinite(), light.is_delta()) {
             (true, _) => self.scene.move_origin_beyond_planes(emission.ray),

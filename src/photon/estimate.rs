@@ -1,7 +1,7 @@
 //! Radiance estimates by photon density estimation on surfaces.
 
-use super::record::TangentPlane;
-use super::{Kernel, PhotonData, PhotonMap};
+use super::surface_photon::TangentPlane;
+use super::{Kernel, PhotonAttributes, PhotonMap};
 use crate::color::Rgb;
 use glam::{DVec3, Vec3};
 
@@ -25,28 +25,28 @@ pub struct RadianceEstimate {
     /// Radius of the disc over which photons were summed \[length].
     pub radius: f32,
     /// Number of photons in the disc.
-    pub count: u32,
+    pub photon_count: u32,
 }
 
 /// Number of nested discs of a [`NestedRadianceEstimate`]. The discs are concentric, and each has
 /// half the area of the next larger one.
-pub const LEVELS: usize = 3;
+pub const NESTED_DISC_COUNT: usize = 3;
 
 /// Radiance estimates from concentric discs of decreasing size. Photons in a small disc also count
 /// in the larger ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedRadianceEstimate {
     /// Estimate with the largest of the nested discs.
-    pub whole: RadianceEstimate,
-    /// Radiance \[W/(m² sr)] from discs with 1, 1/√2 and ½ of the radius of `whole`.
-    pub radiance: [Rgb; LEVELS],
+    pub full_disc: RadianceEstimate,
+    /// Radiance \[W/(m² sr)] from discs with 1, 1/√2 and ½ of the radius of `full_disc`.
+    pub radiance: [Rgb; NESTED_DISC_COUNT],
 }
 
 /// Buffers of k-nearest-photon searches, which the caller keeps from one search to the next.
 #[derive(Debug, Default)]
 pub struct PhotonSearchBuffers {
     /// Photons that the last search found, each with its squared distance from the query point.
-    found: Vec<(f32, PhotonData)>,
+    found: Vec<(f32, PhotonAttributes)>,
     /// Distance of the k-th photon in the last search \[length]; the search radius if fewer than k
     /// photons were found.
     ///
@@ -57,21 +57,21 @@ pub struct PhotonSearchBuffers {
 impl PhotonSearchBuffers {
     /// Makes the next search begin with 1.25 times `radius` \[length], as if the k-th photon of the
     /// last search were that far away.
-    pub(super) fn set_first_search_radius(&mut self, radius: f32) {
+    pub(super) fn set_expected_kth_distance(&mut self, radius: f32) {
         self.last_radius = radius;
     }
 }
 
 /// Lower bound of a disc's radius, divided by the distance of the query point from the origin. It
 /// is about 100 rounding errors of a position.
-const MIN_RELATIVE_RADIUS: f32 = 1e-5;
+const MIN_RADIUS_PER_DISTANCE: f32 = 1e-5;
 
 /// Lower bound of the disc's radius in a k-nearest-neighbour estimate, divided by
 /// [`Bandwidth::radius`]. It keeps radiance finite if photons coincide.
-const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
+const MIN_KNN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
 /// Number of photons that are summed in f32 before their sum is added to a total in f64.
-const BLOCK: u32 = 64;
+const PHOTONS_PER_BLOCK: u32 = 64;
 
 /// Lower bound of the cosine between the normals of a photon and of the query point.
 ///
@@ -99,13 +99,13 @@ impl PhotonMap {
         bandwidth: Bandwidth,
         kernel: Kernel,
         scratch: &mut PhotonSearchBuffers,
-        brdf: impl Fn(&PhotonData) -> Rgb,
+        brdf: impl Fn(&PhotonAttributes) -> Rgb,
     ) -> RadianceEstimate {
         self.estimate_radiance_in_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
     }
 
-    /// Estimates the reflected radiance at `p` by [`PhotonMap::estimate_radiance`] in [`LEVELS`]
-    /// nested discs, to measure how radiance depends on the disc.
+    /// Estimates the reflected radiance at `p` by [`PhotonMap::estimate_radiance`] in
+    /// [`NESTED_DISC_COUNT`] nested discs, to measure how radiance depends on the disc.
     ///
     /// The largest disc gives the same bits as [`PhotonMap::estimate_radiance`].
     pub fn estimate_radiance_in_nested_discs(
@@ -115,10 +115,10 @@ impl PhotonMap {
         bandwidth: Bandwidth,
         kernel: Kernel,
         scratch: &mut PhotonSearchBuffers,
-        brdf: impl Fn(&PhotonData) -> Rgb,
+        brdf: impl Fn(&PhotonAttributes) -> Rgb,
     ) -> NestedRadianceEstimate {
         let (whole, radiance) = self.estimate_radiance_in_discs(p, normal, bandwidth, kernel, scratch, brdf);
-        NestedRadianceEstimate { whole, radiance }
+        NestedRadianceEstimate { full_disc: whole, radiance }
     }
 
     fn estimate_radiance_in_discs<const N: usize>(
@@ -128,18 +128,18 @@ impl PhotonMap {
         bandwidth: Bandwidth,
         kernel: Kernel,
         scratch: &mut PhotonSearchBuffers,
-        brdf: impl Fn(&PhotonData) -> Rgb,
+        brdf: impl Fn(&PhotonAttributes) -> Rgb,
     ) -> (RadianceEstimate, [Rgb; N]) {
         if self.is_empty() {
             return (RadianceEstimate { radius: bandwidth.radius, ..RadianceEstimate::default() }, [Rgb::ZERO; N]);
         }
         let plane = TangentPlane::new(p, normal);
-        let resolved = p.length() * MIN_RELATIVE_RADIUS;
+        let resolved = p.length() * MIN_RADIUS_PER_DISTANCE;
         let bandwidth = Bandwidth { radius: bandwidth.radius.max(resolved), ..bandwidth };
         let mut radius = bandwidth.radius;
         // Height of `p` over a photon's tangent plane, divided by the limit for the largest disc.
         // Smaller discs have lower limits.
-        let height = |data: &PhotonData| {
+        let height = |data: &PhotonAttributes| {
             if N > 1 {
                 data.normal_cosine_and_height(&plane).1.abs() / (bandwidth.radius * MAX_RELATIVE_HEIGHT)
             } else {
@@ -147,7 +147,7 @@ impl PhotonMap {
             }
         };
         if bandwidth.k > 0 {
-            let least = resolved.max(radius * MIN_RADIUS_FRACTION).max(self.min_radius).min(radius);
+            let least = resolved.max(radius * MIN_KNN_RADIUS_FRACTION).max(self.min_radius).min(radius);
             let r2 = match self.find_k_nearest(p, normal, bandwidth, scratch) {
                 Some(r2) if r2 >= least * least => Some(r2),
                 Some(_) => None,
@@ -246,18 +246,25 @@ struct KernelSums<const N: usize> {
     /// Squared radius of the largest disc.
     r2: f32,
     inverse_r2: f32,
-    /// Partial sums in f32 since the last flush, over fewer than [`BLOCK`] photons; one sum for
-    /// each disc.
-    block: [Rgb; N],
-    /// Number of photons that are summed in `block`.
-    block_count: u32,
-    /// Sums in f64 over all photons before those of `block`, one sum for each disc.
+    /// Partial sums in f32 since the last flush, over fewer than [`PHOTONS_PER_BLOCK`] photons; one
+    /// sum for each disc.
+    block_sums: [Rgb; N],
+    /// Number of photons that are summed in `block_sums`.
+    block_photon_count: u32,
+    /// Sums in f64 over all photons before those of `block_sums`, one sum for each disc.
     total: [DVec3; N],
 }
 
 impl<const N: usize> KernelSums<N> {
     fn new(kernel: Kernel, r2: f32) -> Self {
-        Self { kernel, r2, inverse_r2: 1.0 / r2, block: [Rgb::ZERO; N], block_count: 0, total: [DVec3::ZERO; N] }
+        Self {
+            kernel,
+            r2,
+            inverse_r2: 1.0 / r2,
+            block_sums: [Rgb::ZERO; N],
+            block_photon_count: 0,
+            total: [DVec3::ZERO; N],
+        }
     }
 
     /// Adds a photon at squared distance `d2` from the query point, with `reflected` = BRDF · flux.
@@ -267,22 +274,25 @@ impl<const N: usize> KernelSums<N> {
     #[inline]
     fn add(&mut self, d2: f32, height: f32, reflected: Rgb) {
         let x = d2 * self.inverse_r2;
-        self.block[0] += reflected * self.kernel.unnormalized_value(x);
+        self.block_sums[0] += reflected * self.kernel.unnormalized_value(x);
         let finer = [(2.0 * x, std::f32::consts::FRAC_1_SQRT_2), (4.0 * x, 0.5)];
-        for (sum, (x, highest)) in self.block[1..].iter_mut().zip(finer) {
+        for (sum, (x, highest)) in self.block_sums[1..].iter_mut().zip(finer) {
             if height <= highest {
                 *sum += reflected * self.kernel.unnormalized_value_or_zero(x);
             }
         }
-        self.block_count += 1;
-        if self.block_count == BLOCK {
+        self.block_photon_count += 1;
+        if self.block_photon_count == PHOTONS_PER_BLOCK {
             self.flush_block_sums();
         }
     }
 
     fn flush_block_sums(&mut self) {
-        self.total.iter_mut().zip(&mut self.block).for_each(|(whole, sum)| *whole += std::mem::take(sum).as_dvec3());
-        self.block_count = 0;
+        self.total
+            .iter_mut()
+            .zip(&mut self.block_sums)
+            .for_each(|(whole, sum)| *whole += std::mem::take(sum).as_dvec3());
+        self.block_photon_count = 0;
     }
 
     fn into_radiance(mut self, radius: f32, count: u32) -> (RadianceEstimate, [Rgb; N]) {
@@ -293,7 +303,7 @@ impl<const N: usize> KernelSums<N> {
             r2 *= 0.5;
             scaled
         });
-        (RadianceEstimate { radiance: radiance[0], radius, count }, radiance)
+        (RadianceEstimate { radiance: radiance[0], radius, photon_count: count }, radiance)
     }
 }
 
@@ -303,13 +313,13 @@ impl<const N: usize> KernelSums<N> {
 /// pass within [`MAX_RELATIVE_HEIGHT`] · `radius` of the query point. `radius` is the largest
 /// radius of the estimate \[length].
 #[inline]
-pub(super) fn is_on_query_surface(data: &PhotonData, plane: &TangentPlane, radius: f32) -> bool {
+pub(super) fn is_on_query_surface(data: &PhotonAttributes, plane: &TangentPlane, radius: f32) -> bool {
     let (cosine, height) = data.normal_cosine_and_height(plane);
     cosine > MIN_NORMAL_COSINE && height.abs() <= radius * MAX_RELATIVE_HEIGHT
 }
 
 /// Truncates `found` to the k nearest photons, and returns the squared distance of the k-th.
-fn keep_k_nearest(found: &mut Vec<(f32, PhotonData)>, k: usize) -> f32 {
+fn keep_k_nearest(found: &mut Vec<(f32, PhotonAttributes)>, k: usize) -> f32 {
     let (_, kth, _) = found.select_nth_unstable_by(k - 1, |a, b| a.0.total_cmp(&b.0));
     let r2 = kth.0;
     found.truncate(k);

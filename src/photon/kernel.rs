@@ -85,7 +85,7 @@ impl Kernel {
     ///
     /// Both estimates use the same photons. Their difference measures the bias of E(r).
     #[must_use]
-    pub fn nested_difference_variance(self) -> f32 {
+    pub fn nested_difference_variance_ratio(self) -> f32 {
         match self {
             Self::Box => 1.0,
             Self::Cone => std::f32::consts::SQRT_2 - 1.0,
@@ -98,8 +98,8 @@ impl Kernel {
 mod tests {
     use super::*;
 
-    /// The integral of each kernel over its disc, and its `nested_difference_variance`, agree with
-    /// the midpoint rule over the distance. The error of the rule is O(n⁻²).
+    /// The integral of each kernel over its disc, and its `nested_difference_variance_ratio`, agree
+    /// with the midpoint rule over the distance. The error of the rule is O(n⁻²).
     #[test]
     fn kernel_constants_match_quadrature() {
         let n = 100_000;
@@ -118,7 +118,7 @@ mod tests {
             }
             assert!((integral - 1.0).abs() < 1e-5, "{kernel:?} {integral}");
             // The edge of the box kernel lies within one ring of the sum, whose weight is 1/n.
-            let expected = f64::from(kernel.nested_difference_variance());
+            let expected = f64::from(kernel.nested_difference_variance_ratio());
             assert!((step / square - expected).abs() < 5e-5, "{kernel:?} {}", step / square);
         }
     }

@@ -10,7 +10,7 @@
 
 use super::PhotonKind;
 use super::deposits::{Deposit, DepositPlace, Splat};
-use super::record::SHARE_STEPS;
+use super::surface_photon::SHARE_STEPS;
 use crate::bsdf::TransportMode;
 use crate::camera::{Camera, CameraConnection, Filter};
 use crate::color::{self, Rgb};
@@ -50,7 +50,7 @@ impl DensityEstimateShares {
         let mut sums = vec![(0.0, 0.0); width as usize * height as usize];
         for splat in splats {
             if let Some((x, y)) = pixel_at_film_position(splat.film_position, width, height) {
-                let value = f64::from(color::channel_mean(splat.radiance));
+                let value = f64::from(color::channel_mean(splat.integrated_radiance));
                 let sum = &mut sums[index(x, y)];
                 *sum = (sum.0 + value, sum.1 + value * value);
             }
@@ -176,12 +176,12 @@ impl<'a> LightTracer<'a> {
     ///
     /// The factor ignores transmittance and occlusion. It is 0 if the camera is behind the surface.
     fn splat_per_flux(&self, surface: &SurfaceInteraction<'_>, connection: &CameraConnection) -> Rgb {
-        let cosine = connection.direction.dot(surface.facing_normal());
+        let cosine = connection.direction_to_camera.dot(surface.facing_normal());
         if cosine <= 0.0 {
             return Rgb::ZERO;
         }
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
-        let brdf = surface.bsdf.evaluate(connection.direction, surface.wo, ns, ns, TransportMode::Radiance);
+        let brdf = surface.bsdf.evaluate(connection.direction_to_camera, surface.wo, ns, ns, TransportMode::Radiance);
         brdf * (cosine * connection.importance)
     }
 
@@ -193,19 +193,19 @@ impl<'a> LightTracer<'a> {
         path_ray: &PathRay<I>,
         key: Key,
     ) -> Rgb {
-        let ray = surface.spawn_ray_to(connection.origin, connection.direction);
+        let ray = surface.spawn_ray_to(connection.ray_origin, connection.direction_to_camera);
         let is_occluded = self.scene.occluded(&ray);
         if is_occluded && !self.has_null_interfaces {
             return Rgb::ZERO;
         }
         let key = key.camera_connection_key();
         let mut leaving = *path_ray;
-        leaving.leave_surface_with_wavelength_weight(surface, connection.direction, false);
+        leaving.leave_surface_with_wavelength_weight(surface, connection.direction_to_camera, false);
         if is_occluded {
             return self.scene.shadow_transmittance(&ray, leaving.interior, key);
         }
-        let distance = (connection.origin - surface.point.p).length();
-        let unit = Ray { t_max: distance, ..Ray::new(surface.point.p, connection.direction) };
+        let distance = (connection.ray_origin - surface.point.p).length();
+        let unit = Ray { t_max: distance, ..Ray::new(surface.point.p, connection.direction_to_camera) };
         self.scene.interior_transmittance(&unit, &leaving.interior, key)
     }
 }
@@ -229,15 +229,15 @@ pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &m
         for splat in &splats[first..end] {
             // Pixel centers have the fractional part ½.
             let position = splat.film_position - 0.5;
-            let weight = filter.normalized_value(y as f32 - position.y);
+            let weight = filter.normalized_axis_value(y as f32 - position.y);
             if weight == 0.0 {
                 continue;
             }
-            let radiance = splat.radiance.as_dvec3() * f64::from(weight);
+            let radiance = splat.integrated_radiance.as_dvec3() * f64::from(weight);
             let left = (position.x - radius).ceil().max(0.0) as usize;
             let right = (position.x + radius + 1.0).clamp(0.0, width as f32) as usize;
             for (x, sum) in sums.iter_mut().enumerate().take(right).skip(left) {
-                *sum += radiance * f64::from(filter.normalized_value(x as f32 - position.x));
+                *sum += radiance * f64::from(filter.normalized_axis_value(x as f32 - position.x));
             }
         }
         pixels.iter_mut().zip(&*sums).for_each(|(pixel, sum)| *pixel += sum.as_vec3());

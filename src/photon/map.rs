@@ -1,6 +1,6 @@
 //! The photon map: surface photons in a kd-tree (crate kiddo).
 
-use super::{Photon, PhotonData};
+use super::{Photon, PhotonAttributes};
 use crate::math::morton_order;
 use glam::{Mat3, Vec3};
 use kiddo::leaf_strategy::VecOfArenas;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Largest number of photons in a leaf of the kd-tree.
 const BUCKET: usize = 32;
 
-type Tree = KdTree<f32, PhotonData, Eytzinger, VecOfArenas<f32, PhotonData, 3, BUCKET>, 3, BUCKET>;
+type Tree = KdTree<f32, PhotonAttributes, Eytzinger, VecOfArenas<f32, PhotonAttributes, 3, BUCKET>, 3, BUCKET>;
 
 /// Surface photons in a kd-tree, for density estimates.
 ///
@@ -48,7 +48,7 @@ const MAX_COINCIDENT: usize = BUCKET;
 const MIN_WINDOWS: usize = 4096;
 
 /// Number of photons from which the two halves of a node of the kd-tree are built in parallel.
-const PARALLEL_PHOTONS: usize = 4096;
+const PARALLEL_BUILD_THRESHOLD: usize = 4096;
 
 impl PhotonMap {
     /// Builds the kd-tree of `photons`. The result does not depend on the number of threads.
@@ -61,9 +61,10 @@ impl PhotonMap {
         merge_coincident_photons(&mut photons);
         let len = photons.len();
         let at = |p: &Photon, axis: usize| p.position[axis];
-        let builder = Tree::builder().with_parallel_construction_threshold(PARALLEL_PHOTONS);
+        let builder = Tree::builder().with_parallel_construction_threshold(PARALLEL_BUILD_THRESHOLD);
         // Construction can fail only for mutable trees and generated indices, which are not used.
-        let tree = if photons.is_empty() { None } else { builder.build_from_source(&photons, at, |_, p| p.data).ok() };
+        let tree =
+            if photons.is_empty() { None } else { builder.build_from_source(&photons, at, |_, p| p.attributes).ok() };
         Self { tree, len, min_radius: 0.0 }
     }
 
@@ -91,7 +92,7 @@ impl PhotonMap {
     /// Calls `visitor` for each photon within `radius` \[length] of `p`, with the photon and its
     /// squared distance from `p`.
     #[inline]
-    pub fn visit_within_radius(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&PhotonData, f32)) {
+    pub fn visit_within_radius(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&PhotonAttributes, f32)) {
         let Some(tree) = &self.tree else { return };
         if !p.is_finite() {
             return;
@@ -124,15 +125,18 @@ fn merge_coincident_photons(photons: &mut Vec<Photon>) {
             continue;
         }
         let mut run = run.to_vec();
-        run.sort_by_key(|p| p.data.quantized_normal());
-        for side in run.chunk_by(|a, b| a.data.quantized_normal() == b.data.quantized_normal()) {
-            let flux: glam::DVec3 = side.iter().map(|p| p.data.flux().as_dvec3()).sum();
-            let from: Vec3 = side.iter().map(|p| p.data.incident_direction() * p.data.flux().element_sum()).sum();
-            let normal = side[0].data.normal().normalize();
+        run.sort_by_key(|p| p.attributes.quantized_normal());
+        for side in run.chunk_by(|a, b| a.attributes.quantized_normal() == b.attributes.quantized_normal()) {
+            let flux: glam::DVec3 = side.iter().map(|p| p.attributes.flux().as_dvec3()).sum();
+            let from: Vec3 =
+                side.iter().map(|p| p.attributes.incident_direction() * p.attributes.flux().element_sum()).sum();
+            let normal = side[0].attributes.normal().normalize();
             let position = side[0].position;
             // The position is rotated, so the plane offset is taken from an original photon.
             let photon = Photon::new(position, flux.as_vec3(), from.normalize_or(normal), normal);
-            merged.extend(photon.map(|p| Photon { position, data: p.data.with_plane_offset_of(&side[0].data) }));
+            merged.extend(
+                photon.map(|p| Photon { position, attributes: p.attributes.with_plane_offset_of(&side[0].attributes) }),
+            );
         }
     }
     *photons = merged;

@@ -128,7 +128,7 @@ pub(super) struct BeamPiece {
 
 /// Up to eight beam pieces; unused lanes hold empty intervals.
 pub(super) struct BeamPiecePacket {
-    start: VectorLanes,
+    beam_start: VectorLanes,
     direction: VectorLanes,
     from: f32x8,
     to: f32x8,
@@ -142,10 +142,10 @@ impl BeamPiecePacket {
     pub fn new(pieces: impl Iterator<Item = (BeamPiece, Vec3, Vec3)>) -> Self {
         let nowhere = [f32x8::ZERO; 3];
         let (from, to) = (f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY));
-        let mut all = Self { start: nowhere, direction: nowhere, from, to, beams: [0; LANES] };
+        let mut all = Self { beam_start: nowhere, direction: nowhere, from, to, beams: [0; LANES] };
         for (slot, (piece, start, direction)) in pieces.take(LANES).enumerate() {
             for axis in 0..3 {
-                all.start[axis].as_mut_array()[slot] = start[axis];
+                all.beam_start[axis].as_mut_array()[slot] = start[axis];
                 all.direction[axis].as_mut_array()[slot] = direction[axis];
             }
             all.from.as_mut_array()[slot] = piece.from;
@@ -171,7 +171,7 @@ impl BeamPiecePacket {
     #[inline]
     pub fn beam_pieces_near_line(&self, query: &LineQuery) -> u32 {
         let error = f32x8::splat(rounding_error_bound(16));
-        let between = subtract(self.start, query.origin);
+        let between = subtract(self.beam_start, query.origin);
         let distance = manhattan_length(between);
         let normal = cross(query.direction, self.direction);
         let sin2 = dot(normal, normal);

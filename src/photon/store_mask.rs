@@ -45,7 +45,7 @@ pub struct StoreMask {
     pub separates_after_caustic: bool,
     /// True to store photon beams in homogeneous media; false to store photons at scattering
     /// points.
-    pub beams: bool,
+    pub stores_beams: bool,
 }
 
 impl StoreMask {
@@ -55,15 +55,15 @@ impl StoreMask {
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
     /// Stores only indirect light: photons of paths that have scattered at one or more receivers.
     pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
-    /// Stores no photons. [`StoreMask::beams`] is true here and in all other constants of this
-    /// type, so media that store photons store beams.
+    /// Stores no photons. [`StoreMask::stores_beams`] is true here and in all other constants of
+    /// this type, so media that store photons store beams.
     pub const NONE: Self = Self {
         direct: false,
         caustic: false,
         after_caustic: false,
         after_direct: false,
         separates_after_caustic: false,
-        beams: true,
+        stores_beams: true,
     };
     /// Stores photons of all four kinds.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, after_direct: true, ..Self::NONE };

@@ -4,11 +4,11 @@ use super::audit::add_flux;
 use super::deposits::{Deposit, DepositPlace};
 use super::light_tracing::LightTracer;
 use super::{AFTER_CAUSTIC_THINNING, Deposits, EnergyAudit, PhotonKind, PhotonSource, StoreMask};
-use crate::bsdf::{TransportMode, photon_deposit_factor};
+use crate::bsdf::{TransportMode, deposit_shading_normal_correction};
 use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
 use crate::sampling::{Dimension, Key};
-use crate::scene::{Interior, MediumSegment, PathEvent, PathRay, Scene, SurfaceVertex, for_interior};
+use crate::scene::{Interior, MediumSegment, PathEvent, PathRay, Scene, SurfaceVertex, with_interior_type};
 use glam::DVec3;
 use rand::rngs::SmallRng;
 use rayon::prelude::*;
@@ -54,7 +54,7 @@ pub struct PhotonTracer<'a> {
 
 /// Number of photon paths that one Rayon task traces. Tasks are large enough to amortise
 /// scheduling, and small enough to balance the load.
-const CHUNK: u32 = 4096;
+const PATHS_PER_TASK: u32 = 4096;
 
 impl PhotonTracer<'_> {
     /// Traces `paths` photon paths with random numbers from `pass_key`; returns their photons,
@@ -84,16 +84,16 @@ impl PhotonTracer<'_> {
         done: &(dyn Fn(u64) -> ControlFlow<()> + Sync),
     ) -> TracedPhotons {
         let is_cancelled = AtomicBool::new(false);
-        let chunks: Vec<(Deposits, PhotonTracingTotals)> = (0..paths.div_ceil(CHUNK))
+        let chunks: Vec<(Deposits, PhotonTracingTotals)> = (0..paths.div_ceil(PATHS_PER_TASK))
             .into_par_iter()
             .map(|chunk| {
                 if is_cancelled.load(Ordering::Relaxed) {
                     return Default::default();
                 }
-                let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
+                let range = chunk * PATHS_PER_TASK..paths.min((chunk + 1).saturating_mul(PATHS_PER_TASK));
                 let emitted = u64::from(range.end - range.start);
                 let (mut deposits, mut tally) = (Deposits::default(), PhotonTracingTotals::default());
-                for_interior!(self.source, <I> for index in range {
+                with_interior_type!(self.source, <I> for index in range {
                     if let Some((ray, flux)) = self.source.emit_photon_path::<I>(pass_key, index, paths) {
                         let key = pass_key.photon_path_key(index);
                         self.follow_photon_path(ray, flux, key, light_tracer, &mut tally, |deposit| {
@@ -147,7 +147,7 @@ impl PhotonTracer<'_> {
                 let event = path_ray.next_vertex(self.scene, key, |segment| {
                     let kind = if segment.crossed_hidden_boundary { kind.kind_after_crossed_caster() } else { kind };
                     phase_function = segment.medium.phase;
-                    self.sample_medium_segment(segment, kind, flux, &mut weight, &mut rng, &mut deposit)
+                    self.sample_distance_and_deposit(segment, kind, flux, &mut weight, &mut rng, &mut deposit)
                 });
                 flux *= weight.as_vec3();
                 event
@@ -159,10 +159,13 @@ impl PhotonTracer<'_> {
             }
             let (surface, transmittance, crossed_hidden_boundary) = match event {
                 PathEvent::Escaped { .. } => return add_flux(&mut audit.escaped, flux),
-                PathEvent::Surface(SurfaceVertex { surface, transmittance, crossed_hidden_boundary, .. }) => {
-                    (Some(surface), transmittance, crossed_hidden_boundary)
-                }
-                PathEvent::Scattered { transmittance, crossed_hidden_boundary } => {
+                PathEvent::Surface(SurfaceVertex {
+                    surface,
+                    absorption_and_wavelength_weight: transmittance,
+                    crossed_hidden_boundary,
+                    ..
+                }) => (Some(surface), transmittance, crossed_hidden_boundary),
+                PathEvent::Scattered { absorption_transmittance: transmittance, crossed_hidden_boundary } => {
                     (None, transmittance, crossed_hidden_boundary)
                 }
             };
@@ -180,7 +183,8 @@ impl PhotonTracer<'_> {
                 && surface.stores_photons()
                 && self.mask.stores_on_surfaces(kind)
             {
-                let stored_flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
+                let stored_flux =
+                    flux * deposit_shading_normal_correction(surface.wo, surface.point.ns, surface.point.ng);
                 let wavelength = path_ray.interior.wavelength();
                 let share = light_tracer.filter(|_| kind == PhotonKind::Caustic).map(|tracer| {
                     tracer.splat_and_return_share(surface, stored_flux, &path_ray, key, rays, &mut deposit)
@@ -197,12 +201,12 @@ impl PhotonTracer<'_> {
 
             // Thin out the paths that continue after a caustic photon.
             if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && receives {
-                add_flux(&mut audit.roulette, flux);
+                add_flux(&mut audit.net_roulette_loss, flux);
                 if key.uniform_1d(Dimension::ShadingRoulette) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
                     return;
                 }
                 flux *= AFTER_CAUSTIC_THINNING as f32;
-                add_flux(&mut audit.roulette, -flux);
+                add_flux(&mut audit.net_roulette_loss, -flux);
             }
 
             // Sample the next direction.
@@ -228,10 +232,10 @@ impl PhotonTracer<'_> {
 
             // Russian roulette by the throughput ratio keeps the fluxes of stored photons similar.
             if ratio.is_nan() || key.uniform_1d(Dimension::Roulette) >= ratio {
-                return add_flux(&mut audit.roulette, flux);
+                return add_flux(&mut audit.net_roulette_loss, flux);
             }
             let kept = flux / ratio.min(1.0);
-            add_flux(&mut audit.roulette, flux - kept);
+            add_flux(&mut audit.net_roulette_loss, flux - kept);
             flux = kept;
             kind = next_kind;
         }
@@ -244,7 +248,7 @@ impl PhotonTracer<'_> {
     /// flux at the last vertex. `weight` is the product of the distance sampling weights of all
     /// segments since that vertex. The function multiplies it by the weight of this segment.
     #[inline]
-    fn sample_medium_segment<I: Interior>(
+    fn sample_distance_and_deposit<I: Interior>(
         &self,
         segment: &MediumSegment<'_, I>,
         kind: PhotonKind,
@@ -253,16 +257,16 @@ impl PhotonTracer<'_> {
         rng: &mut SmallRng,
         deposit: &mut impl FnMut(Deposit<'_>),
     ) -> Option<f32> {
-        let MediumSegment { ray, medium, index, .. } = segment;
+        let MediumSegment { ray, medium, medium_index: index, .. } = segment;
         let wavelength = segment.interior.wavelength();
         if !medium.scatters() {
             *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
             return None;
         }
         let stored = self.mask.stores_in_media(kind);
-        let as_beam = self.mask.beams && medium.is_homogeneous();
+        let as_beam = self.mask.stores_beams && medium.is_homogeneous();
         if stored && as_beam {
-            let flux = flux * weight.as_vec3() * segment.transmittance_before;
+            let flux = flux * weight.as_vec3() * segment.absorption_transmittance_before;
             deposit(Deposit { kind, place: DepositPlace::Beam { ray, medium: *index }, flux, wavelength });
         }
         let sample = medium.distance_sample(ray, ray.t_max, flux * weight.as_vec3(), rng);
@@ -271,7 +275,7 @@ impl PhotonTracer<'_> {
             && stored
             && !as_beam
         {
-            let flux = flux * weight.as_vec3() * segment.transmittance_before;
+            let flux = flux * weight.as_vec3() * segment.absorption_transmittance_before;
             let place = DepositPlace::Point { position: ray.at(t), direction: ray.direction, medium: *index };
             deposit(Deposit { kind, place, flux, wavelength });
         }

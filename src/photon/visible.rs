@@ -30,9 +30,9 @@ pub struct VisiblePointMap {
     /// Visible points, stored as photons whose flux is the squared weight.
     points: PhotonMap,
     bandwidth: Bandwidth,
-    /// Radius \[length] with which a search begins: the tenth percentile of the distances from a
-    /// visible point to its 16th neighbour.
-    first_search_radius: f32,
+    /// Distance \[length] at which a search expects the 16th neighbour: the tenth percentile of the
+    /// distances from a visible point to its 16th neighbour. A search begins with 1.25 times it.
+    expected_kth_distance: f32,
 }
 
 /// Number of nearest visible points from which the importance of a photon is estimated.
@@ -58,12 +58,16 @@ impl VisiblePointMap {
             stored.iter().step_by(stored.len().div_ceil(MAX_RADIUS_SAMPLES).max(1)).copied().collect();
         let points = PhotonMap::build(stored);
         let spacing =
-            |p: &Photon| points.kth_photon_distance(p.position, p.data.normal().normalize(), NEIGHBOURS, size);
+            |p: &Photon| points.kth_photon_distance(p.position, p.attributes.normal().normalize(), NEIGHBOURS, size);
         let mut spacings: Vec<f32> = radius_samples.par_iter().filter_map(spacing).collect();
         spacings.sort_by(f32::total_cmp);
         let typical = spacings.get(spacings.len() / 2).copied().unwrap_or(0.0);
         let first_search_radius = spacings.get(spacings.len() / 10).copied().unwrap_or(0.0);
-        Self { points, bandwidth: Bandwidth { radius: radius.max(typical), k: NEIGHBOURS }, first_search_radius }
+        Self {
+            points,
+            bandwidth: Bandwidth { radius: radius.max(typical), k: NEIGHBOURS },
+            expected_kth_distance: first_search_radius,
+        }
     }
 
     /// Importance of photons at `p`: the sum of squared weights of the visible points near `p`, per
@@ -74,9 +78,9 @@ impl VisiblePointMap {
     /// importance.
     #[inline]
     #[must_use]
-    pub fn photon_importance(&self, p: Vec3, normal: Vec3, scratch: &mut PhotonSearchBuffers) -> f32 {
+    pub fn squared_photon_importance(&self, p: Vec3, normal: Vec3, scratch: &mut PhotonSearchBuffers) -> f32 {
         // Consecutive photons are far apart, so the radius of the last search is a poor start.
-        scratch.set_first_search_radius(self.first_search_radius);
+        scratch.set_expected_kth_distance(self.expected_kth_distance);
         self.points.estimate_radiance(p, normal, self.bandwidth, Kernel::Box, scratch, |_| Rgb::ONE).radiance.x
     }
 }

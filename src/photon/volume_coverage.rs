@@ -49,7 +49,9 @@ impl KernelProbes {
                     .into_iter()
                     .for_each(|v| [v, -v].into_iter().for_each(&mut trace));
             }
-            _ => icosahedron_directions(first).into_iter().for_each(|v| [v, -v].into_iter().for_each(&mut trace)),
+            _ => icosahedron_diagonal_directions(first)
+                .into_iter()
+                .for_each(|v| [v, -v].into_iter().for_each(&mut trace)),
         }
         probes
     }
@@ -89,7 +91,7 @@ fn kernel_fraction_within(x: f32, dimensions: u32) -> f32 {
 
 /// Returns unit vectors from the center of a regular icosahedron to six of its twelve corners, no
 /// two of them opposite. The first vector is `first`.
-fn icosahedron_directions(first: Vec3) -> [Vec3; 6] {
+fn icosahedron_diagonal_directions(first: Vec3) -> [Vec3; 6] {
     // cos 72°, sin 72°, cos 144° and sin 144°.
     const TURNS: [(f32, f32); 5] = [
         (1.0, 0.0),

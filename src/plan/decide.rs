@@ -1,7 +1,7 @@
 //! Decides which effects a render simulates, with reasons.
 
 use super::{EffectOverrides, SceneFeatures};
-use crate::scene::{CASTERS, Effect, Effects, Scene};
+use crate::scene::{CASTER_DESCRIPTION, Effect, Effects, Scene};
 use std::fmt;
 
 /// Reason why a render needs an effect of light, does not need it, or cannot simulate it.
@@ -57,7 +57,7 @@ pub enum EffectReason {
     /// No glass is dispersive.
     NoDispersion,
     /// The effect requires another effect, which the scene does not need.
-    Requires(Effect),
+    RequiredEffectUnneeded(Effect),
 }
 
 impl fmt::Display for EffectReason {
@@ -72,8 +72,8 @@ impl fmt::Display for EffectReason {
             Self::MayOcclude => f.write_str("objects may occlude each other"),
             Self::UnsupportedByAlgorithm => f.write_str("the algorithm does not simulate it"),
             Self::NoLight => f.write_str("no light has power"),
-            Self::NoCaster => write!(f, "the scene has no casters: {CASTERS}"),
-            Self::NoLitCaster => write!(f, "no light reaches a caster directly: {CASTERS}"),
+            Self::NoCaster => write!(f, "the scene has no casters: {CASTER_DESCRIPTION}"),
+            Self::NoLitCaster => write!(f, "no light reaches a caster directly: {CASTER_DESCRIPTION}"),
             Self::NoReceiver => f.write_str("no surface or medium stores photons"),
             Self::BlackReceivers => f.write_str("all surfaces that store photons absorb all light"),
             Self::OneFlatObject => f.write_str("the scene is one flat object, and no light lies in its plane"),
@@ -91,7 +91,7 @@ impl fmt::Display for EffectReason {
             Self::NoMedium => f.write_str("the scene has no media"),
             Self::AmbientMedium => f.write_str("a medium fills the space between objects"),
             Self::NoDispersion => f.write_str("no glass is dispersive"),
-            Self::Requires(effect) => write!(f, "it needs {effect}, which adds nothing here"),
+            Self::RequiredEffectUnneeded(effect) => write!(f, "it needs {effect}, which adds nothing here"),
         }
     }
 }
@@ -114,7 +114,7 @@ impl EffectDecision {
     /// True if the user forced the effect on although the scene does not need it, or off although
     /// it does.
     #[must_use]
-    pub fn is_forced_by_user(&self) -> bool {
+    pub fn is_forced_against_need(&self) -> bool {
         self.is_simulated != self.is_needed
     }
 }
@@ -179,7 +179,7 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
     let any = |n: usize, otherwise: EffectReason| need(n > 0, otherwise);
     let requires = |other: Effect| {
         assert!((other as u16) < effect as u16, "{effect:?} is decided before {other:?}");
-        need(before.has(other), EffectReason::Requires(other))
+        need(before.has(other), EffectReason::RequiredEffectUnneeded(other))
     };
     // Media that scatter count as receivers.
     let receivers = features.receivers + features.scattering_media;
@@ -205,13 +205,13 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             // With this effect, camera paths pass a scattering medium by sampled distances; without
             // it, by transmittance. So the pixels of a background behind the medium differ in
             // noise.
-            let hazy = features.background && features.scattering_media > 0;
+            let hazy = features.has_background && features.scattering_media > 0;
             need(features.lights + features.emitting_media > 0 || hazy, EffectReason::NoLight)?;
             any(receivers, EffectReason::NoReceiver)?;
             any(scattering, EffectReason::BlackReceivers)?;
             // If the scene has a soft light, `one_flat_object` is false, because continued paths
             // may hit that light.
-            need(!features.one_flat_object, EffectReason::OneFlatObject)?;
+            need(!features.is_one_flat_object, EffectReason::OneFlatObject)?;
             Ok(EffectReason::Objects(scattering, "may light other objects"))
         }
         Effect::Gathering => {
@@ -220,7 +220,7 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
         }
         Effect::Shadows => {
             any(features.lights, EffectReason::NoLight)?;
-            need(!features.one_flat_object, EffectReason::OneFlatObject)?;
+            need(!features.is_one_flat_object, EffectReason::OneFlatObject)?;
             Ok(EffectReason::MayOcclude)
         }
         Effect::SoftShadows => {
@@ -229,39 +229,39 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             Ok(EffectReason::Lights(features.soft_lights, "with an extent"))
         }
         Effect::Environment => {
-            need(features.environment, EffectReason::NoEnvironmentLight)?;
+            need(features.has_environment_light, EffectReason::NoEnvironmentLight)?;
             Ok(EffectReason::EnvironmentLight)
         }
         Effect::Interiors => {
-            if features.filled {
+            if features.has_ambient_medium {
                 return Ok(EffectReason::AmbientMedium);
             }
             any(features.bodies, EffectReason::NoBody)?;
             Ok(EffectReason::Objects(features.bodies, "that light enters"))
         }
         Effect::Lens => {
-            need(features.lens, EffectReason::NoLens)?;
+            need(features.has_lens, EffectReason::NoLens)?;
             Ok(EffectReason::Lens)
         }
         Effect::Motion => {
-            need(features.moving, EffectReason::NothingMoves)?;
+            need(features.has_motion, EffectReason::NothingMoves)?;
             Ok(EffectReason::Moving)
         }
         Effect::Textures => {
-            any(features.textured, EffectReason::NoTexture)?;
-            Ok(EffectReason::Objects(features.textured, "with textures"))
+            any(features.textured_objects, EffectReason::NoTexture)?;
+            Ok(EffectReason::Objects(features.textured_objects, "with textures"))
         }
         Effect::Bump => {
-            any(features.bump_mapped, EffectReason::NoBump)?;
-            Ok(EffectReason::Objects(features.bump_mapped, "with bump or normal maps"))
+            any(features.bump_mapped_objects, EffectReason::NoBump)?;
+            Ok(EffectReason::Objects(features.bump_mapped_objects, "with bump or normal maps"))
         }
         Effect::Media => {
             any(features.media, EffectReason::NoMedium)?;
             Ok(EffectReason::Media(features.media))
         }
         Effect::Dispersion => {
-            any(features.dispersive, EffectReason::NoDispersion)?;
-            Ok(EffectReason::Objects(features.dispersive, "of dispersive glass"))
+            any(features.dispersive_objects, EffectReason::NoDispersion)?;
+            Ok(EffectReason::Objects(features.dispersive_objects, "of dispersive glass"))
         }
     }
 }

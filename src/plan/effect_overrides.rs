@@ -12,21 +12,21 @@ pub struct EffectOverrides {
 
 impl EffectOverrides {
     /// No effect is forced on or off: the plan decides about all effects.
-    pub const PLANNED: Self = Self { forced_on: Effects::NONE, forced_off: Effects::NONE };
+    pub const NO_OVERRIDES: Self = Self { forced_on: Effects::NONE, forced_off: Effects::NONE };
     /// All effects are forced on.
-    pub const ALL: Self = Self { forced_on: Effects::ALL, forced_off: Effects::NONE };
+    pub const ALL_FORCED_ON: Self = Self { forced_on: Effects::ALL, forced_off: Effects::NONE };
     /// All effects are forced off. Unshadowed direct light from the center of each light remains.
-    pub const NONE: Self = Self { forced_on: Effects::NONE, forced_off: Effects::ALL };
+    pub const ALL_FORCED_OFF: Self = Self { forced_on: Effects::NONE, forced_off: Effects::ALL };
 
     /// Returns the overrides with `effect` forced on.
     #[must_use]
-    pub fn with_effect(self, effect: Effect) -> Self {
+    pub fn with_forced_on(self, effect: Effect) -> Self {
         Self { forced_on: self.forced_on.with_effect(effect), forced_off: self.forced_off.without_effect(effect) }
     }
 
     /// Returns the overrides with `effect` forced off.
     #[must_use]
-    pub fn without_effect(self, effect: Effect) -> Self {
+    pub fn with_forced_off(self, effect: Effect) -> Self {
         Self { forced_on: self.forced_on.without_effect(effect), forced_off: self.forced_off.with_effect(effect) }
     }
 
@@ -66,16 +66,16 @@ impl FromStr for EffectOverrides {
     ///
     /// If words contradict each other, the later one counts.
     fn from_str(text: &str) -> Result<Self, UnknownOverrideError> {
-        let mut overrides = Self::PLANNED;
+        let mut overrides = Self::NO_OVERRIDES;
         for word in text.split(',').map(str::trim) {
             let unknown = || UnknownOverrideError { word: word.to_owned() };
             let named = |name: &str| name.parse::<Effect>().map_err(|_| unknown());
             overrides = match (word, word.strip_prefix('+'), word.strip_prefix('-')) {
-                ("auto", ..) => Self::PLANNED,
-                ("all", ..) => Self::ALL,
-                ("none", ..) => Self::NONE,
-                (_, Some(name), _) => overrides.with_effect(named(name)?),
-                (_, _, Some(name)) => overrides.without_effect(named(name)?),
+                ("auto", ..) => Self::NO_OVERRIDES,
+                ("all", ..) => Self::ALL_FORCED_ON,
+                ("none", ..) => Self::ALL_FORCED_OFF,
+                (_, Some(name), _) => overrides.with_forced_on(named(name)?),
+                (_, _, Some(name)) => overrides.with_forced_off(named(name)?),
                 _ => return Err(unknown()),
             };
         }
@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn later_effect_overrides_win() {
         let read = |text: &str| text.parse::<EffectOverrides>().unwrap();
-        assert_eq!(read("all"), EffectOverrides::ALL);
+        assert_eq!(read("all"), EffectOverrides::ALL_FORCED_ON);
         let overrides = read("none, +caustics,-shadows ,+shadows");
         assert_eq!(overrides.effect_override(Effect::Caustics), Some(true));
         assert_eq!(overrides.effect_override(Effect::Shadows), Some(true));

@@ -24,7 +24,8 @@ pub struct SceneFeatures {
     /// Number of objects with an interior that light enters, such as glass.
     pub bodies: usize,
     /// Number of objects of dispersive glass.
-    pub dispersive: usize,
+    #[serde(rename = "dispersive")]
+    pub dispersive_objects: usize,
     /// Number of media that scatter, absorb or emit.
     pub media: usize,
     /// Number of media that scatter.
@@ -32,28 +33,36 @@ pub struct SceneFeatures {
     /// Number of media that emit.
     pub emitting_media: usize,
     /// True if a medium fills the space outside all objects.
-    pub filled: bool,
+    #[serde(rename = "filled")]
+    pub has_ambient_medium: bool,
     /// True if the background is not black. The background is visible to the camera and lights
     /// nothing.
-    pub background: bool,
+    #[serde(rename = "background")]
+    pub has_background: bool,
     /// Number of objects with textures.
-    pub textured: usize,
+    #[serde(rename = "textured")]
+    pub textured_objects: usize,
     /// Number of objects with bump or normal maps.
-    pub bump_mapped: usize,
+    #[serde(rename = "bump_mapped")]
+    pub bump_mapped_objects: usize,
     /// Number of lights with power.
     pub lights: usize,
     /// Number of lights with power that are not delta lights.
     pub soft_lights: usize,
     /// True if the scene has an environment light.
-    pub environment: bool,
+    #[serde(rename = "environment")]
+    pub has_environment_light: bool,
     /// True if the camera has a lens; false for a pinhole camera.
-    pub lens: bool,
+    #[serde(rename = "lens")]
+    pub has_lens: bool,
     /// True if an object or the camera moves while the shutter is open.
-    pub moving: bool,
+    #[serde(rename = "moving")]
+    pub has_motion: bool,
     /// True if the scene is one flat object at rest, and no light lies in its plane.
     ///
     /// The object can then neither shadow nor light itself.
-    pub one_flat_object: bool,
+    #[serde(rename = "one_flat_object")]
+    pub is_one_flat_object: bool,
 }
 
 impl SceneFeatures {
@@ -68,20 +77,20 @@ impl SceneFeatures {
             casters: 0,
             lit_casters: 0,
             bodies: 0,
-            dispersive: 0,
+            dispersive_objects: 0,
             media: 0,
             scattering_media: 0,
             emitting_media: 0,
-            filled: scene.ambient_medium().is_some(),
-            background: scene.background() != Rgb::ZERO,
-            textured: 0,
-            bump_mapped: 0,
+            has_ambient_medium: scene.ambient_medium().is_some(),
+            has_background: scene.background() != Rgb::ZERO,
+            textured_objects: 0,
+            bump_mapped_objects: 0,
             lights: 0,
             soft_lights: 0,
-            environment: scene.environment_light_index().is_some(),
-            lens: scene.camera().lens().is_some(),
-            moving: scene.has_motion(),
-            one_flat_object: false,
+            has_environment_light: scene.environment_light_index().is_some(),
+            has_lens: scene.camera().lens().is_some(),
+            has_motion: scene.has_motion(),
+            is_one_flat_object: false,
         };
         // In a scene of infinite planes, the bounding sphere may be a point. The power of lights at
         // infinity would be 0 there, although they light the planes. A unit sphere therefore
@@ -95,10 +104,10 @@ impl SceneFeatures {
         features.emitting_media = media.iter().filter(|medium| medium.emits()).count();
         // A moving object lies in different planes at different times.
         if let [ObjectSummary { plane: Some((p, n)), .. }] = objects[..]
-            && !features.moving
+            && !features.has_motion
             && features.media == 0
         {
-            features.one_flat_object = lights.iter().all(|light| light.emits_nothing_in_plane(p, n));
+            features.is_one_flat_object = lights.iter().all(|light| light.emits_nothing_in_plane(p, n));
         }
         features.soft_lights = lights.iter().filter(|l| !l.is_delta()).count();
         for object in &objects {
@@ -114,17 +123,17 @@ impl SceneFeatures {
                     scatters |= !leaf.bsdf.is_black();
                 }
             });
-            let sphere = object.bounding_sphere.filter(|_| !features.moving);
+            let sphere = object.bounding_sphere.filter(|_| !features.has_motion);
             let reached = || lights.iter().any(|light| light.may_illuminate(sphere, scene.photon_domain()));
-            let (textured, bumpy) = scene.texture_usage(object.material);
-            features.textured += usize::from(textured || object.has_emission_texture);
-            features.bump_mapped += usize::from(bumpy);
+            let (textured, bumpy) = scene.material_texture_usage(object.material);
+            features.textured_objects += usize::from(textured || object.has_emission_texture);
+            features.bump_mapped_objects += usize::from(bumpy);
             features.receivers += usize::from(receives);
             features.scattering_receivers += usize::from(scatters);
             features.casters += usize::from(casts);
             features.lit_casters += usize::from(casts && reached());
             features.bodies += usize::from(bounds_body);
-            features.dispersive += usize::from(disperses);
+            features.dispersive_objects += usize::from(disperses);
         }
         features
     }

@@ -15,12 +15,12 @@ use std::time::{Duration, Instant};
 /// the render.
 #[derive(Clone, Copy, Debug)]
 pub struct StopCriteria<'a> {
-    /// Minimum number of passes. Until then, neither `time` nor `target` ends the render.
+    /// Minimum number of passes. Until then, neither `time_limit` nor `target` ends the render.
     pub min_passes: u32,
     /// Largest number of passes; `None` for no limit.
-    pub passes: Option<u32>,
+    pub max_passes: Option<u32>,
     /// Wall time after which the render ends; `None` for no limit. The last pass is completed.
-    pub time: Option<Duration>,
+    pub time_limit: Option<Duration>,
     /// Estimated error at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
     /// True to give up `target` if bias keeps the error above it after any number of passes. The
@@ -28,7 +28,7 @@ pub struct StopCriteria<'a> {
     ///
     /// A render without limits of passes and time gives up such a target in any case, even with
     /// more noise.
-    pub ends_at_bias: bool,
+    pub ends_at_bias_floor: bool,
     /// Flag of another thread: true ends the render after the current pass.
     pub interrupted: &'a AtomicBool,
 }
@@ -63,7 +63,8 @@ pub enum EndReason {
     /// The error target was reached.
     Target,
     /// The error target is out of reach, because more passes do not remove bias.
-    Floor,
+    #[serde(rename = "floor")]
+    BiasFloor,
     /// The user interrupted the render.
     Interrupted,
 }
@@ -72,7 +73,7 @@ pub enum EndReason {
 #[derive(Debug, Serialize, Deserialize)]
 pub struct RenderResult {
     /// Numbers of the passes in `film`, counted from 0.
-    pub numbers: PassSet,
+    pub pass_numbers: PassSet,
     /// Film with the sums of all passes; its mean is the picture.
     pub film: Film,
     /// Error estimator to which the passes were added; `None` if
@@ -80,9 +81,9 @@ pub struct RenderResult {
     pub estimator: Option<ErrorEstimator>,
     /// Films of the light groups, whose means add up to the picture, in the order of
     /// [`LightGroup::ALL`]; empty unless [`Integrator::groups_light`] is true.
-    pub groups: Vec<Film>,
+    pub light_group_films: Vec<Film>,
     /// Film of the radiance that clamping removed; `None` without clamping.
-    pub clamped: Option<Film>,
+    pub clamping_loss_film: Option<Film>,
     /// Reason why the render ended. It has no meaning while the render goes on.
     pub end_reason: EndReason,
     /// Counts of rays and density estimates of all passes.
@@ -95,7 +96,7 @@ pub struct RenderResult {
     pub aimed: PhotonReport,
     /// Wall time of all passes, from the start of the first one. The times of a continued render,
     /// and of merged renders, add up.
-    pub wall: Duration,
+    pub wall_time: Duration,
 }
 
 /// Progress of a render after a pass.
@@ -117,7 +118,7 @@ pub(super) const GIVE_UP_PASSES: u32 = 16;
 
 /// Safety factor on the permanent bias of a render, the bias that more passes do not remove. A
 /// render gives up its error target only if factor times bias exceeds the target.
-pub(super) const GIVE_UP_MARGIN: f64 = 0.8;
+pub(super) const GIVE_UP_BIAS_FACTOR: f64 = 0.8;
 
 /// Renders those passes of `numbers` that `rendered` lacks, and returns `rendered` with them. Ends
 /// when a criterion of `stop` holds or no pass is left.
@@ -138,11 +139,11 @@ pub fn render(
     mut after_pass: impl FnMut(&PassProgress<'_>),
 ) -> RenderResult {
     let start = Instant::now();
-    let wall = rendered.wall;
+    let wall = rendered.wall_time;
 
     // Estimate the error of the earlier passes, which may suffice.
     let mut schedule = EstimateSchedule::default();
-    (1..=rendered.film.passes()).for_each(|passes| _ = schedule.is_due(passes));
+    (1..=rendered.film.passes()).for_each(|passes| _ = schedule.advance_if_due(passes));
     if rendered.film.passes() > 0 {
         let error = rendered.estimate_error(stop.target);
         if let Some(end_reason) = stop.end_reason(rendered.film.passes(), error.as_ref(), Duration::ZERO) {
@@ -152,7 +153,7 @@ pub fn render(
     }
 
     loop {
-        let Some(number) = rendered.numbers.first_missing(numbers.clone()) else {
+        let Some(number) = rendered.pass_numbers.first_missing(numbers.clone()) else {
             rendered.end_reason = EndReason::Passes;
             return rendered;
         };
@@ -168,19 +169,20 @@ pub fn render(
             estimator.add(number, &pass);
         }
         rendered.film.add(&pass.image);
-        rendered.groups.iter_mut().zip(&pass.groups).for_each(|(film, image)| film.add(image));
-        rendered.clamped.iter_mut().for_each(|film| film.add(&pass.clamped));
-        rendered.numbers.insert(number..number + 1);
+        rendered.light_group_films.iter_mut().zip(&pass.light_groups).for_each(|(film, image)| film.add(image));
+        rendered.clamping_loss_film.iter_mut().for_each(|film| film.add(&pass.removed_by_clamp));
+        rendered.pass_numbers.insert(number..number + 1);
         rendered.counters += pass.counters;
         rendered.seconds += pass.seconds;
         rendered.unaimed += pass.unaimed;
         rendered.aimed += pass.aimed;
         let passes = rendered.film.passes();
-        rendered.wall = wall + start.elapsed();
+        rendered.wall_time = wall + start.elapsed();
 
         // End if a criterion holds.
-        let error = if schedule.is_due(passes) { rendered.estimate_error(stop.target) } else { None };
-        let no_pass_is_left = || rendered.numbers.first_missing(numbers.clone()).is_none().then_some(EndReason::Passes);
+        let error = if schedule.advance_if_due(passes) { rendered.estimate_error(stop.target) } else { None };
+        let no_pass_is_left =
+            || rendered.pass_numbers.first_missing(numbers.clone()).is_none().then_some(EndReason::Passes);
         let end_reason = stop.end_reason(passes, error.as_ref(), start.elapsed()).or_else(no_pass_is_left);
         after_pass(&PassProgress { passes, rendered: &rendered, end_reason, error });
         let is_interrupted = stop.interrupted.load(Ordering::Relaxed);
@@ -199,26 +201,26 @@ impl RenderResult {
     pub fn without_passes(integrator: &dyn Integrator, size: (u32, u32)) -> Self {
         let groups = if integrator.groups_light() { LightGroup::ALL.len() } else { 0 };
         Self {
-            numbers: PassSet::default(),
+            pass_numbers: PassSet::default(),
             film: Film::new(size.0, size.1),
-            groups: (0..groups).map(|_| Film::new(size.0, size.1)).collect(),
-            clamped: integrator.clamps_light().then(|| Film::new(size.0, size.1)),
+            light_group_films: (0..groups).map(|_| Film::new(size.0, size.1)).collect(),
+            clamping_loss_film: integrator.clamps_light().then(|| Film::new(size.0, size.1)),
             estimator: integrator.estimates_error().then(|| ErrorEstimator::new(integrator.radius_law())),
             end_reason: EndReason::Passes,
             counters: Counters::default(),
             seconds: StageTimes::default(),
             unaimed: PhotonReport::default(),
             aimed: PhotonReport::default(),
-            wall: Duration::ZERO,
+            wall_time: Duration::ZERO,
         }
     }
 
     /// Returns the light that clamping removed from the picture, as a fraction of the light without
     /// clamping; `None` if light was not clamped.
     #[must_use]
-    pub fn clamped_fraction(&self) -> Option<f64> {
+    pub fn clamping_loss_fraction(&self) -> Option<f64> {
         let light = |film: &Film| film.pixel_means().map(|mean| mean.element_sum()).sum::<f64>();
-        let removed = light(self.clamped.as_ref()?);
+        let removed = light(self.clamping_loss_film.as_ref()?);
         let all = light(&self.film) + removed;
         Some(if all > 0.0 { removed / all } else { 0.0 })
     }
@@ -229,32 +231,34 @@ impl RenderResult {
     /// [`MergeError`] if the renders have common passes, or belong to different pictures or
     /// integrators. This result then stays as it is.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
-        let common = self.numbers.intersection(&other.numbers);
+        let common = self.pass_numbers.intersection(&other.pass_numbers);
         if !common.is_empty() {
             return Err(MergeError::CommonPasses { common });
         }
         if self.film.size() != other.film.size() {
-            return Err(MergeError::Size { own: self.film.size(), other: other.film.size() });
+            return Err(MergeError::SizeMismatch { own: self.film.size(), other: other.film.size() });
         }
-        if self.groups.len() != other.groups.len() || self.clamped.is_some() != other.clamped.is_some() {
-            return Err(MergeError::Layers);
+        if self.light_group_films.len() != other.light_group_films.len()
+            || self.clamping_loss_film.is_some() != other.clamping_loss_film.is_some()
+        {
+            return Err(MergeError::LayerMismatch);
         }
         match (&mut self.estimator, &other.estimator) {
             (Some(own), Some(other)) => own.merge(other)?,
             (None, None) => {}
-            _ => return Err(MergeError::Estimator),
+            _ => return Err(MergeError::EstimatorMismatch),
         }
         self.film.merge(&other.film)?;
-        let clamped = self.clamped.iter_mut().zip(&other.clamped);
-        for (own, other) in self.groups.iter_mut().zip(&other.groups).chain(clamped) {
+        let clamped = self.clamping_loss_film.iter_mut().zip(&other.clamping_loss_film);
+        for (own, other) in self.light_group_films.iter_mut().zip(&other.light_group_films).chain(clamped) {
             own.merge(other)?;
         }
-        self.numbers.insert_all(&other.numbers);
+        self.pass_numbers.insert_all(&other.pass_numbers);
         self.counters += other.counters;
         self.seconds += other.seconds;
         self.unaimed += other.unaimed;
         self.aimed += other.aimed;
-        self.wall += other.wall;
+        self.wall_time += other.wall_time;
         Ok(())
     }
 
@@ -270,7 +274,7 @@ impl RenderResult {
         Some((estimate, estimator.forecast(&estimate)?))
     }
 
-    /// True if the film, the error estimator and `numbers` agree on the passes and the pixels.
+    /// True if the film, the error estimator and `pass_numbers` agree on the passes and the pixels.
     ///
     /// False for some results that were read from damaged files.
     pub(super) fn is_consistent(&self) -> bool {
@@ -279,10 +283,10 @@ impl RenderResult {
         let is_of_picture =
             |film: &Film| film.is_consistent() && film.size() == (width, height) && film.passes() == passes;
         self.film.is_consistent()
-            && (self.groups.is_empty() || self.groups.len() == LightGroup::ALL.len())
-            && self.groups.iter().chain(&self.clamped).all(is_of_picture)
-            && self.numbers.is_consistent()
-            && self.numbers.len() == u64::from(passes)
+            && (self.light_group_films.is_empty() || self.light_group_films.len() == LightGroup::ALL.len())
+            && self.light_group_films.iter().chain(&self.clamping_loss_film).all(is_of_picture)
+            && self.pass_numbers.is_consistent()
+            && self.pass_numbers.len() == u64::from(passes)
             && self
                 .estimator
                 .as_ref()
@@ -294,7 +298,7 @@ impl<'a> StopCriteria<'a> {
     /// Returns criteria under which only `interrupted` ends a render.
     #[must_use]
     pub fn unlimited(interrupted: &'a AtomicBool) -> Self {
-        Self { min_passes: 1, passes: None, time: None, target: None, ends_at_bias: false, interrupted }
+        Self { min_passes: 1, max_passes: None, time_limit: None, target: None, ends_at_bias_floor: false, interrupted }
     }
 
     /// Returns the reason to end the render after `passes` passes and after the time `elapsed`;
@@ -309,29 +313,29 @@ impl<'a> StopCriteria<'a> {
         if self.interrupted.load(Ordering::Relaxed) {
             return Some(EndReason::Interrupted);
         }
-        if self.passes.is_some_and(|most| passes >= most) {
+        if self.max_passes.is_some_and(|most| passes >= most) {
             return Some(EndReason::Passes);
         }
         if passes < self.min_passes {
             return None;
         }
         let by_error = error.and_then(|(estimate, forecast)| self.end_reason_by_error(estimate, forecast));
-        let is_time_up = self.time.is_some_and(|most| elapsed >= most);
+        let is_time_up = self.time_limit.is_some_and(|most| elapsed >= most);
         by_error.or(is_time_up.then_some(EndReason::Time))
     }
 
-    /// Returns [`EndReason::Target`] if the error target is reached, [`EndReason::Floor`] if bias
-    /// keeps the render from reaching it, and `None` to go on.
+    /// Returns [`EndReason::Target`] if the error target is reached, [`EndReason::BiasFloor`] if
+    /// bias keeps the render from reaching it, and `None` to go on.
     fn end_reason_by_error(&self, estimate: &ErrorEstimate, forecast: &ErrorForecast) -> Option<EndReason> {
         let target = self.target?;
         if estimate.high <= target.error {
             return Some(EndReason::Target);
         }
         let floor = forecast.bias_floor().filter(|floor| *floor >= target.error)?;
-        let hopeless = estimate.passes >= GIVE_UP_PASSES && GIVE_UP_MARGIN * floor > target.error;
-        let has_no_other_limit = self.passes.is_none() && self.time.is_none();
-        let is_only_bias = self.ends_at_bias && estimate.noise <= target.error;
-        (hopeless && (has_no_other_limit || is_only_bias)).then_some(EndReason::Floor)
+        let hopeless = estimate.passes >= GIVE_UP_PASSES && GIVE_UP_BIAS_FACTOR * floor > target.error;
+        let has_no_other_limit = self.max_passes.is_none() && self.time_limit.is_none();
+        let is_only_bias = self.ends_at_bias_floor && estimate.noise <= target.error;
+        (hopeless && (has_no_other_limit || is_only_bias)).then_some(EndReason::BiasFloor)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Prediction of the end of a render, from the error estimate of a pilot.
 
-use super::driver::{EndReason, GIVE_UP_MARGIN, GIVE_UP_PASSES, StopCriteria};
+use super::driver::{EndReason, GIVE_UP_BIAS_FACTOR, GIVE_UP_PASSES, StopCriteria};
 use super::error_estimate::{ErrorForecast, StopForecast};
 
 /// Prediction of when and why a render ends.
@@ -23,8 +23,8 @@ impl StopCriteria<'_> {
     #[must_use]
     pub fn expected_end(&self, forecast: &ErrorForecast, pass_seconds: f64) -> Option<ExpectedEnd> {
         let passes_in = |seconds: f64| (seconds / pass_seconds).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
-        let by_passes = self.passes.map(|passes| (EndReason::Passes, passes));
-        let by_time = self.time.map(|time| (EndReason::Time, passes_in(time.as_secs_f64()).max(self.min_passes)));
+        let by_passes = self.max_passes.map(|passes| (EndReason::Passes, passes));
+        let by_time = self.time_limit.map(|time| (EndReason::Time, passes_in(time.as_secs_f64()).max(self.min_passes)));
         let by_error = self.expected_end_by_error(forecast);
         // If two criteria hold after equally many passes, the first one counts, as in `render`.
         let ends = [by_passes, by_error, by_time];
@@ -36,9 +36,9 @@ impl StopCriteria<'_> {
         let target = self.target?;
         match forecast.stop_forecast(target.error, target.interval_confidence()) {
             StopForecast::Passes(range) => Some((EndReason::Target, range.median.max(self.min_passes))),
-            StopForecast::Never { floor } if self.ends_at_bias && GIVE_UP_MARGIN * floor > target.error => {
+            StopForecast::Never { floor } if self.ends_at_bias_floor && GIVE_UP_BIAS_FACTOR * floor > target.error => {
                 let n = forecast.passes_to_reach_noise(target.error)?;
-                Some((EndReason::Floor, n.max(GIVE_UP_PASSES).max(self.min_passes)))
+                Some((EndReason::BiasFloor, n.max(GIVE_UP_PASSES).max(self.min_passes)))
             }
             StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
         }

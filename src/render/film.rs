@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Smallest number of pixels of a task of a parallel loop.
 const MIN_PIXELS_PER_TASK: usize = 2048;
 
-/// Sums over passes of the radiance of each pixel; see [`Film::mean`] for the picture.
+/// Sums over passes of the radiance of each pixel; see [`Film::mean_picture`] for the picture.
 ///
 /// The sums depend only on the set of passes, to the bit; see [`BinnedSums`]. Neither the order of
 /// passes nor the merging of films changes them. A sum with infinite values is infinite, or NaN if
@@ -32,7 +32,7 @@ impl Film {
 
     /// Adds the image of one pass: radiance \[W/(m² sr)] of each pixel, in rows from the top.
     pub fn add(&mut self, image: &[Rgb]) {
-        self.sums.add(|i| image[i].as_dvec3().to_array());
+        self.sums.add_to_all_pixels(|i| image[i].as_dvec3().to_array());
         self.passes += 1;
     }
 
@@ -43,7 +43,7 @@ impl Film {
     /// then stays as it is.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
         if self.size() != other.size() {
-            return Err(MergeError::Size { own: self.size(), other: other.size() });
+            return Err(MergeError::SizeMismatch { own: self.size(), other: other.size() });
         }
         self.passes = total_pass_count(self.passes, other.passes)?;
         self.sums.merge(&other.sums);
@@ -65,19 +65,19 @@ impl Film {
     /// Returns the mean radiance \[W/(m² sr)] of each pixel over the passes, in rows from the top;
     /// 0 without passes.
     pub fn pixel_means(&self) -> impl Iterator<Item = DVec3> {
-        (0..self.sums.len()).map(|i| self.pixel_mean(i))
+        (0..self.sums.pixel_count()).map(|i| self.pixel_mean(i))
     }
 
     /// Returns the mean radiance \[W/(m² sr)] of pixel `i` over the passes; 0 without passes.
     fn pixel_mean(&self, i: usize) -> DVec3 {
-        DVec3::from_array(self.sums.value(i)) / f64::from(self.passes.max(1))
+        DVec3::from_array(self.sums.pixel_sums(i)) / f64::from(self.passes.max(1))
     }
 
     /// Returns the mean radiance \[W/(m² sr)] of each pixel in single precision, in rows from the
     /// top.
     #[must_use]
-    pub fn mean(&self) -> Vec<Rgb> {
-        let pixels = (0..self.sums.len()).into_par_iter().with_min_len(MIN_PIXELS_PER_TASK);
+    pub fn mean_picture(&self) -> Vec<Rgb> {
+        let pixels = (0..self.sums.pixel_count()).into_par_iter().with_min_len(MIN_PIXELS_PER_TASK);
         pixels.map(|i| self.pixel_mean(i).as_vec3()).collect()
     }
 
@@ -85,7 +85,7 @@ impl Film {
     ///
     /// False for some films that were read from damaged files.
     pub(super) fn is_consistent(&self) -> bool {
-        u64::from(self.width) * u64::from(self.height) == self.sums.len() as u64
+        u64::from(self.width) * u64::from(self.height) == self.sums.pixel_count() as u64
     }
 
     /// Returns the sums over the passes of the radiance of each pixel.
@@ -97,7 +97,7 @@ impl Film {
 /// Returns the number of passes of two renders together.
 ///
 /// # Errors
-/// [`MergeError::Passes`] if it exceeds `u32::MAX`.
+/// [`MergeError::TooManyPasses`] if it exceeds `u32::MAX`.
 pub(super) fn total_pass_count(own: u32, other: u32) -> Result<u32, MergeError> {
-    own.checked_add(other).ok_or(MergeError::Passes { own, other })
+    own.checked_add(other).ok_or(MergeError::TooManyPasses { own, other })
 }

@@ -16,7 +16,7 @@ use std::io::{self, Read, Write};
 const MAGIC: &[u8; 16] = b"CAUSTICA FILM 2\n";
 
 /// Largest uncompressed content of a block of a film file \[bytes].
-const BLOCK: usize = 1 << 20;
+const MAX_BLOCK_BYTES: usize = 1 << 20;
 
 /// Largest size of the content of a film file beside the sums of its pixels \[bytes].
 const MAX_FIXED_BYTES: u64 = 1 << 20;
@@ -43,7 +43,8 @@ pub struct InputDigest {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FilmHeader {
     /// Version of the program.
-    pub version: String,
+    #[serde(rename = "version")]
+    pub program_version: String,
     /// Path of the scene file, as the user gave it.
     pub scene: String,
     /// The scene file and all files that it names, sorted by name and digest.
@@ -101,7 +102,7 @@ impl FilmHeader {
                 lines.push(format!("{what}: {own} here, {other} there"));
             }
         };
-        compare("version", &self.version, &other.version);
+        compare("version", &self.program_version, &other.program_version);
         let size = |header: &Self| format!("{}x{}", header.width, header.height);
         compare("size", &size(self), &size(other));
         compare("seed", &self.seed.to_string(), &other.seed.to_string());
@@ -139,7 +140,7 @@ impl FilmFile {
     pub fn write(header: &FilmHeader, rendered: &RenderResult, out: &mut impl Write) -> io::Result<()> {
         out.write_all(MAGIC)?;
         write_block(out, &serde_json::to_vec(header)?)?;
-        let mut blocks = BlockWriter { out, content: Vec::with_capacity(BLOCK) };
+        let mut blocks = BlockWriter { out, content: Vec::with_capacity(MAX_BLOCK_BYTES) };
         postcard::to_io(rendered, &mut blocks).map_err(io::Error::other)?;
         blocks.flush()?;
         write_block(out, &[])
@@ -257,9 +258,9 @@ struct BlockWriter<'a, W> {
 
 impl<W: Write> Write for BlockWriter<'_, W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let taken = bytes.len().min(BLOCK - self.content.len());
+        let taken = bytes.len().min(MAX_BLOCK_BYTES - self.content.len());
         self.content.extend_from_slice(&bytes[..taken]);
-        if self.content.len() == BLOCK {
+        if self.content.len() == MAX_BLOCK_BYTES {
             self.flush()?;
         }
         Ok(taken)
@@ -290,7 +291,8 @@ fn read_block(input: &mut impl Read) -> Result<Vec<u8>, FilmFileError> {
         read_exact(input, &mut bytes).map(|()| u32::from_le_bytes(bytes))
     };
     let (size, compressed_size, checksum) = (number()? as usize, number()? as usize, number()?);
-    let is_valid = size <= BLOCK && compressed_size <= lz4_flex::block::get_maximum_output_size(BLOCK);
+    let is_valid =
+        size <= MAX_BLOCK_BYTES && compressed_size <= lz4_flex::block::get_maximum_output_size(MAX_BLOCK_BYTES);
     if !is_valid {
         return Err(FilmFileError::Damaged { what: "the size of a block" });
     }

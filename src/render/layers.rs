@@ -1,7 +1,7 @@
 //! Layers of a render: the picture, light groups, maps of its estimated error, and surface AOVs.
 
 use super::driver::RenderResult;
-use super::error_estimate::{ErrorMaps, MIN_PASSES};
+use super::error_estimate::{ErrorMaps, MIN_ERROR_ESTIMATE_PASSES};
 use crate::image::ExrLayer;
 use crate::integrate::{LightGroup, MeanGatherDisc, SurfaceAovs};
 use glam::Vec3;
@@ -11,17 +11,17 @@ use std::ops::Index;
 /// it has them; the radiance that clamping removed if light is clamped; and maps of its estimated
 /// error.
 ///
-/// There are no maps if the error is not estimated, or before [`MIN_PASSES`] passes. Layers `bias`,
-/// `radius` and `photons` exist only for algorithms with density estimates.
+/// There are no maps if the error is not estimated, or before [`MIN_ERROR_ESTIMATE_PASSES`] passes.
+/// Layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
 #[must_use]
 pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
-    let mut layers = vec![rgb_layer("", &rendered.film.mean())];
-    let groups = LightGroup::ALL.iter().zip(&rendered.groups);
-    layers.extend(groups.map(|(group, film)| rgb_layer(group.name(), &film.mean())));
-    layers.extend(rendered.clamped.iter().map(|film| rgb_layer("clamped", &film.mean())));
-    let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
+    let mut layers = vec![rgb_layer("", &rendered.film.mean_picture())];
+    let groups = LightGroup::ALL.iter().zip(&rendered.light_group_films);
+    layers.extend(groups.map(|(group, film)| rgb_layer(group.name(), &film.mean_picture())));
+    layers.extend(rendered.clamping_loss_film.iter().map(|film| rgb_layer("clamped", &film.mean_picture())));
+    let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_ERROR_ESTIMATE_PASSES);
     let Some(estimator) = estimator else { return layers };
-    let ErrorMaps { noise, bias, caustic_discs, indirect_discs } = estimator.error_maps(&rendered.film);
+    let ErrorMaps { noise, blur: bias, caustic_discs, indirect_discs } = estimator.error_maps(&rendered.film);
     layers.push(rgb_layer("noise", &noise));
     if !bias.is_empty() {
         layers.push(rgb_layer("bias", &bias));
@@ -51,8 +51,8 @@ pub fn surface_layers(aovs: &SurfaceAovs) -> Vec<ExrLayer> {
         vector_layer("normal", ["X", "Y", "Z"], &aovs.normal),
         numbers("depth", "Z", aovs.depth.clone()),
         vector_layer("position", ["X", "Y", "Z"], &aovs.position),
-        numbers("object", "X", identifiers(&aovs.object)),
-        numbers("material", "X", identifiers(&aovs.material)),
+        numbers("object", "X", identifiers(&aovs.object_id)),
+        numbers("material", "X", identifiers(&aovs.material_id)),
         vector_layer("motion", ["X", "Y"], &aovs.motion),
     ]
 }

@@ -7,32 +7,32 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// Estimated relative error at which a render without limits ends.
-pub const DEFAULT_ERROR: f64 = 0.03;
+pub const DEFAULT_TARGET_ERROR: f64 = 0.03;
 
 /// Estimated relative error at which a preview ends.
-pub const PREVIEW_ERROR: f64 = 0.1;
+pub const PREVIEW_TARGET_ERROR: f64 = 0.1;
 
 /// Wall time after which a render without limits ends.
-pub const DEFAULT_TIME: Duration = Duration::from_secs(5 * 60);
+pub const DEFAULT_TIME_LIMIT: Duration = Duration::from_secs(5 * 60);
 
 /// Limits of a render. The render ends at the first limit that it reaches.
 ///
-/// Without `passes`, `time` and `target_error`, the render ends at [`DEFAULT_ERROR`] or after
-/// [`DEFAULT_TIME`]. It also ends once its noise is below [`DEFAULT_ERROR`], if bias keeps the
-/// total error above it.
+/// Without `max_passes`, `time_limit` and `target_error`, the render ends at
+/// [`DEFAULT_TARGET_ERROR`] or after [`DEFAULT_TIME_LIMIT`]. It also ends once its noise is below
+/// [`DEFAULT_TARGET_ERROR`], if bias keeps the total error above it.
 ///
 /// Without limits and without error estimates, a render makes [`Algorithm::default_passes`] passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderLimits {
     /// Largest number of passes; `None` for no limit.
-    pub passes: Option<u32>,
+    pub max_passes: Option<u32>,
     /// Wall time after which the render ends; `None` for no limit. The last pass is completed.
-    pub time: Option<Duration>,
+    pub time_limit: Option<Duration>,
     /// Estimated relative error at which the render ends; `None` for no limit. See [`ErrorTarget`].
     pub target_error: Option<f64>,
     /// Required probability that the true error is at most the error at which the render ends.
     pub confidence: Confidence,
-    /// True for a preview, which ends at [`PREVIEW_ERROR`] unless `target_error` is set.
+    /// True for a preview, which ends at [`PREVIEW_TARGET_ERROR`] unless `target_error` is set.
     pub preview: bool,
 }
 
@@ -40,7 +40,7 @@ impl RenderLimits {
     /// True if no limit is set, so that the defaults decide when the render ends.
     #[must_use]
     pub fn are_default(&self) -> bool {
-        self.passes.is_none() && self.time.is_none() && self.target_error.is_none()
+        self.max_passes.is_none() && self.time_limit.is_none() && self.target_error.is_none()
     }
 
     /// Returns the criteria that end a render with these limits by `integrator`, which `algorithm`
@@ -54,23 +54,27 @@ impl RenderLimits {
         integrator: &dyn Integrator,
         interrupted: &'a AtomicBool,
     ) -> StopCriteria<'a> {
-        let mut stop = StopCriteria { passes: self.passes, time: self.time, ..StopCriteria::unlimited(interrupted) };
+        let mut stop = StopCriteria {
+            max_passes: self.max_passes,
+            time_limit: self.time_limit,
+            ..StopCriteria::unlimited(interrupted)
+        };
         if !integrator.estimates_error() {
             // A second pass of ray casting would repeat the first.
-            if self.time.is_none() || algorithm == Algorithm::Raycast {
-                stop.passes = self.passes.or(Some(algorithm.default_passes()));
+            if self.time_limit.is_none() || algorithm == Algorithm::Raycast {
+                stop.max_passes = self.max_passes.or(Some(algorithm.default_passes()));
             }
             return stop;
         }
         let default_error = match (self.preview, self.are_default()) {
-            (true, _) => Some(PREVIEW_ERROR),
-            (false, true) => Some(DEFAULT_ERROR),
+            (true, _) => Some(PREVIEW_TARGET_ERROR),
+            (false, true) => Some(DEFAULT_TARGET_ERROR),
             (false, false) => None,
         };
         let error = self.target_error.or(default_error);
         stop.target = error.map(|error| ErrorTarget { error, confidence: self.confidence });
         if self.are_default() {
-            (stop.time, stop.ends_at_bias) = (Some(DEFAULT_TIME), true);
+            (stop.time_limit, stop.ends_at_bias_floor) = (Some(DEFAULT_TIME_LIMIT), true);
         }
         stop
     }

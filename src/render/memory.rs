@@ -8,40 +8,40 @@ use crate::stats::format_bytes;
 ///
 /// The film takes 50 bytes, the current pass 13, and the ray distribution of `--adaptive` 20. After
 /// the last pass, the mean and the encoded file reuse the memory of the pass.
-const BYTES_PER_PIXEL: u64 = 88;
+const BASE_BYTES_PER_PIXEL: u64 = 88;
 
-/// Memory per pixel that a render needs beside [`BYTES_PER_PIXEL`] if it estimates the error
+/// Memory per pixel that a render needs beside [`BASE_BYTES_PER_PIXEL`] if it estimates the error
 /// \[bytes].
 ///
 /// The estimate keeps 284 bytes per pixel, for noise and for density estimates with smaller radii.
 /// Both constants together are 470 bytes: 445 were measured, error maps take 17, and 8 are spare.
-const BYTES_PER_ESTIMATED_PIXEL: u64 = 382;
+const ERROR_BYTES_PER_PIXEL: u64 = 382;
 
-/// Memory per pixel that a render needs beside [`BYTES_PER_PIXEL`] for light groups \[bytes].
+/// Memory per pixel that a render needs beside [`BASE_BYTES_PER_PIXEL`] for light groups \[bytes].
 ///
 /// The films of the three groups take 150 bytes, and those of the current pass 36. Layers to write
 /// reuse the memory of the pass.
-const BYTES_PER_GROUPED_PIXEL: u64 = 210;
+const GROUP_BYTES_PER_PIXEL: u64 = 210;
 
-/// Memory per pixel that a render with clamping needs beside [`BYTES_PER_PIXEL`], to store the
+/// Memory per pixel that a render with clamping needs beside [`BASE_BYTES_PER_PIXEL`], to store the
 /// light that clamping removes \[bytes].
 ///
 /// The film of the removed light takes 50 bytes, its sums in the error estimate 67, and the current
 /// pass 12.
-const BYTES_PER_CLAMPED_PIXEL: u64 = 140;
+const CLAMPING_BYTES_PER_PIXEL: u64 = 140;
 
-/// Memory per pixel that a render needs beside [`BYTES_PER_PIXEL`] for pictures that wait to be
-/// sent to the viewer tev \[bytes].
+/// Memory per pixel that a render needs beside [`BASE_BYTES_PER_PIXEL`] for pictures that wait to
+/// be sent to the viewer tev \[bytes].
 ///
 /// Two pictures and a packet take 40 bytes. Pictures with light groups take 80 more.
-const BYTES_PER_SENT_PIXEL: u64 = 120;
+const TEV_BYTES_PER_PIXEL: u64 = 120;
 
-/// Memory per pixel that a render needs beside [`BYTES_PER_PIXEL`] for surface AOVs after the last
-/// pass \[bytes].
+/// Memory per pixel that a render needs beside [`BASE_BYTES_PER_PIXEL`] for surface AOVs after the
+/// last pass \[bytes].
 ///
 /// The AOVs take 56 bytes. All layers of the picture and their copy in the file take the rest:
 /// 303 bytes were measured without motion, which takes 24 in all.
-const BYTES_PER_AOV_PIXEL: u64 = 364;
+const AOV_BYTES_PER_PIXEL: u64 = 364;
 
 /// Memory of each stored photon while the photon map is built \[bytes].
 ///
@@ -139,7 +139,7 @@ const PHOTON_MEMORY_REMEDY: &str = "choose fewer --photons or --caustic-photons 
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
 pub fn check_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
-    check_pixel_memory(count, size, BYTES_PER_PIXEL, free)
+    check_pixel_memory(count, size, BASE_BYTES_PER_PIXEL, free)
 }
 
 /// Returns the memory \[bytes] that `count` pictures need while they are rendered with error
@@ -150,35 +150,35 @@ pub fn check_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
-pub fn check_error_estimate_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
-    check_pixel_memory(count, size, BYTES_PER_PIXEL + BYTES_PER_ESTIMATED_PIXEL, free)
+pub fn check_estimated_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
+    check_pixel_memory(count, size, BASE_BYTES_PER_PIXEL + ERROR_BYTES_PER_PIXEL, free)
 }
 
 /// Layers that a render stores beside its picture. Each of them needs memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RenderedLayers {
     /// True if the render estimates the error of its picture.
-    pub error: bool,
+    pub estimates_error: bool,
     /// True if the render stores a picture for each light group.
-    pub groups: bool,
+    pub groups_light: bool,
     /// True if the render clamps light, and stores the light that clamping removes.
-    pub clamped: bool,
+    pub clamps_light: bool,
     /// True if the render sends pictures to the viewer tev.
-    pub sent: bool,
+    pub sends_to_tev: bool,
     /// True if surface AOVs are rendered after the last pass.
-    pub aovs: bool,
+    pub renders_aovs: bool,
 }
 
 impl RenderedLayers {
     /// Returns the memory per pixel of the picture and these layers together \[bytes].
     fn bytes_per_pixel(self) -> u64 {
         let bytes_if = |is_wanted: bool, bytes: u64| if is_wanted { bytes } else { 0 };
-        BYTES_PER_PIXEL
-            + bytes_if(self.error, BYTES_PER_ESTIMATED_PIXEL)
-            + bytes_if(self.groups, BYTES_PER_GROUPED_PIXEL)
-            + bytes_if(self.clamped, BYTES_PER_CLAMPED_PIXEL)
-            + bytes_if(self.sent, BYTES_PER_SENT_PIXEL)
-            + bytes_if(self.aovs, BYTES_PER_AOV_PIXEL)
+        BASE_BYTES_PER_PIXEL
+            + bytes_if(self.estimates_error, ERROR_BYTES_PER_PIXEL)
+            + bytes_if(self.groups_light, GROUP_BYTES_PER_PIXEL)
+            + bytes_if(self.clamps_light, CLAMPING_BYTES_PER_PIXEL)
+            + bytes_if(self.sends_to_tev, TEV_BYTES_PER_PIXEL)
+            + bytes_if(self.renders_aovs, AOV_BYTES_PER_PIXEL)
     }
 }
 
@@ -252,7 +252,7 @@ pub fn check_photon_memory(
     free: Option<u64>,
 ) -> Result<(), MemoryError> {
     let free = free.map(|free| free.saturating_sub(picture_bytes));
-    let ExpectedPhotons { paths, stored_photons: stored, largest_map } = expected;
+    let ExpectedPhotons { paths, stored_photons: stored, photons_in_largest_map: largest_map } = expected;
     if largest_map > u64::from(u32::MAX) {
         return Err(MemoryError::Indices { paths, stored: largest_map });
     }
@@ -264,50 +264,4 @@ pub fn check_photon_memory(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn too_large_pictures_are_refused() {
-        assert_eq!(check_picture_memory(1, (16_384, 16_384), None), Ok(88 << 28));
-        assert!(matches!(check_picture_memory(1, (16_385, 16_384), None), Err(MemoryError::Pixels(_))));
-        assert_eq!(check_picture_memory(1, (1000, 1000), Some(88_000_000)), Ok(88_000_000));
-        let refused = check_picture_memory(1, (1000, 1000), Some(87_999_999)).unwrap_err().to_string();
-        assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("88.0 MB"), "{refused}");
-        assert!(matches!(
-            check_error_estimate_memory(1, (1000, 1000), Some(469_999_999)),
-            Err(MemoryError::Picture { .. })
-        ));
-        let layers = RenderedLayers { error: true, groups: true, clamped: true, sent: true, aovs: true };
-        let bytes_per_pixel = 88 + 382 + 210 + 140 + 120 + 364;
-        let check = |free| check_layered_picture_memory((1000, 1000), layers, Some(free));
-        assert_eq!(check(bytes_per_pixel * 1_000_000), Ok(bytes_per_pixel * 1_000_000));
-        assert!(matches!(check(bytes_per_pixel * 1_000_000 - 1), Err(MemoryError::Picture { .. })));
-        assert_eq!(check_picture_memory(4, (500, 500), Some(88_000_000)), Ok(88_000_000));
-        let refused = check_picture_memory(5, (500, 500), Some(88_000_000)).unwrap_err().to_string();
-        assert!(refused.contains("5 pictures of 500 × 500 pixels take 110.0 MB"), "{refused}");
-        let film = RenderedLayers { error: true, groups: true, clamped: true, ..RenderedLayers::default() };
-        let check = |free| check_films_memory(2, (1000, 1000), film, Some(free));
-        assert_eq!(check(2 * (88 + 382 + 210 + 140) * 1_000_000), Ok(()));
-        let refused = check(2 * (88 + 382 + 210 + 140) * 1_000_000 - 1).unwrap_err().to_string();
-        assert!(refused.contains("2 films at a time of 1000 × 1000 pixels take 1.6 GB"), "{refused}");
-    }
-
-    #[test]
-    fn too_many_photons_are_refused() {
-        let index = u64::from(u32::MAX);
-        let expected = |photons, largest_map| ExpectedPhotons { paths: 1, stored_photons: photons, largest_map };
-        assert_eq!(check_photon_memory(expected(2 * index, index), 0, None), Ok(()));
-        assert!(matches!(
-            check_photon_memory(expected(2 * index, index + 1), 0, None),
-            Err(MemoryError::Indices { .. })
-        ));
-        assert_eq!(check_photon_memory(expected(1000, 600), 0, Some(120_000)), Ok(()));
-        assert_eq!(check_photon_memory(expected(1000, 600), 7, Some(120_007)), Ok(()));
-        assert!(check_photon_memory(expected(1000, 600), 8, Some(120_007)).is_err());
-        assert!(matches!(
-            check_photon_memory(expected(1001, 600), 0, Some(120_000)),
-            Err(MemoryError::Photons { stored: 1001, .. })
-        ));
-    }
-}
+mod tests;

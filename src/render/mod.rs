@@ -18,9 +18,9 @@ pub use expected_end::ExpectedEnd;
 pub use film::Film;
 pub use film_file::{FilmFile, FilmFileError, FilmHeader, InputDigest, read_film_header, read_pass_numbers};
 pub use layers::{picture_layers, rgb_layer, surface_layers};
-pub use limits::{DEFAULT_ERROR, DEFAULT_TIME, PREVIEW_ERROR, RenderLimits};
+pub use limits::{DEFAULT_TARGET_ERROR, DEFAULT_TIME_LIMIT, PREVIEW_TARGET_ERROR, RenderLimits};
 pub use memory::{
-    MemoryError, RenderedLayers, check_error_estimate_memory, check_films_memory, check_layered_picture_memory,
+    MemoryError, RenderedLayers, check_estimated_picture_memory, check_films_memory, check_layered_picture_memory,
     check_photon_memory, check_picture_memory,
 };
 pub use merge_error::MergeError;

@@ -18,7 +18,7 @@ pub(super) struct NoisyIntegrator {
     /// Error of each channel that no pass removes. It behaves like the blur of fixed gather radii
     /// in smooth light.
     pub bias: f32,
-    /// True if the render estimates its error: value of [`Integrator::returns_nested_estimates`].
+    /// True if the render estimates its error: value of [`Integrator::estimates_error`].
     pub estimates_error: bool,
 }
 

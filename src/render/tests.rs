@@ -77,7 +77,7 @@ fn render_in_parts(passes: &[PassResult], seed: u64) -> Render {
 fn result_bits_and_error((film, estimator): &Render) -> (Vec<u64>, Vec<u32>, ErrorEstimate) {
     let means = film.pixel_means().flat_map(|mean| mean.to_array().map(f64::to_bits)).collect();
     let maps = estimator.error_maps(film);
-    let maps = maps.noise.iter().chain(&maps.bias).flat_map(|value| value.to_array().map(f32::to_bits)).collect();
+    let maps = maps.noise.iter().chain(&maps.blur).flat_map(|value| value.to_array().map(f32::to_bits)).collect();
     (means, maps, estimator.estimate(film))
 }
 
@@ -109,7 +109,7 @@ fn infinities_and_nan_survive_merging() {
     passes[5].image[0].z = f32::INFINITY;
     let mut whole = empty_render();
     (0..9).zip(&passes).for_each(|(number, pass)| add_pass(&mut whole, number, pass));
-    let mean = whole.0.mean();
+    let mean = whole.0.mean_picture();
     assert!(mean[4].x.is_nan() && mean[9].y.is_nan() && mean[0].z == f32::INFINITY);
     assert_eq!(mean.iter().flat_map(|pixel| pixel.to_array()).filter(|value| !value.is_finite()).count(), 3);
     for seed in 0..40 {
@@ -123,7 +123,7 @@ fn infinities_and_nan_survive_merging() {
 #[test]
 fn films_that_do_not_fit_are_refused() {
     let mut film = Film::new(6, 5);
-    assert_eq!(film.merge(&Film::new(5, 6)), Err(MergeError::Size { own: (6, 5), other: (5, 6) }));
+    assert_eq!(film.merge(&Film::new(5, 6)), Err(MergeError::SizeMismatch { own: (6, 5), other: (5, 6) }));
     let mut many = Film::new(1, 1);
     many.add(&[Rgb::ONE]);
     // Doubling 31 times gives 2³¹ passes. Once more is one pass too many.
@@ -132,12 +132,12 @@ fn films_that_do_not_fit_are_refused() {
         many.merge(&same).unwrap();
     }
     let same = many.clone();
-    assert_eq!(many.merge(&same), Err(MergeError::Passes { own: 1 << 31, other: 1 << 31 }));
-    assert_eq!((many.passes(), many.mean()), (1 << 31, vec![Rgb::ONE]));
+    assert_eq!(many.merge(&same), Err(MergeError::TooManyPasses { own: 1 << 31, other: 1 << 31 }));
+    assert_eq!((many.passes(), many.mean_picture()), (1 << 31, vec![Rgb::ONE]));
     let mut estimator = ErrorEstimator::new(Some(LAW));
-    assert_eq!(estimator.merge(&ErrorEstimator::new(None)), Err(MergeError::Estimator));
+    assert_eq!(estimator.merge(&ErrorEstimator::new(None)), Err(MergeError::EstimatorMismatch));
     estimator.add(0, &noisy_pass(0, 1.0));
     let mut other = ErrorEstimator::new(Some(LAW));
     other.add(1, &PassResult { nested: Vec::new(), ..noisy_pass(1, 1.0) });
-    assert_eq!(estimator.merge(&other), Err(MergeError::Estimator));
+    assert_eq!(estimator.merge(&other), Err(MergeError::EstimatorMismatch));
 }

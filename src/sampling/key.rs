@@ -18,8 +18,8 @@
 //! | – | `Key::new` | seed | root of a render |
 //! | root, trial | `Key::purpose_key` | [`Purpose`] | one per purpose |
 //! | purpose | `Key::pass_key` | pass | one per pass; a pilot counts down from `u32::MAX` |
-//! | purpose `Camera` | `Key::shared_paths_key` | 0 | replaces the pass if passes share paths |
-//! | purpose `Camera` | `Key::unshared_paths_key` | pass + 1 | never the 0 of shared paths |
+//! | purpose `Camera` | `Key::shared_camera_paths_key` | 0 | for passes that share paths |
+//! | purpose `Camera` | `Key::unshared_camera_paths_key` | pass + 1 | never the 0 of shared paths |
 //! | pass, slice, round | `Key::photon_path_key` | path | one per photon path |
 //! | pass of photon paths | `Key::shutter_slice_key` | 2³² + slice | above all words of paths |
 //! | path | `Key::photon_vertex_key` | bounce | one per vertex of a photon path |
@@ -55,7 +55,7 @@ pub enum Purpose {
     /// Camera paths.
     Camera,
     /// Pilot simulation that finds gather radii before the first pass.
-    Pilot,
+    RadiusPilot,
     /// Pilot simulation that finds the probability with which each light emits caustic photons.
     AimedLightPower,
     /// Statistical tests.
@@ -116,11 +116,11 @@ pub enum Dimension {
     Mix,
     /// Position of a probe ray in the gather disc of a photon density estimate. Probe rays measure
     /// how much of the disc is surface.
-    Probe,
+    CoverageProbe,
     /// Choice at a surface that stores photons. In the algorithm `distributed`, it is between the
     /// diffuse and the glossy lobe. In `hybrid`, it is between the end and the continuation of a
     /// camera path.
-    ReceiverChoice,
+    ReceiverBranch,
     /// Russian roulette before a vertex of low throughput is shaded, and for photon paths that
     /// continue after a caustic.
     ShadingRoulette,
@@ -179,14 +179,14 @@ impl Key {
 
     /// Key of camera paths for integrators whose passes all trace the same camera paths.
     #[must_use]
-    pub fn shared_paths_key(self) -> Self {
+    pub fn shared_camera_paths_key(self) -> Self {
         self.child_key(0)
     }
 
     /// Key of camera paths that only pass `pass` traces. It serves integrators whose passes share
     /// all other camera paths.
     #[must_use]
-    pub fn unshared_paths_key(self, pass: u32) -> Self {
+    pub fn unshared_camera_paths_key(self, pass: u32) -> Self {
         self.child_key(u64::from(pass) + 1)
     }
 

@@ -11,13 +11,13 @@ use glam::Vec2;
 pub struct SquareGridDistribution {
     side: usize,
     /// Cumulative probabilities of the rows: `side + 1` numbers from 0 to 1.
-    rows: Vec<f32>,
+    row_cdf: Vec<f32>,
     /// Cumulative probabilities of the columns in each row: `side + 1` numbers per row.
-    columns: Vec<f32>,
+    column_cdfs: Vec<f32>,
 }
 
-/// Number of steps between 0 and 1: probabilities are multiples of 1/`STEPS` = 2⁻²⁴.
-const STEPS: f64 = 16_777_216.0;
+/// Number of steps between 0 and 1: probabilities are multiples of 1/`PROBABILITY_STEPS` = 2⁻²⁴.
+const PROBABILITY_STEPS: f64 = 16_777_216.0;
 
 /// Minimum probability of a row, or of a column in its row, in steps of 2⁻²⁴.
 ///
@@ -45,14 +45,14 @@ impl SquareGridDistribution {
         let sums: Vec<f64> = weights.chunks_exact(side).map(|row| row.iter().sum()).collect();
         let rows = cumulative_probabilities(&sums);
         let columns = weights.chunks_exact(side).flat_map(cumulative_probabilities).collect();
-        Some(Self { side, rows, columns })
+        Some(Self { side, row_cdf: rows, column_cdfs: columns })
     }
 
     /// Samples a point; returns it and its pdf. `u` is uniform in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
-        let (row, y, height) = find_interval(&self.rows, u.y);
+        let (row, y, height) = find_interval(&self.row_cdf, u.y);
         let (column, x, width) = find_interval(self.cumulative_column_probabilities(row), u.x);
         // Rounding must not move a point into the next cell, which has another pdf.
         let within = |cell: usize, x: f32| (cell as f32 + x).min((cell as f32 + 1.0).next_down());
@@ -66,7 +66,7 @@ impl SquareGridDistribution {
         let cell = |x: f32| ((x * self.side as f32) as usize).min(self.side - 1);
         let (column, row) = (cell(u.x), cell(u.y));
         let columns = self.cumulative_column_probabilities(row);
-        self.cell_pdf(columns[column + 1] - columns[column], self.rows[row + 1] - self.rows[row])
+        self.cell_pdf(columns[column + 1] - columns[column], self.row_cdf[row + 1] - self.row_cdf[row])
     }
 
     /// Index of the cell that contains `u`, row by row, in a grid of `side` × `side` cells.
@@ -80,7 +80,7 @@ impl SquareGridDistribution {
     /// Cumulative probabilities of the columns in `row`: `side + 1` numbers from 0 to 1.
     fn cumulative_column_probabilities(&self, row: usize) -> &[f32] {
         let stride = self.side + 1;
-        &self.columns[row * stride..(row + 1) * stride]
+        &self.column_cdfs[row * stride..(row + 1) * stride]
     }
 
     /// Pdf in a cell. `height` is the probability of its row, and `width` that of its column in the
@@ -102,7 +102,7 @@ fn cumulative_probabilities(weights: &[f64]) -> Vec<f32> {
     let inner = weights.iter().map(|w| {
         sum += weight(w);
         least += if weight(w) > 0.0 { MIN_CELL_STEPS } else { 0.0 };
-        (((sum.min(1.0) * (STEPS - kept)).round() + least) / STEPS) as f32
+        (((sum.min(1.0) * (PROBABILITY_STEPS - kept)).round() + least) / PROBABILITY_STEPS) as f32
     });
     std::iter::once(0.0).chain(inner).collect()
 }

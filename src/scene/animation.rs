@@ -6,7 +6,7 @@
 use super::build::{derive_scene_data, mean_emission_lights};
 use super::delta_light::{legacy_area_light, place_delta_light};
 use super::geometry::HitPrimitive;
-use super::{DeltaLightKind, Hit, LightStrength, Scene};
+use super::{Hit, LightStrength, Scene, UnscaledDeltaLight};
 use crate::camera::Camera;
 use crate::light::{EmissionTexture, LightSurface};
 use crate::math::{Motion, Transform};
@@ -31,7 +31,7 @@ pub(super) struct Animation {
     pub planes: Vec<(Plane, Motion)>,
     /// Moving delta lights: index in [`Scene::lights`], light before its motion is applied,
     /// strength and motion.
-    pub lights: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
+    pub lights: Vec<(usize, UnscaledDeltaLight, LightStrength, Motion)>,
     /// The camera before its motion is applied, and this motion, which acts about the camera's
     /// position.
     pub camera: Option<(Camera, Motion)>,
@@ -64,7 +64,7 @@ pub(super) fn plane_at_time(plane: &Plane, motion: &Motion, time: f64) -> Option
 }
 
 /// The delta light `kind` moved by `motion` at `time`; `None` if the transform is singular.
-pub(super) fn delta_light_at_time(kind: &DeltaLightKind, motion: &Motion, time: f64) -> Option<DeltaLightKind> {
+pub(super) fn delta_light_at_time(kind: &UnscaledDeltaLight, motion: &Motion, time: f64) -> Option<UnscaledDeltaLight> {
     Some(kind.transformed(&motion_transform_at_time(motion, time)?))
 }
 
@@ -80,7 +80,7 @@ pub(super) fn motion_of_hit<'a>(scene: &'a Scene, hit: &Hit) -> Option<&'a Motio
     match hit.primitive {
         HitPrimitive::Triangle(..) => None,
         HitPrimitive::Shape(i, _) => {
-            let moving = i.checked_sub(geometry.shapes.first_moving())?;
+            let moving = i.checked_sub(geometry.shapes.first_moving_index())?;
             animation.shapes.get(moving as usize).map(|(_, motion)| motion)
         }
         HitPrimitive::Plane(i) => {
@@ -112,7 +112,7 @@ pub(super) fn medium_at_time(medium: &Medium, motion: &Motion, time: f64) -> Opt
 /// converted for the light's position at mid-shutter. The light keeps this strength while it moves.
 /// Other strengths are returned unchanged.
 pub(super) fn physical_light_strength_at_mid_shutter(
-    kind: &DeltaLightKind,
+    kind: &UnscaledDeltaLight,
     strength: LightStrength,
     motion: &Motion,
 ) -> LightStrength {
@@ -170,7 +170,7 @@ pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
 /// Replaces moving shape `i`, counted from the first moving shape, by `shape`. If the shape emits
 /// light, its area light changes too.
 fn replace_moving_shape(scene: &mut Scene, i: usize, shape: Shape) {
-    let object = scene.geometry.objects[scene.geometry.shapes.first_moving() as usize + i];
+    let object = scene.geometry.objects[scene.geometry.shapes.first_moving_index() as usize + i];
     if let Some(light) = object.light {
         let light = light as usize;
         if let Some(area) = scene.lights[light].as_area_light_mut() {

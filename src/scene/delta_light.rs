@@ -1,7 +1,7 @@
 //! Strengths of delta lights, and counterparts of lights in the shading model of MIT course 6.837.
 
 use crate::color::Rgb;
-use crate::light::{DeltaLightKind, DeltaLightPlace, Light};
+use crate::light::{Light, LightPositionOrDirection, UnscaledDeltaLight};
 use crate::math::BoundingSphere;
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
@@ -32,9 +32,13 @@ pub enum LightStrength {
 ///
 /// The strength [`LightStrength::LegacyColor`] with colour c becomes irradiance π·c, on a surface
 /// at `origin` that faces the light. A white diffuse surface there reflects radiance c.
-pub(super) fn place_delta_light(kind: &DeltaLightKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
-    match kind.place() {
-        DeltaLightPlace::Position(position) => {
+pub(super) fn place_delta_light(
+    kind: &UnscaledDeltaLight,
+    strength: LightStrength,
+    origin: DVec3,
+) -> (Light, LegacyLight) {
+    match kind.position_or_direction() {
+        LightPositionOrDirection::Position(position) => {
             // A light at the origin is treated as if it were one unit away.
             let distance2 = (position - origin).length_squared() as f32;
             let distance2 = if distance2 > 0.0 { distance2 } else { 1.0 };
@@ -48,7 +52,7 @@ pub(super) fn place_delta_light(kind: &DeltaLightKind, strength: LightStrength, 
             };
             (kind.to_light(origin, intensity), LegacyLight::Point((position - origin).as_vec3(), color))
         }
-        DeltaLightPlace::Direction(direction) => {
+        LightPositionOrDirection::Direction(direction) => {
             let (irradiance, color) = match strength {
                 LightStrength::LegacyColor(c) => (c * PI, c),
                 LightStrength::Physical(e) | LightStrength::Power(e) => (e, e / PI),
@@ -65,7 +69,7 @@ pub(super) fn place_delta_light(kind: &DeltaLightKind, strength: LightStrength, 
 /// Its colour is the radiance that a white diffuse surface at the origin reflects, if the area
 /// light and the surface face each other.
 pub(super) fn legacy_area_light(light: &Light) -> LegacyLight {
-    let center = light.center().unwrap_or(Vec3::ZERO);
+    let center = light.center_or_surface_point().unwrap_or(Vec3::ZERO);
     let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
     let d2 = center.length_squared();
     let color = light.power(nowhere) / (PI * PI * if d2 > 0.0 { d2 } else { 1.0 });

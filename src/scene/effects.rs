@@ -3,8 +3,8 @@
 use super::InteriorKind;
 use std::str::FromStr;
 
-/// Text of [`CASTERS`].
-macro_rules! casters {
+/// Text of [`CASTER_DESCRIPTION`].
+macro_rules! caster_description {
     () => {
         "mirrors, glass, thin sheets, and conductors and coats of low roughness"
     };
@@ -12,7 +12,7 @@ macro_rules! casters {
 
 /// Names of all casters, as [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics) defines
 /// them, for texts about a scene.
-pub const CASTERS: &str = casters!();
+pub const CASTER_DESCRIPTION: &str = caster_description!();
 
 /// Former name of [`Effect::Specular`], still accepted.
 const SPECULAR_ALIAS: &str = "casters";
@@ -88,8 +88,10 @@ impl Effect {
     #[must_use]
     pub const fn symptom_if_missing(self) -> &'static str {
         match self {
-            Self::Specular => concat!(casters!(), " are black"),
-            Self::Caustics => concat!("caustics of ", casters!(), " are missing: their shadows are too dark"),
+            Self::Specular => concat!(caster_description!(), " are black"),
+            Self::Caustics => {
+                concat!("caustics of ", caster_description!(), " are missing: their shadows are too dark")
+            }
             Self::CausticBounces => "surfaces lit by caustics do not light other surfaces",
             Self::Interreflection => {
                 "diffuse surfaces do not light each other: surfaces without direct light are black"

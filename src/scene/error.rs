@@ -8,18 +8,18 @@ pub enum BuildError {
     EmissivePlane,
     /// After recentering, a coordinate does not fit single precision.
     #[error("the scene spans more than single precision can hold: the farthest coordinate is {0:e} from its middle")]
-    TooLarge(f64),
+    ExtentTooLarge(f64),
     /// The scene is so small that squared lengths underflow in single precision.
     #[error(
         "the scene is smaller than single precision can hold: the farthest coordinate is {0:e} from its middle; choose a larger unit of length"
     )]
-    TooSmall(f64),
+    ExtentTooSmall(f64),
     /// The power of the light with this index does not fit single precision.
     #[error("light {0} (counted from 0) is stronger than single precision can hold")]
     TooBright(usize),
     /// A motion flattens an object: its transform is singular.
     #[error("a motion flattens what it moves: choose scales that are not so small")]
-    Flattened,
+    SingularMotion,
     /// The scene has this number of triangles, which does not fit 31 bits.
     #[error("{0} triangles are more than the 2³¹ that can be indexed")]
     TooManyTriangles(usize),

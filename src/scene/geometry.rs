@@ -30,10 +30,10 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Converts an intersection that [`Geometry::hierarchy`] found: with a triangle or a shape at
-    /// rest.
+    /// Converts an intersection that [`Geometry::resting_hierarchy`] found: with a triangle or a
+    /// shape at rest.
     #[inline]
-    pub(super) fn of_resting(hit: PrimitiveHit) -> Self {
+    pub(super) fn from_resting_primitive(hit: PrimitiveHit) -> Self {
         let uv = Vec2::new(hit.u, hit.v);
         let primitive = match hit.primitive {
             PrimitiveIndex::Triangle(i) => HitPrimitive::Triangle(i, uv),
@@ -42,10 +42,10 @@ impl Hit {
         Self { t: hit.t, primitive }
     }
 
-    /// Converts an intersection that [`Geometry::moving`] found: with a moving shape.
+    /// Converts an intersection that [`Geometry::moving_hierarchy`] found: with a moving shape.
     /// `first_moving` is the index of the first moving shape in the list of all shapes.
     #[inline]
-    pub(super) fn of_moving(hit: PrimitiveHit, first_moving: u32) -> Self {
+    pub(super) fn from_moving_shape(hit: PrimitiveHit, first_moving: u32) -> Self {
         let (PrimitiveIndex::Triangle(i) | PrimitiveIndex::Other(i)) = hit.primitive;
         Self { t: hit.t, primitive: HitPrimitive::Shape(first_moving + i, Vec2::new(hit.u, hit.v)) }
     }
@@ -112,9 +112,9 @@ pub(super) struct Geometry {
     /// Bounds of all objects at rest except unbounded planes.
     pub static_bounds: Bounds,
     /// Hierarchy over triangles and shapes at rest.
-    pub hierarchy: Arc<Hierarchy>,
+    pub resting_hierarchy: Arc<Hierarchy>,
     /// Hierarchy over moving shapes; `None` if there are none.
-    pub moving: Option<Arc<Hierarchy>>,
+    pub moving_hierarchy: Option<Arc<Hierarchy>>,
 }
 
 /// Builds the hierarchy over the triangles of `mesh`, and over shapes at rest with these `boxes`.
@@ -140,10 +140,11 @@ impl Geometry {
     ) -> Self {
         let shapes = ShapeList::new(shapes, first_moving);
         let boxes: Vec<Bounds> = shapes.resting().iter().map(Shape::bounds).collect();
-        let (hierarchy, static_bounds) = match earlier.filter(|earlier| earlier.hierarchy_matches(&mesh, &boxes)) {
-            Some(earlier) => (earlier.hierarchy.clone(), earlier.static_bounds),
-            None => build_static_hierarchy(&mesh, &boxes),
-        };
+        let (hierarchy, static_bounds) =
+            match earlier.filter(|earlier| earlier.resting_hierarchy_matches(&mesh, &boxes)) {
+                Some(earlier) => (earlier.resting_hierarchy.clone(), earlier.static_bounds),
+                None => build_static_hierarchy(&mesh, &boxes),
+            };
         let mut triangle_object = Vec::with_capacity(mesh.triangles.len());
         for (range, object) in mesh_ranges.iter().zip(shapes.len() as u32..) {
             triangle_object.resize(range.end as usize, object);
@@ -156,16 +157,16 @@ impl Geometry {
             mesh_ranges: mesh_ranges.into(),
             triangle_object: triangle_object.into(),
             static_bounds,
-            hierarchy,
-            moving: None,
+            resting_hierarchy: hierarchy,
+            moving_hierarchy: None,
         };
         geometry.rebuild_moving_hierarchy();
         geometry
     }
 
-    /// True if [`Geometry::hierarchy`] is over the triangles of `mesh` and over `boxes`, in their
-    /// order and with the same bits.
-    fn hierarchy_matches(&self, mesh: &Mesh, boxes: &[Bounds]) -> bool {
+    /// True if [`Geometry::resting_hierarchy`] is over the triangles of `mesh` and over `boxes`, in
+    /// their order and with the same bits.
+    fn resting_hierarchy_matches(&self, mesh: &Mesh, boxes: &[Bounds]) -> bool {
         let bits = |point: Vec3| point.to_array().map(f32::to_bits);
         let corners = |mesh: &Mesh, i: usize| mesh.corners(i).map(bits);
         let box_bits = |bounds: &Bounds| [bounds.min, bounds.max].map(bits);
@@ -179,7 +180,7 @@ impl Geometry {
     /// Rebuilds the hierarchy over moving shapes, after their positions have changed.
     pub fn rebuild_moving_hierarchy(&mut self) {
         let boxes: Vec<Bounds> = self.shapes.moving().iter().map(Shape::bounds).collect();
-        self.moving = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
+        self.moving_hierarchy = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
     }
 
     /// Bounds of all objects except unbounded planes.
@@ -220,16 +221,17 @@ impl Geometry {
     /// ray hits nothing.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let Self { shapes, hierarchy, moving, .. } = self;
+        let Self { shapes, resting_hierarchy: hierarchy, moving_hierarchy: moving, .. } = self;
         let (resting, in_motion) = (shapes.resting(), shapes.moving());
 
         // Find the nearest triangle or shape at rest.
-        let mut hit = hierarchy.closest_hit(ray, |i, ray| resting[i as usize].intersect(ray)).map(Hit::of_resting);
+        let mut hit =
+            hierarchy.closest_hit(ray, |i, ray| resting[i as usize].intersect(ray)).map(Hit::from_resting_primitive);
 
         // Find a moving shape that is nearer.
         if let Some(moving) = moving {
             let nearer = moving.closest_hit(&Hit::limit_ray(hit, ray), |i, ray| in_motion[i as usize].intersect(ray));
-            hit = nearer.map(|h| Hit::of_moving(h, shapes.first_moving())).or(hit);
+            hit = nearer.map(|h| Hit::from_moving_shape(h, shapes.first_moving_index())).or(hit);
         }
 
         self.nearest_plane_hit(&Hit::limit_ray(hit, ray)).or(hit)
@@ -252,7 +254,7 @@ impl Geometry {
     /// True if `ray` hits any primitive, for 0 < t < `ray.t_max`.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let Self { shapes, planes, hierarchy, moving, .. } = self;
+        let Self { shapes, planes, resting_hierarchy: hierarchy, moving_hierarchy: moving, .. } = self;
         let (resting, in_motion) = (shapes.resting(), shapes.moving());
         planes.iter().any(|plane| plane.intersect(ray).is_some())
             || hierarchy.occluded(ray, |i, ray| resting[i as usize].occludes(ray))
@@ -275,9 +277,9 @@ impl Geometry {
                 },
             );
         };
-        search(&self.hierarchy, self.shapes.resting(), 0);
-        if let Some(moving) = &self.moving {
-            search(moving, self.shapes.moving(), self.shapes.first_moving());
+        search(&self.resting_hierarchy, self.shapes.resting(), 0);
+        if let Some(moving) = &self.moving_hierarchy {
+            search(moving, self.shapes.moving(), self.shapes.first_moving_index());
         }
         for (i, plane) in self.planes.iter().enumerate() {
             if let Some(ShapeHit { t, .. }) = plane.intersect(ray) {

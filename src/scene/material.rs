@@ -3,7 +3,7 @@
 use super::interiors::Body;
 use super::textured::{MaterialParameter, MeanParameterEvaluator, NormalPerturbation, ParameterEvaluator};
 use crate::bsdf::{
-    Bsdf, Conductor, MicrofacetScattering, ThinDielectric, conductor_reflectance, dielectric_reflectance,
+    Bsdf, Conductor, MicrofacetScattering, ThinDielectric, conductor_reflectance, dielectric_reflectance_and_cosine,
 };
 use crate::color::Rgb;
 use crate::texture::Texture;
@@ -28,7 +28,7 @@ pub struct Material {
 /// roughness decides whether the surface stores photons, `roughness_decides_photon_storage` is
 /// true, and `bsdf` reads the roughness by `evaluate_photon_storage_roughness`: camera and photon
 /// paths must find the same kind of BSDF at a point. `visit_bsdf_variants` visits each BSDF that a
-/// texture can make of it. A coat over a base needs `is_chosen_by_chance`.
+/// texture can make of it. A coat over a base needs `chooses_bsdf_randomly`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
     /// A surface that absorbs all light.
@@ -64,7 +64,7 @@ pub enum MaterialKind {
         scattering: MicrofacetScattering,
     },
     /// A thin dielectric sheet. Transmitted light continues without deflection or displacement.
-    Thin {
+    ThinDielectric {
         /// Refractive index of the sheet relative to its surroundings.
         eta: f32,
         /// Internal transmittance of the sheet along its normal, per channel, in (0, 1]; Fresnel
@@ -135,9 +135,10 @@ impl MaterialKind {
                 let alpha = parameters.evaluate_photon_storage_roughness(&roughness);
                 Bsdf::Conductor(Conductor::new(eta, k, alpha, scattering))
             }
-            Self::Thin { eta, transmittance } => {
-                Bsdf::ThinDielectric(ThinDielectric { eta, transmittance: parameters.evaluate_color(&transmittance) })
-            }
+            Self::ThinDielectric { eta, transmittance } => Bsdf::ThinDielectric(ThinDielectric {
+                eta,
+                internal_transmittance: parameters.evaluate_color(&transmittance),
+            }),
             Self::Dielectric { body, roughness, scattering } => {
                 Bsdf::dielectric(body.eta, parameters.evaluate_scalar(&roughness), scattering)
             }
@@ -156,7 +157,7 @@ impl MaterialKind {
     pub fn phong_appearance(&self, parameters: &impl ParameterEvaluator) -> PhongAppearance {
         let diffuse = match self {
             Self::Diffuse { reflectance } | Self::Mirror { reflectance } => parameters.evaluate_color(reflectance),
-            Self::Thin { transmittance, .. } => parameters.evaluate_color(transmittance),
+            Self::ThinDielectric { transmittance, .. } => parameters.evaluate_color(transmittance),
             Self::Phong { diffuse, specular, shininess } => {
                 return PhongAppearance {
                     diffuse: parameters.evaluate_color(diffuse),
@@ -169,7 +170,7 @@ impl MaterialKind {
                 let alpha = parameters.evaluate_scalar(roughness).max(MIN_HIGHLIGHT_ALPHA);
                 return PhongAppearance {
                     diffuse: parameters.evaluate_color(reflectance),
-                    specular: Rgb::splat(dielectric_reflectance(1.0, *eta).0),
+                    specular: Rgb::splat(dielectric_reflectance_and_cosine(1.0, *eta).0),
                     shininess: 2.0 / (alpha * alpha) - 2.0,
                 };
             }
@@ -194,7 +195,7 @@ impl MaterialKind {
     }
 
     /// True if each hit chooses one of several BSDFs at random.
-    fn is_chosen_by_chance(&self) -> bool {
+    fn chooses_bsdf_randomly(&self) -> bool {
         match self {
             Self::Mix { .. } | Self::CoatedDiffuse { .. } => true,
             Self::Black
@@ -202,7 +203,7 @@ impl MaterialKind {
             | Self::Phong { .. }
             | Self::Mirror { .. }
             | Self::Conductor { .. }
-            | Self::Thin { .. }
+            | Self::ThinDielectric { .. }
             | Self::Dielectric { .. } => false,
         }
     }
@@ -218,7 +219,7 @@ impl MaterialKind {
             | Self::Diffuse { .. }
             | Self::Phong { .. }
             | Self::Mirror { .. }
-            | Self::Thin { .. }
+            | Self::ThinDielectric { .. }
             | Self::Dielectric { .. }
             | Self::Mix { .. } => false,
         }
@@ -230,7 +231,7 @@ impl MaterialKind {
             Self::Black => false,
             Self::Diffuse { reflectance } | Self::Mirror { reflectance } => reflectance.is_textured(),
             Self::Phong { diffuse, specular, .. } => diffuse.is_textured() || specular.is_textured(),
-            Self::Thin { transmittance, .. } => transmittance.is_textured(),
+            Self::ThinDielectric { transmittance, .. } => transmittance.is_textured(),
             Self::Conductor { roughness, .. } | Self::Dielectric { roughness, .. } => roughness.is_textured(),
             Self::CoatedDiffuse { reflectance, roughness, .. } => reflectance.is_textured() || roughness.is_textured(),
             Self::Mix { amount, .. } => amount.is_textured(),
@@ -251,7 +252,7 @@ impl Material {
     /// components may store photons. Other materials are returned unchanged.
     ///
     /// `materials` is the list that the component indices of the mix refer to.
-    pub(super) fn with_mix_components(self, materials: &[Self]) -> Self {
+    pub(super) fn with_mix_photon_storage(self, materials: &[Self]) -> Self {
         let Some(parts) = self.mix_component_indices() else { return self };
         // A missing component is an error that the builder reports later.
         let stores = |part: u32| materials.get(part as usize).is_some_and(|part| part.may_store_photons);
@@ -326,7 +327,7 @@ impl Material {
     /// This material without light that scatters between microfacets; unchanged if it is neither a
     /// metal nor the boundary of a body.
     #[must_use]
-    pub fn with_single_scattering(self) -> Self {
+    pub fn with_single_microfacet_scattering(self) -> Self {
         let scattering = MicrofacetScattering::Single;
         let kind = match self.kind {
             MaterialKind::Conductor { eta, k, roughness, .. } => {
@@ -339,7 +340,7 @@ impl Material {
             | MaterialKind::Diffuse { .. }
             | MaterialKind::Phong { .. }
             | MaterialKind::Mirror { .. }
-            | MaterialKind::Thin { .. }
+            | MaterialKind::ThinDielectric { .. }
             | MaterialKind::CoatedDiffuse { .. }
             | MaterialKind::Mix { .. } => return self,
         };
@@ -350,7 +351,7 @@ impl Material {
     /// transmittance along the normal, without Fresnel reflection.
     #[must_use]
     pub fn thin_dielectric(eta: f32, transmittance: impl Into<MaterialParameter<Rgb>>) -> Self {
-        Self::new(MaterialKind::Thin { eta, transmittance: transmittance.into() })
+        Self::new(MaterialKind::ThinDielectric { eta, transmittance: transmittance.into() })
     }
 
     /// A diffuse base of `reflectance` in \[0, 1] under a dielectric coat, such as plastic.
@@ -409,7 +410,7 @@ impl Material {
             | MaterialKind::Phong { .. }
             | MaterialKind::Mirror { .. }
             | MaterialKind::Conductor { .. }
-            | MaterialKind::Thin { .. }
+            | MaterialKind::ThinDielectric { .. }
             | MaterialKind::CoatedDiffuse { .. }
             | MaterialKind::Mix { .. } => self,
         }
@@ -443,8 +444,8 @@ impl Material {
 
     /// True if each hit chooses one of several BSDFs at random: at a mix, or at a coated surface.
     #[inline]
-    pub(super) fn is_chosen_by_chance(&self) -> bool {
-        self.kind.is_chosen_by_chance()
+    pub(super) fn chooses_bsdf_randomly(&self) -> bool {
+        self.kind.chooses_bsdf_randomly()
     }
 
     /// True if a hit may resolve to a BSDF that stores photons: for a mix, if a component may.
@@ -469,7 +470,7 @@ impl Material {
     /// Treatment of light that several microfacets of a dielectric body's boundary scatter;
     /// `Multiple` for other materials.
     #[inline]
-    pub(super) fn boundary_scattering(&self) -> MicrofacetScattering {
+    pub(super) fn boundary_microfacet_scattering(&self) -> MicrofacetScattering {
         if let MaterialKind::Dielectric { scattering, .. } = self.kind {
             scattering
         } else {
@@ -488,8 +489,8 @@ impl Material {
     /// Two BSDFs are of different kinds if they differ in being specular, in storing photons, or in
     /// transmitting. The method visits the BSDF with mean parameters. For a conductor or coat with
     /// a roughness texture, it also visits the BSDFs with the least and the greatest roughness. A
-    /// coat with α up to [`PHOTON_STORAGE_ALPHA`](crate::bsdf::PHOTON_STORAGE_ALPHA) is also
-    /// visited alone, without its base.
+    /// coat with α up to [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA) is
+    /// also visited alone, without its base.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         let mut visit = |bsdf: Bsdf| {
             visit(bsdf);
@@ -522,7 +523,7 @@ impl Material {
             | MaterialKind::Diffuse { .. }
             | MaterialKind::Phong { .. }
             | MaterialKind::Mirror { .. }
-            | MaterialKind::Thin { .. }
+            | MaterialKind::ThinDielectric { .. }
             | MaterialKind::Dielectric { .. }
             | MaterialKind::Mix { .. } => {}
         }

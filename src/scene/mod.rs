@@ -12,7 +12,7 @@ mod film_motion;
 mod geometry;
 mod interiors;
 mod material;
-mod motion_extent;
+mod motion_length;
 mod near_primitives;
 mod path_ray;
 mod queries;
@@ -21,19 +21,19 @@ mod shape_list;
 mod surface_interaction;
 mod textured;
 
-pub use crate::light::DeltaLightKind;
+pub use crate::light::UnscaledDeltaLight;
 pub use build::SceneBuilder;
 pub use delta_light::{LegacyLight, LightStrength};
-pub use effects::{CASTERS, Effect, Effects};
+pub use effects::{CASTER_DESCRIPTION, Effect, Effects};
 pub use error::BuildError;
 pub use film_motion::FilmMotionMeter;
 pub use geometry::Hit;
-pub(crate) use interiors::for_interior;
+pub(crate) use interiors::with_interior_type;
 pub use interiors::{
     Body, BoundaryEvent, CurrentMedium, Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior,
 };
 pub use material::{Material, MaterialKind, PhongAppearance};
-pub use motion_extent::motion_on_film;
+pub use motion_length::max_motion_in_pixels;
 pub use near_primitives::NearPrimitives;
 pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
 pub use queries::{LeafMaterial, ObjectSummary};
@@ -218,7 +218,7 @@ impl Scene {
     /// radius is four times as large.
     #[must_use]
     pub fn photon_domain(&self) -> BoundingSphere {
-        self.derived.domain
+        self.derived.photon_domain
     }
 
     /// Origin of scene coordinates, in the coordinates of the scene description.
@@ -287,7 +287,7 @@ impl Scene {
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
         // Only a material that can have several BSDFs needs a random number.
-        let is_chosen_by_chance = material.is_chosen_by_chance();
+        let is_chosen_by_chance = material.chooses_bsdf_randomly();
         let mut chance = if is_chosen_by_chance { u_mix() } else { 0.0 };
         let other_stores_photons = is_chosen_by_chance && material.may_store_photons();
         if material.mix_component_indices().is_some() {
@@ -303,15 +303,15 @@ impl Scene {
             material,
             material_index,
             bsdf: material.mean_bsdf(),
-            other_stores_photons,
-            roughness: material.mean_boundary_roughness(),
+            other_choice_stores_photons: other_stores_photons,
+            boundary_roughness: material.mean_boundary_roughness(),
             coincidence_group: near_boundary.then(|| self.geometry.coincidence_group(hit.primitive)),
             coincident: CoincidentFaces::NONE,
             light: object.light,
             emission,
         };
         if material.needs_textures() {
-            self.apply_textures(&mut surface, hit, cone);
+            self.evaluate_surface_textures(&mut surface, hit, cone);
         }
         surface.bsdf = surface.bsdf.select_layer(wo, surface.point.ns, chance);
         surface
@@ -320,7 +320,7 @@ impl Scene {
     /// Geometric unit normal at `hit` of `ray`, which must have a unit direction.
     #[inline]
     #[must_use]
-    pub fn normal_at(&self, ray: &Ray, hit: &Hit) -> Vec3 {
+    pub fn geometric_normal_at(&self, ray: &Ray, hit: &Hit) -> Vec3 {
         self.geometry.surface_point(ray, hit).ng
     }
 
@@ -339,13 +339,13 @@ impl Scene {
 
     /// Evaluates the textured parameters of a surface, and perturbs its shading normal.
     #[inline(never)]
-    fn apply_textures(&self, surface: &mut SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) {
+    fn evaluate_surface_textures(&self, surface: &mut SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) {
         let footprint = TextureFootprint::new(&self.geometry, &self.mappings, hit, &surface.point, surface.wo, cone);
         let material = surface.material;
         if material.is_textured() && cone.effects.has(Effect::Textures) {
-            let lookups = TextureEvaluator { textures: &self.textures, at: footprint.context };
+            let lookups = TextureEvaluator { textures: &self.textures, context: footprint.context };
             surface.bsdf = material.bsdf(&lookups);
-            surface.roughness = material.boundary_roughness(&lookups);
+            surface.boundary_roughness = material.boundary_roughness(&lookups);
         }
         if cone.effects.has(Effect::Bump) {
             let width = f64::from(cone.width());
@@ -370,7 +370,7 @@ impl Scene {
         while let Some(([first, second], amount)) = self.materials[index as usize].kind().as_mix() {
             let amount = match amount {
                 MaterialParameter::Texture { .. } if effects.has(Effect::Textures) => {
-                    TextureEvaluator { textures: &self.textures, at: context() }.evaluate_scalar(amount)
+                    TextureEvaluator { textures: &self.textures, context: context() }.evaluate_scalar(amount)
                 }
                 amount => amount.mean(),
             };

@@ -24,8 +24,8 @@ impl<'a> NearPrimitives<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, bounds: &Bounds) -> Self {
         let geometry = &scene.geometry;
-        let moving = geometry.moving.as_ref().and_then(|moving| moving.leaves_near(bounds));
-        Self { geometry, resting: geometry.hierarchy.leaves_near(bounds), moving }
+        let moving = geometry.moving_hierarchy.as_ref().and_then(|moving| moving.leaves_overlapping_bounds(bounds));
+        Self { geometry, resting: geometry.resting_hierarchy.leaves_overlapping_bounds(bounds), moving }
     }
 
     /// The nearest intersection of `ray`, for 0 < t < `ray.t_max`; `None` if the ray hits nothing.
@@ -36,15 +36,16 @@ impl<'a> NearPrimitives<'a> {
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let Self { geometry, resting: Some(leaves), moving } = self else { return self.geometry.intersect(ray) };
         let (resting, in_motion) = (geometry.shapes.resting(), geometry.shapes.moving());
-        let bounded = geometry.hierarchy.closest_hit_near(leaves, ray, |i, ray| resting[i as usize].intersect(ray));
-        let mut hit = bounded.map(Hit::of_resting);
-        if let Some(hierarchy) = &geometry.moving {
+        let bounded =
+            geometry.resting_hierarchy.closest_hit_in_leaves(leaves, ray, |i, ray| resting[i as usize].intersect(ray));
+        let mut hit = bounded.map(Hit::from_resting_primitive);
+        if let Some(hierarchy) = &geometry.moving_hierarchy {
             let (within, test) = (Hit::limit_ray(hit, ray), |i: u32, ray: &Ray| in_motion[i as usize].intersect(ray));
             let nearer = match moving {
-                Some(leaves) => hierarchy.closest_hit_near(leaves, &within, test),
+                Some(leaves) => hierarchy.closest_hit_in_leaves(leaves, &within, test),
                 None => hierarchy.closest_hit(&within, test),
             };
-            hit = nearer.map(|h| Hit::of_moving(h, geometry.shapes.first_moving())).or(hit);
+            hit = nearer.map(|h| Hit::from_moving_shape(h, geometry.shapes.first_moving_index())).or(hit);
         }
         geometry.nearest_plane_hit(&Hit::limit_ray(hit, ray)).or(hit)
     }

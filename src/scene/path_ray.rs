@@ -27,14 +27,14 @@ pub struct MediumSegment<'a, I> {
     /// infinite.
     pub ray: Ray,
     /// Index of the medium in [`Scene::media`].
-    pub index: u32,
+    pub medium_index: u32,
     /// The medium of this part of the segment.
     pub medium: &'a Medium,
     /// The dielectric bodies and media around this part of the segment.
     pub interior: I,
     /// Transmittance due to absorption in dielectric bodies, from the last path vertex to the start
     /// of this part.
-    pub transmittance_before: Rgb,
+    pub absorption_transmittance_before: Rgb,
     /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden) before
     /// this part. The boundary would block a shadow ray.
     pub crossed_hidden_boundary: bool,
@@ -50,7 +50,7 @@ pub enum PathEvent<'a> {
     Scattered {
         /// Transmittance of the path segment due to absorption in dielectric bodies; media are not
         /// included.
-        transmittance: Rgb,
+        absorption_transmittance: Rgb,
         /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden),
         /// which would block a shadow ray.
         crossed_hidden_boundary: bool,
@@ -70,7 +70,7 @@ pub struct SurfaceVertex<'a> {
     pub surface: SurfaceInteraction<'a>,
     /// Transmittance of the path segment due to absorption in dielectric bodies, times the weight
     /// of a wavelength sampled at the surface. Media are not included.
-    pub transmittance: Rgb,
+    pub absorption_and_wavelength_weight: Rgb,
     /// Length of the path segment \[length].
     pub distance: f32,
     /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden), which
@@ -112,29 +112,29 @@ impl<I: Interior> PathRay<I> {
             // Scatter in the medium before this surface.
             if I::HAS_MEDIA_OR_WAVELENGTH
                 && let Some((index, ray, from)) =
-                    medium_segment(scene, &self.ray, hit.map_or(f32::INFINITY, |hit| hit.t), &self.interior)
+                    clip_ray_to_medium(scene, &self.ray, hit.map_or(f32::INFINITY, |hit| hit.t), &self.interior)
             {
                 let (medium, interior) = (&scene.media[index as usize], self.interior);
                 let segment = MediumSegment {
                     ray,
-                    index,
+                    medium_index: index,
                     medium,
                     interior,
-                    transmittance_before: transmittance,
+                    absorption_transmittance_before: transmittance,
                     crossed_hidden_boundary,
                 };
                 if let Some(t) = sample_scattering(&segment) {
                     self.ray = Ray::new(ray.at(t), ray.direction);
                     self.cone = cone;
                     self.cone.widen_over_distance(from + t);
-                    return PathEvent::Scattered { transmittance, crossed_hidden_boundary };
+                    return PathEvent::Scattered { absorption_transmittance: transmittance, crossed_hidden_boundary };
                 }
             }
 
             // Escape if there is no surface, else absorb along the segment.
             let Some((surface, t)) = &mut surface else { return PathEvent::Escaped { crossed_hidden_boundary } };
             distance += *t;
-            let more = self.interior.optical_depth(scene, *t);
+            let more = self.interior.absorption_optical_depth(scene, *t);
             if more != Rgb::ZERO {
                 depth += more.as_dvec3();
                 transmittance = exp_neg(depth.as_vec3());
@@ -146,7 +146,7 @@ impl<I: Interior> PathRay<I> {
                     transmittance *= self.interior.wavelength_weight_before_scattering(surface);
                     return PathEvent::Surface(SurfaceVertex {
                         surface: *surface,
-                        transmittance,
+                        absorption_and_wavelength_weight: transmittance,
                         distance,
                         crossed_hidden_boundary,
                     });
@@ -209,8 +209,8 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
             surface = Some(found);
         }
         let distance = hit.map_or(ray.t_max * length, |hit| hit.t);
-        depth += interior.optical_depth(scene, finite_or_zero(distance)).as_dvec3();
-        if let Some((index, part, _)) = medium_segment(scene, &unit, distance, &interior) {
+        depth += interior.absorption_optical_depth(scene, finite_or_zero(distance)).as_dvec3();
+        if let Some((index, part, _)) = clip_ray_to_medium(scene, &unit, distance, &interior) {
             left *= scene.media[index as usize].transmittance_f64(&part, part.t_max, &mut rng);
         }
         let transmittance = exp_neg(depth.as_vec3()) * left.as_vec3();
@@ -228,8 +228,8 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
 /// Estimates the transmittance of `ray` without surfaces: see [`Scene::interior_transmittance`].
 #[inline]
 pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, interior: &I, key: Key) -> Rgb {
-    let bodies = interior.transmittance(scene, finite_or_zero(ray.t_max));
-    match medium_segment(scene, ray, ray.t_max, interior) {
+    let bodies = interior.absorption_transmittance(scene, finite_or_zero(ray.t_max));
+    match clip_ray_to_medium(scene, ray, ray.t_max, interior) {
         Some((index, part, _)) => bodies * scene.media[index as usize].transmittance(&part, part.t_max, &mut key.rng()),
         None => bodies,
     }
@@ -241,13 +241,13 @@ pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, inte
 /// Returns the index of the medium, the part as a ray, and the distance \[length] from the ray's
 /// origin to the part. `ray` must have a unit direction.
 #[inline]
-fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior: &I) -> Option<(u32, Ray, f32)> {
+fn clip_ray_to_medium<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior: &I) -> Option<(u32, Ray, f32)> {
     let CurrentMedium { medium, ambient } = interior.current_medium(scene)?;
     let whole = Ray { t_max: end, ..*ray };
     if !ambient {
         return Some((medium, whole, 0.0));
     }
-    let extent = scene.derived.ambient_extent;
+    let extent = scene.derived.ambient_medium_sphere;
     let (o, d) = ((ray.origin - extent.center).as_dvec3(), ray.direction.as_dvec3());
     let radius = f64::from(extent.radius);
     let middle = -o.dot(d);

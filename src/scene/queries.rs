@@ -60,7 +60,7 @@ impl Scene {
     /// Number of parts of the scene that a copy for another shutter time stores anew: moving
     /// shapes, and all planes, lights and texture mappings.
     #[must_use]
-    pub fn unshared_part_count(&self) -> usize {
+    pub fn parts_copied_per_time(&self) -> usize {
         let Self { geometry, lights, mappings, .. } = self;
         geometry.shapes.moving().len() + geometry.planes.len() + lights.len() + mappings.len()
     }
@@ -81,7 +81,7 @@ impl Scene {
             bounding_sphere,
             plane,
             material: attributes.material,
-            has_emission_texture: self.has_emission_texture(attributes),
+            has_emission_texture: self.object_has_emission_texture(attributes),
         };
         let shapes = geometry.shapes.iter().zip(&*geometry.objects).map(move |(shape, attributes)| {
             let plane = shape.point_if_planar().map(|point| (point.p, point.ng));
@@ -98,7 +98,7 @@ impl Scene {
         shapes.chain(meshes).chain(planes)
     }
 
-    fn has_emission_texture(&self, attributes: &ObjectAttributes) -> bool {
+    fn object_has_emission_texture(&self, attributes: &ObjectAttributes) -> bool {
         attributes.light.is_some_and(|light| self.lights[light as usize].has_emission_texture())
     }
 
@@ -127,8 +127,8 @@ impl Scene {
     ///
     /// A conductor or coat with a roughness texture is visited with its mean, least and greatest
     /// roughness, because their BSDFs may differ in kind. A coat with α up to
-    /// [`PHOTON_STORAGE_ALPHA`](crate::bsdf::PHOTON_STORAGE_ALPHA) is also visited alone, without
-    /// its base.
+    /// [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA) is also visited alone,
+    /// without its base.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
         match material.mix_component_indices() {
@@ -160,11 +160,11 @@ impl Scene {
     /// The flags apply to the material with index `material` or, for a mix, to any of its
     /// components.
     #[must_use]
-    pub fn texture_usage(&self, material: u32) -> (bool, bool) {
+    pub fn material_texture_usage(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
         let own = (material.is_textured(), material.normal_perturbation() != NormalPerturbation::None);
         let Some(parts) = material.mix_component_indices() else { return own };
-        let parts = parts.map(|part| self.texture_usage(part));
+        let parts = parts.map(|part| self.material_texture_usage(part));
         parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
 
@@ -196,7 +196,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn camera_ray_cone(&self, effects: Effects) -> RayCone {
-        RayCone::from_pixel_footprint(self.camera.pixel_footprint(), effects)
+        RayCone::from_pixel_footprint(self.camera.pixel_footprint_and_growth(), effects)
     }
 
     /// Returns the first ray of a light path: `ray`, with the interior around light `light`.

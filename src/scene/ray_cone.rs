@@ -22,7 +22,7 @@ pub struct RayCone {
     /// True for camera paths. False for light paths, whose cones have zero width.
     widens: bool,
     /// True after a non-specular scattering event of the path.
-    scattered: bool,
+    has_nonspecular_scattering: bool,
     /// The effects that the path simulates.
     pub effects: Effects,
 }
@@ -45,7 +45,7 @@ impl RayCone {
     #[inline]
     #[must_use]
     pub const fn zero_width_cone(effects: Effects) -> Self {
-        Self { width: 0.0, spread: 0.0, widens: false, scattered: false, effects }
+        Self { width: 0.0, spread: 0.0, widens: false, has_nonspecular_scattering: false, effects }
     }
 
     /// Widens the cone over `distance` \[length].
@@ -60,7 +60,7 @@ impl RayCone {
         if self.widens {
             self.spread += bsdf.ray_cone_spread();
         }
-        self.scattered |= !bsdf.is_specular();
+        self.has_nonspecular_scattering |= !bsdf.is_specular();
     }
 
     /// Adds the spread that scattering in a medium causes, unless the cone never widens.
@@ -69,7 +69,7 @@ impl RayCone {
         if self.widens {
             self.spread += DIFFUSE_CONE_SPREAD;
         }
-        self.scattered = true;
+        self.has_nonspecular_scattering = true;
     }
 
     /// Diameter of the cone at the current end of the ray \[length].
@@ -85,6 +85,6 @@ impl RayCone {
     /// agrees with next-event estimation, which evaluates emission at a point.
     #[inline]
     pub(super) fn emission_texture_cone(&self) -> Self {
-        if self.scattered { Self::zero_width_cone(self.effects) } else { *self }
+        if self.has_nonspecular_scattering { Self::zero_width_cone(self.effects) } else { *self }
     }
 }

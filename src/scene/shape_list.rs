@@ -35,7 +35,7 @@ impl ShapeList {
 
     /// Index of the first moving shape in the list of all shapes.
     #[inline]
-    pub fn first_moving(&self) -> u32 {
+    pub fn first_moving_index(&self) -> u32 {
         self.resting.len() as u32
     }
 

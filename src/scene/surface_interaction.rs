@@ -24,9 +24,9 @@ pub struct SurfaceInteraction<'a> {
     pub bsdf: Bsdf,
     /// True if another random choice at this hit, of mix component or of coat and base, could have
     /// given a BSDF that stores photons.
-    pub(super) other_stores_photons: bool,
+    pub(super) other_choice_stores_photons: bool,
     /// Roughness α of a dielectric body's boundary; 0 for other materials.
-    pub(super) roughness: f32,
+    pub(super) boundary_roughness: f32,
     /// Coincidence group of the object; `None` if no boundary of another object can coincide with
     /// the surface here.
     pub(super) coincidence_group: Option<CoincidenceGroup>,
@@ -56,7 +56,7 @@ impl SurfaceInteraction<'_> {
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {
-        self.bsdf.stores_photons() || self.other_stores_photons
+        self.bsdf.stores_photons() || self.other_choice_stores_photons
     }
 
     /// True if the surface is a null interface, which light passes unchanged.

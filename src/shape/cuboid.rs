@@ -1,6 +1,6 @@
 //! Boxes and parallelepipeds.
 
-use super::analytic::AnalyticShape;
+use super::bounded_shape::BoundedShape;
 use super::hit::{f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_coordinate_bound};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
@@ -12,8 +12,8 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 /// Box or parallelepiped: the surface of the cube \[−1, 1]³ under an affine map.
 ///
 /// Faces are numbered from 0 to 5. Axis a is 0 for x, 1 for y and 2 for z. In object space, face
-/// 2·a lies at −1 on axis a, and face 2·a + 1 at 1. The number `uv.y` of a [`ShapeHit`] is the
-/// number of the face.
+/// 2·a lies at −1 on axis a, and face 2·a + 1 at 1. The number `shape_coords.y` of a [`ShapeHit`]
+/// is the number of the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,
@@ -21,7 +21,7 @@ pub struct Cuboid {
     face_areas: DVec3,
     /// Largest change of each object-space coordinate per unit of world-space length: the lengths
     /// of the gradients.
-    max_gradients: DVec3,
+    gradient_lengths: DVec3,
 }
 
 impl Cuboid {
@@ -41,16 +41,16 @@ impl Cuboid {
         let face_areas = 4.0 * DVec3::new(y.cross(z).length(), z.cross(x).length(), x.cross(y).length());
         let rows = to_world.inverse().matrix3.transpose();
         let max_gradients = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
-        Self { to_world, face_areas, max_gradients }
+        Self { to_world, face_areas, gradient_lengths: max_gradients }
     }
 
     /// Projects the object-space point `p` to face number `face`, and moves it away from the edges.
     ///
     /// [`EDGE_MARGIN`] explains why it is moved.
     #[inline]
-    fn move_point_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
+    fn project_to_face_interior(&self, p: DVec3, face: usize) -> DVec3 {
         let largest = self.to_world.transform_point(p).abs().max_element();
-        let margin = (self.max_gradients * (EDGE_MARGIN * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
+        let margin = (self.gradient_lengths * (EDGE_MARGIN * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
         let mut inside = p.clamp(margin - 1.0, 1.0 - margin);
         inside[face / 2] = face_sign(face);
         inside
@@ -67,7 +67,7 @@ impl Cuboid {
             normal,
             world_coordinate_bound(&self.to_world, 1.0),
         );
-        SurfacePoint { uv: Vec2::new(0.0, face as f32), ..point }
+        SurfacePoint { shape_coords: Vec2::new(0.0, face as f32), ..point }
     }
 }
 
@@ -83,13 +83,13 @@ fn face_sign(face: usize) -> f64 {
     if face % 2 == 1 { 1.0 } else { -1.0 }
 }
 
-/// Number of the face that was hit; `uv` is that of the [`ShapeHit`].
+/// Number of the face that was hit; `uv` is `shape_coords` of the [`ShapeHit`].
 #[inline]
 fn face_of_hit(uv: Vec2) -> usize {
     (uv.y as usize).min(5)
 }
 
-impl AnalyticShape for Cuboid {
+impl BoundedShape for Cuboid {
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let local = ObjectRay::new(ray, &self.to_world);
@@ -121,9 +121,9 @@ impl AnalyticShape for Cuboid {
 
     #[inline]
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
-        let p = ObjectRay::new(ray, &self.to_world).at(f64_ray_parameter(t, uv));
+        let p = ObjectRay::new(ray, &self.to_world).at_ray_parameter(f64_ray_parameter(t, uv));
         let face = face_of_hit(uv);
-        self.face_point(self.move_point_off_edges(p, face), face)
+        self.face_point(self.project_to_face_interior(p, face), face)
     }
 
     /// Texture coordinates that map each face to the unit square; a picture appears upright from
@@ -135,7 +135,7 @@ impl AnalyticShape for Cuboid {
         normal[face / 2] = face_sign(face);
         let [u, v] = upright_texture_axes(normal);
         let world = |row: DVec3| self.to_world.transform_normal(0.5 * row);
-        TexCoord { uv: DVec2::new(u.dot(p), v.dot(p)) * 0.5 + 0.5, du: world(u), dv: world(v) }
+        TexCoord { uv: DVec2::new(u.dot(p), v.dot(p)) * 0.5 + 0.5, grad_u: world(u), grad_v: world(v) }
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {
@@ -175,6 +175,6 @@ impl AnalyticShape for Cuboid {
         p[(axis + 1) % 3] = 2.0 * x - 1.0;
         p[(axis + 2) % 3] = 2.0 * f64::from(u.y) - 1.0;
         let point = self.face_point(p, face);
-        ShapeSample { point, pdf: self.pdf(&point), uv: point.uv }
+        ShapeSample { point, pdf: self.pdf(&point), shape_coords: point.shape_coords }
     }
 }

@@ -1,6 +1,6 @@
 //! Discs, and ellipses in a plane.
 
-use super::analytic::AnalyticShape;
+use super::bounded_shape::BoundedShape;
 use super::hit::{ray_to_f64, round_t_if_in_range};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use crate::accel::ShapeHit;
@@ -9,15 +9,16 @@ use glam::{DVec2, DVec3, Vec2};
 
 /// Disc or ellipse: the points `center + x·a + y·b` with x² + y² ≤ 1.
 ///
-/// The outer side is the side of `a × b`. `uv` of a [`ShapeHit`] is (x, y).
+/// The outer side is the side of `a × b`. `shape_coords` of a [`ShapeHit`] is (x, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     center: DVec3,
-    a: DVec3,
-    b: DVec3,
+    semi_axis_a: DVec3,
+    semi_axis_b: DVec3,
     normal: DVec3,
-    /// Dual basis of `a` and `b`: its dot products with an offset from the centre give (x, y).
-    dual: [DVec3; 2],
+    /// Dual basis of `semi_axis_a` and `semi_axis_b`: its dot products with an offset from the
+    /// centre give (x, y).
+    dual_basis: [DVec3; 2],
 }
 
 impl Disc {
@@ -27,7 +28,13 @@ impl Disc {
     pub fn new(center: DVec3, a: DVec3, b: DVec3) -> Self {
         let cross = exact_cross(a, b);
         let n2 = cross.length_squared();
-        Self { center, a, b, normal: cross / n2.sqrt(), dual: [exact_cross(b, cross) / n2, exact_cross(cross, a) / n2] }
+        Self {
+            center,
+            semi_axis_a: a,
+            semi_axis_b: b,
+            normal: cross / n2.sqrt(),
+            dual_basis: [exact_cross(b, cross) / n2, exact_cross(cross, a) / n2],
+        }
     }
 
     /// Circular disc whose outer side faces along `normal`, which may have any length above zero.
@@ -44,8 +51,8 @@ impl Disc {
     #[inline]
     fn move_point_off_rim(&self, p: DVec3) -> DVec3 {
         let offset = p - self.center;
-        let at = DVec2::new(self.dual[0].dot(offset), self.dual[1].dot(offset));
-        let steepest = (self.dual[0].length_squared() + self.dual[1].length_squared()).sqrt();
+        let at = DVec2::new(self.dual_basis[0].dot(offset), self.dual_basis[1].dot(offset));
+        let steepest = (self.dual_basis[0].length_squared() + self.dual_basis[1].length_squared()).sqrt();
         let most = 1.0 - (EDGE_MARGIN * f64::from(f32::EPSILON) * p.abs().max_element() * steepest).min(0.25);
         let from_middle = at.length();
         if from_middle <= most { p } else { self.center + offset * (most / from_middle) }
@@ -54,14 +61,16 @@ impl Disc {
     /// Surface point at the world-space point `p` of the disc.
     #[inline]
     fn surface_at(&self, p: DVec3) -> SurfacePoint {
-        let scale = self.center.abs().max_element() + self.a.abs().max_element() + self.b.abs().max_element();
+        let scale = self.center.abs().max_element()
+            + self.semi_axis_a.abs().max_element()
+            + self.semi_axis_b.abs().max_element();
         SurfacePoint::from_f64(p, self.normal, scale)
     }
 }
 
-impl AnalyticShape for Disc {
+impl BoundedShape for Disc {
     fn transformed(&self, map: &Transform) -> Option<Self> {
-        let (a, b) = (map.transform_vector(self.a), map.transform_vector(self.b));
+        let (a, b) = (map.transform_vector(self.semi_axis_a), map.transform_vector(self.semi_axis_b));
         let (a, b) = if map.swaps_handedness() { (b, a) } else { (a, b) };
         Some(Self::new(map.transform_point(self.center), a, b))
     }
@@ -71,9 +80,9 @@ impl AnalyticShape for Disc {
         let (o, d) = ray_to_f64(ray);
         let t = self.normal.dot(self.center - o) / self.normal.dot(d);
         let offset = o + d * t - self.center;
-        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
+        let (x, y) = (self.dual_basis[0].dot(offset), self.dual_basis[1].dot(offset));
         if x * x + y * y <= 1.0 {
-            round_t_if_in_range(ray, t).map(|t| ShapeHit { t, uv: Vec2::new(x as f32, y as f32) })
+            round_t_if_in_range(ray, t).map(|t| ShapeHit { t, shape_coords: Vec2::new(x as f32, y as f32) })
         } else {
             None
         }
@@ -88,9 +97,9 @@ impl AnalyticShape for Disc {
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {
         let half = DVec3::new(
-            libm::hypot(self.a.x, self.b.x),
-            libm::hypot(self.a.y, self.b.y),
-            libm::hypot(self.a.z, self.b.z),
+            libm::hypot(self.semi_axis_a.x, self.semi_axis_b.x),
+            libm::hypot(self.semi_axis_a.y, self.semi_axis_b.y),
+            libm::hypot(self.semi_axis_a.z, self.semi_axis_b.z),
         );
         (self.center - half, self.center + half)
     }
@@ -100,15 +109,15 @@ impl AnalyticShape for Disc {
     }
 
     fn area(&self) -> f64 {
-        std::f64::consts::PI * self.a.cross(self.b).length()
+        std::f64::consts::PI * self.semi_axis_a.cross(self.semi_axis_b).length()
     }
 
     fn sample(&self, u: Vec2) -> ShapeSample {
         let d = warp::square_to_uniform_disc(u).as_dvec2();
         ShapeSample {
-            point: self.surface_at(self.center + self.a * d.x + self.b * d.y),
+            point: self.surface_at(self.center + self.semi_axis_a * d.x + self.semi_axis_b * d.y),
             pdf: (1.0 / self.area()) as f32,
-            uv: Vec2::ZERO,
+            shape_coords: Vec2::ZERO,
         }
     }
 

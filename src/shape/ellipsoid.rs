@@ -1,12 +1,12 @@
 //! Ellipsoids.
 
-use super::analytic::AnalyticShape;
+use super::bounded_shape::BoundedShape;
 use super::hit::{f64_ray_parameter, nearer_hit};
-use super::object_ray::{object_ray, world_coordinate_bound};
+use super::object_ray::{ray_to_object_space, world_coordinate_bound};
 use super::sphere::Sphere;
 use super::surface_point::{ShapeSample, SurfacePoint};
 use crate::accel::ShapeHit;
-use crate::math::{Ray, Transform, quadratic_roots, warp};
+use crate::math::{Ray, Transform, quadratic_roots_half_b, warp};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 
 /// Ellipsoid in world space: the unit sphere under an affine map.
@@ -55,32 +55,32 @@ impl Ellipsoid {
             let r = (1.0 - z * z).sqrt();
             for j in 0..N {
                 let (sin, cos) = libm::sincos((f64::from(j) + 0.5) * std::f64::consts::TAU / f64::from(N));
-                sum += self.to_world.world_area(DVec3::new(r * cos, r * sin, z));
+                sum += self.to_world.world_element_area(DVec3::new(r * cos, r * sin, z));
             }
         }
         4.0 * std::f64::consts::PI * sum / f64::from(N * N)
     }
 }
 
-impl AnalyticShape for Ellipsoid {
+impl BoundedShape for Ellipsoid {
     fn transformed(&self, map: &Transform) -> Option<Self> {
         Some(Self::new(Transform::new(*map.forward() * *self.to_world.forward()).ok()?))
     }
 
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (l, d) = object_ray(ray, &self.to_world);
+        let (l, d) = ray_to_object_space(ray, &self.to_world);
         let (a, b) = (d.length_squared(), l.dot(d));
         let nearest = l - d * (b / a);
         let distance = l.length();
         let c = (distance - 1.0) * (distance + 1.0);
-        let (near, far) = quadratic_roots(a, b, c, a * (1.0 - nearest.length_squared()))?;
+        let (near, far) = quadratic_roots_half_b(a, b, c, a * (1.0 - nearest.length_squared()))?;
         nearer_hit(ray, (near, 0.0), (far, 0.0))
     }
 
     #[inline]
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
-        let (l, d) = object_ray(ray, &self.to_world);
+        let (l, d) = ray_to_object_space(ray, &self.to_world);
         self.surface_at((l + d * f64_ray_parameter(t, uv)).normalize())
     }
 
@@ -106,8 +106,8 @@ impl AnalyticShape for Ellipsoid {
         let n = warp::square_to_uniform_sphere(u).as_dvec3().normalize();
         ShapeSample {
             point: self.surface_at(n),
-            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.to_world.world_area(n))) as f32,
-            uv: Vec2::ZERO,
+            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.to_world.world_element_area(n))) as f32,
+            shape_coords: Vec2::ZERO,
         }
     }
 

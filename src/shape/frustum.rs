@@ -1,30 +1,30 @@
 //! Cylinders, cones and truncated cones.
 
-use super::analytic::AnalyticShape;
+use super::bounded_shape::BoundedShape;
 use super::hit::{f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_coordinate_bound};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use super::texture_mapping::{TexCoord, upright_texture_axes};
 use crate::accel::ShapeHit;
-use crate::math::{Ray, Transform, quadratic_roots};
+use crate::math::{Ray, Transform, quadratic_roots_half_b};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::{PI, TAU};
 
 /// Number of azimuth steps of the sum that integrates the area of a frustum's side.
-const AREA_STEPS: u32 = 512;
+const AREA_AZIMUTH_STEPS: u32 = 512;
 
 /// Cylinder, cone or truncated cone: the surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine
 /// map.
 ///
-/// The radius ρ is linear in y, and the larger of ρ(0) and ρ(1) is 1. `uv.y` of a
+/// The radius ρ is linear in y, and the larger of ρ(0) and ρ(1) is 1. `shape_coords.y` of a
 /// [`ShapeHit`] is the `FrustumPart`. The outer side faces away from the axis, also if the ends are
 /// open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
     to_world: Transform,
     /// Object-space radius ρ at y = 0 and at y = 1; the larger is 1, the smaller at least 0.
-    radii: [f64; 2],
+    object_radii: [f64; 2],
     /// True if discs close both ends.
     is_capped: bool,
     /// World-space areas of side, bottom and top \[length²]; 0 for missing caps.
@@ -43,7 +43,7 @@ enum FrustumPart {
 }
 
 impl FrustumPart {
-    /// Part of the surface that was hit; `uv` is that of the [`ShapeHit`].
+    /// Part of the surface that was hit; `uv` is `shape_coords` of the [`ShapeHit`].
     #[inline]
     fn from_hit_coordinates(uv: Vec2) -> Self {
         match uv.y as u32 {
@@ -81,14 +81,14 @@ impl Frustum {
 
     /// Frustum with the given object-space radii, under the object-to-world map `to_world`.
     fn from_transform(to_world: Transform, radii: [f64; 2], is_capped: bool) -> Self {
-        let mut frustum = Self { to_world, radii, is_capped, areas: [0.0; 3] };
-        let around: f64 = (0..AREA_STEPS)
+        let mut frustum = Self { to_world, object_radii: radii, is_capped, areas: [0.0; 3] };
+        let around: f64 = (0..AREA_AZIMUTH_STEPS)
             .map(|i| {
-                let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AREA_STEPS));
-                to_world.world_area(DVec3::new(cos, frustum.radius_decrease(), sin))
+                let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AREA_AZIMUTH_STEPS));
+                to_world.world_element_area(DVec3::new(cos, frustum.radius_decrease(), sin))
             })
             .sum();
-        frustum.areas[0] = 0.5 * (radii[0] + radii[1]) * TAU * around / f64::from(AREA_STEPS);
+        frustum.areas[0] = 0.5 * (radii[0] + radii[1]) * TAU * around / f64::from(AREA_AZIMUTH_STEPS);
         if is_capped {
             let m = to_world.forward().matrix3;
             let disc = PI * m.z_axis.cross(m.x_axis).length();
@@ -101,13 +101,13 @@ impl Frustum {
     /// Decrease of the object-space radius ρ per unit of the height y.
     #[inline]
     fn radius_decrease(&self) -> f64 {
-        self.radii[0] - self.radii[1]
+        self.object_radii[0] - self.object_radii[1]
     }
 
     /// Object-space radius ρ at the height `y` in \[0, 1].
     #[inline]
     fn radius_at(&self, y: f64) -> f64 {
-        self.radii[0] - self.radius_decrease() * y
+        self.object_radii[0] - self.radius_decrease() * y
     }
 
     /// Interval of arc length τ in which the line of `ray` is inside the infinite cone around the
@@ -138,11 +138,11 @@ impl Frustum {
         let (x, z, across) = (o.x * slope - rho * d.x, o.z * slope - rho * d.z, o.x * d.z - o.z * d.x);
         let discriminant = x * x + z * z - across * across;
         if a > 0.0 {
-            return quadratic_roots(a, b, c, discriminant).map(|(near, far)| [near, far]);
+            return quadratic_roots_half_b(a, b, c, discriminant).map(|(near, far)| [near, far]);
         }
         // The line is steeper than the generators. It enters the cone and stays inside, or it
         // leaves the cone and never returns.
-        let (before, after) = quadratic_roots(a, b, c, discriminant.max(0.0))?;
+        let (before, after) = quadratic_roots_half_b(a, b, c, discriminant.max(0.0))?;
         Some(if slope > 0.0 { [after, f64::INFINITY] } else { [f64::NEG_INFINITY, before] })
     }
 
@@ -188,19 +188,19 @@ impl Frustum {
             normal,
             world_coordinate_bound(&self.to_world, 1.0),
         );
-        SurfacePoint { uv: Vec2::new(0.0, part as u32 as f32), ..point }
+        SurfacePoint { shape_coords: Vec2::new(0.0, part as u32 as f32), ..point }
     }
 
     /// Height y such that the side below y has the fraction `v` of the side's object-space area.
     #[inline]
     fn height_at_area_fraction(&self, v: f64) -> f64 {
-        let [bottom, top] = self.radii;
+        let [bottom, top] = self.object_radii;
         let rho = (bottom * bottom * (1.0 - v) + top * top * v).sqrt();
         if v > 0.0 { (v * (bottom + top) / (bottom + rho)).min(1.0) } else { 0.0 }
     }
 }
 
-impl AnalyticShape for Frustum {
+impl BoundedShape for Frustum {
     /// Nearest hit, at which the ray enters or leaves the solid.
     ///
     /// The solid is the part of the cone between the end planes. Side and caps are not tested
@@ -236,7 +236,7 @@ impl AnalyticShape for Frustum {
 
     #[inline]
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
-        let p = ObjectRay::new(ray, &self.to_world).at(f64_ray_parameter(t, uv));
+        let p = ObjectRay::new(ray, &self.to_world).at_ray_parameter(f64_ray_parameter(t, uv));
         let (along, across) = self.rim_margins(p);
         let from_axis = DVec2::new(p.x, p.z);
         match FrustumPart::from_hit_coordinates(uv) {
@@ -246,14 +246,14 @@ impl AnalyticShape for Frustum {
                 let off = |rho: f64| {
                     if rho < across { ((across - rho) / self.radius_decrease().abs()).max(along) } else { along }
                 };
-                let (low, high) = (off(self.radii[0]), 1.0 - off(self.radii[1]));
+                let (low, high) = (off(self.object_radii[0]), 1.0 - off(self.object_radii[1]));
                 self.surface_point_on_side(
                     p.y.clamp(low.min(0.5), high.max(0.5)),
                     from_axis.try_normalize().unwrap_or(DVec2::X),
                 )
             }
             part @ (FrustumPart::Bottom | FrustumPart::Top) => {
-                let radius = self.radii[usize::from(part == FrustumPart::Top)];
+                let radius = self.object_radii[usize::from(part == FrustumPart::Top)];
                 let most = (radius - across).max(0.75 * radius);
                 let distance = from_axis.length();
                 self.surface_point_on_cap(if distance > most { from_axis * (most / distance) } else { from_axis }, part)
@@ -272,15 +272,15 @@ impl AnalyticShape for Frustum {
                 let around2 = (p.x * p.x + p.z * p.z).max(f64::MIN_POSITIVE);
                 let u = 0.5 + atan2(p.x, p.z) / TAU;
                 let du = DVec3::new(p.z, 0.0, -p.x) / (around2 * TAU);
-                TexCoord { uv: DVec2::new(u, p.y), du: world(du), dv: world(DVec3::Y) }
+                TexCoord { uv: DVec2::new(u, p.y), grad_u: world(du), grad_v: world(DVec3::Y) }
             }
             part @ (FrustumPart::Bottom | FrustumPart::Top) => {
                 let (radius, v) = match part {
-                    FrustumPart::Top => (self.radii[1], DVec3::NEG_Z),
-                    FrustumPart::Bottom | FrustumPart::Side => (self.radii[0], DVec3::Z),
+                    FrustumPart::Top => (self.object_radii[1], DVec3::NEG_Z),
+                    FrustumPart::Bottom | FrustumPart::Side => (self.object_radii[0], DVec3::Z),
                 };
                 let (u, v) = (DVec3::X / (2.0 * radius), v / (2.0 * radius));
-                TexCoord { uv: DVec2::new(u.dot(p), v.dot(p)) + 0.5, du: world(u), dv: world(v) }
+                TexCoord { uv: DVec2::new(u.dot(p), v.dot(p)) + 0.5, grad_u: world(u), grad_v: world(v) }
             }
         }
     }
@@ -290,7 +290,7 @@ impl AnalyticShape for Frustum {
         let (a, b) = (m.x_axis, m.z_axis);
         let half = DVec3::new(hypot(a.x, b.x), hypot(a.y, b.y), hypot(a.z, b.z));
         let ends = [0.0, 1.0].map(|y| self.to_world.transform_point(DVec3::Y * y));
-        let [r0, r1] = self.radii;
+        let [r0, r1] = self.object_radii;
         let min = (ends[0] - half * r0).min(ends[1] - half * r1);
         (min, (ends[0] + half * r0).max(ends[1] + half * r1))
     }
@@ -301,7 +301,7 @@ impl AnalyticShape for Frustum {
 
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
-        Some(Self::from_transform(to_world, self.radii, self.is_capped))
+        Some(Self::from_transform(to_world, self.object_radii, self.is_capped))
     }
 
     fn area(&self) -> f64 {
@@ -323,24 +323,24 @@ impl AnalyticShape for Frustum {
         let point = if x < side || !self.is_capped {
             self.surface_point_on_side(self.height_at_area_fraction((x / side).min(1.0)), radial)
         } else if x - side < bottom || self.areas[2] == 0.0 {
-            cap(bottom, x - side, self.radii[0], FrustumPart::Bottom)
+            cap(bottom, x - side, self.object_radii[0], FrustumPart::Bottom)
         } else {
-            cap(self.areas[2], x - side - bottom, self.radii[1], FrustumPart::Top)
+            cap(self.areas[2], x - side - bottom, self.object_radii[1], FrustumPart::Top)
         };
-        ShapeSample { point, pdf: self.pdf(&point), uv: point.uv }
+        ShapeSample { point, pdf: self.pdf(&point), shape_coords: point.shape_coords }
     }
 
     #[inline]
     fn pdf(&self, point: &SurfacePoint) -> f32 {
         let total = self.area();
-        let pdf = match FrustumPart::from_hit_coordinates(point.uv) {
+        let pdf = match FrustumPart::from_hit_coordinates(point.shape_coords) {
             FrustumPart::Side => {
                 // M is the linear part of the map, and n the object-space normal. |M⁻ᵀ n| = |n|/|Mᵀ
                 // ng|, since Mᵀ maps the unit world normal ng to a multiple of n.
                 let m = self.to_world.forward().matrix3;
                 let back = (m.transpose() * point.ng.as_dvec3()).length();
                 let stretch = self.to_world.determinant().abs() * hypot(1.0, self.radius_decrease()) / back;
-                self.areas[0] / (total * PI * (self.radii[0] + self.radii[1]) * stretch)
+                self.areas[0] / (total * PI * (self.object_radii[0] + self.object_radii[1]) * stretch)
             }
             FrustumPart::Bottom | FrustumPart::Top => 1.0 / total,
         };

@@ -24,14 +24,14 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
 #[inline]
 pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, v: f32) -> Option<ShapeHit> {
     round_t_if_in_range(ray, t)
-        .map(|rounded| ShapeHit { t: rounded, uv: Vec2::new((t / f64::from(rounded) - 1.0) as f32, v) })
+        .map(|rounded| ShapeHit { t: rounded, shape_coords: Vec2::new((t / f64::from(rounded) - 1.0) as f32, v) })
 }
 
 /// First hit of `ray` with a convex shape; `None` if both intersections are outside (0,
 /// `ray.t_max`).
 ///
 /// The ray's line crosses the surface twice. `near` and `far` each hold the ray parameter t of an
-/// intersection and `uv.y` of its [`ShapeHit`].
+/// intersection and `shape_coords.y` of its [`ShapeHit`].
 #[inline]
 pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option<ShapeHit> {
     hit_with_rounding_residual(ray, near.0, near.1)

@@ -1,10 +1,10 @@
 //! Mesh instances, which share the triangles of one mesh under different affine maps.
 
-use super::analytic::AnalyticShape;
+use super::bounded_shape::BoundedShape;
 use super::hit::round_t_if_in_range;
 use super::mesh::Mesh;
-use super::object_ray::object_ray;
-use super::surface_point::{ShapeSample, SurfacePoint, TRIANGLE_HIT_ERROR, position_error_bound};
+use super::object_ray::ray_to_object_space;
+use super::surface_point::{RELATIVE_TRIANGLE_HIT_ERROR, ShapeSample, SurfacePoint, position_error_bound};
 use super::texture_mapping::TexCoord;
 use crate::accel::{Hierarchy, PrimitiveIndex, ShapeHit};
 use crate::math::{Ray, Transform, warp};
@@ -15,7 +15,7 @@ use std::sync::{Arc, OnceLock};
 /// Mesh in object space with a bounding volume hierarchy. Several instances can share it.
 pub struct MeshWithBvh {
     mesh: Mesh,
-    hierarchy: Hierarchy,
+    bvh: Hierarchy,
     /// Distribution that selects a triangle in proportion to its area; built at its first use.
     triangle_distribution: OnceLock<Option<DiscreteDistribution>>,
 }
@@ -32,12 +32,12 @@ impl MeshWithBvh {
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
-        Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, triangle_distribution: OnceLock::new() }
+        Self { bvh: Hierarchy::build(&corners, &[]), mesh, triangle_distribution: OnceLock::new() }
     }
 
     /// Distribution that selects a triangle in proportion to its object-space area; `None` if the
     /// total area is 0.
-    fn area_distribution(&self) -> Option<&DiscreteDistribution> {
+    fn triangle_distribution(&self) -> Option<&DiscreteDistribution> {
         let make = || DiscreteDistribution::new((0..self.mesh.triangles.len()).map(|i| self.mesh.triangle_area(i)));
         self.triangle_distribution.get_or_init(make).as_ref()
     }
@@ -46,10 +46,10 @@ impl MeshWithBvh {
 /// Triangle mesh under an affine map to world space.
 ///
 /// Object-space ray directions are not normalised, so the ray parameter t of a point is the same in
-/// object space and in world space. `uv` of a [`ShapeHit`] is (bits of the
+/// object space and in world space. `shape_coords` of a [`ShapeHit`] is (bits of the
 /// triangle's index, 0).
 #[derive(Clone, Debug)]
-pub struct Instance {
+pub struct MeshInstance {
     mesh: Arc<MeshWithBvh>,
     to_world: Transform,
     /// Ratio of world-space to object-space area: |det M|^⅔, where M is the linear part of the map.
@@ -58,7 +58,7 @@ pub struct Instance {
     area_scale: f64,
 }
 
-impl Instance {
+impl MeshInstance {
     /// Instance of `mesh` under the object-to-world map `to_world`.
     #[must_use]
     pub fn new(mesh: Arc<MeshWithBvh>, to_world: Transform) -> Self {
@@ -80,8 +80,8 @@ impl Instance {
     /// parameter t of the new origin on the given ray.
     #[inline]
     fn object_ray_near_mesh(&self, ray: &Ray) -> (Ray, f64) {
-        let (o, d) = object_ray(ray, &self.to_world);
-        let around = self.mesh.hierarchy.bounds().bounding_sphere();
+        let (o, d) = ray_to_object_space(ray, &self.to_world);
+        let around = self.mesh.bvh.bounds().bounding_sphere();
         let length = d.length();
         let to = around.center.as_dvec3() - o;
         let start = ((to.dot(d) / length - 2.0 * f64::from(around.radius)) / length).max(0.0);
@@ -105,11 +105,11 @@ impl Instance {
             / self.to_world.transform_normal(n).length();
         let reach = f64::from(p.abs().max_element()) + self.to_world.forward().translation.abs().max_element();
         let position_error = position_error_bound(p, reach) + Vec3::splat(rounded as f32);
-        SurfacePoint { p, position_error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
+        SurfacePoint { p, position_error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, shape_coords: b }
     }
 }
 
-impl AnalyticShape for Instance {
+impl BoundedShape for MeshInstance {
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         Some(Self::new(Arc::clone(&self.mesh), to_world))
@@ -118,22 +118,22 @@ impl AnalyticShape for Instance {
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (near, start) = self.object_ray_near_mesh(ray);
-        let hit = self.mesh.hierarchy.closest_hit(&near, |_, _| None)?;
+        let hit = self.mesh.bvh.closest_hit(&near, |_, _| None)?;
         let t = round_t_if_in_range(ray, start + f64::from(hit.t))?;
         match hit.primitive {
-            PrimitiveIndex::Triangle(i) => Some(ShapeHit { t, uv: Vec2::new(f32::from_bits(i), 0.0) }),
+            PrimitiveIndex::Triangle(i) => Some(ShapeHit { t, shape_coords: Vec2::new(f32::from_bits(i), 0.0) }),
             PrimitiveIndex::Other(_) => None,
         }
     }
 
     #[inline]
     fn occludes(&self, ray: &Ray) -> bool {
-        self.mesh.hierarchy.occluded(&self.object_ray_near_mesh(ray).0, |_, _| false)
+        self.mesh.bvh.occluded(&self.object_ray_near_mesh(ray).0, |_, _| false)
     }
 
     #[inline]
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
-        let (o, d) = object_ray(ray, &self.to_world);
+        let (o, d) = ray_to_object_space(ray, &self.to_world);
         let i = uv.x.to_bits() as usize;
         let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
         // The hierarchy's f32 test selected the triangle. The intersection with the triangle's
@@ -154,11 +154,15 @@ impl AnalyticShape for Instance {
         let cross = e1.cross(e2);
         let weights = glam::DVec2::new(e2.cross(cross).dot(p - a), cross.cross(e1).dot(p - a)) / cross.length_squared();
         let own = self.mesh.mesh.tex_coord(i, clamp_to_triangle(weights));
-        TexCoord { du: self.to_world.transform_normal(own.du), dv: self.to_world.transform_normal(own.dv), ..own }
+        TexCoord {
+            grad_u: self.to_world.transform_normal(own.grad_u),
+            grad_v: self.to_world.transform_normal(own.grad_v),
+            ..own
+        }
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {
-        let corners = self.mesh.hierarchy.bounds().corners().map(|c| self.to_world.transform_point(c.as_dvec3()));
+        let corners = self.mesh.bvh.bounds().corners().map(|c| self.to_world.transform_point(c.as_dvec3()));
         let fold = |f: fn(DVec3, DVec3) -> DVec3| corners.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
         (fold(DVec3::min), fold(DVec3::max))
     }
@@ -168,11 +172,11 @@ impl AnalyticShape for Instance {
     }
 
     fn area(&self) -> f64 {
-        self.mesh.area_distribution().map_or(0.0, |choice| choice.weight_sum() * self.area_scale)
+        self.mesh.triangle_distribution().map_or(0.0, |choice| choice.weight_sum() * self.area_scale)
     }
 
     fn sample(&self, u: Vec2) -> ShapeSample {
-        let (i, b) = match self.mesh.area_distribution() {
+        let (i, b) = match self.mesh.triangle_distribution() {
             Some(choice) => {
                 let (i, _) = choice.sample(u.x);
                 // Given the triangle, the position of u.x in the triangle's interval is uniform. It
@@ -182,12 +186,12 @@ impl AnalyticShape for Instance {
             None => (0, Vec2::ZERO),
         };
         let uv = Vec2::new(f32::from_bits(i as u32), 0.0);
-        ShapeSample { point: self.surface_at(i, b), pdf: (1.0 / self.area()) as f32, uv }
+        ShapeSample { point: self.surface_at(i, b), pdf: (1.0 / self.area()) as f32, shape_coords: uv }
     }
 
     #[inline]
     fn relative_hit_error(&self) -> f32 {
-        TRIANGLE_HIT_ERROR
+        RELATIVE_TRIANGLE_HIT_ERROR
     }
 }
 

@@ -5,7 +5,7 @@ use super::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Vertex indices of one triangle, counter-clockwise seen from outside.
-pub type Triangle = [u32; 3];
+pub type TriangleIndices = [u32; 3];
 
 /// Triangle mesh with shared vertices. All its vectors are in one space, such as an instance's
 /// object space.
@@ -18,7 +18,7 @@ pub struct Mesh {
     /// Texture coordinates per vertex; empty if there are none.
     pub texcoords: Vec<Vec2>,
     /// Triangles of the mesh.
-    pub triangles: Vec<Triangle>,
+    pub triangles: Vec<TriangleIndices>,
 }
 
 impl Mesh {
@@ -73,7 +73,7 @@ impl Mesh {
             position_error: p.abs() * f32::EPSILON + Vec3::splat(size * (4.0 * f32::EPSILON)),
             ng,
             ns,
-            uv: b.as_vec2(),
+            shape_coords: b.as_vec2(),
         }
     }
 
@@ -98,7 +98,7 @@ impl Mesh {
         }
         // Gradients of the weights of the second and third corner.
         let (w1, w2) = (e2.cross(cross) / n2, cross.cross(e1) / n2);
-        TexCoord { uv, du: w1 * t1.x + w2 * t2.x, dv: w1 * t1.y + w2 * t2.y }
+        TexCoord { uv, grad_u: w1 * t1.x + w2 * t2.x, grad_v: w1 * t1.y + w2 * t2.y }
     }
 
     /// Unit shading normal of triangle `i`, interpolated between its vertex normals.
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(mesh.tex_coord(0, Vec2::ZERO).uv, DVec2::new(0.5, 0.25));
         let m = mesh.tex_coord(0, Vec2::new(0.5, 0.5));
         assert_eq!(m.uv, DVec2::new(0.75, 0.625));
-        let along = |x: DVec3| DVec2::new(m.du.dot(x), m.dv.dot(x));
+        let along = |x: DVec3| DVec2::new(m.grad_u.dot(x), m.grad_v.dot(x));
         // Coordinates are affine: along an edge they change by the difference of the corners.
         assert!((along(DVec3::new(2.0, 0.0, 0.0)) - DVec2::new(0.5, 0.0)).length() < 1e-12);
         assert!((along(DVec3::new(1.0, 1.0, 0.0)) - DVec2::new(0.0, 0.75)).length() < 1e-12);

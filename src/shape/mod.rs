@@ -1,9 +1,9 @@
 //! Shapes in world space, and their intersection with rays.
 //!
 //! Intersections are computed in f64, except those of triangles. Every kind of bounded shape
-//! implements `AnalyticShape` and is a variant of [`Shape`].
+//! implements `BoundedShape` and is a variant of [`Shape`].
 
-mod analytic;
+mod bounded_shape;
 mod cuboid;
 mod disc;
 mod ellipsoid;
@@ -25,18 +25,20 @@ pub use cuboid::Cuboid;
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
 pub use frustum::Frustum;
-pub use instance::{Instance, MeshWithBvh};
-pub use mesh::{Mesh, Triangle};
+pub use instance::{MeshInstance, MeshWithBvh};
+pub use mesh::{Mesh, TriangleIndices};
 pub use parametric::{Patch, Revolution};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
-pub use surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint, TRIANGLE_HIT_ERROR};
+pub use surface_point::{
+    RELATIVE_TRIANGLE_HIT_ERROR, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint,
+};
 pub use texture_mapping::{TexCoord, TextureMapping, TextureMappingKind, upright_texture_axes};
 
 use crate::accel::ShapeHit;
 use crate::math::{self, Bounds, Ray, Transform};
-use analytic::AnalyticShape;
+use bounded_shape::BoundedShape;
 use glam::{DVec3, Vec2, Vec3};
 use surface_point::round_outward;
 
@@ -56,7 +58,7 @@ pub enum Shape {
     /// Cylinder, cone or truncated cone.
     Frustum(Frustum),
     /// Triangle mesh with its own bounding volume hierarchy, under an affine map.
-    Instance(Instance),
+    Instance(MeshInstance),
     /// Surface of revolution: a spline curve turned around an axis.
     Revolution(Revolution),
     /// Tensor-product surface: Bézier patch, B-spline or NURBS.
@@ -106,7 +108,7 @@ impl Shape {
 
     /// Texture coordinates at the world-space surface point `p`, as the shape itself defines them.
     ///
-    /// `uv` is that of the [`ShapeHit`] at `p`. Shapes without own texture
+    /// `uv` is `shape_coords` of the [`ShapeHit`] at `p`. Shapes without own texture
     /// coordinates return `uv`, with gradients of zero.
     #[must_use]
     pub fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {

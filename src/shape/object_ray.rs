@@ -9,7 +9,7 @@ use glam::DVec3;
 /// The direction is not normalised, so the ray parameter t of a point is the same in world space
 /// and in object space.
 #[inline]
-pub(super) fn object_ray(ray: &Ray, to_world: &Transform) -> (DVec3, DVec3) {
+pub(super) fn ray_to_object_space(ray: &Ray, to_world: &Transform) -> (DVec3, DVec3) {
     let (o, d) = ray_to_f64(ray);
     let inverse = to_world.inverse();
     (inverse.transform_point3(o), inverse.transform_vector3(d))
@@ -26,16 +26,16 @@ pub(super) struct ObjectRay {
     pub direction: DVec3,
     /// Signed object-space distance from the ray's origin to `base`; negative if `base` is behind
     /// it.
-    pub start: f64,
+    pub distance_to_base: f64,
     /// Change of τ per unit of the ray parameter t: the length of the object-space direction.
-    pub length: f64,
+    pub direction_length: f64,
 }
 
 impl ObjectRay {
     /// Object-space line of the world-space `ray`, for an object under the map `to_world`.
     #[inline]
     pub fn new(ray: &Ray, to_world: &Transform) -> Self {
-        let (o, d) = object_ray(ray, to_world);
+        let (o, d) = ray_to_object_space(ray, to_world);
         let length = d.length();
         let direction = d / length;
         let start = -o.dot(direction);
@@ -43,19 +43,19 @@ impl ObjectRay {
         // distance of the ray's origin.
         let base = o + direction * start;
         let more = -base.dot(direction);
-        Self { base: base + direction * more, direction, start: start + more, length }
+        Self { base: base + direction * more, direction, distance_to_base: start + more, direction_length: length }
     }
 
     /// Ray parameter t of the point at τ.
     #[inline]
     pub fn ray_parameter(&self, tau: f64) -> f64 {
-        (self.start + tau) / self.length
+        (self.distance_to_base + tau) / self.direction_length
     }
 
     /// Object-space point at ray parameter `t`.
     #[inline]
-    pub fn at(&self, t: f64) -> DVec3 {
-        self.base + self.direction * (t * self.length - self.start)
+    pub fn at_ray_parameter(&self, t: f64) -> DVec3 {
+        self.base + self.direction * (t * self.direction_length - self.distance_to_base)
     }
 }
 

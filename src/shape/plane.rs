@@ -55,7 +55,8 @@ impl Plane {
         if across * across <= PARALLEL_COSINE * PARALLEL_COSINE * d.length_squared() {
             return None;
         }
-        round_t_if_in_range(ray, (self.offset - self.normal.dot(o)) / across).map(|t| ShapeHit { t, uv: Vec2::ZERO })
+        round_t_if_in_range(ray, (self.offset - self.normal.dot(o)) / across)
+            .map(|t| ShapeHit { t, shape_coords: Vec2::ZERO })
     }
 
     /// Surface point of the plane at the ray parameter `t` of a hit of `ray`.

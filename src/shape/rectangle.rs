@@ -1,6 +1,6 @@
 //! Rectangles and parallelograms.
 
-use super::analytic::AnalyticShape;
+use super::bounded_shape::BoundedShape;
 use super::hit::{ray_to_f64, round_t_if_in_range};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint};
 use crate::accel::ShapeHit;
@@ -27,14 +27,14 @@ const FAR_SIZE_RATIO2: f64 = 0.2;
 
 /// Rectangle or parallelogram: the points `corner + x·e0 + y·e1` with x, y in \[0, 1].
 ///
-/// The outer side is the side of `e0 × e1`. `uv` of a [`ShapeHit`] is (x, y).
+/// The outer side is the side of `e0 × e1`. `shape_coords` of a [`ShapeHit`] is (x, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     corner: DVec3,
     edges: [DVec3; 2],
     normal: DVec3,
     /// Dual basis of the edges: its dot products with an offset from the corner give (x, y).
-    dual: [DVec3; 2],
+    dual_basis: [DVec3; 2],
     /// True if the edges are perpendicular.
     is_right_angled: bool,
 }
@@ -55,7 +55,7 @@ struct RectangleView {
     /// Unit vectors along the first and second edge of the rectangle.
     axes: [DVec3; 2],
     /// Signed solid angle \[sr] between x = 0 and the start of the rectangle, over its range of y.
-    start_angle: f64,
+    start_solid_angle: f64,
     /// Solid angle of the rectangle as seen from the viewpoint \[sr].
     solid_angle: f64,
 }
@@ -69,7 +69,7 @@ impl Rectangle {
         let n2 = cross.length_squared();
         let is_right_angled = e0.dot(e1).abs() <= PERPENDICULAR_COSINE * e0.length() * e1.length();
         let dual = [exact_cross(e1, cross) / n2, exact_cross(cross, e0) / n2];
-        Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, is_right_angled }
+        Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual_basis: dual, is_right_angled }
     }
 
     /// Moves the point `p` of the rectangle inward if it is too close to an edge.
@@ -78,8 +78,8 @@ impl Rectangle {
     #[inline]
     fn move_point_off_edges(&self, p: DVec3) -> DVec3 {
         let offset = p - self.corner;
-        let at = DVec2::new(self.dual[0].dot(offset), self.dual[1].dot(offset));
-        let widths = DVec2::new(self.dual[0].length(), self.dual[1].length());
+        let at = DVec2::new(self.dual_basis[0].dot(offset), self.dual_basis[1].dot(offset));
+        let widths = DVec2::new(self.dual_basis[0].length(), self.dual_basis[1].length());
         let margin = (widths * (EDGE_MARGIN * f64::from(f32::EPSILON) * p.abs().max_element())).min(DVec2::splat(0.25));
         let moved = at.clamp(margin, 1.0 - margin);
         if moved == at { p } else { self.corner + self.edges[0] * moved.x + self.edges[1] * moved.y }
@@ -115,11 +115,18 @@ impl Rectangle {
         });
         let [start_angle, end_angle] = x.map(|x| strip_solid_angle(x, y, z));
         let solid_angle = end_angle - start_angle;
-        (solid_angle >= MIN_SOLID_ANGLE).then_some(RectangleView { x, y, z, axes, start_angle, solid_angle })
+        (solid_angle >= MIN_SOLID_ANGLE).then_some(RectangleView {
+            x,
+            y,
+            z,
+            axes,
+            start_solid_angle: start_angle,
+            solid_angle,
+        })
     }
 }
 
-impl AnalyticShape for Rectangle {
+impl BoundedShape for Rectangle {
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let [e0, e1] = self.edges.map(|e| map.transform_vector(e));
         let (e0, e1) = if map.swaps_handedness() { (e1, e0) } else { (e0, e1) };
@@ -131,9 +138,9 @@ impl AnalyticShape for Rectangle {
         let (o, d) = ray_to_f64(ray);
         let t = self.normal.dot(self.corner - o) / self.normal.dot(d);
         let offset = o + d * t - self.corner;
-        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
+        let (x, y) = (self.dual_basis[0].dot(offset), self.dual_basis[1].dot(offset));
         if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
-            round_t_if_in_range(ray, t).map(|t| ShapeHit { t, uv: Vec2::new(x as f32, y as f32) })
+            round_t_if_in_range(ray, t).map(|t| ShapeHit { t, shape_coords: Vec2::new(x as f32, y as f32) })
         } else {
             None
         }
@@ -162,7 +169,7 @@ impl AnalyticShape for Rectangle {
 
     fn sample(&self, u: Vec2) -> ShapeSample {
         let p = self.corner + self.edges[0] * f64::from(u.x) + self.edges[1] * f64::from(u.y);
-        ShapeSample { point: self.surface_at(p), pdf: (1.0 / self.area()) as f32, uv: Vec2::ZERO }
+        ShapeSample { point: self.surface_at(p), pdf: (1.0 / self.area()) as f32, shape_coords: Vec2::ZERO }
     }
 
     fn point_if_planar(&self) -> Option<SurfacePoint> {
@@ -215,7 +222,7 @@ impl RectangleView {
     /// functions.
     fn sample(&self, u: Vec2) -> (f64, f64) {
         let Self { x: [x0, x1], y: [y0, y1], z, .. } = *self;
-        let (s, c) = sincos(0.5 * (self.start_angle + f64::from(u.x) * self.solid_angle));
+        let (s, c) = sincos(0.5 * (self.start_solid_angle + f64::from(u.x) * self.solid_angle));
         // Both vectors are scaled to the length r₀ r₁. Their sum points along (b₁ + b₀) / 2 and is
         // longer than their difference by the factor cot((b₁ - b₀) / 2).
         let [r0, r1] = [y0, y1].map(|y| (y * y + z * z).sqrt());

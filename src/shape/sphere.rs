@@ -1,10 +1,10 @@
 //! Spheres.
 
-use super::analytic::AnalyticShape;
+use super::bounded_shape::BoundedShape;
 use super::hit::{f64_ray_parameter, nearer_hit, ray_to_f64};
 use super::surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint};
 use crate::accel::ShapeHit;
-use crate::math::{BoundingSphere, Frame, Ray, Transform, direction_and_distance, quadratic_roots, warp};
+use crate::math::{BoundingSphere, Frame, Ray, Transform, distance2_direction_distance, quadratic_roots_half_b, warp};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A sphere in world space.
@@ -36,7 +36,7 @@ impl Sphere {
         let nearest = l - d * (b / a);
         let discriminant = a * (self.radius * self.radius - nearest.length_squared());
         let distance = l.length();
-        quadratic_roots(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
+        quadratic_roots_half_b(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
     }
 
     /// Surface point in the unit direction `n` from the centre.
@@ -56,7 +56,7 @@ impl Sphere {
     }
 }
 
-impl AnalyticShape for Sphere {
+impl BoundedShape for Sphere {
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (near, far) = self.intersection_roots(ray)?;
@@ -92,7 +92,7 @@ impl AnalyticShape for Sphere {
         ShapeSample {
             point: self.surface_at(warp::square_to_uniform_sphere(u).as_dvec3().normalize()),
             pdf: (1.0 / self.area()) as f32,
-            uv: Vec2::ZERO,
+            shape_coords: Vec2::ZERO,
         }
     }
 
@@ -121,7 +121,7 @@ impl AnalyticShape for Sphere {
         let n = around.normalize_or_zero() * sin_alpha - axis * cos_alpha;
         let point = self.surface_at(n.normalize());
         let pdf = warp::uniform_cone_pdf(one_minus_cos as f32);
-        direction_and_distance(from, point.p).map_or(SolidAngleSampleResult::Invisible, |(_, wi, _)| {
+        distance2_direction_distance(from, point.p).map_or(SolidAngleSampleResult::Invisible, |(_, wi, _)| {
             SolidAngleSampleResult::Sampled(SolidAngleSample { point, wi, pdf })
         })
     }

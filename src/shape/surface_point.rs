@@ -20,8 +20,9 @@ pub struct SurfacePoint {
     /// shape does not need them.
     ///
     /// On a mesh, they are the barycentric weights of the triangle's second and third corner. On
-    /// other shapes, they are `uv` of the [`ShapeHit`](crate::accel::ShapeHit) at `p`.
-    pub uv: Vec2,
+    /// other shapes, they are [`ShapeHit::shape_coords`](crate::accel::ShapeHit::shape_coords) at
+    /// `p`.
+    pub shape_coords: Vec2,
 }
 
 impl SurfacePoint {
@@ -33,7 +34,7 @@ impl SurfacePoint {
     pub(super) fn from_f64(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();
         let rounded = p.as_vec3();
-        Self { p: rounded, position_error: position_error_bound(rounded, scale), ng, ns: ng, uv: Vec2::ZERO }
+        Self { p: rounded, position_error: position_error_bound(rounded, scale), ng, ns: ng, shape_coords: Vec2::ZERO }
     }
 }
 
@@ -44,8 +45,9 @@ pub struct ShapeSample {
     pub point: SurfacePoint,
     /// Probability density per area \[1/length²].
     pub pdf: f32,
-    /// Numbers `uv` of the [`ShapeHit`](crate::accel::ShapeHit) at the point.
-    pub uv: Vec2,
+    /// Numbers [`ShapeHit::shape_coords`](crate::accel::ShapeHit::shape_coords) of a hit at the
+    /// point.
+    pub shape_coords: Vec2,
 }
 
 /// A point of a shape, sampled by solid angle as seen from a viewpoint.
@@ -74,7 +76,7 @@ pub enum SolidAngleSampleResult {
 /// hit.
 ///
 /// The triangle test shears the corners and rounds them to f32, which causes the error.
-pub const TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
+pub const RELATIVE_TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Bound on the error of the surface point `p` along each axis \[length].
 ///

@@ -10,9 +10,9 @@ pub struct TexCoord {
     /// Texture coordinates u and v.
     pub uv: DVec2,
     /// Gradient of u in world space \[1/length]; only its tangential part is meaningful.
-    pub du: DVec3,
+    pub grad_u: DVec3,
     /// Gradient of v in world space \[1/length]; only its tangential part is meaningful.
-    pub dv: DVec3,
+    pub grad_v: DVec3,
 }
 
 impl TexCoord {
@@ -25,7 +25,7 @@ impl TexCoord {
         let cross = along_u.cross(along_v);
         // A collapsed edge has unbounded gradients; the maximum prevents a division by zero.
         let n2 = cross.length_squared().max(f64::MIN_POSITIVE);
-        Self { uv: uv.as_dvec2(), du: along_v.cross(cross) / n2, dv: cross.cross(along_u) / n2 }
+        Self { uv: uv.as_dvec2(), grad_u: along_v.cross(cross) / n2, grad_v: cross.cross(along_u) / n2 }
     }
 }
 
@@ -151,11 +151,11 @@ impl TextureMapping {
                 let du = DVec3::new(d.z, 0.0, -d.x) / (around2 * TAU);
                 let outward = -d.y / (around * r2);
                 let dv = DVec3::new(d.x * outward, around / r2, d.z * outward) * FRAC_1_PI;
-                TexCoord { uv: DVec2::new(u, v), du: world(du), dv: world(dv) }
+                TexCoord { uv: DVec2::new(u, v), grad_u: world(du), grad_v: world(dv) }
             }
             TextureMappingKind::Planar { origin, rows: [u, v] } => {
                 let d = p - origin;
-                TexCoord { uv: DVec2::new(u.dot(d), v.dot(d)), du: world(u), dv: world(v) }
+                TexCoord { uv: DVec2::new(u.dot(d), v.dot(d)), grad_u: world(u), grad_v: world(v) }
             }
             TextureMappingKind::Uv => own(),
         }

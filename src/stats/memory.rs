@@ -11,7 +11,7 @@ pub enum MemoryLimit {
     /// The memory that the system can give without swapping.
     System,
     /// A limit of the memory of the whole process \[bytes].
-    Limit(u64),
+    ProcessBytes(u64),
 }
 
 /// Bytes reserved for memory that is not allocated on the heap, such as code and thread stacks.
@@ -22,15 +22,15 @@ const RESERVED_BYTES: u64 = 14_000_000;
 impl MemoryLimit {
     /// Returns the number of bytes that may still be allocated; `None` if no limit is known.
     ///
-    /// Under [`MemoryLimit::Limit`], the number is the limit minus the bytes in use and a fixed
-    /// reserve, so that all machines refuse the same work. Under [`MemoryLimit::System`], it is the
-    /// memory that the system can give without swapping (Linux only).
+    /// Under [`MemoryLimit::ProcessBytes`], the number is the limit minus the bytes in use and a
+    /// fixed reserve, so that all machines refuse the same work. Under [`MemoryLimit::System`], it
+    /// is the memory that the system can give without swapping (Linux only).
     #[must_use]
     pub fn available_bytes(self) -> Option<u64> {
         match self {
             Self::Unbounded => None,
             Self::System => read_proc_bytes("/proc/meminfo", "MemAvailable:"),
-            Self::Limit(limit) => Some(limit.saturating_sub(RESERVED_BYTES + memory_in_use())),
+            Self::ProcessBytes(limit) => Some(limit.saturating_sub(RESERVED_BYTES + memory_in_use())),
         }
     }
 }
@@ -39,9 +39,9 @@ impl MemoryLimit {
 #[derive(Clone, Copy, Debug)]
 pub struct AllocationCounter {
     /// Function that returns the number of allocated bytes that are not freed yet.
-    pub in_use: fn() -> u64,
-    /// Function that returns the largest value of `in_use` so far.
-    pub peak: fn() -> u64,
+    pub bytes_in_use: fn() -> u64,
+    /// Function that returns the largest value of `bytes_in_use` so far.
+    pub peak_bytes: fn() -> u64,
 }
 
 static COUNTER: OnceLock<AllocationCounter> = OnceLock::new();
@@ -56,9 +56,10 @@ pub fn set_allocation_counter(counter: AllocationCounter) {
 
 /// Returns the number of bytes that this process has allocated and not freed.
 fn memory_in_use() -> u64 {
-    COUNTER
-        .get()
-        .map_or_else(|| read_proc_bytes("/proc/self/status", "RssAnon:").unwrap_or(0), |counter| (counter.in_use)())
+    COUNTER.get().map_or_else(
+        || read_proc_bytes("/proc/self/status", "RssAnon:").unwrap_or(0),
+        |counter| (counter.bytes_in_use)(),
+    )
 }
 
 /// Returns the peak memory of this process so far \[bytes]: allocated bytes if an allocation
@@ -67,7 +68,7 @@ fn memory_in_use() -> u64 {
 /// `None` if there is no allocation counter and the system is not Linux.
 #[must_use]
 pub fn peak_memory() -> Option<u64> {
-    COUNTER.get().map_or_else(|| read_proc_bytes("/proc/self/status", "VmHWM:"), |counter| Some((counter.peak)()))
+    COUNTER.get().map_or_else(|| read_proc_bytes("/proc/self/status", "VmHWM:"), |counter| Some((counter.peak_bytes)()))
 }
 
 /// Reads the value of a line such as `VmHWM: 1024 kB` from a file in `/proc` \[bytes]; `None` if
@@ -111,10 +112,10 @@ mod tests {
         // More than this process holds, less than 2^60.
         assert!((1 << 20..1 << 60).contains(&MemoryLimit::System.available_bytes().unwrap()));
         assert_eq!(
-            (MemoryLimit::Unbounded.available_bytes(), MemoryLimit::Limit(1).available_bytes()),
+            (MemoryLimit::Unbounded.available_bytes(), MemoryLimit::ProcessBytes(1).available_bytes()),
             (None, Some(0))
         );
-        let (held, left) = (peak_memory().unwrap(), MemoryLimit::Limit(1 << 50).available_bytes().unwrap());
+        let (held, left) = (peak_memory().unwrap(), MemoryLimit::ProcessBytes(1 << 50).available_bytes().unwrap());
         assert!(left < 1 << 50 && left >= (1 << 50) - RESERVED_BYTES - held);
     }
 }

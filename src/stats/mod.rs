@@ -21,7 +21,8 @@ pub struct Counters {
     /// Ray segments of photon paths.
     pub photon_rays: u64,
     /// Photon density estimates, each of which sums nearby photons.
-    pub gathers: u64,
+    #[serde(rename = "gathers")]
+    pub density_estimates: u64,
     /// Photons summed by all photon density estimates.
     pub gathered_photons: u64,
     /// Radiance samples rejected because they were not finite.
@@ -36,7 +37,7 @@ impl AddAssign for Counters {
         self.continuation_rays += o.continuation_rays;
         self.shadow_rays += o.shadow_rays;
         self.photon_rays += o.photon_rays;
-        self.gathers += o.gathers;
+        self.density_estimates += o.density_estimates;
         self.gathered_photons += o.gathered_photons;
         self.rejected_samples += o.rejected_samples;
         self.rejected_photons += o.rejected_photons;

@@ -19,7 +19,7 @@ pub enum StudyError {
     Metric(#[from] MetricError),
     /// The width or height of the picture is not allowed.
     #[error(transparent)]
-    Size(#[from] PictureSizeError),
+    InvalidSize(#[from] PictureSizeError),
     /// A picture of the report cannot be encoded as PNG.
     #[error(transparent)]
     Encode(#[from] WriteError),
@@ -58,18 +58,18 @@ impl ClockKind {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PictureCost {
     /// Time to prepare the integrator, with its pilot passes \[s].
-    pub setup: f64,
+    pub setup_seconds: f64,
     /// Time of each pass, in order \[s].
-    pub passes: Vec<f64>,
+    pub pass_seconds: Vec<f64>,
     /// Work counters, such as numbers of rays, summed over all passes.
     pub counters: Counters,
 }
 
 impl PictureCost {
-    /// Returns the time of all passes, without `setup` \[s].
+    /// Returns the time of all passes, without `setup_seconds` \[s].
     #[must_use]
     pub fn total_pass_seconds(&self) -> f64 {
-        self.passes.iter().sum()
+        self.pass_seconds.iter().sum()
     }
 }
 
@@ -78,14 +78,19 @@ impl PictureCost {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectCost {
     /// Time that the effect adds to a pass, mean over passes \[s].
-    pub seconds: f64,
-    /// Standard error of `seconds` \[s], from the variance between passes; `None` with one pass.
-    pub seconds_error: Option<f64>,
+    #[serde(rename = "seconds")]
+    pub seconds_per_pass: f64,
+    /// Standard error of `seconds_per_pass` \[s], from the variance between passes; `None` with one
+    /// pass.
+    #[serde(rename = "seconds_error")]
+    pub seconds_standard_error: Option<f64>,
     /// Time of all passes of the picture with all effects, divided by that of the picture without
     /// this effect.
-    pub ratio: f64,
+    #[serde(rename = "ratio")]
+    pub time_ratio: f64,
     /// Time that the effect adds to the preparation of the integrator \[s].
-    pub setup: f64,
+    #[serde(rename = "setup")]
+    pub setup_seconds: f64,
     /// Number of rays of all kinds that the effect adds to a pass.
     pub rays: f64,
     /// Number of density estimates that the effect adds to a pass.
@@ -104,10 +109,11 @@ pub struct EffectContribution {
     /// 0.
     pub relative_rmse: Option<f64>,
     /// Radiance that the effect adds, as a mean over pixels and channels \[W/(m² sr)].
-    pub adds: f64,
+    #[serde(rename = "adds")]
+    pub added_radiance: f64,
     /// Radiance that the effect removes, as a positive mean over pixels and channels \[W/(m² sr)].
     #[serde(rename = "takes")]
-    pub removes: f64,
+    pub removed_radiance: f64,
 }
 
 /// Cost of one effect, and the change that it makes to the picture.
@@ -116,7 +122,7 @@ pub struct EffectResult {
     /// The effect and the reason why it is simulated.
     pub decision: EffectDecision,
     /// Time and work of the picture without the effect.
-    pub without: PictureCost,
+    pub cost_without_effect: PictureCost,
     /// Time and work that the effect adds.
     pub cost: EffectCost,
     /// Light that the effect adds to and removes from the picture.
@@ -135,9 +141,9 @@ pub struct EffectStudyResult {
     /// Mean of the passes with all effects of the plan.
     pub picture: Image,
     /// Mean of `picture` over pixels and channels \[W/(m² sr)].
-    pub mean: f64,
+    pub mean_radiance: f64,
     /// Time and work of rendering `picture`.
-    pub whole: PictureCost,
+    pub full_picture_cost: PictureCost,
     /// Results, one for each effect that the plan simulates.
     pub effects: Vec<EffectResult>,
     /// True if the study was interrupted before all passes were made.
@@ -160,7 +166,7 @@ pub struct EffectStudy<'a> {
 /// State of one picture of a study of effects: integrator, film and cost of the passes so far.
 struct PictureInProgress<'a> {
     /// Decision about the effect that is left out; `None` for the picture with all effects.
-    without: Option<EffectDecision>,
+    omitted_effect: Option<EffectDecision>,
     integrator: Box<dyn Integrator + 'a>,
     film: Film,
     spent: PictureCost,
@@ -177,11 +183,11 @@ impl<'a> EffectStudy<'a> {
         let run = |without: Option<EffectDecision>| {
             let mut settings = settings.clone();
             if let Some(decision) = without {
-                settings.camera_paths.effects = settings.camera_paths.effects.without_effect(decision.effect);
+                settings.camera_paths.effects = settings.camera_paths.effects.with_forced_off(decision.effect);
             }
             let (integrator, setup) = clock.measure_seconds(|| algorithm.prepare(scene, settings));
-            let spent = PictureCost { setup, ..PictureCost::default() };
-            PictureInProgress { without, integrator, film: Film::new(size.0, size.1), spent }
+            let spent = PictureCost { setup_seconds: setup, ..PictureCost::default() };
+            PictureInProgress { omitted_effect: without, integrator, film: Film::new(size.0, size.1), spent }
         };
         let on = plan.decisions.iter().filter(|d| d.is_simulated).copied();
         let runs = std::iter::once(None).chain(on.map(Some)).map(run).collect();
@@ -208,7 +214,7 @@ impl<'a> EffectStudy<'a> {
         all.fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             stored_photons: a.stored_photons.max(b.stored_photons),
-            largest_map: a.largest_map.max(b.largest_map),
+            photons_in_largest_map: a.photons_in_largest_map.max(b.photons_in_largest_map),
         })
     }
 
@@ -235,7 +241,7 @@ impl<'a> EffectStudy<'a> {
             for run in early.iter_mut().chain(late) {
                 let (pass, seconds) = self.clock.measure_seconds(|| run.integrator.render_pass(made, monitor));
                 run.film.add(&pass.image);
-                run.spent.passes.push(seconds);
+                run.spent.pass_seconds.push(seconds);
                 run.spent.counters += pass.counters;
             }
             made += 1;
@@ -247,20 +253,28 @@ impl<'a> EffectStudy<'a> {
     fn into_result(self, interrupted: bool) -> Result<EffectStudyResult, StudyError> {
         let (width, height) = self.size;
         let plan = self.plan().clone();
-        let image = |run: &PictureInProgress<'_>| Image::from_pixels(width, height, run.film.mean());
+        let image = |run: &PictureInProgress<'_>| Image::from_pixels(width, height, run.film.mean_picture());
         let (picture, whole) = (image(&self.runs[0])?, self.runs[0].spent.clone());
         let mean = mean_over_image(picture.pixels().iter().map(|p| p.as_dvec3().element_sum()), &picture);
         let mut effects = Vec::new();
         for run in self.runs.into_iter().skip(1) {
-            let Some(decision) = run.without else { continue };
+            let Some(decision) = run.omitted_effect else { continue };
             let without = image(&run)?;
             let contribution = effect_contribution(&picture, &without, mean)?;
             let pairs = picture.pixels().iter().zip(without.pixels());
             let difference = Image::from_pixels(width, height, pairs.map(|(a, b)| *a - *b).collect())?;
             let cost = effect_cost(&whole, &run.spent);
-            effects.push(EffectResult { decision, without: run.spent, cost, contribution, difference });
+            effects.push(EffectResult { decision, cost_without_effect: run.spent, cost, contribution, difference });
         }
-        Ok(EffectStudyResult { plan, clock: self.clock, mean, whole, effects, interrupted, picture })
+        Ok(EffectStudyResult {
+            plan,
+            clock: self.clock,
+            mean_radiance: mean,
+            full_picture_cost: whole,
+            effects,
+            interrupted,
+            picture,
+        })
     }
 }
 
@@ -269,11 +283,11 @@ impl<'a> EffectStudy<'a> {
 ///
 /// All pictures of the study use these numbers.
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
-    let mut fixed = Settings { allows_balance: false, ..settings.clone() };
-    if settings.allows_balance
+    let mut fixed = Settings { allows_ray_photon_balance: false, ..settings.clone() };
+    if settings.allows_ray_photon_balance
         && let Some(balance) = algorithm.prepare(scene, settings.clone()).ray_photon_balance()
     {
-        fixed.camera_paths.samples = Some(balance.samples);
+        fixed.camera_paths.samples_per_pixel = Some(balance.samples_per_pixel);
         fixed.unaimed_paths = balance.unaimed_paths.unwrap_or(fixed.unaimed_paths);
         fixed.aimed_paths = balance.aimed_paths.unwrap_or(fixed.aimed_paths);
     }
@@ -292,22 +306,22 @@ fn effect_contribution(whole: &Image, without: &Image, mean_of_whole: f64) -> Re
     let adds = mean_over_image(differences().map(|d| d.max(glam::DVec3::ZERO).element_sum()), whole);
     let removes = mean_over_image(differences().map(|d| (-d).max(glam::DVec3::ZERO).element_sum()), whole);
     let relative_rmse = (mean_of_whole > 0.0).then(|| rmse / mean_of_whole);
-    Ok(EffectContribution { rmse, relative_rmse, adds, removes })
+    Ok(EffectContribution { rmse, relative_rmse, added_radiance: adds, removed_radiance: removes })
 }
 
 fn effect_cost(whole: &PictureCost, without: &PictureCost) -> EffectCost {
-    let differences: Vec<f64> = whole.passes.iter().zip(&without.passes).map(|(a, b)| a - b).collect();
+    let differences: Vec<f64> = whole.pass_seconds.iter().zip(&without.pass_seconds).map(|(a, b)| a - b).collect();
     let n = differences.len() as f64;
     let seconds = differences.iter().sum::<f64>() / n;
     let variance = differences.iter().map(|d| (d - seconds) * (d - seconds)).sum::<f64>() / (n - 1.0);
     let a_pass = |count: fn(&Counters) -> u64| (count(&whole.counters) as f64 - count(&without.counters) as f64) / n;
     EffectCost {
-        seconds,
-        seconds_error: (differences.len() > 1).then(|| (variance / n).sqrt()),
-        ratio: whole.total_pass_seconds() / without.total_pass_seconds(),
-        setup: whole.setup - without.setup,
+        seconds_per_pass: seconds,
+        seconds_standard_error: (differences.len() > 1).then(|| (variance / n).sqrt()),
+        time_ratio: whole.total_pass_seconds() / without.total_pass_seconds(),
+        setup_seconds: whole.setup_seconds - without.setup_seconds,
         rays: a_pass(Counters::total_rays),
-        gathers: a_pass(|c| c.gathers),
+        gathers: a_pass(|c| c.density_estimates),
         gathered_photons: a_pass(|c| c.gathered_photons),
     }
 }

@@ -10,6 +10,6 @@ mod work;
 pub use effects::{
     ClockKind, EffectContribution, EffectCost, EffectResult, EffectStudy, EffectStudyResult, PictureCost, StudyError,
 };
-pub use report::effects::{ReportContext, effects_html_page};
+pub use report::effects::{EffectReportHeader, effects_html_page};
 pub use report::text;
 pub use work::{ExpectedWork, WorkCounts, expected_work};

@@ -1,10 +1,10 @@
 //! Tests of studies of effects, on scenes with known results.
 
-use super::{EffectStudy, EffectStudyResult, ReportContext, effects_html_page, expected_work};
+use super::{EffectReportHeader, EffectStudy, EffectStudyResult, effects_html_page, expected_work};
 use crate::camera::Camera;
 use crate::integrate::{Algorithm, Settings, SilentMonitor};
 use crate::plan::EffectOverrides;
-use crate::scene::{DeltaLightKind, Effect, LightStrength, Material, Scene, SceneBuilder};
+use crate::scene::{Effect, LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
@@ -19,7 +19,7 @@ fn sphere_on_floor(material: Material, width: u32, height: u32) -> Scene {
         .add_shape(Shape::Rectangle(floor), white, Vec3::ZERO)
         .add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), own, Vec3::ZERO)
         .add_delta_light(
-            DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
+            UnscaledDeltaLight::Point { position: DVec3::new(2.0, 4.0, 0.0) },
             LightStrength::Power(Vec3::splat(200.0)),
         );
     let (eye, view) = (DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0));
@@ -35,7 +35,8 @@ pub(super) fn glass_sphere_on_floor(width: u32, height: u32) -> Scene {
 }
 
 fn settings_with_few_photons(effects: EffectOverrides) -> Settings {
-    let mut settings = Settings { unaimed_paths: 0, aimed_paths: 4000, allows_balance: false, ..Settings::default() };
+    let mut settings =
+        Settings { unaimed_paths: 0, aimed_paths: 4000, allows_ray_photon_balance: false, ..Settings::default() };
     settings.camera_paths.effects = effects;
     settings
 }
@@ -48,12 +49,12 @@ fn run_effect_study(scene: &Scene, algorithm: Algorithm, settings: &Settings, pa
 /// Simulating caustics in a scene without casters costs rays and changes no bit of the picture.
 #[test]
 fn unneeded_caustics_cost_rays_and_change_no_bit() {
-    let overrides = EffectOverrides::PLANNED.with_effect(Effect::Caustics);
+    let overrides = EffectOverrides::NO_OVERRIDES.with_forced_on(Effect::Caustics);
     let found =
         run_effect_study(&diffuse_sphere_on_floor(24, 18), Algorithm::Hybrid, &settings_with_few_photons(overrides), 2);
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     assert_eq!(
-        (caustics.contribution.rmse, caustics.contribution.adds, caustics.contribution.removes),
+        (caustics.contribution.rmse, caustics.contribution.added_radiance, caustics.contribution.removed_radiance),
         (0.0, 0.0, 0.0)
     );
     // Each of the 4,000 photon paths of the caustic map has at least one ray.
@@ -69,35 +70,43 @@ fn shadows_only_remove_light() {
     let found = run_effect_study(
         &diffuse_sphere_on_floor(24, 18),
         Algorithm::Whitted,
-        &settings_with_few_photons(EffectOverrides::PLANNED),
+        &settings_with_few_photons(EffectOverrides::NO_OVERRIDES),
         1,
     );
     let shadows = found.effects.iter().find(|f| f.decision.effect == Effect::Shadows).unwrap();
-    assert_eq!(shadows.contribution.adds, 0.0);
-    assert!(shadows.contribution.removes > 0.0 && shadows.contribution.rmse > shadows.contribution.removes);
+    assert_eq!(shadows.contribution.added_radiance, 0.0);
+    assert!(
+        shadows.contribution.removed_radiance > 0.0
+            && shadows.contribution.rmse > shadows.contribution.removed_radiance
+    );
     assert!(shadows.difference.pixels().iter().all(|d| d.max_element() <= 0.0));
     // Only the picture with all effects has shadow rays.
     assert!(shadows.cost.rays > 0.0);
-    assert_eq!((shadows.cost.seconds_error, found.whole.passes.len()), (None, 1));
+    assert_eq!((shadows.cost.seconds_standard_error, found.full_picture_cost.pass_seconds.len()), (None, 1));
 }
 
 #[test]
 fn contributions_equal_differences_of_means() {
     let scene = glass_sphere_on_floor(24, 18);
-    let found = run_effect_study(&scene, Algorithm::Hybrid, &settings_with_few_photons(EffectOverrides::PLANNED), 3);
+    let found =
+        run_effect_study(&scene, Algorithm::Hybrid, &settings_with_few_photons(EffectOverrides::NO_OVERRIDES), 3);
     let names: Vec<Effect> = found.effects.iter().map(|f| f.decision.effect).collect();
     assert_eq!(names, found.plan.simulated_effects().iter().collect::<Vec<_>>());
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
-    let settings = settings_with_few_photons(EffectOverrides::PLANNED.without_effect(Effect::Caustics));
+    let settings = settings_with_few_photons(EffectOverrides::NO_OVERRIDES.with_forced_off(Effect::Caustics));
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
     let images = (0..3).map(|i| integrator.render_pass(i, &SilentMonitor).image);
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
     let mean_without = sum / (3.0 * 3.0 * 24.0 * 18.0);
     // Pixels are stored in f32, which rounds them at 2⁻²⁴ of their value.
-    let expected = found.mean - caustics.contribution.adds + caustics.contribution.removes;
+    let expected = found.mean_radiance - caustics.contribution.added_radiance + caustics.contribution.removed_radiance;
     assert!((expected / mean_without - 1.0).abs() < 1e-6, "{expected} {mean_without}");
-    assert!(caustics.contribution.adds > caustics.contribution.removes && caustics.cost.gathered_photons > 0.0);
-    let again = run_effect_study(&scene, Algorithm::Hybrid, &settings_with_few_photons(EffectOverrides::PLANNED), 3);
+    assert!(
+        caustics.contribution.added_radiance > caustics.contribution.removed_radiance
+            && caustics.cost.gathered_photons > 0.0
+    );
+    let again =
+        run_effect_study(&scene, Algorithm::Hybrid, &settings_with_few_photons(EffectOverrides::NO_OVERRIDES), 3);
     assert_eq!(
         again.effects.iter().map(|f| f.contribution).collect::<Vec<_>>(),
         found.effects.iter().map(|f| f.contribution).collect::<Vec<_>>()
@@ -107,17 +116,21 @@ fn contributions_equal_differences_of_means() {
 #[test]
 fn interrupted_effect_studies_finish_one_pass() {
     let scene = diffuse_sphere_on_floor(8, 6);
-    let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings_with_few_photons(EffectOverrides::PLANNED));
+    let study =
+        EffectStudy::prepare(&scene, Algorithm::Whitted, &settings_with_few_photons(EffectOverrides::NO_OVERRIDES));
     let pictures = study.picture_count();
     let found = study.run(9, &AtomicBool::new(true), &SilentMonitor, |_| {}).unwrap();
     assert!(found.interrupted && found.effects.len() + 1 == pictures);
-    assert!(found.whole.passes.len() == 1 && found.effects.iter().all(|f| f.without.passes.len() == 1));
+    assert!(
+        found.full_picture_cost.pass_seconds.len() == 1
+            && found.effects.iter().all(|f| f.cost_without_effect.pass_seconds.len() == 1)
+    );
 }
 
 #[test]
 fn page_lists_every_effect() {
-    let about = ReportContext { scene: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
-    let overrides = EffectOverrides::PLANNED.with_effect(Effect::Environment).without_effect(Effect::Shadows);
+    let about = EffectReportHeader { scene_name: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
+    let overrides = EffectOverrides::NO_OVERRIDES.with_forced_on(Effect::Environment).with_forced_off(Effect::Shadows);
     let found =
         run_effect_study(&diffuse_sphere_on_floor(8, 6), Algorithm::Whitted, &settings_with_few_photons(overrides), 1);
     let environment = found.plan.decisions.iter().find(|d| d.effect == Effect::Environment).unwrap();

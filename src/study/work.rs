@@ -17,7 +17,7 @@ pub struct WorkCounts {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpectedWork {
     /// Work of the first pass with all effects of the plan.
-    pub whole: WorkCounts,
+    pub total: WorkCounts,
     /// Work that each simulated effect adds; effects are in the order of [`Effect::ALL`].
     pub effects: Vec<(Effect, WorkCounts)>,
 }
@@ -45,7 +45,7 @@ pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
         let [less, fewer] = of(effects.without_effect(effect));
         (effect, WorkCounts { rays: rays - less, gathered_photons: gathered_photons - fewer })
     };
-    ExpectedWork { whole: WorkCounts { rays, gathered_photons }, effects: effects.iter().map(adds).collect() }
+    ExpectedWork { total: WorkCounts { rays, gathered_photons }, effects: effects.iter().map(adds).collect() }
 }
 
 #[cfg(test)]
@@ -58,12 +58,12 @@ mod tests {
     #[test]
     fn expected_camera_rays_are_exact() {
         let mut settings = Settings::default();
-        settings.camera_paths.samples = Some(100);
+        settings.camera_paths.samples_per_pixel = Some(100);
         let scene = diffuse_sphere_on_floor(640, 480);
         let work = expected_work(Algorithm::Raycast.prepare(&scene, settings).as_ref());
         assert_eq!(
             work,
-            ExpectedWork { whole: WorkCounts { rays: 640 * 480 * 100, gathered_photons: 0 }, effects: vec![] }
+            ExpectedWork { total: WorkCounts { rays: 640 * 480 * 100, gathered_photons: 0 }, effects: vec![] }
         );
     }
 
@@ -75,8 +75,8 @@ mod tests {
         let settings = Settings {
             unaimed_paths: 100_000,
             aimed_paths: 100_000,
-            allows_balance: false,
-            radius: Some(0.5),
+            allows_ray_photon_balance: false,
+            initial_gather_radius: Some(0.5),
             ..Settings::default()
         };
         let scene = glass_sphere_on_floor(128, 96);
@@ -87,8 +87,8 @@ mod tests {
             let close = |a: i64, b: u64, within: f64| {
                 assert!((a as f64 / b as f64 - 1.0).abs() < within, "{algorithm:?} {a} {b}");
             };
-            close(work.whole.rays, counters.total_rays(), 0.1);
-            close(work.whole.gathered_photons, counters.gathered_photons, 0.25);
+            close(work.total.rays, counters.total_rays(), 0.1);
+            close(work.total.gathered_photons, counters.gathered_photons, 0.25);
             assert!(work.work_of_effect(Effect::Caustics).unwrap().gathered_photons > 0);
             assert_eq!(work.work_of_effect(Effect::Environment), None);
         }

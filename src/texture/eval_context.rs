@@ -9,7 +9,7 @@ const MAX_LOOKUPS: f64 = 16.0;
 /// Greatest length of a footprint in periods of the texture. Longer footprints are shortened to it.
 ///
 /// The mean over so long a footprint is practically the mean of the texture.
-const MAX_PERIODS: f64 = 1e6;
+const MAX_FOOTPRINT_PERIODS: f64 = 1e6;
 
 /// A surface point at which a texture is evaluated, with the footprint over which it is averaged.
 ///
@@ -19,11 +19,11 @@ pub struct TextureEvalContext {
     /// Texture coordinates of the point.
     pub uv: DVec2,
     /// Full axes of the footprint: the change of `uv` from one end of each axis to the other.
-    pub axes: [DVec2; 2],
+    pub footprint_axes: [DVec2; 2],
     /// The point in object space.
-    pub p: DVec3,
+    pub object_p: DVec3,
     /// Diameter of the footprint in object space \[length], used by solid textures.
-    pub width: f64,
+    pub footprint_width: f64,
 }
 
 impl TextureEvalContext {
@@ -31,7 +31,7 @@ impl TextureEvalContext {
     /// footprint.
     #[must_use]
     pub fn unfiltered(uv: DVec2, p: DVec3) -> Self {
-        Self { uv, p, ..Self::default() }
+        Self { uv, object_p: p, ..Self::default() }
     }
 }
 
@@ -73,9 +73,9 @@ impl UvTransform {
         let uv = self.matrix * context.uv + self.offset;
         // Axes are very long or not finite where texture coordinates are singular, for example at a
         // pole.
-        let [a, b] = context.axes.map(|axis| {
+        let [a, b] = context.footprint_axes.map(|axis| {
             let axis = self.matrix * axis;
-            if axis.is_finite() { axis.clamp_length_max(MAX_PERIODS) } else { DVec2::ZERO }
+            if axis.is_finite() { axis.clamp_length_max(MAX_FOOTPRINT_PERIODS) } else { DVec2::ZERO }
         });
         let (long, short) = if a.length_squared() < b.length_squared() { (b, a) } else { (a, b) };
         if long == DVec2::ZERO {
@@ -100,7 +100,8 @@ mod tests {
     /// Center and sides of each box that [`UvTransform::filter_anisotropic`] looks up at (¼, ½).
     fn recorded_lookups(coordinates: &UvTransform, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
         let seen = RefCell::new(Vec::new());
-        let context = TextureEvalContext { uv: DVec2::new(0.25, 0.5), axes, ..TextureEvalContext::default() };
+        let context =
+            TextureEvalContext { uv: DVec2::new(0.25, 0.5), footprint_axes: axes, ..TextureEvalContext::default() };
         coordinates.filter_anisotropic(&context, |uv, size| {
             seen.borrow_mut().push((uv, size));
             Rgb::ZERO

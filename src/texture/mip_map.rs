@@ -46,7 +46,7 @@ pub struct MipMap {
     levels: Vec<MipLevel>,
     wrap: WrapMode,
     mean: Rgb,
-    range: (f32, f32),
+    value_range: (f32, f32),
 }
 
 /// One level of a MIP map, with linear colours.
@@ -79,7 +79,7 @@ impl MipMap {
         while let Some(last) = levels.last().filter(|l| l.width > 1 || l.height > 1) {
             levels.push(last.next_coarser_level());
         }
-        Ok(Self { levels, wrap, mean, range: (least, greatest) })
+        Ok(Self { levels, wrap, mean, value_range: (least, greatest) })
     }
 
     /// Mean colour over a box with center `uv` and sides `size`, by trilinear interpolation.
@@ -108,7 +108,7 @@ impl MipMap {
 
     /// Least and greatest value of any channel of any pixel.
     pub(super) fn value_range(&self) -> (f32, f32) {
-        self.range
+        self.value_range
     }
 
     /// Side of a pixel of the finest level, in texture coordinates, along the axis with more

@@ -43,7 +43,7 @@ impl Texture {
             Self::Checkerboard(checker, coordinates) => {
                 coordinates.filter_anisotropic(context, |uv, size| checker.box_mean(uv, size))
             }
-            Self::Solid(solid) => solid.color_at(context.p, context.width),
+            Self::Solid(solid) => solid.color_at(context.object_p, context.footprint_width),
         }
     }
 

@@ -18,7 +18,7 @@ const OCTAVE_OFFSET: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
     for i in 0..octaves {
-        let fade = octave_weight(width * scale);
+        let fade = octave_fade(width * scale);
         if fade == 0.0 {
             break;
         }
@@ -33,7 +33,7 @@ pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
 /// details.
 ///
 /// `width` is the width of the footprint in wavelengths of the octave.
-fn octave_weight(width: f64) -> f64 {
+fn octave_fade(width: f64) -> f64 {
     let t = ((FADE_WIDTHS[1] - width) / (FADE_WIDTHS[1] - FADE_WIDTHS[0])).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

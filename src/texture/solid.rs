@@ -40,7 +40,7 @@ pub struct SolidTexture {
     /// wavelengths.
     pub amplitude: f64,
     /// Affine map from object space to pattern space, in which the pattern is defined.
-    pub to_pattern: DAffine3,
+    pub object_to_pattern: DAffine3,
 }
 
 impl SolidTexture {
@@ -50,7 +50,7 @@ impl SolidTexture {
     /// of s of width w, is sin 2πs · sin(πw)/(πw).
     #[must_use]
     pub fn color_at(&self, p: DVec3, width: f64) -> Rgb {
-        let p = self.to_pattern.transform_point3(p) * self.frequency;
+        let p = self.object_to_pattern.transform_point3(p) * self.frequency;
         let w = width * self.max_scale() * self.frequency.abs();
         let noise = self.amplitude * fractal_noise(p, w, self.octaves);
         let wave = |along: f64| {
@@ -78,7 +78,7 @@ impl SolidTexture {
     /// Factor from object-space to pattern-space lengths: the length of the longest image of a unit
     /// axis.
     fn max_scale(&self) -> f64 {
-        let m = self.to_pattern.matrix3;
+        let m = self.object_to_pattern.matrix3;
         m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
     }
 

@@ -3,7 +3,7 @@
 
 use crate::image::Image;
 use crate::integrate::{LightGroup, MeanGatherDisc, SurfaceAovs};
-use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
+use crate::render::error_estimate::{ErrorMaps, MIN_ERROR_ESTIMATE_PASSES};
 use crate::render::{Film, RenderResult};
 use axum::body::Bytes;
 use glam::{Vec2, Vec3};
@@ -71,9 +71,9 @@ pub(super) enum FrameKind {
     /// The picture and its light groups.
     Picture,
     /// Maps of the estimated error.
-    Maps,
+    ErrorMaps,
     /// Surface AOVs.
-    Surfaces,
+    SurfaceAovs,
 }
 
 impl LayerKind {
@@ -111,14 +111,14 @@ impl LayerKind {
             | Self::CausticRadius
             | Self::IndirectRadius
             | Self::CausticPhotons
-            | Self::IndirectPhotons => FrameKind::Maps,
+            | Self::IndirectPhotons => FrameKind::ErrorMaps,
             Self::Albedo
             | Self::Normal
             | Self::Depth
             | Self::Position
             | Self::Object
             | Self::Material
-            | Self::Motion => FrameKind::Surfaces,
+            | Self::Motion => FrameKind::SurfaceAovs,
         }
     }
 
@@ -207,10 +207,11 @@ impl LiveFrame {
     #[must_use]
     pub fn from_render(sequence: u32, rendered: &RenderResult) -> Self {
         let film = &rendered.film;
-        let mut frame = Self::from_picture(sequence, film.size(), film.passes(), &film.mean());
-        let groups = LightGroup::ALL.iter().zip(&rendered.groups);
-        let layer =
-            |(group, film): (&LightGroup, &Film)| Layer::from_colors(LayerKind::of_light_group(*group), &film.mean());
+        let mut frame = Self::from_picture(sequence, film.size(), film.passes(), &film.mean_picture());
+        let groups = LightGroup::ALL.iter().zip(&rendered.light_group_films);
+        let layer = |(group, film): (&LightGroup, &Film)| {
+            Layer::from_colors(LayerKind::of_light_group(*group), &film.mean_picture())
+        };
         frame.layers.extend(groups.map(layer));
         frame
     }
@@ -224,8 +225,8 @@ impl LiveFrame {
             Layer::from_colors(LayerKind::Normal, &aovs.normal),
             Layer::from_numbers(LayerKind::Depth, aovs.depth.clone()),
             Layer::from_colors(LayerKind::Position, &aovs.position),
-            Layer::from_numbers(LayerKind::Object, identifiers(&aovs.object)),
-            Layer::from_numbers(LayerKind::Material, identifiers(&aovs.material)),
+            Layer::from_numbers(LayerKind::Object, identifiers(&aovs.object_id)),
+            Layer::from_numbers(LayerKind::Material, identifiers(&aovs.material_id)),
             Layer::from_film_vectors(LayerKind::Motion, &aovs.motion),
         ];
         Self { sequence, size, passes: 0, is_preview: false, layers }
@@ -238,11 +239,11 @@ impl LiveFrame {
     }
 
     /// Makes a frame of the maps of the estimated error; `None` if the error is not estimated, or
-    /// before [`MIN_PASSES`] passes.
+    /// before [`MIN_ERROR_ESTIMATE_PASSES`] passes.
     #[must_use]
     pub fn from_error_maps(sequence: u32, rendered: &RenderResult) -> Option<Self> {
-        let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES)?;
-        let ErrorMaps { noise, bias, caustic_discs, indirect_discs } = estimator.error_maps(&rendered.film);
+        let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_ERROR_ESTIMATE_PASSES)?;
+        let ErrorMaps { noise, blur: bias, caustic_discs, indirect_discs } = estimator.error_maps(&rendered.film);
         let mut layers = vec![Layer::from_colors(LayerKind::Noise, &noise)];
         if !bias.is_empty() {
             let numbers = |kind, discs: &[MeanGatherDisc], value: fn(&MeanGatherDisc) -> f32| {

@@ -14,9 +14,9 @@ pub struct LiveState {
     /// The newest picture or preview; `None` before the first one.
     pub picture: Option<Arc<LiveFrame>>,
     /// The newest maps of the estimated error; `None` before the first ones.
-    pub maps: Option<Arc<LiveFrame>>,
+    pub error_maps: Option<Arc<LiveFrame>>,
     /// Surface AOVs; `None` until a browser asks for them.
-    pub surfaces: Option<Arc<LiveFrame>>,
+    pub surface_aovs: Option<Arc<LiveFrame>>,
     /// Text of the scene file, with its errors.
     pub source: Arc<SceneSource>,
 }
@@ -46,9 +46,9 @@ pub struct LivePage {
     newest: Mutex<LiveState>,
     sender: watch::Sender<Arc<PublishedState>>,
     /// True if a browser has asked for error maps since the render last made them.
-    wants_maps: AtomicBool,
+    wants_error_maps: AtomicBool,
     /// True if a browser has asked for surface AOVs, and the render has made none since.
-    wants_surfaces: AtomicBool,
+    wants_surface_aovs: AtomicBool,
     /// Reference picture for comparisons.
     reference: Option<Arc<LiveFrame>>,
 }
@@ -72,7 +72,13 @@ impl LivePage {
         let sender = watch::Sender::new(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
         let reference = reference.map(Arc::new);
         let (wants_maps, wants_surfaces) = Default::default();
-        Self { newest: Mutex::new(newest), sender, wants_maps, wants_surfaces, reference }
+        Self {
+            newest: Mutex::new(newest),
+            sender,
+            wants_error_maps: wants_maps,
+            wants_surface_aovs: wants_surfaces,
+            reference,
+        }
     }
 
     /// Begins a new render and returns its number. Publications of earlier renders are ignored from
@@ -88,7 +94,7 @@ impl LivePage {
             integrator: old.integrator,
             interactive: old.interactive,
             reference: old.reference,
-            render: old.render + 1,
+            render_number: old.render_number + 1,
             sequence: old.sequence,
             size: old.size,
             picture: old.picture.clone(),
@@ -96,9 +102,9 @@ impl LivePage {
             problem_count: old.problem_count,
             ..LiveStatus::default()
         };
-        newest.maps = None;
-        newest.surfaces = None;
-        let render = newest.status.render;
+        newest.error_maps = None;
+        newest.surface_aovs = None;
+        let render = newest.status.render_number;
         self.publish_state(&mut newest);
         render
     }
@@ -109,7 +115,7 @@ impl LivePage {
     /// `change` also receives the sequence number of the publication, for a frame that it may add.
     pub fn publish(&self, render: u32, change: impl FnOnce(&mut LiveState, u32)) {
         let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
-        if newest.status.render == render {
+        if newest.status.render_number == render {
             let sequence = newest.status.sequence + 1;
             change(&mut newest, sequence);
             self.publish_state(&mut newest);
@@ -119,31 +125,31 @@ impl LivePage {
     fn publish_state(&self, newest: &mut LiveState) {
         newest.status.sequence += 1;
         newest.status.picture = newest.picture.as_deref().map(FrameReport::new);
-        newest.status.maps = newest.maps.as_deref().map(FrameReport::new);
-        newest.status.surfaces = newest.surfaces.as_deref().map(FrameReport::new);
+        newest.status.error_maps = newest.error_maps.as_deref().map(FrameReport::new);
+        newest.status.surface_aovs = newest.surface_aovs.as_deref().map(FrameReport::new);
         newest.status.problem_count = newest.source.problems.len();
         self.sender.send_replace(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
     }
 
     /// Returns true if a browser has asked for error maps since the last call, and forgets the
     /// request.
-    pub fn take_map_request(&self) -> bool {
-        self.wants_maps.swap(false, Ordering::Relaxed)
+    pub fn take_error_map_request(&self) -> bool {
+        self.wants_error_maps.swap(false, Ordering::Relaxed)
     }
 
     /// Asks the render to publish maps of the estimated error.
-    pub(super) fn request_maps(&self) {
-        self.wants_maps.store(true, Ordering::Relaxed);
+    pub(super) fn request_error_maps(&self) {
+        self.wants_error_maps.store(true, Ordering::Relaxed);
     }
 
     /// Returns true if a browser has asked for surface AOVs since the last call of this function.
-    pub fn take_surface_request(&self) -> bool {
-        self.wants_surfaces.swap(false, Ordering::Relaxed)
+    pub fn take_surface_aov_request(&self) -> bool {
+        self.wants_surface_aovs.swap(false, Ordering::Relaxed)
     }
 
     /// Asks the render to publish surface AOVs.
-    pub(super) fn request_surfaces(&self) {
-        self.wants_surfaces.store(true, Ordering::Relaxed);
+    pub(super) fn request_surface_aovs(&self) {
+        self.wants_surface_aovs.store(true, Ordering::Relaxed);
     }
 
     /// Returns a channel that delivers the newest state after each publication.

@@ -7,8 +7,8 @@ mod address;
 mod frame;
 mod guard;
 mod live_page;
-mod live_render;
 mod pace;
+mod render_publisher;
 mod request;
 mod responses;
 mod server;
@@ -18,10 +18,10 @@ mod tev;
 pub use address::{ListenAddress, ListenError};
 pub use frame::{Layer, LayerKind, LiveFrame};
 pub use live_page::{LivePage, LiveState};
-pub use live_render::LiveRender;
+pub use render_publisher::RenderPublisher;
 pub use request::{Orbit, Request};
 pub use server::{PageServer, RequestHandler};
-pub use status::{LiveStatus, Phase, PlanReport, SceneProblem, SceneSource};
+pub use status::{LiveStatus, PlanReport, RenderStage, SceneProblem, SceneSource};
 pub use tev::{TevAddress, TevAddressError, TevClient};
 
 #[cfg(test)]

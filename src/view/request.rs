@@ -12,7 +12,8 @@ pub struct Orbit {
     /// Angle by which the viewing direction turns upwards \[radians]; the camera itself moves down.
     pub pitch: f64,
     /// Natural logarithm of the camera's distance from the pivot, relative to the scene file.
-    pub zoom: f64,
+    #[serde(rename = "zoom")]
+    pub log_distance: f64,
 }
 
 /// Request of a browser to the render.

@@ -67,7 +67,7 @@ impl Stream for StateEvents {
 ///
 /// A state is taken only when the connection accepts it. So a slow browser misses states, and
 /// nothing queues up. `permit` is held until the stream ends.
-pub(super) fn state_events(
+pub(super) fn state_events_response(
     page: &LivePage,
     end: impl Future<Output = ()> + Send + 'static,
     permit: OwnedSemaphorePermit,
@@ -101,7 +101,7 @@ impl AsRef<[u8]> for BytesInProgress {
 
 /// Query of a request for pixels. It says which frame the browser already shows.
 #[derive(Debug, Default, Deserialize)]
-pub(super) struct KnownFrame {
+pub(super) struct KnownFrameQuery {
     /// Sequence number of the frame that the browser shows; 0 if it shows none.
     #[serde(default)]
     after: u32,
@@ -113,10 +113,10 @@ pub(super) struct KnownFrame {
 /// The response has no content if the browser already shows the frame, or if the newest frame lacks
 /// the layer. A request for an error map also asks the render to make new maps. A request for a
 /// surface AOV asks it for AOVs if there are none.
-pub(super) async fn layer_pixels(
+pub(super) async fn layer_pixels_response(
     page: Arc<LivePage>,
     name: String,
-    known: KnownFrame,
+    known: KnownFrameQuery,
     permit: OwnedSemaphorePermit,
 ) -> Response {
     let encode = move || {
@@ -127,15 +127,15 @@ pub(super) async fn layer_pixels(
         let newest = page.newest_state();
         let frame = match kind.frame_kind() {
             FrameKind::Picture => &newest.state.picture,
-            FrameKind::Maps => {
-                page.request_maps();
-                &newest.state.maps
+            FrameKind::ErrorMaps => {
+                page.request_error_maps();
+                &newest.state.error_maps
             }
-            FrameKind::Surfaces => {
-                if newest.state.surfaces.is_none() {
-                    page.request_surfaces();
+            FrameKind::SurfaceAovs => {
+                if newest.state.surface_aovs.is_none() {
+                    page.request_surface_aovs();
                 }
-                &newest.state.surfaces
+                &newest.state.surface_aovs
             }
         };
         let newer = frame.as_ref().filter(|frame| frame.sequence > known.after);
@@ -154,7 +154,7 @@ pub(super) async fn layer_pixels(
 }
 
 /// Returns the response with the text of the scene file and its errors, as JSON.
-pub(super) fn scene_source(page: &LivePage) -> Response {
+pub(super) fn scene_source_response(page: &LivePage) -> Response {
     let source = page.newest_state().state.source.clone();
     match serde_json::to_string(&*source) {
         Ok(json) => ([(CONTENT_TYPE, "application/json")], json).into_response(),
@@ -172,7 +172,7 @@ pub(super) struct SaveOptions {
 
 /// Returns the response with the newest picture as a file to save. `file` ends with `.png` or
 /// `.exr`, which selects the format.
-pub(super) async fn saved_picture(page: Arc<LivePage>, file: String, options: SaveOptions) -> Response {
+pub(super) async fn saved_picture_response(page: Arc<LivePage>, file: String, options: SaveOptions) -> Response {
     let newest = page.newest_state();
     let Some(frame) = newest.state.picture.clone().filter(|frame| !frame.is_preview) else {
         return (StatusCode::NOT_FOUND, "there is no pass yet\n").into_response();

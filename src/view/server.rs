@@ -5,7 +5,8 @@ use super::guard::{check_request, random_token};
 use super::live_page::LivePage;
 use super::request::Request;
 use super::responses::{
-    KnownFrame, SaveOptions, busy_response, layer_pixels, page_html, saved_picture, scene_source, state_events,
+    KnownFrameQuery, SaveOptions, busy_response, layer_pixels_response, page_html, saved_picture_response,
+    scene_source_response, state_events_response,
 };
 use axum::Router;
 use axum::body::Bytes;
@@ -142,7 +143,7 @@ async fn serve(listener: TcpListener, shared: Arc<RouteState>) {
         .route("/{token}/events", get(send_events))
         .route("/{token}/layer/{name}", get(send_layer))
         .route("/{token}/source", get(send_source))
-        .route("/{token}/save/{file}", get(send_file))
+        .route("/{token}/save/{file}", get(send_saved_picture))
         .route("/{token}/request/{name}", post(handle_page_request))
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .layer(from_fn_with_state(shared.clone(), guard_request))
@@ -195,7 +196,7 @@ async fn send_page() -> Response {
 
 async fn send_events(State(shared): State<Arc<RouteState>>) -> Response {
     match shared.readers.clone().try_acquire_owned() {
-        Ok(permit) => state_events(&shared.page, until_end(shared.end.clone()), permit),
+        Ok(permit) => state_events_response(&shared.page, until_end(shared.end.clone()), permit),
         Err(_) => busy_response(),
     }
 }
@@ -203,25 +204,25 @@ async fn send_events(State(shared): State<Arc<RouteState>>) -> Response {
 async fn send_layer(
     State(shared): State<Arc<RouteState>>,
     Path((_, name)): Path<(String, String)>,
-    Query(known): Query<KnownFrame>,
+    Query(known): Query<KnownFrameQuery>,
 ) -> Response {
     match shared.pixel_responses.clone().try_acquire_owned() {
-        Ok(permit) => layer_pixels(shared.page.clone(), name, known, permit).await,
+        Ok(permit) => layer_pixels_response(shared.page.clone(), name, known, permit).await,
         Err(_) => busy_response(),
     }
 }
 
 async fn send_source(State(shared): State<Arc<RouteState>>) -> Response {
-    scene_source(&shared.page)
+    scene_source_response(&shared.page)
 }
 
-async fn send_file(
+async fn send_saved_picture(
     State(shared): State<Arc<RouteState>>,
     Path((_, file)): Path<(String, String)>,
     Query(options): Query<SaveOptions>,
 ) -> Response {
     match shared.pixel_responses.clone().try_acquire_owned() {
-        Ok(_permit) => saved_picture(shared.page.clone(), file, options).await,
+        Ok(_permit) => saved_picture_response(shared.page.clone(), file, options).await,
         Err(_) => busy_response(),
     }
 }

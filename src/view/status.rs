@@ -18,7 +18,7 @@ const FORECAST_POINTS: u32 = 24;
 /// Phase of a render, as the live page shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Phase {
+pub enum RenderStage {
     /// The scene is being read, and its bounding volume hierarchy built.
     #[default]
     Loading,
@@ -38,7 +38,7 @@ pub enum Phase {
 
 /// Point of the curve that shows how the estimated error falls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct CurvePoint {
+pub struct ErrorCurvePoint {
     /// Wall time of all passes so far \[s].
     pub seconds: f64,
     /// Number of passes at this point of the curve.
@@ -60,22 +60,27 @@ pub struct CurvePoint {
 pub struct ForecastReport {
     /// Relative error for which the number of passes is forecast: the target of the render, or half
     /// of the present error if the render has no target.
-    pub target: f64,
-    /// True if `target` is the error target of the render; false if it is half of the present
+    #[serde(rename = "target")]
+    pub target_error: f64,
+    /// True if `target_error` is the error target of the render; false if it is half of the present
     /// error.
-    pub ends_render: bool,
-    /// Predicted number of passes at which the error falls to `target`: 10 % quantile, median and
-    /// 90 % quantile. Each is `None` if it is too far to predict, or if the target is never
+    #[serde(rename = "ends_render")]
+    pub is_render_target: bool,
+    /// Predicted number of passes at which the error falls to `target_error`: 10 % quantile, median
+    /// and 90 % quantile. Each is `None` if it is too far to predict, or if the target is never
     /// reached.
-    pub passes: [Option<u32>; 3],
-    /// Relative bias, which keeps the error above `target` after any number of passes; `None` if
-    /// `target` can be reached.
+    #[serde(rename = "passes")]
+    pub passes_to_target: [Option<u32>; 3],
+    /// Relative bias, which keeps the error above `target_error` after any number of passes; `None`
+    /// if `target_error` can be reached.
     pub floor: Option<f64>,
-    /// Probability that the number of passes lies between the first and last value of `passes`.
+    /// Probability that the number of passes lies between the first and last value of
+    /// `passes_to_target`.
     #[serde(rename = "probability")]
     pub range_probability: f64,
     /// Predicted error curve: pairs of a number of passes and a relative error.
-    pub curve: Vec<(u32, f64)>,
+    #[serde(rename = "curve")]
+    pub error_curve: Vec<(u32, f64)>,
 }
 
 /// Plan of the render: decisions with their reasons.
@@ -108,7 +113,8 @@ pub struct EffectReport {
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct SceneSource {
     /// Path of the scene file, as the user named it.
-    pub name: String,
+    #[serde(rename = "name")]
+    pub path: String,
     /// Text of the file; empty if it is binary, or too long to show.
     pub text: Arc<str>,
     /// Errors in the scene file; empty if it could be read.
@@ -161,11 +167,13 @@ pub struct LiveStatus {
     /// a page of `caustica render`.
     pub interactive: bool,
     /// Number of the render, counted from 1. It rises when the scene or the camera changes.
-    pub render: u32,
+    #[serde(rename = "render")]
+    pub render_number: u32,
     /// Sequence number of the publication. It rises with each publication on the page.
     pub sequence: u32,
     /// Phase that the render has reached.
-    pub phase: Phase,
+    #[serde(rename = "phase")]
+    pub stage: RenderStage,
     /// Reason why the render ended; `None` while it goes on.
     #[serde(rename = "ended")]
     pub end_reason: Option<EndReason>,
@@ -178,9 +186,11 @@ pub struct LiveStatus {
     pub picture: Option<FrameReport>,
     /// Size and passes of the newest maps of the estimated error, which may be older than the
     /// picture; `None` before the first maps.
-    pub maps: Option<FrameReport>,
+    #[serde(rename = "maps")]
+    pub error_maps: Option<FrameReport>,
     /// Size of the surface AOVs; `None` until a browser asks for them.
-    pub surfaces: Option<FrameReport>,
+    #[serde(rename = "surfaces")]
+    pub surface_aovs: Option<FrameReport>,
     /// Size of the reference picture \[pixels]; `None` without one.
     pub reference: Option<(u32, u32)>,
     /// Number of passes so far.
@@ -192,14 +202,18 @@ pub struct LiveStatus {
     /// Largest number of passes of the render; `None` for no limit.
     pub pass_limit: Option<u32>,
     /// Wall time after which the render ends \[s]; `None` for no limit.
-    pub time_limit: Option<f64>,
+    #[serde(rename = "time_limit")]
+    pub time_limit_seconds: Option<f64>,
     /// Relative error at which the render ends; `None` for no error target.
     pub error_limit: Option<f64>,
-    /// Confidence of the intervals from `low` to `high` in `curve`; `None` without an error target.
+    /// Confidence of the intervals from `low` to `high` in `error_curve`; `None` without an error
+    /// target.
     pub confidence: Option<Confidence>,
     /// Points of the curve of the estimated error over the passes so far.
-    pub curve: Arc<Vec<CurvePoint>>,
-    /// Forecast of the error from the last point of `curve`; `None` before the first estimate.
+    #[serde(rename = "curve")]
+    pub error_curve: Arc<Vec<ErrorCurvePoint>>,
+    /// Forecast of the error from the last point of `error_curve`; `None` before the first
+    /// estimate.
     pub forecast: Option<Arc<ForecastReport>>,
     /// Plan of the render; `None` before pilots have ended.
     pub plan: Option<Arc<PlanReport>>,
@@ -216,7 +230,7 @@ pub struct LiveStatus {
     pub problem_count: usize,
 }
 
-impl CurvePoint {
+impl ErrorCurvePoint {
     /// Makes a point of the error curve from an estimate after `seconds` of wall time.
     #[must_use]
     pub fn new(estimate: &ErrorEstimate, seconds: f64) -> Self {
@@ -246,12 +260,12 @@ impl ForecastReport {
         let mut numbers: Vec<u32> = (0..FORECAST_POINTS).map(point).collect();
         numbers.dedup();
         Self {
-            target: target.error,
-            ends_render: stop.target.is_some(),
-            passes,
+            target_error: target.error,
+            is_render_target: stop.target.is_some(),
+            passes_to_target: passes,
             floor,
             range_probability: RANGE_PROBABILITY,
-            curve: numbers.into_iter().map(|n| (n, forecast.error_after_passes(n))).collect(),
+            error_curve: numbers.into_iter().map(|n| (n, forecast.error_after_passes(n))).collect(),
         }
     }
 }
@@ -264,7 +278,7 @@ impl PlanReport {
         let effects = plan.decisions.iter().map(|decision| EffectReport {
             name: decision.effect.name(),
             on: decision.is_simulated,
-            forced: decision.is_forced_by_user(),
+            forced: decision.is_forced_against_need(),
             reason: decision.reason.to_string(),
             flaw: (decision.is_needed && !decision.is_simulated).then(|| decision.effect.symptom_if_missing()),
         });

@@ -151,7 +151,7 @@ fn foreign_requests_are_refused() {
     assert_eq!(served.post("request/orbit", "{\"yaw\": 1, \"pitch\": 0.5, \"zoom\": 0}").code, 204);
     assert_eq!(served.post("request/orbit", "{\"yaw\": \"x\"}").code, 400);
     assert_eq!(served.post("request/stop", &"x".repeat(1 << 20)).code, 413);
-    let orbit = Request::Orbit(Orbit { yaw: 1.0, pitch: 0.5, zoom: 0.0 });
+    let orbit = Request::Orbit(Orbit { yaw: 1.0, pitch: 0.5, log_distance: 0.0 });
     assert_eq!(*served.requests.lock().unwrap(), [Request::Stop, Request::Resume, orbit]);
 }
 
@@ -225,18 +225,18 @@ fn maps_are_made_only_when_asked_for() {
     let served = ServedPage::start();
     let number = served.page.begin_render();
     served.show(number, (2, 1), 0.25);
-    assert!(!served.page.take_map_request());
+    assert!(!served.page.take_error_map_request());
     let picture = served.get("layer/picture");
     let (head, values) = decode(&picture.body);
     assert_eq!((&head[1..], &values[..3]), (&[2, 1, 3][..], &[0.25, 0.125, -0.25][..]));
     assert_eq!(served.get(&format!("layer/picture?after={}", head[0])).code, 204);
     assert_eq!(served.get(&format!("layer/picture?after={}", head[0] - 1)).code, 200);
-    assert!(!served.page.take_map_request());
+    assert!(!served.page.take_error_map_request());
     assert_eq!(served.get("layer/noise").code, 204);
-    assert!(served.page.take_map_request() && !served.page.take_map_request());
-    assert!(!served.page.take_surface_request());
+    assert!(served.page.take_error_map_request() && !served.page.take_error_map_request());
+    assert!(!served.page.take_surface_aov_request());
     assert_eq!(served.get("layer/depth").code, 204);
-    assert!(served.page.take_surface_request() && !served.page.take_surface_request());
+    assert!(served.page.take_surface_aov_request() && !served.page.take_surface_aov_request());
     assert_eq!(served.get("layer/secret").code, 404);
     assert_eq!(served.get("layer/reference").code, 404);
     let reference = Image::from_pixels(1, 1, vec![Vec3::splat(2.0)]).unwrap();
@@ -247,20 +247,20 @@ fn maps_are_made_only_when_asked_for() {
 #[test]
 fn surface_layers_hold_the_aovs() {
     let served = ServedPage::start();
-    let live = LiveRender::begin(&served.page, Instant::now());
+    let live = RenderPublisher::begin(&served.page, Instant::now());
     served.show(live.render_number(), (2, 1), 0.25);
     let aovs = SurfaceAovs {
         albedo: vec![Vec3::new(0.5, 0.25, 0.125), Vec3::ZERO],
         normal: vec![Vec3::Y, Vec3::ZERO],
         depth: vec![2.0, 0.0],
         position: vec![Vec3::new(1.0, 2.0, -4.0), Vec3::ZERO],
-        object: vec![3, 0],
-        material: vec![1, 0],
+        object_id: vec![3, 0],
+        material_id: vec![1, 0],
         motion: vec![Vec2::new(4.0, -2.0), Vec2::ZERO],
     };
-    live.publish_wanted_surfaces((2, 1), || panic!("no browser has asked for them"));
+    live.publish_wanted_surface_aovs((2, 1), || panic!("no browser has asked for them"));
     assert_eq!(served.get("layer/motion").code, 204);
-    live.publish_wanted_surfaces((2, 1), || Some(aovs));
+    live.publish_wanted_surface_aovs((2, 1), || Some(aovs));
     let first_pixel = |name: &str| {
         let ([_, width, height, channels], values) = decode(&served.get(&format!("layer/{name}")).body);
         assert_eq!((width, height, values.len()), (2, 1, 2 * channels as usize), "{name}");
@@ -270,7 +270,7 @@ fn surface_layers_hold_the_aovs() {
     assert_eq!((first_pixel("normal"), first_pixel("position")), (vec![0.0, 1.0, 0.0], vec![1.0, 2.0, -4.0]));
     assert_eq!((first_pixel("depth"), first_pixel("motion")), (vec![2.0], vec![4.0, -2.0]));
     assert_eq!((first_pixel("object"), first_pixel("material")), (vec![3.0], vec![1.0]));
-    assert!(!served.page.take_surface_request(), "they exist");
+    assert!(!served.page.take_surface_aov_request(), "they exist");
     served.page.begin_render();
     assert_eq!(served.get("layer/albedo").code, 204, "those of an earlier render are gone");
 }
@@ -341,7 +341,7 @@ fn the_server_ends_beside_open_connections() {
     next_state(&mut events);
     let _silent = served.connect();
     let number = served.page.begin_render();
-    served.page.publish(number, |state, _| state.status.phase = Phase::Ended);
+    served.page.publish(number, |state, _| state.status.stage = RenderStage::Ended);
     let start = Instant::now();
     served.server.finish();
     assert!(start.elapsed() < Duration::from_secs(5));
@@ -357,33 +357,39 @@ fn publications_change_no_bit_of_a_render() {
     settings.camera_paths.groups_light = true;
     let integrator = Algorithm::Path.prepare(&scene, settings);
     let interrupted = AtomicBool::new(false);
-    let stop = StopCriteria { passes: Some(6), ..StopCriteria::unlimited(&interrupted) };
+    let stop = StopCriteria { max_passes: Some(6), ..StopCriteria::unlimited(&interrupted) };
     let start = || RenderResult::without_passes(integrator.as_ref(), (24, 16));
     let plain = render(start(), 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
     let page = LivePage::new("scene".to_owned(), "path", false, None);
-    let mut live = LiveRender::begin(&page, Instant::now());
-    live.begin_passes(PlanReport::new(integrator.plan(), Vec::new()), &stop, (24, 16));
+    let mut live = RenderPublisher::begin(&page, Instant::now());
+    live.publish_plan_and_limits(PlanReport::new(integrator.plan(), Vec::new()), &stop, (24, 16));
     let shown: RenderResult = render(start(), 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |progress| {
-        page.request_maps();
-        live.after_pass(progress, &stop);
+        page.request_error_maps();
+        live.publish_pass_if_due(progress, &stop);
     });
-    live.publish_end(&shown, Phase::Ended);
+    live.publish_end(&shown, RenderStage::Ended);
     assert_eq!(plain.film, shown.film);
     let newest = page.newest_state();
-    let (status, maps) = (&newest.state.status, newest.state.maps.as_ref().unwrap());
-    assert_eq!((status.passes, status.phase), (6, Phase::Ended));
-    assert_eq!(newest.state.picture.as_ref().unwrap().layer(LayerKind::Picture).unwrap().colors(), shown.film.mean());
+    let (status, maps) = (&newest.state.status, newest.state.error_maps.as_ref().unwrap());
+    assert_eq!((status.passes, status.stage), (6, RenderStage::Ended));
+    assert_eq!(
+        newest.state.picture.as_ref().unwrap().layer(LayerKind::Picture).unwrap().colors(),
+        shown.film.mean_picture()
+    );
     let direct = newest.state.picture.as_ref().unwrap().layer(LayerKind::Direct).unwrap();
-    assert_eq!(direct.colors(), shown.groups[LightGroup::Direct as usize].mean());
+    assert_eq!(direct.colors(), shown.light_group_films[LightGroup::Direct as usize].mean_picture());
     let estimator = shown.estimator.as_ref().unwrap();
     assert_eq!(maps.layer(LayerKind::Noise).unwrap().colors(), estimator.error_maps(&shown.film).noise);
     let estimate = estimator.estimate(&shown.film);
-    let last = status.curve.last().unwrap();
+    let last = status.error_curve.last().unwrap();
     assert_eq!((last.passes, last.error, last.high), (6, estimate.error, estimate.high));
-    assert_eq!(status.curve.iter().map(|point| point.passes).collect::<Vec<_>>(), [4, 5, 6]);
+    assert_eq!(status.error_curve.iter().map(|point| point.passes).collect::<Vec<_>>(), [4, 5, 6]);
     let forecast = status.forecast.as_ref().unwrap();
-    assert!(forecast.curve[0] == (6, estimate.error) || (forecast.curve[0].1 / estimate.error - 1.0).abs() < 1e-6);
-    assert!(!forecast.ends_render && forecast.target == 0.5 * estimate.error);
+    assert!(
+        forecast.error_curve[0] == (6, estimate.error)
+            || (forecast.error_curve[0].1 / estimate.error - 1.0).abs() < 1e-6
+    );
+    assert!(!forecast.is_render_target && forecast.target_error == 0.5 * estimate.error);
 }
 
 #[test]

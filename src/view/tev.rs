@@ -69,7 +69,7 @@ impl std::fmt::Display for TevAddress {
 
 /// Image to send: its name, its width and height \[pixels], and its layers.
 #[derive(Debug)]
-struct SentImage {
+struct OutgoingImage {
     name: String,
     size: (u32, u32),
     layers: Vec<ExrLayer>,
@@ -78,7 +78,7 @@ struct SentImage {
 /// Images that wait to be sent, at most one of each name.
 #[derive(Debug, Default)]
 struct WaitingImages {
-    images: Vec<SentImage>,
+    images: Vec<OutgoingImage>,
     /// True after the render has handed over its last image.
     is_closed: bool,
     /// True after an error of the connection. Further images are dropped.
@@ -99,7 +99,7 @@ impl SenderState {
     }
 
     /// Waits for the next image to send and takes it; returns `None` after the last one.
-    fn next_image(&self) -> Option<SentImage> {
+    fn next_image(&self) -> Option<OutgoingImage> {
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
             if !waiting.images.is_empty() {
@@ -146,21 +146,21 @@ impl TevClient {
     /// height) pixels, unless the last call that did so was too recent.
     ///
     /// Making the layers takes at most 1 % of the time.
-    pub fn send_if_due(&mut self, name: &str, size: (u32, u32), layers: impl FnOnce() -> Vec<ExrLayer>) {
+    pub fn queue_image_if_due(&mut self, name: &str, size: (u32, u32), layers: impl FnOnce() -> Vec<ExrLayer>) {
         let start = Instant::now();
         if self.pace.is_due(start) {
-            self.send(name, size, layers());
+            self.queue_image(name, size, layers());
             self.pace.record(start, Instant::now());
         }
     }
 
     /// Hands `layers` over to the sending thread, as image `name` of `size` (width, height) pixels.
     /// Does not wait.
-    pub fn send(&self, name: &str, size: (u32, u32), layers: Vec<ExrLayer>) {
+    pub fn queue_image(&self, name: &str, size: (u32, u32), layers: Vec<ExrLayer>) {
         self.shared.change_waiting(|waiting| {
             if !waiting.has_failed {
                 waiting.images.retain(|image| image.name != name);
-                waiting.images.push(SentImage { name: name.to_owned(), size, layers });
+                waiting.images.push(OutgoingImage { name: name.to_owned(), size, layers });
             }
         });
     }

@@ -26,14 +26,20 @@ const SIMULATIONS: [Algorithm; 7] = [
 fn grouped(filter: FilterKind) -> Settings {
     let camera_paths =
         CameraPathSettings { groups_light: true, filter: Filter::new(filter), ..CameraPathSettings::default() };
-    Settings { camera_paths, unaimed_paths: 4000, aimed_paths: 4000, allows_balance: false, ..Settings::default() }
+    Settings {
+        camera_paths,
+        unaimed_paths: 4000,
+        aimed_paths: 4000,
+        allows_ray_photon_balance: false,
+        ..Settings::default()
+    }
 }
 
 /// Fails unless the light groups of each pixel add up to the picture to rounding.
 fn assert_groups_add_up(what: &str, pass: &PassResult) {
-    assert_eq!(pass.groups.len(), LightGroup::ALL.len(), "{what}");
+    assert_eq!(pass.light_groups.len(), LightGroup::ALL.len(), "{what}");
     for (i, pixel) in pass.image.iter().enumerate() {
-        let parts: [DVec3; 3] = std::array::from_fn(|group| pass.groups[group][i].as_dvec3());
+        let parts: [DVec3; 3] = std::array::from_fn(|group| pass.light_groups[group][i].as_dvec3());
         let size = parts.iter().map(|part| part.abs().max_element()).sum::<f64>();
         let gap = (parts.iter().sum::<DVec3>() - pixel.as_dvec3()).abs().max_element();
         // A path adds some dozens of contributions, each with the rounding of f32.
@@ -101,13 +107,13 @@ fn algorithms_agree_on_each_light_group() {
     let scene = scene_from_text(GROUPS);
     let passes = 24;
     let groups_of_passes = |algorithm: Algorithm| -> Vec<[f64; 3]> {
-        let settings = Settings { radius: Some(0.05), alpha: 1.0, ..grouped(FilterKind::Box) };
+        let settings = Settings { initial_gather_radius: Some(0.05), alpha: 1.0, ..grouped(FilterKind::Box) };
         let mut settings = Settings { unaimed_paths: 40_000, aimed_paths: 40_000, ..settings };
-        settings.camera_paths.samples = Some(64);
+        settings.camera_paths.samples_per_pixel = Some(64);
         let integrator = algorithm.prepare(&scene, settings);
         let groups = |pass| {
             let pass = integrator.render_pass(pass, &SilentMonitor);
-            std::array::from_fn(|group| sum(&pass.groups[group]))
+            std::array::from_fn(|group| sum(&pass.light_groups[group]))
         };
         (0..passes).map(groups).collect()
     };
@@ -143,8 +149,8 @@ fn light_without_bounces_is_direct() {
     );
     for algorithm in SIMULATIONS {
         let pass = algorithm.prepare(&scene, grouped(FilterKind::Box)).render_pass(0, &SilentMonitor);
-        assert_eq!(pass.groups[LightGroup::Direct as usize], pass.image, "{}", algorithm.name());
-        assert_eq!(sum(&pass.groups[1]) + sum(&pass.groups[2]), 0.0);
+        assert_eq!(pass.light_groups[LightGroup::Direct as usize], pass.image, "{}", algorithm.name());
+        assert_eq!(sum(&pass.light_groups[1]) + sum(&pass.light_groups[2]), 0.0);
     }
 }
 
@@ -204,10 +210,10 @@ fn normals_of_the_course_ellipsoid_are_exact() {
         assert!((aovs.normal[i].as_dvec3() - normal).length() < 0.02, "{x}, {y}: {} {normal}", aovs.normal[i]);
         assert!((f64::from(aovs.depth[i]) - depth.x).abs() < 0.005, "{x}, {y}: {} {}", aovs.depth[i], depth.x);
         assert!((aovs.position[i].as_dvec3() - position).length() < 0.005, "{x}, {y}: {}", aovs.position[i]);
-        assert_eq!((aovs.object[i], aovs.material[i], aovs.albedo[i]), (1, 1, Vec3::ONE), "{x}, {y}");
+        assert_eq!((aovs.object_id[i], aovs.material_id[i], aovs.albedo[i]), (1, 1, Vec3::ONE), "{x}, {y}");
     }
     assert!(checked > 1000, "{checked} pixels are inside the ellipsoid");
-    let corner = (aovs.albedo[0], aovs.normal[0], aovs.depth[0], aovs.object[0], aovs.material[0]);
+    let corner = (aovs.albedo[0], aovs.normal[0], aovs.depth[0], aovs.object_id[0], aovs.material_id[0]);
     assert_eq!(corner, (Vec3::new(0.2, 0.0, 0.6), Vec3::ZERO, 0.0, 0, 0), "the background");
 }
 
@@ -222,9 +228,9 @@ fn depth_of_the_course_plane_is_exact() {
         let depth = pixel_mean(200, 30.0, (x, y), |d| Some(DVec3::splat(-2.0 / d.y))).unwrap().x;
         let found = f64::from(aovs.depth[i]);
         assert!((found / depth - 1.0).abs() < 1e-3, "{x}, {y}: {found}, expected {depth}");
-        assert_eq!((aovs.normal[i], aovs.object[i], aovs.material[i]), (Vec3::Y, 6, 4), "{x}, {y}");
+        assert_eq!((aovs.normal[i], aovs.object_id[i], aovs.material_id[i]), (Vec3::Y, 6, 4), "{x}, {y}");
     }
-    assert_eq!(aovs.object[100 * 200 + 100], 1, "the red sphere in the middle");
+    assert_eq!(aovs.object_id[100 * 200 + 100], 1, "the red sphere in the middle");
 }
 
 /// A red and a green square at z = −1 and z = −3, and what stands before or beside them.
@@ -251,7 +257,8 @@ fn middle(x: usize) -> usize {
 #[test]
 fn identifiers_and_albedo_tell_objects_apart() {
     let aovs = aovs_of(&squares(""), AovSurface::FirstNonSpecular);
-    let at = |x| (aovs.object[middle(x)], aovs.material[middle(x)], aovs.albedo[middle(x)], aovs.depth[middle(x)]);
+    let at =
+        |x| (aovs.object_id[middle(x)], aovs.material_id[middle(x)], aovs.albedo[middle(x)], aovs.depth[middle(x)]);
     assert_eq!(at(3), (1, 1, Vec3::new(0.7, 0.1, 0.1), 6.0));
     assert_eq!(at(12), (2, 2, Vec3::new(0.1, 0.6, 0.2), 8.0));
     assert_eq!(aovs.position[middle(12)].z, -3.0);
@@ -277,9 +284,9 @@ fn rays_follow_glass_to_what_is_behind() {
     let low = Vec3::new(0.1, 0.6, 0.2) * transmitted;
     assert!((low * 0.999).cmple(albedo).all() && albedo.cmple(low * 1.003).all(), "{albedo}");
     assert!((aovs.depth[middle(12)] - 8.0).abs() < 1e-4, "{}", aovs.depth[middle(12)]);
-    assert_eq!((aovs.object[middle(12)], aovs.material[middle(12)]), (2, 2));
+    assert_eq!((aovs.object_id[middle(12)], aovs.material_id[middle(12)]), (2, 2));
     let first = aovs_of(&scene, AovSurface::First);
-    assert_eq!((first.object[middle(12)], first.material[middle(12)], first.depth[middle(12)]), (3, 3, 3.0));
+    assert_eq!((first.object_id[middle(12)], first.material_id[middle(12)], first.depth[middle(12)]), (3, 3, 3.0));
 }
 
 #[test]
@@ -297,10 +304,10 @@ fn rays_follow_mirrors_to_what_they_show() {
         assert!((aovs.position[i] - Vec3::new(-4.0, aovs.position[i].y, at)).length() < 0.01, "{}", aovs.position[i]);
         assert!((aovs.normal[i] - Vec3::X).length() < 1e-6, "{}", aovs.normal[i]);
         assert!((aovs.albedo[i] - 0.5 * Vec3::new(0.1, 0.6, 0.2)).length() < 1e-6, "{}", aovs.albedo[i]);
-        assert_eq!((aovs.object[i], aovs.material[i]), (4, 2));
+        assert_eq!((aovs.object_id[i], aovs.material_id[i]), (4, 2));
     }
     let first = aovs_of(&scene, AovSurface::First);
-    assert_eq!((first.object[middle(12)], first.albedo[middle(12)]), (3, Vec3::splat(0.5)));
+    assert_eq!((first.object_id[middle(12)], first.albedo[middle(12)]), (3, Vec3::splat(0.5)));
 }
 
 /// A camera at z = 5 that looks along −z, and moving objects. All distances on the film are exact

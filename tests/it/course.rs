@@ -10,9 +10,9 @@ use caustica::color::Rgb;
 use caustica::format::description::{
     CurveBasis, GroupItem, ObjectDescription, ObjectGroup, ProfileCurve, RevolutionDescription, ShapeDescription,
 };
-use caustica::format::mesh::{self, MeshRepairs};
+use caustica::format::mesh::{self, MeshRepairOptions};
 use caustica::format::{SceneFile, parse};
-use caustica::image::{self, Image, RgbBytes, ToneCurve, ToneMap, WriteOptions};
+use caustica::image::{self, Image, Rgb8Image, ToneCurve, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::math::Ray;
 use caustica::scene::{Material, Scene, SceneBuilder};
@@ -22,11 +22,11 @@ use glam::{DVec2, DVec3, Vec3};
 use std::fs;
 use std::path::Path;
 
-fn ray_cast(scene: &Path) -> RgbBytes {
+fn ray_cast(scene: &Path) -> Rgb8Image {
     render_course_image(&SceneFile::read(scene).unwrap().resolve().unwrap())
 }
 
-fn render_course_image(scene: &Scene) -> RgbBytes {
+fn render_course_image(scene: &Scene) -> Rgb8Image {
     let (width, height) = scene.camera().size();
     let integrator = Algorithm::Raycast.prepare(scene, Settings::default());
     let picture = Image::from_pixels(width, height, integrator.render_pass(0, &SilentMonitor).image).unwrap();
@@ -34,11 +34,11 @@ fn render_course_image(scene: &Scene) -> RgbBytes {
     let path = folder.path().join("a.png");
     let tone = ToneMap { curve: ToneCurve::Legacy, exposure_stops: 0.0 };
     image::write(&path, &picture, &WriteOptions { tone, ..WriteOptions::default() }).unwrap();
-    image::read_bytes(&path).unwrap()
+    image::read_rgb8(&path).unwrap()
 }
 
 /// Returns the number of pixels with a channel that differs by more than one level.
-fn count_differing_pixels(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
+fn count_differing_pixels(ours: &Rgb8Image, theirs: &Rgb8Image) -> usize {
     assert_eq!((ours.width(), ours.height()), (theirs.width(), theirs.height()));
     let pairs = ours.pixels().iter().zip(theirs.pixels());
     pairs.filter(|(a, b)| a.iter().zip(b.iter()).any(|(x, y)| x.abs_diff(*y) > 1)).count()
@@ -61,7 +61,7 @@ fn scenes_01_to_07_match_expected_images() {
     ];
     for (scene, allowed) in scenes {
         let ours = ray_cast(&course.join(format!("testcases/{scene}.txt")));
-        let theirs = image::read_bytes(&course.join(format!("expected/{}.png", &scene[..7]))).unwrap();
+        let theirs = image::read_rgb8(&course.join(format!("expected/{}.png", &scene[..7]))).unwrap();
         let n = count_differing_pixels(&ours, &theirs);
         assert!(n <= allowed, "{scene}: {n} pixels differ by more than one level");
     }
@@ -191,7 +191,7 @@ fn scenes_09_and_10_match_fine_meshes() {
                 let offset = |k: i32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
                 let d = (forward + (right * offset(i) + up * offset(j)) * 0.9).normalize();
                 let ray = Ray::new((eye - scene.origin()).as_vec3(), d.as_vec3());
-                scene.intersect(&ray).map(|hit| (hit.t, scene.normal_at(&ray, &hit)))
+                scene.intersect(&ray).map(|hit| (hit.t, scene.geometric_normal_at(&ray, &hit)))
             };
             let pixels = || (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
             let meshed: Vec<Option<(f32, Vec3)>> = pixels().map(|(i, j)| look(&mesh, i, j)).collect();
@@ -266,13 +266,13 @@ fn course_meshes_are_repaired_without_loss() {
     {
         let mut mesh = mesh::load(&folder.join(name), &()).unwrap().mesh;
         let before = mesh.mesh_report();
-        assert!(before.closed && before.manifold && before.orientable, "{name}");
+        assert!(before.is_closed && before.is_manifold && before.is_orientable, "{name}");
         assert_eq!((before.triangles, before.components, before.genus), (triangles, 1, Some(0)), "{name}");
         assert_eq!(before.vertices, triangles / 2 + 2, "{name}");
         assert!(before.volume.unwrap() > 0.0, "{name}");
-        let weld = Some(MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal());
-        let repaired = mesh.repair(&MeshRepairs {
-            weld,
+        let weld = Some(MeshRepairOptions::DEFAULT_RELATIVE_WELD_TOLERANCE * mesh.bounds_diagonal());
+        let repaired = mesh.repair(&MeshRepairOptions {
+            weld_tolerance: weld,
             removes_duplicates: true,
             removes_degenerates: true,
             orients_outward: true,
@@ -287,7 +287,7 @@ fn course_images_decode() {
     let mut images = 0;
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        let bytes = image::read_bytes(&path).unwrap();
+        let bytes = image::read_rgb8(&path).unwrap();
         assert_eq!((bytes.width(), bytes.height()), (200, 200), "{}", path.display());
         assert!(bytes.pixels().iter().any(|&p| p != [0; 3]), "{} is black", path.display());
         images += 1;

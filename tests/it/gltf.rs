@@ -32,7 +32,7 @@ fn small_picture(scene: &Path) -> Vec<Vec3> {
 fn convert(scene: &Path, output: &Path) {
     let converted = ConvertedScene::new(&SceneFile::read(scene).unwrap(), output);
     fs::write(output, converted.text).unwrap();
-    converted.meshes.iter().for_each(|(path, mesh)| mesh.write(path, MeshFormat::Ply, &[]).unwrap());
+    converted.meshes.iter().for_each(|(path, mesh)| mesh.write(path, MeshFormat::PlyBinary, &[]).unwrap());
     for (path, picture) in &converted.pictures {
         image::write(path, picture, &WriteOptions::default()).unwrap();
     }
@@ -114,7 +114,10 @@ fn glass_has_index_and_absorption_of_its_file() {
         let Some((description, json)) = world_scene(name) else { return };
         for material in &description.materials {
             let MaterialKindDescription::Dielectric(DielectricDescription {
-                refraction, attenuation, roughness, ..
+                refraction,
+                absorption: attenuation,
+                roughness,
+                ..
             }) = &material.kind
             else {
                 continue;
@@ -124,7 +127,7 @@ fn glass_has_index_and_absorption_of_its_file() {
             let source = json["materials"].as_array().unwrap().iter().find(|m| m["name"] == own).unwrap();
             let volume = &source["extensions"]["KHR_materials_volume"];
             let index = source["extensions"]["KHR_materials_ior"]["ior"].as_f64().unwrap_or(1.5);
-            let RefractiveIndexDescription::Index(found) = refraction else { panic!("{refraction:?}") };
+            let RefractiveIndexDescription::Constant(found) = refraction else { panic!("{refraction:?}") };
             assert_near(*found, index);
             match attenuation {
                 DielectricAbsorption::Tint { color, distance } => {
@@ -138,7 +141,7 @@ fn glass_has_index_and_absorption_of_its_file() {
                 _ => assert!(volume["attenuationDistance"].is_null() || volume["attenuationColor"].is_null()),
             }
             let own_roughness = source["pbrMetallicRoughness"]["roughnessFactor"].as_f64().unwrap_or(1.0);
-            if let caustica::format::description::TexturedValue::Plain(alpha) = roughness {
+            if let caustica::format::description::TexturedValue::Constant(alpha) = roughness {
                 assert_near(*alpha, own_roughness * own_roughness);
             }
             bodies += 1;
@@ -155,7 +158,14 @@ fn punctual_lights_have_the_units_of_watts() {
     // photometric values at 683 lm/W.
     let watts = 5_435.141_306_588_225 / 683.0;
     let [spot, point, sun] = [0, 1, 2].map(|i| &lights[i].value);
-    let LightDescription::Spot(SpotLightDescription { position, angle, penumbra, strength, .. }) = spot else {
+    let LightDescription::Spot(SpotLightDescription {
+        position,
+        full_cone_angle_degrees: angle,
+        penumbra_degrees: penumbra,
+        strength,
+        ..
+    }) = spot
+    else {
         panic!("{spot:?}")
     };
     assert_all_near(*position, &[3.0, 4.0, 0.0]);
@@ -221,12 +231,12 @@ fn factors_and_texture_transforms_match_the_file() {
         };
         let Some(source) = json["materials"].as_array().unwrap().iter().find(|m| m["name"] == name) else { continue };
         let factor = &source["pbrMetallicRoughness"]["baseColorFactor"];
-        let caustica::format::description::TexturedValue::Plain(diffuse) = diffuse else { continue };
+        let caustica::format::description::TexturedValue::Constant(diffuse) = diffuse else { continue };
         let base = if factor.is_null() { vec![1.0; 3] } else { numbers(factor) };
         // Plastic of index 1.5 reflects 4 % at normal incidence, so its diffuse base has the factor
         // .96.
         assert_all_near(*diffuse / 0.96, &base);
-        assert!(matches!(specular, caustica::format::description::TexturedValue::Plain(_)));
+        assert!(matches!(specular, caustica::format::description::TexturedValue::Constant(_)));
         compared += 1;
     }
     assert!(compared > 0);
@@ -240,7 +250,7 @@ fn factors_and_texture_transforms_match_the_file() {
     });
     let coordinates = coordinates.into_iter().find(|c| c.scale == DVec2::new(scale[0], scale[1])).unwrap();
     let rotation = transform["rotation"].as_f64().unwrap_or(0.0);
-    assert_near(coordinates.rotate, rotation * 360.0 / TAU);
+    assert_near(coordinates.rotation_degrees, rotation * 360.0 / TAU);
     // The lower left corner has the glTF texture coordinates (0, 1). The extension's formula maps
     // them to (u, v).
     let offset = if transform["offset"].is_null() { vec![0.0; 2] } else { numbers(&transform["offset"]) };

@@ -10,7 +10,7 @@
 
 use crate::support::project_path;
 use caustica::format::SceneFile;
-use caustica::image::{self, Image, RgbBytes, WriteOptions, metrics};
+use caustica::image::{self, Image, Rgb8Image, WriteOptions, metrics};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::render::{RenderResult, StopCriteria, render};
 use std::fs;
@@ -34,23 +34,23 @@ fn picture(scene: &Path) -> Image {
     (file.description.camera.value.width, file.description.camera.value.height) = SIZE;
     let scene = file.resolve().unwrap();
     let settings = Settings {
-        allows_balance: false,
+        allows_ray_photon_balance: false,
         unaimed_paths: 20_000,
         aimed_paths: 20_000,
-        camera_paths: CameraPathSettings { samples: Some(2), ..CameraPathSettings::default() },
+        camera_paths: CameraPathSettings { samples_per_pixel: Some(2), ..CameraPathSettings::default() },
         ..Settings::default()
     };
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
     let interrupted = AtomicBool::new(false);
-    let stop = StopCriteria { passes: Some(2), ..StopCriteria::unlimited(&interrupted) };
+    let stop = StopCriteria { max_passes: Some(2), ..StopCriteria::unlimited(&interrupted) };
     let start = RenderResult::without_passes(integrator.as_ref(), SIZE);
     let rendered = render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
-    Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
+    Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean_picture()).unwrap()
 }
 
 /// Returns a message if the images differ by more than allowed.
-fn difference(ours: &RgbBytes, golden: &RgbBytes) -> Option<String> {
-    let differ = match metrics::differing_bytes(ours, golden) {
+fn difference(ours: &Rgb8Image, golden: &Rgb8Image) -> Option<String> {
+    let differ = match metrics::compare_bytes(ours, golden) {
         Ok(differ) => differ,
         Err(error) => return Some(error.to_string()),
     };
@@ -77,7 +77,7 @@ fn scenes_match_golden_images() {
             wrong.push(format!("{name}: {} is missing: make it with CAUSTICA_BLESS=1", kept.display()));
             continue;
         }
-        match difference(&image::read_bytes(&made).unwrap(), &image::read_bytes(&kept).unwrap()) {
+        match difference(&image::read_rgb8(&made).unwrap(), &image::read_rgb8(&kept).unwrap()) {
             Some(difference) => wrong.push(format!("{name}: {difference}; compare {} with it", made.display())),
             None => fs::remove_file(&made).unwrap(),
         }
@@ -95,7 +95,7 @@ fn every_golden_image_has_a_scene() {
 
 #[test]
 fn only_few_single_level_differences_pass() {
-    let base = |width, height| RgbBytes::from_pixels(width, height, vec![[7; 3]; 200]).unwrap();
+    let base = |width, height| Rgb8Image::from_pixels(width, height, vec![[7; 3]; 200]).unwrap();
     let compare = |change: &dyn Fn(&mut [u8])| {
         let mut changed = base(20, 10);
         change(changed.pixels_mut().as_flattened_mut());

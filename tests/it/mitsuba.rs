@@ -108,7 +108,7 @@ fn small_picture(mut file: SceneFile) -> Vec<Vec3> {
 fn converted(scene: &SceneFile, output: &Path) -> SceneFile {
     let converted = ConvertedScene::new(scene, output);
     fs::write(output, converted.text).unwrap();
-    converted.meshes.iter().for_each(|(path, mesh)| mesh.write(path, MeshFormat::Ply, &[]).unwrap());
+    converted.meshes.iter().for_each(|(path, mesh)| mesh.write(path, MeshFormat::PlyBinary, &[]).unwrap());
     converted.grids.iter().for_each(|(path, values)| grid::write(path, values, GridEncoding::F32).unwrap());
     for (path, picture) in &converted.pictures {
         image::write(path, picture, &WriteOptions::default()).unwrap();
@@ -164,7 +164,7 @@ fn mean_luminance(pixels: &[Vec3]) -> f64 {
 fn pass_means(scene: &Scene, max_bounces: u32) -> Vec<f64> {
     let pass = |seed: u64| {
         let camera_paths = CameraPathSettings {
-            samples: Some(SAMPLES),
+            samples_per_pixel: Some(SAMPLES),
             max_bounces,
             seed,
             filter: Filter::new(FilterKind::Box),

@@ -53,7 +53,7 @@ fn check_conversion(scenes: impl IntoIterator<Item = PathBuf>) {
         let output = folder.path().join("converted.txt");
         let converted = ConvertedScene::new(&file, &output);
         fs::write(&output, converted.text).unwrap();
-        converted.meshes.iter().for_each(|(path, mesh)| mesh.write(path, MeshFormat::Ply, &[]).unwrap());
+        converted.meshes.iter().for_each(|(path, mesh)| mesh.write(path, MeshFormat::PlyBinary, &[]).unwrap());
         converted.grids.iter().for_each(|(path, values)| grid::write(path, values, GridEncoding::F32).unwrap());
         for (path, picture) in &converted.pictures {
             image::write(path, picture, &WriteOptions::default()).unwrap();

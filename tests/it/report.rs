@@ -2,7 +2,7 @@
 
 use crate::support::browser::Browser;
 use caustica::image::Image;
-use caustica::integrate::{ALPHA, Algorithm, squared_radius_ratio};
+use caustica::integrate::{Algorithm, DEFAULT_ALPHA, squared_radius_ratio};
 use caustica::sampling::{Dimension, Key};
 use caustica::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult, Reference};
 use caustica::study::report::methods::{csv_report, markdown_report, method_study_json, methods_html_page};
@@ -41,9 +41,14 @@ fn picture(of: impl Fn(f64, f64, u32) -> Vec3) -> Image {
 /// takes `pass` seconds.
 fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodResult {
     let key = Key::new(5).child_key(label.bytes().map(u64::from).sum());
-    let alpha = if algorithm == Algorithm::Pm { 1.0 } else { ALPHA };
-    let shrinks =
-        |i| if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) { squared_radius_ratio(ALPHA, i) } else { 1.0 };
+    let alpha = if algorithm == Algorithm::Pm { 1.0 } else { DEFAULT_ALPHA };
+    let shrinks = |i| {
+        if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) {
+            squared_radius_ratio(DEFAULT_ALPHA, i)
+        } else {
+            1.0
+        }
+    };
     let checkpoint = |i: u32| {
         let n = 1 << i;
         let variance = noise * noise * (0..n).map(|i| 1.0 / shrinks(i)).sum::<f64>() / f64::from(n * n);
@@ -54,13 +59,13 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
         let seconds = pass * f64::from(n);
         ConvergenceCheckpoint {
             passes: n,
-            seconds,
-            wall: 0.5 * seconds,
+            cpu_seconds: seconds,
+            wall_seconds: 0.5 * seconds,
             rays: 3e6 * f64::from(n),
             photon_paths: if algorithm.traces_photons() { 5e5 * f64::from(n) } else { 0.0 },
-            noise2: squared_noises.iter().sum::<f64>() / SEEDS as f64,
-            bias2: drift * drift,
-            squared_error_estimates: squared_errors.iter().map(|s| 1.1 * s).collect(),
+            squared_noise: squared_noises.iter().sum::<f64>() / SEEDS as f64,
+            squared_bias: drift * drift,
+            squared_estimated_errors: squared_errors.iter().map(|s| 1.1 * s).collect(),
             rmse: 0.3 * squared_errors[0].sqrt(),
             flip: squared_errors[0].sqrt().min(1.0) * 0.5,
             squared_noises,
@@ -69,7 +74,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
     };
     let checkpoints: Vec<ConvergenceCheckpoint> = (0..count).map(checkpoint).collect();
     let last = checkpoints.last().unwrap();
-    let (grain, blur) = (last.noise2.sqrt(), last.bias2.sqrt());
+    let (grain, blur) = (last.squared_noise.sqrt(), last.squared_bias.sqrt());
     let soft = |x: f64, y: f64| {
         let around = [(-0.02, 0.0), (0.02, 0.0), (0.0, -0.03), (0.0, 0.03)];
         let mean = around.iter().map(|(dx, dy)| radiance(x + dx, y + dy)).sum::<Vec3>() / 4.0;
@@ -83,15 +88,15 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
     MethodResult {
         label: label.into(),
         algorithm,
-        command: format!(
+        render_command: format!(
             "caustica render --integrator {} --seed 1 --passes {} \"room & <ball>.txt\"",
             algorithm.name(),
             1 << (count - 1)
         ),
-        setup: 0.4,
+        setup_seconds: 0.4,
         alpha,
-        radii: algorithm.traces_photons().then_some([0.08, 0.02]),
-        pixel_errors: pairs().map(|(a, b)| (*a - *b).length() / (b.length() + 0.2)).collect(),
+        gather_radii: algorithm.traces_photons().then_some([0.08, 0.02]),
+        relative_pixel_errors: pairs().map(|(a, b)| (*a - *b).length() / (b.length() + 0.2)).collect(),
         mean_difference: Image::from_pixels(WIDTH, HEIGHT, pairs().map(|(a, b)| *a - *b).collect()).unwrap(),
         first_seed_picture: shown,
         checkpoints,
@@ -100,12 +105,12 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
 
 fn found() -> MethodStudyResult {
     MethodStudyResult {
-        scene: "room & <ball>.txt".into(),
-        command: "caustica study \"room & <ball>.txt\" --methods path,hybrid,sppm,pm --budget 60s --seeds 6 --output report.html".into(),
+        scene_path: "room & <ball>.txt".into(),
+        study_command: "caustica study \"room & <ball>.txt\" --methods path,hybrid,sppm,pm --budget 60s --seeds 6 --output report.html".into(),
         program: "Caustica 0.1.0".into(),
         machine: "an imagined processor, 2 threads".into(),
         seeds: SEEDS as u32,
-        budget: 60.0,
+        cpu_seconds_per_seed: 60.0,
         thread_time_share: 0.85,
         reference: Reference {
             source: "auto: 256 passes of hybrid, twice".into(),
@@ -199,7 +204,7 @@ fn minimal_study_makes_a_page() {
     let last = &mut found.methods[1];
     last.checkpoints.truncate(1);
     last.checkpoints[0] = ConvergenceCheckpoint { passes: 1, ..ConvergenceCheckpoint::default() };
-    last.pixel_errors.fill(0.0);
+    last.relative_pixel_errors.fill(0.0);
     let page = words(&methods_html_page(&found).unwrap());
     assert!(unbalanced(&page).is_none() && page.contains("too few checkpoints") && !page.contains("NaN"));
     found.methods.clear();

@@ -16,10 +16,11 @@ fn scene(text: &str) -> Scene {
 
 fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effects: EffectOverrides) -> Vec<Vec<Rgb>> {
     let filter = Filter::new(FilterKind::Box);
-    let camera_paths = CameraPathSettings { samples: Some(samples), filter, effects, ..CameraPathSettings::default() };
+    let camera_paths =
+        CameraPathSettings { samples_per_pixel: Some(samples), filter, effects, ..CameraPathSettings::default() };
     let settings = Settings {
         camera_paths,
-        allows_balance: false,
+        allows_ray_photon_balance: false,
         unaimed_paths: 20_000,
         aimed_paths: 20_000,
         ..Settings::default()
@@ -90,7 +91,7 @@ fn far_checkerboard_is_filtered_to_its_mean() {
              Materials {{ Diffuse {{ reflectance t }} }} Group {{ MaterialIndex 0  Plane {{ normal 0 1 0  offset 0 }} }}"
         ))
     };
-    let passes = picture(&tiles(".1 .1 .1", ".8 .8 .8"), Algorithm::Whitted, 1, 16, EffectOverrides::PLANNED);
+    let passes = picture(&tiles(".1 .1 .1", ".8 .8 .8"), Algorithm::Whitted, 1, 16, EffectOverrides::NO_OVERRIDES);
     // The horizon is at row 14.8, and a pixel is .0168 high at distance 1. Rows 16 and 17 show the
     // floor at distances from 50 to 19. A surface of reflectance r under irradiance π has radiance
     // r.
@@ -185,7 +186,7 @@ fn bump_maps_create_no_energy() {
                  Group {{ MaterialIndex 0  Sphere {{ center 0 0 0  radius 1 }} }}"
             ));
             for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-                let passes: Vec<f64> = picture(&scene, algorithm, 4, 8, EffectOverrides::PLANNED)
+                let passes: Vec<f64> = picture(&scene, algorithm, 4, 8, EffectOverrides::NO_OVERRIDES)
                     .iter()
                     .map(|image| {
                         image.iter().map(|c| f64::from(color::channel_mean(*c))).sum::<f64>() / image.len() as f64
@@ -216,13 +217,13 @@ fn disabled_textures_become_their_mean() {
     };
     let dressed = with("tiles", "bump lumps bumpHeight .1", "emission tiles  emissionScale 2");
     let plain = with(".4 .4 .3", "", "emission .8 .8 .6");
-    let off = EffectOverrides::PLANNED.without_effect(Effect::Textures).without_effect(Effect::Bump);
+    let off = EffectOverrides::NO_OVERRIDES.with_forced_off(Effect::Textures).with_forced_off(Effect::Bump);
     for algorithm in [Algorithm::Whitted, Algorithm::Path, Algorithm::Raycast] {
         let [a, b] = [&dressed, &plain].map(|scene| picture(scene, algorithm, 2, 1, off));
         for (x, y) in a[0].iter().zip(&b[0]) {
             assert!((*x - *y).abs().max_element() <= 1e-5 * y.max_element(), "{}: {x} {y}", algorithm.name());
         }
-        assert_ne!(picture(&dressed, algorithm, 2, 1, EffectOverrides::PLANNED), a, "{}", algorithm.name());
+        assert_ne!(picture(&dressed, algorithm, 2, 1, EffectOverrides::NO_OVERRIDES), a, "{}", algorithm.name());
     }
 }
 

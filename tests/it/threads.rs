@@ -47,7 +47,7 @@ fn settings() -> Settings {
         unaimed_paths: PHOTONS,
         aimed_paths: PHOTONS,
         camera_paths: CameraPathSettings {
-            samples: Some(2),
+            samples_per_pixel: Some(2),
             max_bounces: 50,
             seed: 7,
             ..CameraPathSettings::default()
@@ -71,7 +71,7 @@ fn run(threads: usize, passes: impl IntoIterator<Item = u32> + Send) -> ([u32; 2
     pool.install(|| {
         let scene = scene();
         let integrator = Algorithm::Sppm.prepare(&scene, settings());
-        let radii = integrator.gather_radii().unwrap();
+        let radii = integrator.initial_gather_radii().unwrap();
         let passes = passes.into_iter().map(|i| result(integrator.render_pass(i, &SilentMonitor))).collect();
         ([radii.indirect.to_bits(), radii.caustic.to_bits()], passes)
     })
@@ -86,7 +86,7 @@ fn any_thread_count_gives_same_bits() {
         // on any machine.
         assert!(image.iter().flatten().filter(|bits| **bits != 0).count() > image.len());
         assert!(counters.continuation_rays > 0 && counters.shadow_rays > 0 && counters.gathered_photons > 0);
-        assert!(global.stored > 1000 && caustic.stored > 1000 && counters.rejected_samples == 0);
+        assert!(global.stored_photons > 1000 && caustic.stored_photons > 1000 && counters.rejected_samples == 0);
         assert_eq!((global.emitted_paths, caustic.emitted_paths), (PHOTONS.into(), PHOTONS.into()));
     }
     assert!(passes[0] != passes[1] && passes[1] != passes[2], "passes are independent");

@@ -49,7 +49,7 @@ fn check_windows(scenes: &[&str], window: CropWindow) {
             let (whole, part) = (pass(None), pass(Some(window)));
             let what = format!("{name}, {}", algorithm.name());
             assert_eq!(part.image, cut(&whole.image, 48, window), "{what}");
-            for (part, whole) in part.groups.iter().zip(&whole.groups) {
+            for (part, whole) in part.light_groups.iter().zip(&whole.light_groups) {
                 assert_eq!(*part, cut(whole, 48, window), "{what}");
             }
             if !whole.nested.is_empty() {
@@ -71,7 +71,7 @@ fn render_with(scene: &Scene, algorithm: Algorithm, settings: CameraPathSettings
     let settings = Settings { allows_prefix_rays: false, ..cheap(settings) };
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
-    let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
+    let stop = StopCriteria { max_passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
     let start = RenderResult::without_passes(integrator.as_ref(), scene.camera().size());
     render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {})
 }
@@ -83,19 +83,19 @@ fn clamped_and_removed_light_add_up() {
         let settings = |clamp| CameraPathSettings { clamp, groups_light: true, ..CameraPathSettings::default() };
         let whole = render_with(&scene, algorithm, settings(None), 2);
         let clamped = render_with(&scene, algorithm, settings(Some(1.5)), 2);
-        let removed = clamped.clamped.as_ref().unwrap().mean();
-        let groups: Vec<Vec<Vec3>> = clamped.groups.iter().map(|film| film.mean()).collect();
+        let removed = clamped.clamping_loss_film.as_ref().unwrap().mean_picture();
+        let groups: Vec<Vec<Vec3>> = clamped.light_group_films.iter().map(|film| film.mean_picture()).collect();
         for (i, ((picture, removed), whole)) in
-            clamped.film.mean().iter().zip(&removed).zip(whole.film.mean()).enumerate()
+            clamped.film.mean_picture().iter().zip(&removed).zip(whole.film.mean_picture()).enumerate()
         {
             assert!((*picture + *removed - whole).abs().max_element() <= 1e-5 * whole.max_element(), "{i}");
             let sum = groups[0][i] + groups[1][i] + groups[2][i];
             assert!((sum - *picture).abs().max_element() <= 1e-5 * picture.max_element(), "{i}: {sum} {picture}");
         }
-        let fraction = clamped.clamped_fraction().unwrap();
+        let fraction = clamped.clamping_loss_fraction().unwrap();
         // The lamp, whose radiance is 15, covers a part of the picture.
         assert!(fraction > 0.01 && fraction < 0.5, "{}: {fraction}", algorithm.name());
-        assert_eq!(whole.clamped_fraction(), None);
+        assert_eq!(whole.clamping_loss_fraction(), None);
     }
 }
 
@@ -111,8 +111,8 @@ fn known_removed_light_is_the_bias() {
     );
     let settings = CameraPathSettings { clamp: Some(1.0), estimate_error: true, ..CameraPathSettings::default() };
     let rendered = render_with(&scene, Algorithm::Path, settings, 4);
-    assert!(rendered.film.mean().iter().all(|pixel| (*pixel - Vec3::ONE).abs().max_element() < 1e-6));
-    assert!((rendered.clamped_fraction().unwrap() - 0.1 / 1.1).abs() < 1e-6);
+    assert!(rendered.film.mean_picture().iter().all(|pixel| (*pixel - Vec3::ONE).abs().max_element() < 1e-6));
+    assert!((rendered.clamping_loss_fraction().unwrap() - 0.1 / 1.1).abs() < 1e-6);
     let estimate = rendered.estimator.as_ref().unwrap().estimate(&rendered.film);
     // Errors are relative to √(L² + median²), which is √2 here.
     let expected = 0.1 / std::f64::consts::SQRT_2;

@@ -25,7 +25,7 @@ fn intersect_sphere(center: Vec3, radius: f32, ray: &Ray) -> Option<ShapeHit> {
     let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - f64::from(radius * radius));
     let root = (b * b - a * c).sqrt();
     let t = [(-b - root) / a, (-b + root) / a].map(|t| t as f32);
-    t.into_iter().find(|&t| t > 0.0 && t < ray.t_max).map(|t| ShapeHit { t, uv: Vec2::new(0.25, 0.75) })
+    t.into_iter().find(|&t| t > 0.0 && t < ray.t_max).map(|t| ShapeHit { t, shape_coords: Vec2::new(0.25, 0.75) })
 }
 
 /// Nearest hit of a ray, by testing every triangle and every sphere.
@@ -35,14 +35,16 @@ fn brute_force_hit(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option
         let packet = TrianglePacket::new(triangles, &[i]);
         let hit = packet
             .intersect_lane(0, &precalc)
-            .map(|hit| ShapeHit { t: hit.t * precalc.direction_scale, uv: hit.barycentric().into() });
+            .map(|hit| ShapeHit { t: hit.t * precalc.direction_scale, shape_coords: hit.barycentric().into() });
         (PrimitiveIndex::Triangle(i), hit)
     };
     let round = |i: u32| (PrimitiveIndex::Other(i), intersect_sphere(balls[i as usize].0, balls[i as usize].1, ray));
     (0..triangles.len() as u32)
         .map(solid)
         .chain((0..balls.len() as u32).map(round))
-        .filter_map(|(primitive, hit)| hit.map(|ShapeHit { t, uv }| PrimitiveHit { t, primitive, u: uv.x, v: uv.y }))
+        .filter_map(|(primitive, hit)| {
+            hit.map(|ShapeHit { t, shape_coords: uv }| PrimitiveHit { t, primitive, u: uv.x, v: uv.y })
+        })
         .filter(|hit| 0.0 < hit.t && hit.t < ray.t_max)
         .min_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)))
 }
@@ -140,7 +142,9 @@ fn leaves_near_a_box_hold_all_its_hits() {
         for _ in 0..300 {
             let center = random_point(&mut rng);
             let half = rng.random_range(0.001..0.3);
-            let Some(leaves) = tree.leaves_near(&Bounds { min: center, max: center }.expanded(half * 1.001)) else {
+            let Some(leaves) =
+                tree.leaves_overlapping_bounds(&Bounds { min: center, max: center }.expanded(half * 1.001))
+            else {
                 long_lists += 1;
                 continue;
             };
@@ -149,7 +153,7 @@ fn leaves_near_a_box_hold_all_its_hits() {
                 let [from, to] = [0; 2].map(|_| center + random_point(&mut rng) * half);
                 let ray = Ray { t_max: 1.0, ..Ray::new(from, to - from) };
                 let expected = tree.closest_hit(&ray, solve);
-                assert_eq!(tree.closest_hit_near(&leaves, &ray, solve), expected, "{ray:?}");
+                assert_eq!(tree.closest_hit_in_leaves(&leaves, &ray, solve), expected, "{ray:?}");
                 hits += usize::from(expected.is_some());
             }
         }
@@ -225,7 +229,7 @@ fn equal_distances_go_to_the_lowest_primitive_index() {
     let wall = [[Vec3::new(-1.0, -1.0, 2.0), Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 3.0, 2.0)]];
     let tree = Hierarchy::build(&wall, &[Bounds::from_points(wall[0])]);
     let hit = tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::Z), |_, ray| {
-        (2.0 < ray.t_max).then_some(ShapeHit { t: 2.0, uv: Vec2::ZERO })
+        (2.0 < ray.t_max).then_some(ShapeHit { t: 2.0, shape_coords: Vec2::ZERO })
     });
     assert_eq!(hit.map(|h| h.primitive), Some(PrimitiveIndex::Triangle(0)));
 }

@@ -12,7 +12,8 @@ fn mean_by_quadrature(albedo: impl Fn(f64) -> f64) -> f64 {
 #[test]
 fn mean_fresnel_reflectance_matches_quadrature() {
     for eta in [1.0001, 1.01, 1.33, 1.5, 2.4, 4.0] {
-        let (closed, sum) = (mean_fresnel_reflectance(eta), mean_by_quadrature(|cos| fresnel_reflectance(cos, eta).0));
+        let (closed, sum) =
+            (mean_fresnel_reflectance(eta), mean_by_quadrature(|cos| fresnel_reflectance_and_cosine(cos, eta).0));
         assert!((closed - sum).abs() < 1e-6, "{eta}: {closed} {sum}");
     }
 }
@@ -38,9 +39,8 @@ fn tabulated_albedos_match_fine_quadrature() {
             let m = ggx.sample_visible_normal(wo, Vec3::Z, u);
             let wi = m * (2.0 * wo.dot(m)) - wo;
             if wi.z > 0.0 {
-                let g =
-                    ggx.reflection_masking_shadowing(cos, wi.z) * ggx.unshadowed_microfacet_fraction(1.0, cos, wi.z);
-                sum += fresnel_reflectance(wo.dot(m).min(1.0), f64::from(eta)).0 * g;
+                let g = ggx.reflection_g2_over_cosines(cos, wi.z) * ggx.unshadowed_microfacet_fraction(1.0, cos, wi.z);
+                sum += fresnel_reflectance_and_cosine(wo.dot(m).min(1.0), f64::from(eta)).0 * g;
             }
         }
         let (exact, table) = (sum / f64::from(steps * steps), coat_albedo(cos as f32, eta, alpha));

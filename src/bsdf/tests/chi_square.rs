@@ -93,7 +93,7 @@ fn chi_square_test_cases() -> Vec<ChiSquareCase> {
     materials.extend(coated_bsdfs().into_iter().map(|bsdf| (bsdf, 1.0, 1.0)));
     materials.extend(coats().into_iter().skip(1).zip([2e-3, 0.4]).map(|(bsdf, width)| (bsdf, 1.0, width)));
     let (eta, k) = metal_refractive_index("gold").unwrap();
-    for alpha in [SMOOTH_ALPHA * 1.001, 0.05, 0.2, 1.0] {
+    for alpha in [MIN_ROUGH_ALPHA * 1.001, 0.05, 0.2, 1.0] {
         let width = 2.0 * f64::from(alpha);
         materials.push((Bsdf::Conductor(Conductor::new(eta, k, alpha, Single)), 1.0, width));
         materials.extend([1.5, 1.0 / 1.5].map(|eta| (Bsdf::dielectric(eta, alpha, Single), eta, width)));

@@ -64,7 +64,7 @@ fn coated_base_matches_random_walk() {
     let (eta, walks) = (1.5f32, 400_000);
     let mut rng = Key::new(29).purpose_key(Purpose::Test).rng();
     for (reflectance, cos) in [(0.2f32, 0.9f32), (0.9, 0.9), (0.5, 0.2)] {
-        let entering = 1.0 - dielectric_reflectance(cos, eta).0;
+        let entering = 1.0 - dielectric_reflectance_and_cosine(cos, eta).0;
         let (mut left, mut steep) = (0u32, 0u32);
         for _ in 0..walks {
             if rng.random::<f32>() >= entering {
@@ -73,7 +73,7 @@ fn coated_base_matches_random_walk() {
             while rng.random::<f32>() < reflectance {
                 // Cosine-weighted direction at the base.
                 let cos_inside = rng.random::<f32>().sqrt();
-                let (reflected, cos_outside) = dielectric_reflectance(cos_inside, 1.0 / eta);
+                let (reflected, cos_outside) = dielectric_reflectance_and_cosine(cos_inside, 1.0 / eta);
                 if rng.random::<f32>() >= reflected {
                     left += 1;
                     steep += u32::from(cos_outside > 0.7);
@@ -121,7 +121,7 @@ fn linear_coats_are_proportional_to_reflectance() {
 fn coats_split_at_the_storage_threshold() {
     let bsdf = |alpha| Bsdf::coated_diffuse(Rgb::splat(0.5), 1.5, alpha, true);
     for (alpha, separate, specular) in
-        [(0.0, true, true), (0.1, true, false), (PHOTON_STORAGE_ALPHA, true, false), (0.31, false, false)]
+        [(0.0, true, true), (0.1, true, false), (MIN_PHOTON_STORAGE_ALPHA, true, false), (0.31, false, false)]
     {
         let coat = bsdf(alpha).separate_coat();
         assert_eq!((coat.is_some(), coat.is_some_and(|coat| coat.is_specular())), (separate, specular), "{alpha}");

@@ -8,10 +8,10 @@ fn representative_bsdfs() -> Vec<Bsdf> {
     let (eta, k) = metal_refractive_index("nickel").unwrap();
     let mut family = basic_bsdfs().to_vec();
     family.extend(
-        [0.0, 0.05, PHOTON_STORAGE_ALPHA, 0.31, 1.0].map(|a| Bsdf::Conductor(Conductor::new(eta, k, a, Single))),
+        [0.0, 0.05, MIN_PHOTON_STORAGE_ALPHA, 0.31, 1.0].map(|a| Bsdf::Conductor(Conductor::new(eta, k, a, Single))),
     );
     family.extend([0.0, 0.05, 0.31, 1.0].map(|a| Bsdf::dielectric(1.5, a, Single)));
-    family.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.1) }));
+    family.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Rgb::new(0.9, 0.5, 0.1) }));
     family
 }
 
@@ -30,8 +30,8 @@ fn roughness_decides_photon_storage_of_conductors() {
     for (alpha, is_specular, stores) in [
         (0.0, true, false),
         (0.05, false, false),
-        (PHOTON_STORAGE_ALPHA, false, false),
-        (PHOTON_STORAGE_ALPHA + 0.01, false, true),
+        (MIN_PHOTON_STORAGE_ALPHA, false, false),
+        (MIN_PHOTON_STORAGE_ALPHA + 0.01, false, true),
         (1.0, false, true),
     ] {
         let metal = Bsdf::Conductor(Conductor::new(eta, k, alpha, Single));
@@ -45,7 +45,7 @@ fn dielectrics_of_all_roughnesses_cast_caustics() {
         let glass = Bsdf::dielectric(1.5, alpha, Single);
         assert_eq!((glass.is_specular(), glass.casts_caustics()), (alpha == 0.0, true), "{alpha}");
     }
-    let sheet = Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::ONE });
+    let sheet = Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Rgb::ONE });
     assert!(sheet.is_specular() && sheet.casts_caustics());
 }
 
@@ -129,17 +129,17 @@ fn an_index_of_one_transmits_all_light() {
 /// For a tinted sheet, it equals an explicit sum over the reflections between both interfaces.
 #[test]
 fn thin_sheets_match_the_slab_formula() {
-    let clear = ThinDielectric { eta: 1.5, transmittance: Rgb::ONE };
+    let clear = ThinDielectric { eta: 1.5, internal_transmittance: Rgb::ONE };
     let (r, t) = clear.reflectance_and_transmittance(1.0);
     assert!((t.x - 0.923_077).abs() < 1e-6 && (r + t - 1.0).abs().max_element() < 1e-6);
     assert!((clear.reflectance_and_transmittance(0.5).1.x - 0.836_23).abs() < 1e-5);
 
-    let tinted = ThinDielectric { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.0) };
+    let tinted = ThinDielectric { eta: 1.5, internal_transmittance: Rgb::new(0.9, 0.5, 0.0) };
     for cos in [1.0f32, 0.5, 0.05] {
-        let (reflectance, cos_t) = dielectric_reflectance(cos, 1.5);
+        let (reflectance, cos_t) = dielectric_reflectance_and_cosine(cos, 1.5);
         let (r, t) = tinted.reflectance_and_transmittance(cos);
         for channel in 0..3 {
-            let kept = libm::powf(tinted.transmittance[channel], 1.0 / cos_t);
+            let kept = libm::powf(tinted.internal_transmittance[channel], 1.0 / cos_t);
             let (mut back, mut through, mut inside) = (reflectance, 0.0, 1.0 - reflectance);
             for bounce in 0..200 {
                 inside *= kept;
@@ -159,7 +159,7 @@ fn thin_sheets_match_the_slab_formula() {
 /// transmittance, from either side.
 #[test]
 fn thin_sheets_sample_both_directions() {
-    let pane = ThinDielectric { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.2) };
+    let pane = ThinDielectric { eta: 1.5, internal_transmittance: Rgb::new(0.9, 0.5, 0.2) };
     let n = 50_000u64;
     for cos in [0.8, -0.8, 0.1] {
         let wo = direction_with_cos(cos);
@@ -181,6 +181,6 @@ fn thin_sheets_sample_both_directions() {
         assert!((back - r).abs().max_element() < tolerance, "{cos}: {back} {r}");
         assert!((through - t).abs().max_element() < tolerance, "{cos}: {through} {t}");
     }
-    let opaque = Bsdf::ThinDielectric(ThinDielectric { eta: 1.0, transmittance: Rgb::ZERO });
+    let opaque = Bsdf::ThinDielectric(ThinDielectric { eta: 1.0, internal_transmittance: Rgb::ZERO });
     assert!(sample_bsdf(&opaque, Vec3::Z, 0, TransportMode::Radiance).is_none());
 }

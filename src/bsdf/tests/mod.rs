@@ -41,23 +41,23 @@ fn coated_bsdfs() -> Vec<Bsdf> {
 
 /// Coats of α from 0 to 0.2, selected alone.
 fn coats() -> Vec<Bsdf> {
-    [0.0, SMOOTH_ALPHA, 0.2].map(|a| Bsdf::coated_diffuse(Rgb::ZERO, 1.5, a, true).separate_coat().unwrap()).to_vec()
+    [0.0, MIN_ROUGH_ALPHA, 0.2].map(|a| Bsdf::coated_diffuse(Rgb::ZERO, 1.5, a, true).separate_coat().unwrap()).to_vec()
 }
 
 /// One or more BSDFs of each kind that scatters light; rough ones have small, medium and large α.
 fn all_bsdf_kinds() -> Vec<Bsdf> {
     let (eta, k) = metal_refractive_index("copper").unwrap();
     let mut all = basic_bsdfs().to_vec();
-    all.extend([0.0, SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha, Single))));
-    all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.5, alpha, Single)));
-    all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.0 / 1.5, alpha, Single)));
-    for alpha in [SMOOTH_ALPHA, 0.2, 1.0] {
+    all.extend([0.0, MIN_ROUGH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha, Single))));
+    all.extend([MIN_ROUGH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.5, alpha, Single)));
+    all.extend([MIN_ROUGH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.0 / 1.5, alpha, Single)));
+    for alpha in [MIN_ROUGH_ALPHA, 0.2, 1.0] {
         all.push(Bsdf::Conductor(Conductor::new(eta, k, alpha, Multiple)));
         all.extend([1.5, 1.0 / 1.5].map(|eta| Bsdf::dielectric(eta, alpha, Multiple)));
     }
     all.extend(coated_bsdfs());
     all.extend(coats());
-    all.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::new(1.0, 0.5, 0.1) }));
+    all.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Rgb::new(1.0, 0.5, 0.1) }));
     all
 }
 
@@ -143,7 +143,7 @@ fn dielectric_weights_are_fresnel() {
     let n = 100_000u64;
     for cos in [0.8f32, 0.3, -0.9] {
         let eta = if cos > 0.0 { 1.5 } else { 1.0 / 1.5 };
-        let (r, _) = dielectric_reflectance(cos.abs(), eta);
+        let (r, _) = dielectric_reflectance_and_cosine(cos.abs(), eta);
         let reflected = (0..n)
             .filter(|i| {
                 sample_bsdf(&glass, direction_with_cos(cos), *i, TransportMode::Importance)

@@ -4,7 +4,7 @@ use super::rough::mean_sample_weights;
 use super::*;
 
 /// Roughnesses from the narrowest lobe to the widest, some between the nodes of the tables.
-const ALPHAS: [f32; 9] = [SMOOTH_ALPHA, 0.004, 0.02, 0.07, 0.15, 0.2, 0.37, 0.7, 1.0];
+const ALPHAS: [f32; 9] = [MIN_ROUGH_ALPHA, 0.004, 0.02, 0.07, 0.15, 0.2, 0.37, 0.7, 1.0];
 
 /// Cosines of incidence from the normal to near the horizon.
 const COSINES: [f32; 8] = [1.0, 0.9, 0.7, 0.5, 0.3, 0.15, 0.06, 0.01];

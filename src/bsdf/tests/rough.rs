@@ -60,7 +60,7 @@ pub(super) fn mean_sample_weights(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
 fn samples_agree_with_evaluation_and_pdf() {
     let (eta, k) = metal_refractive_index("iron").unwrap();
     let mut checked = 0;
-    for alpha in [SMOOTH_ALPHA, 0.05, 0.3, 1.0] {
+    for alpha in [MIN_ROUGH_ALPHA, 0.05, 0.3, 1.0] {
         for bsdf in [
             Bsdf::Conductor(Conductor::new(eta, k, alpha, Single)),
             Bsdf::dielectric(GLASS, alpha, Single),
@@ -183,8 +183,8 @@ fn a_rough_dielectric_has_the_documented_loss() {
 fn narrow_lobes_approach_delta_lobes() {
     let (eta, k) = metal_refractive_index("silver").unwrap();
     let metal = |alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha, Single));
-    let glass = Bsdf::dielectric(GLASS, SMOOTH_ALPHA, Single);
-    assert!(!glass.is_specular() && !metal(SMOOTH_ALPHA).is_specular());
+    let glass = Bsdf::dielectric(GLASS, MIN_ROUGH_ALPHA, Single);
+    assert!(!glass.is_specular() && !metal(MIN_ROUGH_ALPHA).is_specular());
     for cos in [1.0, 0.6, 0.3, -0.9, -0.3] {
         let wo = direction_with_cos(cos);
         let smooth = Dielectric { eta: GLASS }.reflect_and_refract(wo, Vec3::Z, Vec3::Z, TransportMode::Importance);
@@ -196,7 +196,7 @@ fn narrow_lobes_approach_delta_lobes() {
         assert!((t - f64::from(smooth.transmitted.1)).abs() < tolerance, "{cos}: {t} {smooth:?}");
         let mirror = metal(0.0).sample(wo, Vec3::Z, Vec3::Z, 0.0, Vec2::ZERO, TransportMode::Radiance).unwrap();
         assert!(mirror.is_specular && (mirror.wi - (Vec3::Z * (2.0 * wo.z) - wo)).length() < 1e-6);
-        assert!((mean_sample_weights(&metal(SMOOTH_ALPHA), wo).0 - f64::from(mirror.weight.x)).abs() < 1e-4);
+        assert!((mean_sample_weights(&metal(MIN_ROUGH_ALPHA), wo).0 - f64::from(mirror.weight.x)).abs() < 1e-4);
         let fresnel = conductor_reflectance(cos.abs(), eta, k);
         assert!((mirror.weight - fresnel).abs().max_element() < 1e-6);
     }

@@ -8,7 +8,7 @@ fn cameras_of_all_kinds() -> [Camera; 4] {
     let perspective = Camera::perspective(center, direction, up, 1.1, 64, 48).unwrap();
     [
         perspective,
-        perspective.with_lens(Lens { radius: 0.2, focus: 4.0, blades: 6 }),
+        perspective.with_lens(Lens { radius: 0.2, focus_distance: 4.0, blades: 6 }),
         Camera::orthographic(center, direction, up, 5.0, 64, 48).unwrap(),
         Camera::panorama(center, direction, up, 64, 48).unwrap(),
     ]
@@ -26,8 +26,8 @@ fn connections_invert_camera_rays() {
             let ray = camera.generate_ray(film, Some(lens));
             let found = camera.connect_to_point(ray.at(t), Some(lens)).unwrap();
             assert!((found.film_position - film).length() < 2e-4, "{found:?}");
-            assert!((found.direction + ray.direction).length() < 1e-5, "{found:?}");
-            assert!((found.origin - ray.origin).length() < 1e-5, "{found:?}");
+            assert!((found.direction_to_camera + ray.direction).length() < 1e-5, "{found:?}");
+            assert!((found.ray_origin - ray.origin).length() < 1e-5, "{found:?}");
         }
     }
 }

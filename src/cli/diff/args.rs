@@ -1,6 +1,6 @@
 //! Arguments of `caustica diff`.
 
-use crate::cli::number::{parse_exposure_stops, parse_fraction, parse_pixels_per_degree, parse_upper_bound};
+use crate::cli::value_parsers::{parse_exposure_stops, parse_fraction, parse_pixels_per_degree, parse_upper_bound};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! `caustica diff`: measures the difference of two pictures and draws error maps.
 
 mod args;
-mod map;
+mod error_map;
 mod report;
 
 pub use args::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
@@ -9,21 +9,21 @@ pub use args::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::progress::{ProgressDisplay, print_message};
 use super::{CommandFailure, Exit};
-use crate::image::flip::{FlipMetricMode, FlipMetricOptions, FlipMetricResult, PIXELS_PER_DEGREE, flip_metric};
+use crate::image::flip::{DEFAULT_PIXELS_PER_DEGREE, FlipMetricMode, FlipMetricOptions, FlipMetricResult, flip_metric};
 use crate::image::metrics::{MetricError, PixelDifferences, largest_differences, relative_error, relative_mse, rmse};
-use crate::image::{self, Image, OutputFormat, PictureFormat, WriteOptions};
+use crate::image::{self, Image, InputFormat, OutputFormat, WriteOptions};
 use crate::study::text::three_digit_text;
 use miette::IntoDiagnostic;
-use report::{DiffReport, EPSILON, ErrorMapReport, FlipReport, LargestDifferences, MeanRadiances};
+use report::{DiffReport, ErrorMapReport, FlipReport, LargestDifferences, MeanRadiances, RELATIVE_MSE_EPSILON};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Error: two pictures cannot be compared.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-enum IncomparablePictures {
+enum IncomparablePicturesError {
     #[error("`{}` has {} × {} pixels, but `{}` has {} × {}", a.0.display(), a.1.0, a.1.1, b.0.display(), b.1.0, b.1.1)]
     #[diagnostic(help("render both with the same --size"))]
-    Size { a: (PathBuf, (u32, u32)), b: (PathBuf, (u32, u32)) },
+    SizeMismatch { a: (PathBuf, (u32, u32)), b: (PathBuf, (u32, u32)) },
     #[error("`{}` has a pixel that is not finite, in column {x}, row {y}", path.display())]
     #[diagnostic(help("render the picture again, or repair the pixel"))]
     NonFinite { path: PathBuf, x: u32, y: u32 },
@@ -44,10 +44,11 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
         let inputs = [FileWithRole::new("the picture", &arguments.a), FileWithRole::new("the reference", &arguments.b)];
         check_distinct_files(&[FileWithRole::new("-o", path)], &inputs)?;
     }
-    let read = |path| image::read_with_format(path).into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e));
+    let read =
+        |path| image::read_and_detect_format(path).into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e));
     let (a, a_format) = read(&arguments.a)?;
     let (b, b_format) = read(&arguments.b)?;
-    let mode = selected_flip_mode(arguments, a_format == PictureFormat::Png && b_format == PictureFormat::Png)?;
+    let mode = selected_flip_mode(arguments, a_format == InputFormat::Png && b_format == InputFormat::Png)?;
     let (mut report, flip) =
         compare_pictures(arguments, &a, &b, mode).map_err(|error| comparison_failure(arguments, error))?;
     let exceeded = exceeded_limits(arguments, &report);
@@ -63,8 +64,12 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
     };
     failures.ok_or_collect_error(std::io::stdout().write_all(text.as_bytes()));
     if let Some(map) = &report.map {
-        let colors = map.colors.map_or(String::new(), |c| {
-            format!(", colours from {} to {}", three_digit_text(c.from), three_digit_text(c.to))
+        let colors = map.color_scale.map_or(String::new(), |c| {
+            format!(
+                ", colours from {} to {}",
+                three_digit_text(c.first_color_error),
+                three_digit_text(c.last_color_error)
+            )
         });
         ProgressDisplay::new(arguments.quiet).print_line(&format!("wrote {}: {}{colors}", map.file, map.kind));
     }
@@ -90,9 +95,9 @@ fn compare_pictures(
     b: &Image,
     mode: FlipMetricMode,
 ) -> Result<(DiffReport, FlipMetricResult), MetricError> {
-    let PixelDifferences { largest: [red, green, blue], pixels } = largest_differences(a, b)?;
+    let PixelDifferences { largest: [red, green, blue], differing_pixel_count: pixels } = largest_differences(a, b)?;
     let options =
-        FlipMetricOptions { pixels_per_degree: arguments.pixels_per_degree.unwrap_or(PIXELS_PER_DEGREE), mode };
+        FlipMetricOptions { pixels_per_degree: arguments.pixels_per_degree.unwrap_or(DEFAULT_PIXELS_PER_DEGREE), mode };
     let flip = flip_metric(b, a, &options)?;
     let (name, exposure) = match mode {
         FlipMetricMode::Ldr(stops) => ("ldr", Some(stops)),
@@ -107,7 +112,7 @@ fn compare_pictures(
         height: a.height(),
         mean: MeanRadiances { a: mean_channel_value(a), b: mean_channel_value(b) },
         rmse: rmse(a, b)?,
-        relative_mse: relative_mse(a, b, EPSILON, None)?,
+        relative_mse: relative_mse(a, b, RELATIVE_MSE_EPSILON, None)?,
         relative_error: relative_error(a, b)?,
         flip: FlipReport { mode: name, exposure, pixels_per_degree: options.pixels_per_degree, mean: flip.mean },
         largest: LargestDifferences { red, green, blue },
@@ -127,14 +132,16 @@ fn mean_channel_value(image: &Image) -> f64 {
 fn comparison_failure(arguments: &DiffArguments, error: MetricError) -> CommandFailure {
     let (a, b) = (&arguments.a, &arguments.b);
     let report = match error {
-        MetricError::Size { a: first, b: second } => {
-            IncomparablePictures::Size { a: (a.clone(), first), b: (b.clone(), second) }
+        MetricError::SizeMismatch { a: first, b: second } => {
+            IncomparablePicturesError::SizeMismatch { a: (a.clone(), first), b: (b.clone(), second) }
         }
         MetricError::NonFinite { which, x, y } => {
             let path = if which == "first" { a } else { b };
-            IncomparablePictures::NonFinite { path: path.clone(), x, y }
+            IncomparablePicturesError::NonFinite { path: path.clone(), x, y }
         }
-        MetricError::Parameter { .. } => return CommandFailure::usage_error(IncomparablePictures::Other(error)),
+        MetricError::OptionOutOfRange { .. } => {
+            return CommandFailure::usage_error(IncomparablePicturesError::Other(error));
+        }
     };
     CommandFailure::new(Exit::Input, report)
 }
@@ -170,7 +177,7 @@ fn write_error_map(
     flip: &FlipMetricResult,
 ) -> miette::Result<ErrorMapReport> {
     let format = OutputFormat::from_path(path).into_diagnostic()?;
-    let (pixels, colors) = map::error_map(kind, a, b, &flip.map, format);
+    let (pixels, colors) = error_map::error_map(kind, a, b, &flip.error_map, format);
     let picture = Image::from_pixels(a.width(), a.height(), pixels).into_diagnostic()?;
     let name = match kind {
         ErrorMapKind::Flip => "flip",
@@ -181,8 +188,8 @@ fn write_error_map(
     let mut metadata = vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))];
     metadata.push(("Map".to_owned(), name.to_owned()));
     if let Some(c) = colors {
-        metadata.push(("Colors".to_owned(), format!("from {} to {}", c.from, c.to)));
+        metadata.push(("Colors".to_owned(), format!("from {} to {}", c.first_color_error, c.last_color_error)));
     }
     image::write(path, &picture, &WriteOptions { metadata, ..WriteOptions::default() }).into_diagnostic()?;
-    Ok(ErrorMapReport { file: path.display().to_string(), kind: name, colors })
+    Ok(ErrorMapReport { file: path.display().to_string(), kind: name, color_scale: colors })
 }

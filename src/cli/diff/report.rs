@@ -2,7 +2,7 @@
 //!
 //! `docs/guide/command-line.md` describes each field.
 
-use super::map::ColorScale;
+use super::error_map::ColorScale;
 use crate::image::metrics::LargestDifference;
 use crate::study::text::three_digit_text;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 /// Constant ε in the denominator of the relative MSE: see
 /// [`relative_mse`](crate::image::metrics::relative_mse).
-pub(super) const EPSILON: f64 = 0.01;
+pub(super) const RELATIVE_MSE_EPSILON: f64 = 0.01;
 
 #[derive(Debug, Serialize)]
 pub(super) struct DiffReport {
@@ -61,7 +61,8 @@ pub(super) struct ErrorMapReport {
     pub kind: &'static str,
     /// Errors at the ends of the colour scale of a PNG map; `None` for OpenEXR, which stores the
     /// errors.
-    pub colors: Option<ColorScale>,
+    #[serde(rename = "colors")]
+    pub color_scale: Option<ColorScale>,
 }
 
 impl DiffReport {
@@ -84,7 +85,7 @@ impl DiffReport {
             format!("of the reference {}", three_digit_text(self.mean.b)),
         );
         row("RMSE", three_digit_text(self.rmse), String::new());
-        row("relative MSE", three_digit_text(self.relative_mse), format!("with ε = {EPSILON}"));
+        row("relative MSE", three_digit_text(self.relative_mse), format!("with ε = {RELATIVE_MSE_EPSILON}"));
         row(
             "relative error",
             percent_text(self.relative_error),

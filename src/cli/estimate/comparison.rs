@@ -12,19 +12,19 @@ use std::fmt::Write as _;
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("--compare cannot compare {name}, which leaves light out by design")]
 #[diagnostic(help("choose among hybrid, path, sppm, ppm and pm"))]
-pub(super) struct IncompleteAlgorithmError {
+pub(super) struct AlgorithmOmitsLightError {
     name: &'static str,
 }
 
 /// Returns an error if one of `algorithms` leaves out some light by design, because its estimated
 /// error does not contain that light.
-pub(super) fn check_comparable(algorithms: &[Algorithm]) -> Result<(), IncompleteAlgorithmError> {
+pub(super) fn check_comparable(algorithms: &[Algorithm]) -> Result<(), AlgorithmOmitsLightError> {
     let is_complete = |algorithm: Algorithm| match algorithm {
         Algorithm::Hybrid | Algorithm::Path | Algorithm::Sppm | Algorithm::Ppm | Algorithm::Pm => true,
         Algorithm::Distributed | Algorithm::Whitted | Algorithm::Raycast => false,
     };
     match algorithms.iter().find(|algorithm| !is_complete(**algorithm)) {
-        Some(algorithm) => Err(IncompleteAlgorithmError { name: algorithm.name() }),
+        Some(algorithm) => Err(AlgorithmOmitsLightError { name: algorithm.name() }),
         None => Ok(()),
     }
 }
@@ -65,7 +65,7 @@ impl CostComparison {
         if self.compared.is_empty() {
             return text;
         }
-        let misses_caustics = self.reports().any(|report| report.misses_caustics);
+        let misses_caustics = self.reports().any(|report| report.may_miss_caustics);
         let brackets =
             if misses_caustics { "; times in brackets leave out caustics that the pilot missed" } else { "" };
         let _ = write!(text, "time by method; the least of each row has a star{brackets}\n  {:>7}", "error");
@@ -73,14 +73,14 @@ impl CostComparison {
         text.push('\n');
         for row in 0..self.report.estimates.len() {
             let prices: Vec<(&CostEstimate, bool)> =
-                self.reports().map(|report| (&report.estimates[row], report.misses_caustics)).collect();
+                self.reports().map(|report| (&report.estimates[row], report.may_miss_caustics)).collect();
             // The estimated error of an algorithm leaves out caustics that it misses, so its time
             // never counts as the least.
             let known = prices.iter().filter(|(_, misses_caustics)| !misses_caustics);
             let least = known.filter_map(|(price, _)| price.seconds).fold(f64::INFINITY, f64::min);
-            let _ = write!(text, "  {:>7}", percent_text(prices[0].0.error));
+            let _ = write!(text, "  {:>7}", percent_text(prices[0].0.target_error));
             for (price, misses_caustics) in prices {
-                let cell = match (price.seconds, price.floor) {
+                let cell = match (price.seconds, price.bias_floor) {
                     (Some(seconds), _) if misses_caustics => format!("({})", duration_text(seconds)),
                     (Some(seconds), _) if seconds == least => format!("{} *", duration_text(seconds)),
                     (Some(seconds), _) => duration_text(seconds),

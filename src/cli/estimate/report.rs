@@ -3,10 +3,12 @@
 use crate::cli::EstimateArguments;
 use crate::cli::args::MethodArguments;
 use crate::cli::forecast_text::{self, duration_text};
-use crate::cli::number::count_with_noun;
 use crate::cli::settings::method_flags;
+use crate::cli::value_parsers::count_with_noun;
 use crate::render::error_estimate::{Confidence, ErrorEstimate, ErrorForecast, RANGE_PROBABILITY, StopForecast};
-use crate::render::{DEFAULT_ERROR, EndReason, ErrorTarget, ExpectedEnd, PREVIEW_ERROR, RenderResult, StopCriteria};
+use crate::render::{
+    DEFAULT_TARGET_ERROR, EndReason, ErrorTarget, ExpectedEnd, PREVIEW_TARGET_ERROR, RenderResult, StopCriteria,
+};
 use crate::stats::peak_memory;
 use crate::study::text::{count_text, percent_text};
 use serde::Serialize;
@@ -32,22 +34,28 @@ pub(super) struct CostEstimateReport {
     threads: usize,
     /// True if the algorithm finds caustics of the scene only by chance. The estimated error then
     /// leaves out the caustics that the pilot did not find.
-    pub(super) misses_caustics: bool,
+    #[serde(rename = "misses_caustics")]
+    pub(super) may_miss_caustics: bool,
     /// Estimated error of the pilot's picture.
-    pilot: ErrorEstimate,
+    #[serde(rename = "pilot")]
+    pilot_error: ErrorEstimate,
     setup_seconds: f64,
     pass_seconds: f64,
-    pass_photons: f64,
+    #[serde(rename = "pass_photons")]
+    photons_per_pass: f64,
     peak_memory_bytes: Option<u64>,
     /// Probability that the time of a render lies between `seconds_low` and `seconds_high` of its
     /// [`CostEstimate`].
-    range_probability: f64,
+    #[serde(rename = "range_probability")]
+    time_range_probability: f64,
     #[serde(rename = "prices")]
     pub(super) estimates: Vec<CostEstimate>,
     /// Expected end of a render without flags that set a limit; `None` if it is unknown.
-    default: Option<ExpectedEndReport>,
+    #[serde(rename = "default")]
+    default_end: Option<ExpectedEndReport>,
     /// Expected end of a render whose only limit is `--preview`; `None` if it is unknown.
-    preview: Option<ExpectedEndReport>,
+    #[serde(rename = "preview")]
+    preview_end: Option<ExpectedEndReport>,
 }
 
 /// Expected reason, passes, time and error with which a render ends.
@@ -65,7 +73,8 @@ struct ExpectedEndReport {
 /// Estimated cost of a render that stops at one target error.
 #[derive(Debug, Serialize)]
 pub(super) struct CostEstimate {
-    pub(super) error: f64,
+    #[serde(rename = "error")]
+    pub(super) target_error: f64,
     /// Predicted number of passes, the median of the forecast; `None` if it is unknown, or if no
     /// number of passes reaches the target error.
     passes: Option<u32>,
@@ -78,15 +87,17 @@ pub(super) struct CostEstimate {
     photons: Option<f64>,
     /// Relative bias that remains in the picture after any number of passes; `None` if the target
     /// error can be reached.
-    pub(super) floor: Option<f64>,
+    #[serde(rename = "floor")]
+    pub(super) bias_floor: Option<f64>,
     /// Flags of `caustica render` that reach the target error; `None` if it cannot be reached.
-    flags: Option<String>,
+    #[serde(rename = "flags")]
+    render_flags: Option<String>,
 }
 
 impl CostEstimateReport {
     /// Creates the report of a pilot by the algorithm of `method`.
     ///
-    /// `misses_caustics` is true if that algorithm finds caustics of the scene only by chance.
+    /// `may_miss_caustics` is true if that algorithm finds caustics of the scene only by chance.
     /// `setup` is the time of preparation, and `pass_seconds` the time of each pass after the first
     /// \[s]. `default` holds the stop criteria of a render without limits, and `preview` those of a
     /// render with `--preview` alone.
@@ -113,8 +124,8 @@ impl CostEstimateReport {
         let words = words.join(" ");
         let estimate = |error: &f64| {
             let estimate = CostEstimate::new(*error, &forecast, (setup, pass_seconds, pass_photons));
-            let flags = estimate.floor.is_none().then(|| format!("{words} --target-error {error}"));
-            CostEstimate { flags, ..estimate }
+            let flags = estimate.bias_floor.is_none().then(|| format!("{words} --target-error {error}"));
+            CostEstimate { render_flags: flags, ..estimate }
         };
         let expected_end = |stop: &StopCriteria<'_>| {
             let ExpectedEnd { reason, passes, error } = stop.expected_end(&forecast, pass_seconds)?;
@@ -134,22 +145,22 @@ impl CostEstimateReport {
             width,
             height,
             threads: rayon::current_num_threads(),
-            misses_caustics,
-            pilot,
+            may_miss_caustics: misses_caustics,
+            pilot_error: pilot,
             setup_seconds: setup,
             pass_seconds,
-            pass_photons,
+            photons_per_pass: pass_photons,
             peak_memory_bytes: peak_memory(),
-            range_probability: RANGE_PROBABILITY,
+            time_range_probability: RANGE_PROBABILITY,
             estimates: arguments.errors.iter().map(estimate).collect(),
-            default: expected_end(default),
-            preview: expected_end(preview),
+            default_end: expected_end(default),
+            preview_end: expected_end(preview),
         })
     }
 
     /// Returns the report as a table for a terminal.
     pub(super) fn text_table(&self) -> String {
-        let Self { pilot, peak_memory_bytes, .. } = self;
+        let Self { pilot_error: pilot, peak_memory_bytes, .. } = self;
         let memory = peak_memory_bytes.map_or("?".to_owned(), |bytes| format!("{}B", count_text(bytes as f64)));
         let mut text = format!(
             "{} at {} × {}: after {} passes the estimated error is {}\n",
@@ -166,9 +177,9 @@ impl CostEstimateReport {
             "error", "passes", "time", "photons", "memory"
         );
         for estimate in &self.estimates {
-            let error = percent_text(estimate.error);
+            let error = percent_text(estimate.target_error);
             let (Some(passes), Some(time)) = (estimate.passes, estimate.seconds) else {
-                let why = match estimate.floor {
+                let why = match estimate.bias_floor {
                     Some(floor) => {
                         format!("never: {} is bias that stays; {}", percent_text(floor), forecast_text::BIAS_REMEDY)
                     }
@@ -187,11 +198,13 @@ impl CostEstimateReport {
                 duration_text(time),
                 ends.join(" to "),
                 estimate.photons.map_or(String::new(), count_text),
-                estimate.flags.as_deref().unwrap_or_default(),
+                estimate.render_flags.as_deref().unwrap_or_default(),
             );
         }
-        let ends =
-            [("without a limit", DEFAULT_ERROR, &self.default), ("with --preview", PREVIEW_ERROR, &self.preview)];
+        let ends = [
+            ("without a limit", DEFAULT_TARGET_ERROR, &self.default_end),
+            ("with --preview", PREVIEW_TARGET_ERROR, &self.preview_end),
+        ];
         for (flags, target, end) in ends {
             if let Some(end) = end {
                 let _ = writeln!(text, "{flags}, a render ends {}", end.text(target));
@@ -211,7 +224,7 @@ impl ExpectedEndReport {
         match self.end_reason {
             EndReason::Target => format!("at an error of {target}, after about {passes} and {time}"),
             EndReason::Time => format!("by time, after about {passes} and {time}, at an error of about {error}"),
-            EndReason::Floor => {
+            EndReason::BiasFloor => {
                 format!("by bias, which keeps the error above {target}: at about {error}, after {passes} and {time}")
             }
             EndReason::Passes | EndReason::Interrupted => format!("after {passes} and about {time}"),
@@ -224,14 +237,14 @@ impl CostEstimate {
         let target = ErrorTarget { error, confidence: Confidence::default() };
         let time = |n: u32| setup + pass_seconds * f64::from(n);
         let unknown = Self {
-            error,
+            target_error: error,
             passes: None,
             seconds: None,
             seconds_low: None,
             seconds_high: None,
             photons: None,
-            floor: None,
-            flags: None,
+            bias_floor: None,
+            render_flags: None,
         };
         match forecast.stop_forecast(error, target.interval_confidence()) {
             StopForecast::Passes(range) => Self {
@@ -242,7 +255,7 @@ impl CostEstimate {
                 photons: Some(f64::from(range.median) * pass_photons),
                 ..unknown
             },
-            StopForecast::Never { floor } => Self { floor: Some(floor), ..unknown },
+            StopForecast::Never { floor } => Self { bias_floor: Some(floor), ..unknown },
             StopForecast::TooFar { at_least } => Self { seconds_low: Some(time(at_least)), ..unknown },
         }
     }

@@ -2,11 +2,11 @@
 
 use crate::camera::CropWindow;
 use crate::cli::args::{EffectsArguments, MethodArguments, SceneArguments};
-use crate::cli::film::FilmSettings;
-use crate::cli::number::{
+use crate::cli::film::FilmHeaderSettings;
+use crate::cli::pictures::PictureArguments;
+use crate::cli::value_parsers::{
     parse_confidence, parse_count, parse_duration, parse_positive_count, parse_radiance_limit, parse_relative_error,
 };
-use crate::cli::pictures::PictureArguments;
 use crate::render::error_estimate::Confidence;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, Subcommand};
@@ -142,8 +142,8 @@ pub struct SlurmArguments {
 
 impl SlurmArguments {
     /// Returns the scene and the settings that the headers of all shards' films hold.
-    pub(super) fn film_settings(&self) -> FilmSettings<'_> {
-        FilmSettings {
+    pub(super) fn film_header_settings(&self) -> FilmHeaderSettings<'_> {
+        FilmHeaderSettings {
             scene: &self.scene.scene,
             method: &self.method,
             effects: self.effects.effects,
@@ -157,7 +157,7 @@ impl SlurmArguments {
 }
 
 /// Flags of `render` that a farm refuses, and what to use instead.
-const REFUSED: [(&str, &str); 14] = [
+const REFUSED_FLAGS: [(&str, &str); 14] = [
     ("film", "each shard has a film of its own in --work-dir; `-o FILE.film` writes the film of all passes"),
     ("shard", "--shards divides the passes"),
     ("time", "the passes are divided before the jobs start; --time-limit limits each shard"),
@@ -191,7 +191,7 @@ impl Args for RefusedArguments {
     fn augment_args(command: Command) -> Command {
         // They accept any values, so that no error about a value hides the reason.
         let argument = |name| Arg::new(name).long(name).hide(true).num_args(0..=1).action(ArgAction::Append);
-        command.args(REFUSED.map(|(name, _)| argument(name)))
+        command.args(REFUSED_FLAGS.map(|(name, _)| argument(name)))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -201,7 +201,7 @@ impl Args for RefusedArguments {
 
 impl FromArgMatches for RefusedArguments {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        match REFUSED.iter().find(|(name, _)| matches.contains_id(name)) {
+        match REFUSED_FLAGS.iter().find(|(name, _)| matches.contains_id(name)) {
             None => Ok(Self),
             Some((name, remedy)) => {
                 let message = format!("a farm does not take --{name}: {remedy}\n");
@@ -232,14 +232,14 @@ mod tests {
         };
         let slurm = arguments.find_subcommand("farm").unwrap().find_subcommand("slurm").unwrap();
         let render = flags(arguments.find_subcommand("render").unwrap(), false);
-        let refused: BTreeSet<String> = REFUSED.iter().map(|(name, _)| (*name).to_owned()).collect();
+        let refused: BTreeSet<String> = REFUSED_FLAGS.iter().map(|(name, _)| (*name).to_owned()).collect();
         let taken = flags(slurm, false);
         let unknown: Vec<_> = render.difference(&taken).filter(|name| !refused.contains(*name)).collect();
         assert!(unknown.is_empty(), "neither taken nor refused: {unknown:?}");
         assert_eq!(flags(slurm, true), refused);
         let needed = ["caustica", "farm", "slurm", "a.txt", "-o", "a.exr", "--shards", "2", "--passes", "4"];
         assert!(Arguments::try_parse_from(needed).is_ok());
-        for (name, remedy) in REFUSED {
+        for (name, remedy) in REFUSED_FLAGS {
             for value in ["", "=x"] {
                 let flag = format!("--{name}{value}");
                 let error = Arguments::try_parse_from(needed.into_iter().chain([flag.as_str()])).unwrap_err();

@@ -20,7 +20,7 @@ pub(super) struct ShardDivision {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct ArrayTasks {
     /// Number of a shard minus the number of its task.
-    pub offset: u32,
+    pub shard_offset: u32,
     /// Numbers of the tasks in sbatch's notation, such as `1-3,7`.
     pub tasks: String,
 }
@@ -32,7 +32,7 @@ impl ShardDivision {
     }
 
     /// True if each shard that both divisions have makes the same passes in both.
-    pub fn agrees_with(self, other: Self) -> bool {
+    pub fn has_same_shard_passes(self, other: Self) -> bool {
         u64::from(self.passes) * u64::from(other.shards) == u64::from(other.passes) * u64::from(self.shards)
     }
 
@@ -57,7 +57,7 @@ pub(super) fn job_arrays(shards: &[u32], most: u32) -> Vec<ArrayTasks> {
     let array = |shards: &[u32]| {
         let offset = array_of(shards[0]) * most;
         let tasks: Vec<u32> = shards.iter().map(|shard| shard - offset).collect();
-        ArrayTasks { offset, tasks: number_list(&tasks) }
+        ArrayTasks { shard_offset: offset, tasks: number_list(&tasks) }
     };
     arrays.map(array).collect()
 }
@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn arrays_hold_all_shards_within_the_limit() {
         let arrays = |shards: &[u32], most| {
-            job_arrays(shards, most).into_iter().map(|array| (array.offset, array.tasks)).collect::<Vec<_>>()
+            job_arrays(shards, most).into_iter().map(|array| (array.shard_offset, array.tasks)).collect::<Vec<_>>()
         };
         let own = |array: &[(u32, &str)]| array.iter().map(|(n, text)| (*n, (*text).to_owned())).collect::<Vec<_>>();
         assert_eq!(arrays(&[1, 2, 3, 7], 1000), own(&[(0, "1-3,7")]));
@@ -96,7 +96,9 @@ mod tests {
         let first = ShardDivision { shards: 6, passes: 24 };
         let grown = first.with_more_shards(3, 100).unwrap();
         assert_eq!(grown, ShardDivision { shards: 9, passes: 36 });
-        assert!(first.agrees_with(grown) && !first.agrees_with(ShardDivision { shards: 6, passes: 25 }));
+        assert!(
+            first.has_same_shard_passes(grown) && !first.has_same_shard_passes(ShardDivision { shards: 6, passes: 25 })
+        );
         for shard in 1..=6 {
             assert_eq!(first.shard_passes(shard), grown.shard_passes(shard));
         }

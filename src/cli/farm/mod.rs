@@ -10,22 +10,22 @@ mod work_folder;
 
 pub use args::{FarmArguments, FarmEngine, RefusedArguments, SlurmArguments};
 
-use super::film::film_header;
+use super::film::make_film_header;
 use super::interrupt::listen_for_signals;
-use super::merge::is_film;
+use super::merge::has_film_extension;
 use super::outputs::{FileWithRole, check_distinct_files};
 use super::progress::{InputFileCollector, ProgressDisplay};
-use super::render::{check_raycast_flags, window_size};
+use super::render::{check_raycast_flags, rendered_picture_size};
 use super::scene::{load_scene_and_file, with_thread_pool};
 use super::{CommandFailure, Exit};
 use crate::image::{check_replaceable, check_writable};
 use crate::render::FilmHeader;
 use division::{ShardDivision, job_arrays};
-use script::{JobScripts, command_line};
+use script::{JobScripts, shell_command_line};
 use slurm_render::{SlurmRender, merge_arguments, shard_arguments};
 use std::io::Write as _;
 use std::path::PathBuf;
-use work_folder::{MERGE_SCRIPT, MERGED_FILM, SHARD_SCRIPT, WorkFolder};
+use work_folder::{MERGE_SCRIPT_NAME, MERGED_FILM_NAME, SHARD_SCRIPT_NAME, WorkFolder};
 
 /// Error: there are more shards than passes.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -44,16 +44,16 @@ pub(super) fn run(arguments: &FarmArguments) -> Result<Exit, CommandFailure> {
 
 /// Renders by Slurm; with `--dry-run`, prints the scripts.
 fn run_slurm(arguments: &SlurmArguments) -> Result<Exit, CommandFailure> {
-    check_raycast_flags(&arguments.film_settings(), arguments.target_error)?;
+    check_raycast_flags(&arguments.film_header_settings(), arguments.target_error)?;
     let division = first_division(arguments)?;
     for path in &arguments.output {
-        if is_film(path) { check_replaceable(path) } else { check_writable(path) }
+        if has_film_extension(path) { check_replaceable(path) } else { check_writable(path) }
             .map_err(CommandFailure::output_error)?;
     }
     let folder = WorkFolder::new(&work_folder_path(arguments)).map_err(CommandFailure::output_error)?;
     let scripts = JobScripts::new(arguments, &folder, division).map_err(CommandFailure::usage_error)?;
     let progress = ProgressDisplay::new(arguments.quiet);
-    let header = with_thread_pool(&arguments.scene, || checked_film_header(arguments, &folder, &progress))?;
+    let header = with_thread_pool(&arguments.scene, || film_header_from_scene(arguments, &folder, &progress))?;
     if arguments.dry_run {
         return print_scripts(&folder, &scripts, division);
     }
@@ -88,7 +88,7 @@ fn work_folder_path(arguments: &SlurmArguments) -> PathBuf {
 ///
 /// Errors of the scene are reported before any job is submitted. So are outputs that would replace
 /// inputs.
-fn checked_film_header(
+fn film_header_from_scene(
     arguments: &SlurmArguments,
     folder: &WorkFolder,
     progress: &ProgressDisplay,
@@ -98,13 +98,13 @@ fn checked_film_header(
     progress.remove_progress_bar();
     let input_paths = inputs.into_input_paths();
     let mut outputs: Vec<FileWithRole> = arguments.output.iter().map(|path| FileWithRole::new("-o", path)).collect();
-    outputs.push(FileWithRole::new("the film of --work-dir", &folder.file(MERGED_FILM)));
+    outputs.push(FileWithRole::new("the film of --work-dir", &folder.file_path(MERGED_FILM_NAME)));
     let mut inputs = vec![FileWithRole::new("the scene file", &arguments.scene.scene)];
     inputs.extend(input_paths.iter().map(|path| FileWithRole::new("the input", path)));
     check_distinct_files(&outputs, &inputs)?;
     let whole = scene.camera().size();
-    let size = window_size(arguments.crop, whole)?;
-    film_header(&arguments.film_settings(), size, whole, &input_paths)
+    let size = rendered_picture_size(arguments.crop, whole)?;
+    make_film_header(&arguments.film_header_settings(), size, whole, &input_paths)
 }
 
 /// Prints the scripts of the first round, and the commands that submit them.
@@ -114,10 +114,10 @@ fn print_scripts(folder: &WorkFolder, scripts: &JobScripts, division: ShardDivis
     let shards: Vec<u32> = (1..=division.shards).collect();
     let line = |arguments: Vec<String>| {
         let words: Vec<String> = std::iter::once("sbatch".to_owned()).chain(arguments).collect();
-        command_line(&words).map_err(CommandFailure::usage_error)
+        shell_command_line(&words).map_err(CommandFailure::usage_error)
     };
-    let mut text = format!("# {}\n{}\n", folder.file(SHARD_SCRIPT).display(), scripts.shard);
-    text += &format!("# {}\n{}\n", folder.file(MERGE_SCRIPT).display(), scripts.merge);
+    let mut text = format!("# {}\n{}\n", folder.file_path(SHARD_SCRIPT_NAME).display(), scripts.shard_script);
+    text += &format!("# {}\n{}\n", folder.file_path(MERGE_SCRIPT_NAME).display(), scripts.merge_script);
     let arrays = job_arrays(&shards, most);
     for array in &arrays {
         text += &format!("{}\n", line(shard_arguments(folder, array))?);

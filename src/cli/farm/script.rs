@@ -2,7 +2,7 @@
 
 use super::args::SlurmArguments;
 use super::division::ShardDivision;
-use super::work_folder::{MERGE_DONE, MERGED_FILM, WorkFolder};
+use super::work_folder::{MERGE_MARK_NAME, MERGED_FILM_NAME, WorkFolder};
 use crate::cli::pictures::picture_flags;
 use std::fmt::Write as _;
 use std::io;
@@ -15,7 +15,7 @@ const MEBIBYTE: u64 = 1 << 20;
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{text}` cannot stand in a script of Slurm: it has a line break or is not UTF-8")]
 #[diagnostic(help("choose another name"))]
-pub(super) struct UnfitWordError {
+pub(super) struct UnquotableWordError {
     text: String,
 }
 
@@ -25,7 +25,7 @@ pub(super) enum ScriptError {
     /// A word cannot stand in a script.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Unfit(#[from] UnfitWordError),
+    UnquotableWord(#[from] UnquotableWordError),
     /// The system cannot make a path absolute.
     #[error("cannot find the absolute path of a file: {0}")]
     Path(#[from] io::Error),
@@ -36,9 +36,9 @@ pub(super) enum ScriptError {
 pub(super) struct JobScripts {
     /// Script of one shard. Its argument is the offset of its job array: the number of the shard
     /// minus the number of the task.
-    pub shard: String,
+    pub shard_script: String,
     /// Script that merges all films.
-    pub merge: String,
+    pub merge_script: String,
 }
 
 impl JobScripts {
@@ -51,8 +51,8 @@ impl JobScripts {
         let folder = absolute_text(folder.path())?;
         let enter = format!("cd {} || exit\n", quoted(&folder)?);
         Ok(Self {
-            shard: shard_script(arguments, &program, &enter, division)?,
-            merge: merge_script(arguments, &program, &enter)?,
+            shard_script: shard_script(arguments, &program, &enter, division)?,
+            merge_script: merge_script(arguments, &program, &enter)?,
         })
     }
 }
@@ -80,10 +80,10 @@ fn shard_script(
     if let Some(format) = &scene.import.format {
         add("--format", format.clone());
     }
-    words.extend(arguments.film_settings().flags());
+    words.extend(arguments.film_header_settings().non_default_flags());
     let switches = [("--strict", scene.import.strict), ("--allow-outside", scene.import.allow_outside)];
     words.extend(switches.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag.to_owned()));
-    let command = command_line(&words)?;
+    let command = shell_command_line(&words)?;
     let head = script_head(arguments, "shards", shard_threads(arguments), "log/%A_%a.log")?;
     Ok(format!(
         "{head}{enter}shard=$((${{1:-0}} + SLURM_ARRAY_TASK_ID))\n\
@@ -102,16 +102,16 @@ fn merge_script(arguments: &SlurmArguments, program: &str, enter: &str) -> Resul
     if let Some(memory) = arguments.scene.memory {
         words.extend(["--memory".to_owned(), memory.to_string()]);
     }
-    let (program, outputs) = (quoted(program)?, command_line(&words)?);
+    let (program, outputs) = (quoted(program)?, shell_command_line(&words)?);
     let head = script_head(arguments, "merge", 1, "log/%j.log")?;
     Ok(format!(
-        "{head}{enter}{program} merge shard-*.film -o {MERGED_FILM} {outputs} || exit\necho done >{MERGE_DONE}\n"
+        "{head}{enter}{program} merge shard-*.film -o {MERGED_FILM_NAME} {outputs} || exit\necho done >{MERGE_MARK_NAME}\n"
     ))
 }
 
 /// Returns the first lines of a script, with options for sbatch. `log` is the file for the script's
 /// output.
-fn script_head(arguments: &SlurmArguments, kind: &str, threads: u32, log: &str) -> Result<String, UnfitWordError> {
+fn script_head(arguments: &SlurmArguments, kind: &str, threads: u32, log: &str) -> Result<String, UnquotableWordError> {
     let scene = arguments.scene.scene.file_stem().unwrap_or_default().to_string_lossy();
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
     let scene = scene.replace(|c| !is_plain(c), "_");
@@ -144,20 +144,20 @@ fn shard_threads(arguments: &SlurmArguments) -> u32 {
 /// Returns an absolute path as text.
 fn absolute_text(path: &Path) -> Result<String, ScriptError> {
     let absolute: PathBuf = std::path::absolute(path)?;
-    let unfit = || UnfitWordError { text: absolute.display().to_string() };
+    let unfit = || UnquotableWordError { text: absolute.display().to_string() };
     Ok(absolute.to_str().ok_or_else(unfit)?.to_owned())
 }
 
 /// Returns words as one line for a shell.
-pub(super) fn command_line(words: &[String]) -> Result<String, UnfitWordError> {
-    let words: Result<Vec<String>, UnfitWordError> = words.iter().map(|word| quoted(word)).collect();
+pub(super) fn shell_command_line(words: &[String]) -> Result<String, UnquotableWordError> {
+    let words: Result<Vec<String>, UnquotableWordError> = words.iter().map(|word| quoted(word)).collect();
     Ok(words?.join(" "))
 }
 
 /// Returns `word` in single quotes if a shell would interpret it, else unchanged.
-fn quoted(word: &str) -> Result<String, UnfitWordError> {
+fn quoted(word: &str) -> Result<String, UnquotableWordError> {
     if word.contains(['\n', '\r', '\0']) {
-        return Err(UnfitWordError { text: word.escape_debug().to_string() });
+        return Err(UnquotableWordError { text: word.escape_debug().to_string() });
     }
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
@@ -175,7 +175,7 @@ mod tests {
     fn shells_read_quoted_words_unchanged() {
         let words = ["a b", "it's", "$HOME `x` \"q\" \\", "", "--flag=ä*?", "plain/path-1.txt", "a;b&c|d>e#f ~"];
         let words: Vec<String> = words.map(str::to_owned).to_vec();
-        let script = format!("printf '%s\\n' {}", command_line(&words).unwrap());
+        let script = format!("printf '%s\\n' {}", shell_command_line(&words).unwrap());
         let output = std::process::Command::new("sh").args(["-c", &script]).output().unwrap();
         assert_eq!(String::from_utf8(output.stdout).unwrap(), words.join("\n") + "\n");
         assert!(quoted("a\nb").is_err());

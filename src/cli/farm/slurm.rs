@@ -98,7 +98,7 @@ pub(super) fn submit(arguments: &[String]) -> Result<String, SlurmError> {
 }
 
 /// Returns all tasks of `jobs` that Slurm still knows. Slurm forgets ended jobs after some minutes.
-pub(super) fn tasks(jobs: &[String]) -> Result<Vec<SlurmTask>, SlurmError> {
+pub(super) fn query_tasks(jobs: &[String]) -> Result<Vec<SlurmTask>, SlurmError> {
     let list = jobs.join(",");
     let arguments = ["--noheader", "--array", "--states=all", "--format=%i|%T|%r", "--jobs", &list];
     let text = match run("squeue", &arguments) {

@@ -8,13 +8,13 @@ use super::division::{ArrayTasks, ShardDivision, job_arrays, number_list};
 use super::script::JobScripts;
 use super::slurm::{self, SlurmError, SlurmTask};
 use super::waves::{NextWave, next_wave};
-use super::work_folder::{FarmState, MERGE_SCRIPT, MERGED_FILM, SHARD_SCRIPT, WorkFolder};
+use super::work_folder::{FarmState, MERGE_SCRIPT_NAME, MERGED_FILM_NAME, SHARD_SCRIPT_NAME, WorkFolder};
 use crate::cli::film::{check_film_memory, read_film};
 use crate::cli::interrupt::INTERRUPTED;
-use crate::cli::number::count_with_noun;
 use crate::cli::progress::{ProgressDisplay, print_message};
+use crate::cli::value_parsers::count_with_noun;
 use crate::cli::{CommandFailure, Exit, forecast_text};
-use crate::render::error_estimate::MIN_PASSES;
+use crate::render::error_estimate::MIN_ERROR_ESTIMATE_PASSES;
 use crate::render::{ErrorTarget, FilmHeader, RenderResult};
 use crate::study::text::percent_text;
 use std::path::PathBuf;
@@ -23,22 +23,22 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 /// Largest number of passes of all waves of jobs, divided by that of the first wave.
-const MAX_GROWTH: u32 = 100;
+const MAX_PASS_GROWTH_FACTOR: u32 = 100;
 
 /// Time for which Slurm may fail to answer before the command gives up.
-const SILENCE: Duration = Duration::from_secs(600);
+const MAX_SLURM_SILENCE: Duration = Duration::from_secs(600);
 
 /// Time for which a network file system may not yet show a file that a finished job wrote.
 const FILE_DELAY: Duration = Duration::from_secs(60);
 
 /// Longest sleep between two checks for an interrupting signal.
-const NAP: Duration = Duration::from_millis(50);
+const SIGNAL_POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Error: the work folder holds another render.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the folder `{}` holds another render:\n{}", path.display(), differences.join("\n"))]
 #[diagnostic(help("render with the same settings, or choose another --work-dir"))]
-struct OtherFarmError {
+struct FolderOfOtherRenderError {
     path: PathBuf,
     differences: Vec<String>,
 }
@@ -84,13 +84,13 @@ pub(super) struct SlurmRender<'a> {
 
 /// Returns the arguments of sbatch for a job array of shards.
 pub(super) fn shard_arguments(folder: &WorkFolder, array: &ArrayTasks) -> Vec<String> {
-    let script = folder.file(SHARD_SCRIPT).display().to_string();
+    let script = folder.file_path(SHARD_SCRIPT_NAME).display().to_string();
     vec![
         "--parsable".to_owned(),
         format!("--chdir={}", folder.path().display()),
         format!("--array={}", array.tasks),
         script,
-        array.offset.to_string(),
+        array.shard_offset.to_string(),
     ]
 }
 
@@ -101,7 +101,7 @@ pub(super) fn merge_arguments(folder: &WorkFolder, jobs: &[String]) -> Vec<Strin
     if !jobs.is_empty() {
         words.push(format!("--dependency=afterany:{}", jobs.join(":")));
     }
-    words.push(folder.file(MERGE_SCRIPT).display().to_string());
+    words.push(folder.file_path(MERGE_SCRIPT_NAME).display().to_string());
     words
 }
 
@@ -119,17 +119,18 @@ impl<'a> SlurmRender<'a> {
     /// error is reached.
     pub fn run(&self, division: ShardDivision) -> Result<Exit, CommandFailure> {
         let most_tasks = slurm::max_task_number().map_err(slurm_failure)?;
-        let (_lock, earlier) = self.folder.open().map_err(CommandFailure::usage_error)?;
+        let (_lock, earlier) = self.folder.lock_and_read_state().map_err(CommandFailure::usage_error)?;
         let mut state = self.initial_state(division, earlier)?;
         loop {
             if let Some(exit) = self.complete_shards(&mut state, most_tasks)? {
                 return Ok(exit);
             }
-            let merged = self.folder.file(MERGED_FILM);
+            let merged = self.folder.file_path(MERGED_FILM_NAME);
             check_film_memory(std::slice::from_ref(&merged), 1, self.arguments.scene.memory)?;
             let film = read_film(&merged)?;
-            let Some(target) = self.error_target() else { return Ok(self.print_summary(&film.rendered)) };
-            let most = self.arguments.max_passes.unwrap_or(self.arguments.passes.saturating_mul(MAX_GROWTH));
+            let Some(target) = self.error_target() else { return Ok(self.print_picture_summary(&film.rendered)) };
+            let most =
+                self.arguments.max_passes.unwrap_or(self.arguments.passes.saturating_mul(MAX_PASS_GROWTH_FACTOR));
             match next_wave(&film.rendered, state.division, target, most) {
                 NextWave::Grow(larger) => {
                     let error = film.rendered.estimate_error(Some(target));
@@ -138,8 +139,8 @@ impl<'a> SlurmRender<'a> {
                     self.progress.print_line(&format!("estimated error {error}; the next wave has {more}"));
                     state.division = larger;
                 }
-                end @ (NextWave::Reached | NextWave::Hopeless | NextWave::TooMany) => {
-                    let exit = self.print_summary(&film.rendered);
+                end @ (NextWave::TargetReached | NextWave::TargetUnreachable | NextWave::TooManyPasses) => {
+                    let exit = self.print_picture_summary(&film.rendered);
                     self.print_wave_end(end, target, most);
                     return Ok(exit);
                 }
@@ -150,15 +151,15 @@ impl<'a> SlurmRender<'a> {
     /// Returns the state from which to continue: the `earlier` state of this render, or a new one
     /// with `division`.
     fn initial_state(&self, division: ShardDivision, earlier: Option<FarmState>) -> Result<FarmState, CommandFailure> {
-        let new = FarmState { header: self.header.clone(), division, jobs: Vec::new() };
+        let new = FarmState { header: self.header.clone(), division, last_round_jobs: Vec::new() };
         let Some(mut state) = earlier else { return Ok(new) };
         let mut differences = new.header.differences(&state.header);
         let size = |d: ShardDivision| format!("{} passes in {} shards", d.passes, d.shards);
-        if !division.agrees_with(state.division) {
+        if !division.has_same_shard_passes(state.division) {
             differences.push(format!("{} here, {} there", size(division), size(state.division)));
         }
         if !differences.is_empty() {
-            let error = OtherFarmError { path: self.folder.path().to_owned(), differences };
+            let error = FolderOfOtherRenderError { path: self.folder.path().to_owned(), differences };
             return Err(CommandFailure::usage_error(error));
         }
         if state.division.shards > division.shards {
@@ -173,8 +174,8 @@ impl<'a> SlurmRender<'a> {
     /// code if a signal interrupts this.
     fn complete_shards(&self, state: &mut FarmState, most_tasks: u32) -> Result<Option<Exit>, CommandFailure> {
         let mut failures = 0;
-        if slurm_tasks(&state.jobs)?.iter().any(SlurmTask::is_active) {
-            let jobs = jobs_text(&state.jobs);
+        if tasks_of_earlier_jobs(&state.last_round_jobs)?.iter().any(SlurmTask::is_active) {
+            let jobs = jobs_text(&state.last_round_jobs);
             self.progress.print_line(&format!("following {jobs} of an earlier command"));
             match self.finish_round(state)? {
                 RoundEnd::Complete => return Ok(None),
@@ -183,7 +184,7 @@ impl<'a> SlurmRender<'a> {
             }
         }
         loop {
-            let before = self.pass_count(state.division);
+            let before = self.completed_pass_count(state.division);
             self.submit_round(state, most_tasks)?;
             let known = match self.finish_round(state)? {
                 RoundEnd::Complete => return Ok(None),
@@ -202,7 +203,7 @@ impl<'a> SlurmRender<'a> {
                     },
                 ));
             }
-            failures = if self.pass_count(state.division) > before { 0 } else { failures + 1 };
+            failures = if self.completed_pass_count(state.division) > before { 0 } else { failures + 1 };
             if failures > self.arguments.retries {
                 return Err(self.no_progress_failure(&missing, failures, state, &known));
             }
@@ -219,22 +220,22 @@ impl<'a> SlurmRender<'a> {
         let scripts =
             JobScripts::new(self.arguments, self.folder, state.division).map_err(CommandFailure::usage_error)?;
         let folder = self.folder;
-        state.jobs.clear();
+        state.last_round_jobs.clear();
         let written = folder
             .save(state)
-            .and_then(|()| folder.write(SHARD_SCRIPT, scripts.shard.as_bytes()))
-            .and_then(|()| folder.write(MERGE_SCRIPT, scripts.merge.as_bytes()))
+            .and_then(|()| folder.write(SHARD_SCRIPT_NAME, scripts.shard_script.as_bytes()))
+            .and_then(|()| folder.write(MERGE_SCRIPT_NAME, scripts.merge_script.as_bytes()))
             .and_then(|()| folder.remove_merge_mark());
         written.map_err(CommandFailure::output_error)?;
         let shards = self.incomplete_shards(state.division);
         let mut submit = |arguments: Vec<String>| match slurm::submit(&arguments) {
             Ok(job) => {
-                state.jobs.push(job.clone());
+                state.last_round_jobs.push(job.clone());
                 folder.save(state).map_err(CommandFailure::output_error)?;
                 Ok(job)
             }
             Err(error) => {
-                slurm::cancel(&state.jobs);
+                slurm::cancel(&state.last_round_jobs);
                 Err(slurm_failure(error))
             }
         };
@@ -256,7 +257,7 @@ impl<'a> SlurmRender<'a> {
 
     /// Follows the jobs of `state` until they have ended.
     fn finish_round(&self, state: &FarmState) -> Result<RoundEnd, CommandFailure> {
-        let Some(tasks) = self.follow_jobs(&state.jobs)? else { return Ok(RoundEnd::Interrupted) };
+        let Some(tasks) = self.follow_jobs(&state.last_round_jobs)? else { return Ok(RoundEnd::Interrupted) };
         self.wait_for_files(state.division, &tasks);
         Ok(if self.is_complete(state.division) { RoundEnd::Complete } else { RoundEnd::Incomplete(tasks) })
     }
@@ -270,7 +271,7 @@ impl<'a> SlurmRender<'a> {
         let mut last: Vec<SlurmTask> = Vec::new();
         let mut silent_since: Option<Instant> = None;
         loop {
-            match slurm::tasks(jobs) {
+            match slurm::query_tasks(jobs) {
                 Ok(tasks) => {
                     silent_since = None;
                     let text = slurm::tasks_text(&tasks);
@@ -291,7 +292,7 @@ impl<'a> SlurmRender<'a> {
                         print_message(&format!("warning: {error}; asking again"));
                         Instant::now()
                     });
-                    if since.elapsed() > SILENCE {
+                    if since.elapsed() > MAX_SLURM_SILENCE {
                         return Err(slurm_failure(error));
                     }
                 }
@@ -323,14 +324,14 @@ impl<'a> SlurmRender<'a> {
     fn incomplete_shards(&self, division: ShardDivision) -> Vec<u32> {
         let is_incomplete = |shard: &u32| {
             let passes = division.shard_passes(*shard);
-            self.folder.shard_passes(*shard).first_missing(passes).is_some()
+            self.folder.completed_shard_passes(*shard).first_missing(passes).is_some()
         };
         (1..=division.shards).filter(is_incomplete).collect()
     }
 
     /// Returns the number of passes in the films of all shards.
-    fn pass_count(&self, division: ShardDivision) -> u64 {
-        (1..=division.shards).map(|shard| self.folder.shard_passes(shard).len()).sum()
+    fn completed_pass_count(&self, division: ShardDivision) -> u64 {
+        (1..=division.shards).map(|shard| self.folder.completed_shard_passes(shard).len()).sum()
     }
 
     /// Returns the failure after too many rounds without progress.
@@ -342,7 +343,7 @@ impl<'a> SlurmRender<'a> {
         tasks: &[SlurmTask],
     ) -> CommandFailure {
         let failed = tasks.iter().find(|task| task.state != "COMPLETED").map(|task| task.id.clone());
-        let log = failed.or_else(|| state.jobs.last().cloned()).unwrap_or_default();
+        let log = failed.or_else(|| state.last_round_jobs.last().cloned()).unwrap_or_default();
         let what = if missing.is_empty() {
             "the merge failed".to_owned()
         } else {
@@ -366,13 +367,13 @@ impl<'a> SlurmRender<'a> {
     }
 
     /// Prints the outputs, passes and estimated error of the finished picture.
-    fn print_summary(&self, rendered: &RenderResult) -> Exit {
+    fn print_picture_summary(&self, rendered: &RenderResult) -> Exit {
         for path in &self.arguments.output {
             self.progress.print_line(&format!("wrote {}", path.display()));
         }
         let passes = rendered.film.passes();
         self.progress.print_line(&count_with_noun(passes as usize, "pass", "passes"));
-        let estimate = rendered.estimate_error(self.error_target()).filter(|_| passes >= MIN_PASSES);
+        let estimate = rendered.estimate_error(self.error_target()).filter(|_| passes >= MIN_ERROR_ESTIMATE_PASSES);
         if let Some((estimate, _)) = estimate {
             self.progress.print_line(&format!("estimated error {}", forecast_text::error_text(&estimate)));
         }
@@ -383,12 +384,12 @@ impl<'a> SlurmRender<'a> {
     fn print_wave_end(&self, end: NextWave, target: ErrorTarget, most: u32) {
         let error = percent_text(target.error);
         match end {
-            NextWave::Reached => self.progress.print_line(&format!(
+            NextWave::TargetReached => self.progress.print_line(&format!(
                 "the error is at most {error} with {} confidence",
                 percent_text(target.confidence.probability())
             )),
-            NextWave::Hopeless => print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY)),
-            NextWave::TooMany => print_message(&format!(
+            NextWave::TargetUnreachable => print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY)),
+            NextWave::TooManyPasses => print_message(&format!(
                 "warning: the error is above {error}, and a further wave would exceed {most} passes; --max-passes allows more"
             )),
             NextWave::Grow(_) => {}
@@ -407,13 +408,13 @@ fn is_interrupted_within(time: Duration) -> bool {
         if left.is_zero() {
             return false;
         }
-        sleep(left.min(NAP));
+        sleep(left.min(SIGNAL_POLL_INTERVAL));
     }
 }
 
 /// Returns the tasks of the jobs that an earlier command submitted; none without such jobs.
-fn slurm_tasks(jobs: &[String]) -> Result<Vec<SlurmTask>, CommandFailure> {
-    if jobs.is_empty() { Ok(Vec::new()) } else { slurm::tasks(jobs).map_err(slurm_failure) }
+fn tasks_of_earlier_jobs(jobs: &[String]) -> Result<Vec<SlurmTask>, CommandFailure> {
+    if jobs.is_empty() { Ok(Vec::new()) } else { slurm::query_tasks(jobs).map_err(slurm_failure) }
 }
 
 fn slurm_failure(error: SlurmError) -> CommandFailure {

@@ -12,11 +12,11 @@ pub(super) enum NextWave {
     /// Another wave, after which the render has this division.
     Grow(ShardDivision),
     /// The error is low enough.
-    Reached,
+    TargetReached,
     /// More passes cannot reach the target, because of bias.
-    Hopeless,
+    TargetUnreachable,
     /// Another wave would exceed the largest number of passes.
-    TooMany,
+    TooManyPasses,
 }
 
 /// Returns the step that follows after the passes of `rendered`, whose shards are those of
@@ -28,8 +28,8 @@ pub(super) fn next_wave(rendered: &RenderResult, division: ShardDivision, target
     let estimated = rendered.estimate_error(Some(target));
     let stop = StopCriteria { target: Some(target), ..StopCriteria::unlimited(&INTERRUPTED) };
     match stop.end_reason(rendered.film.passes(), estimated.as_ref(), Duration::ZERO) {
-        Some(EndReason::Target) => return NextWave::Reached,
-        Some(EndReason::Floor) => return NextWave::Hopeless,
+        Some(EndReason::Target) => return NextWave::TargetReached,
+        Some(EndReason::BiasFloor) => return NextWave::TargetUnreachable,
         Some(EndReason::Passes | EndReason::Time | EndReason::Interrupted) | None => {}
     }
     let forecast = estimated.map(|(_, forecast)| forecast.stop_forecast(target.error, target.interval_confidence()));
@@ -43,6 +43,6 @@ pub(super) fn next_wave(rendered: &RenderResult, division: ShardDivision, target
     let fitting = shards.min(most.saturating_sub(division.passes) / size);
     match division.with_more_shards(fitting, most) {
         Some(larger) if fitting > 0 => NextWave::Grow(larger),
-        _ => NextWave::TooMany,
+        _ => NextWave::TooManyPasses,
     }
 }

@@ -10,19 +10,19 @@ use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 /// Name of the film of all shards.
-pub(super) const MERGED_FILM: &str = "merged.film";
+pub(super) const MERGED_FILM_NAME: &str = "merged.film";
 
 /// Name of the file whose existence shows that a merge has succeeded.
-pub(super) const MERGE_DONE: &str = "merge.done";
+pub(super) const MERGE_MARK_NAME: &str = "merge.done";
 
 /// Name of the file that describes the render.
-const STATE: &str = "farm.json";
+const STATE_FILE_NAME: &str = "farm.json";
 
 /// Name of the script of a shard.
-pub(super) const SHARD_SCRIPT: &str = "shard.sh";
+pub(super) const SHARD_SCRIPT_NAME: &str = "shard.sh";
 
 /// Name of the script that merges the films.
-pub(super) const MERGE_SCRIPT: &str = "merge.sh";
+pub(super) const MERGE_SCRIPT_NAME: &str = "merge.sh";
 
 /// Folder of a farm render, whose path is absolute.
 #[derive(Clone, Debug)]
@@ -39,7 +39,8 @@ pub(super) struct FarmState {
     /// Division into shards of all passes that were submitted so far.
     pub division: ShardDivision,
     /// Numbers of the jobs of the last round.
-    pub jobs: Vec<String>,
+    #[serde(rename = "jobs")]
+    pub last_round_jobs: Vec<String>,
 }
 
 /// Error of the folder of a farm render.
@@ -79,23 +80,26 @@ impl WorkFolder {
     }
 
     /// Returns the path of a file in the folder.
-    pub fn file(&self, name: &str) -> PathBuf {
+    pub fn file_path(&self, name: &str) -> PathBuf {
         self.path.join(name)
     }
 
     /// Creates the folder if needed and locks it. Returns the lock, and the description of the
     /// render that the folder holds. The description is `None` for a new render.
-    pub fn open(&self) -> Result<(FileLock, Option<FarmState>), WorkFolderError> {
+    pub fn lock_and_read_state(&self) -> Result<(FileLock, Option<FarmState>), WorkFolderError> {
         let failed = |source| WorkFolderError::Io { path: self.path.clone(), source };
-        let is_known = self.file(STATE).is_file();
-        if !is_known && self.has_files().map_err(failed)? {
+        let is_known = self.file_path(STATE_FILE_NAME).is_file();
+        if !is_known && self.has_foreign_files().map_err(failed)? {
             return Err(WorkFolderError::Foreign(self.path.clone()));
         }
-        fs::create_dir_all(self.file("log")).map_err(failed)?;
-        let lock = FileLock::acquire(&self.file("farm")).map_err(failed)?;
+        fs::create_dir_all(self.file_path("log")).map_err(failed)?;
+        let lock = FileLock::acquire(&self.file_path("farm")).map_err(failed)?;
         let lock = lock.ok_or_else(|| WorkFolderError::InUse(self.path.clone()))?;
-        let state = match fs::read(self.file(STATE)) {
-            Ok(bytes) => Some(serde_json::from_slice(&bytes).map_err(|_| WorkFolderError::Damaged(self.file(STATE)))?),
+        let state = match fs::read(self.file_path(STATE_FILE_NAME)) {
+            Ok(bytes) => Some(
+                serde_json::from_slice(&bytes)
+                    .map_err(|_| WorkFolderError::Damaged(self.file_path(STATE_FILE_NAME)))?,
+            ),
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
             Err(error) => return Err(failed(error)),
         };
@@ -103,7 +107,7 @@ impl WorkFolder {
     }
 
     /// True if the folder exists and holds files other than those of a command that ended early.
-    fn has_files(&self) -> io::Result<bool> {
+    fn has_foreign_files(&self) -> io::Result<bool> {
         let entries = match fs::read_dir(&self.path) {
             Ok(entries) => entries,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
@@ -116,17 +120,17 @@ impl WorkFolder {
     /// Writes the description of the render.
     pub fn save(&self, state: &FarmState) -> Result<(), WorkFolderError> {
         let json = serde_json::to_vec_pretty(state).map_err(|e| self.error(io::Error::other(e)))?;
-        self.write(STATE, &json)
+        self.write(STATE_FILE_NAME, &json)
     }
 
     /// Writes a file of the folder.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), WorkFolderError> {
-        replace_file(&self.file(name), bytes).map_err(|e| self.error(io::Error::other(e)))
+        replace_file(&self.file_path(name), bytes).map_err(|e| self.error(io::Error::other(e)))
     }
 
     /// Removes the file that shows that an earlier merge has succeeded.
     pub fn remove_merge_mark(&self) -> Result<(), WorkFolderError> {
-        match fs::remove_file(self.file(MERGE_DONE)) {
+        match fs::remove_file(self.file_path(MERGE_MARK_NAME)) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(self.error(error)),
             _ => Ok(()),
         }
@@ -134,18 +138,18 @@ impl WorkFolder {
 
     /// True if the last merge succeeded.
     pub fn is_merged(&self) -> bool {
-        self.file(MERGE_DONE).is_file()
+        self.file_path(MERGE_MARK_NAME).is_file()
     }
 
     /// Returns the passes in the film of shard `number`; none if there is no readable film.
-    pub fn shard_passes(&self, number: u32) -> PassSet {
-        let file = File::open(self.file(&format!("shard-{number:06}.film")));
+    pub fn completed_shard_passes(&self, number: u32) -> PassSet {
+        let file = File::open(self.file_path(&format!("shard-{number:06}.film")));
         file.ok().and_then(|file| read_pass_numbers(BufReader::new(file)).ok()).unwrap_or_default()
     }
 
     /// Returns the last lines of a log; empty if there is none.
     pub fn log_end(&self, name: &str) -> String {
-        let text = fs::read(self.file("log").join(name)).unwrap_or_default();
+        let text = fs::read(self.file_path("log").join(name)).unwrap_or_default();
         let text = String::from_utf8_lossy(&text);
         let lines: Vec<&str> = text.lines().collect();
         lines[lines.len().saturating_sub(8)..].join("\n")

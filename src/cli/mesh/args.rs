@@ -1,6 +1,8 @@
 //! Arguments of `caustica mesh`.
 
-use crate::cli::number::{parse_bytes, parse_degrees, parse_distance, parse_point, parse_positive_factor};
+use crate::cli::value_parsers::{
+    parse_bytes, parse_degrees, parse_nonnegative_length, parse_point, parse_positive_factor,
+};
 use clap::Args;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -25,7 +27,7 @@ pub struct MeshArguments {
 
     /// Merge vertices whose distance is at most this, in units of the file  [default with --repair:
     /// 1e-9 of the diagonal]
-    #[arg(long, value_parser = parse_distance, value_name = "LENGTH")]
+    #[arg(long, value_parser = parse_nonnegative_length, value_name = "LENGTH")]
     pub weld: Option<f64>,
 
     /// Remove triangles that have the same vertices as an earlier one

@@ -9,7 +9,7 @@ use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::progress::{ProgressDisplay, print_message};
 use super::{CommandFailure, Exit};
 use crate::format::mesh::{
-    self, LoadedMesh, MeshError, MeshFormat, MeshRepairs, MeshReport, RepairCounts, TriangleMesh,
+    self, LoadedMesh, MeshError, MeshFormat, MeshRepairOptions, MeshReport, RepairCounts, TriangleMesh,
 };
 use crate::format::mtl;
 use crate::image::check_replaceable;
@@ -53,17 +53,17 @@ struct MeshCommandReport {
 pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
     let format = arguments.output.as_deref().map(|path| output_mesh_format(path, arguments)).transpose()?;
     let progress = ProgressDisplay::new(arguments.quiet);
-    let memory = arguments.memory.map_or(MemoryLimit::System, MemoryLimit::Limit);
+    let memory = arguments.memory.map_or(MemoryLimit::System, MemoryLimit::ProcessBytes);
     let loaded = mesh::load_with_memory_limit(&arguments.mesh, &progress, memory.available_bytes()).map_err(|e| {
-        let exit = if matches!(e, MeshError::Memory { .. }) { Exit::Usage } else { Exit::Input };
+        let exit = if matches!(e, MeshError::OutOfMemory { .. }) { Exit::Usage } else { Exit::Input };
         CommandFailure::new(exit, miette::Report::from_err(e))
     })?;
     progress.remove_progress_bar();
     check_mesh_memory(&arguments.mesh, &loaded.mesh, memory)?;
     let mut before = loaded.mesh.mesh_report();
-    before.vertices = loaded.vertices;
-    before.isolated_vertices = loaded.isolated;
-    before.repeated_vertices = loaded.repeated_vertices();
+    before.vertices = loaded.file_vertex_count;
+    before.isolated_vertices = loaded.isolated_vertex_count;
+    before.repeated_vertices = loaded.repeated_vertex_count();
     let mut changed = None;
     let (mut after, mut repaired) = (None, None);
     if arguments.changes_mesh() {
@@ -106,7 +106,7 @@ fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: MemoryLimit) -> R
     let needed = BYTES_PER_TRIANGLE * mesh.triangles.len() as u64;
     match memory.available_bytes() {
         Some(free) if needed > free => {
-            let error = MeshError::Memory { path: path.to_owned(), needed, free };
+            let error = MeshError::OutOfMemory { path: path.to_owned(), needed, free };
             Err(CommandFailure::new(Exit::Usage, miette::Report::from_err(error)))
         }
         _ => Ok(()),
@@ -137,8 +137,10 @@ fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Res
         return lost(InvalidMeshResultError::Coordinates, Exit::Usage);
     }
     let all = arguments.repair;
-    let repaired = mesh.repair(&MeshRepairs {
-        weld: arguments.weld.or_else(|| all.then(|| MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal())),
+    let repaired = mesh.repair(&MeshRepairOptions {
+        weld_tolerance: arguments
+            .weld
+            .or_else(|| all.then(|| MeshRepairOptions::DEFAULT_RELATIVE_WELD_TOLERANCE * mesh.bounds_diagonal())),
         removes_duplicates: all || arguments.remove_duplicates,
         removes_degenerates: all || arguments.remove_degenerate,
         orients_outward: all || arguments.orient,
@@ -151,7 +153,7 @@ fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Res
         mesh.merge_equal_vertices();
     }
     if let Some(angle) = arguments.smooth {
-        mesh.compute_smooth_normals(angle);
+        mesh.compute_missing_smooth_normals(angle);
     }
     if mesh.triangles.is_empty() {
         return lost(InvalidMeshResultError::Triangles, Exit::Input);
@@ -171,14 +173,14 @@ fn write_mesh_and_materials(
     memory: MemoryLimit,
     failures: &mut OutputFailures,
 ) -> Option<()> {
-    let mut libraries = loaded.libraries.clone();
+    let mut libraries = loaded.mtllib_arguments.clone();
     if !mesh.materials.is_empty() && format != MeshFormat::Obj {
         print_message("note: PLY cannot hold materials: they are left out");
     } else if !libraries.is_empty()
         && format == MeshFormat::Obj
-        && canonical_folder(path) != canonical_folder(&arguments.mesh)
+        && canonical_parent_folder(path) != canonical_parent_folder(&arguments.mesh)
     {
-        libraries = match mtl::load_libraries(&arguments.mesh, &loaded.libraries, memory.available_bytes()) {
+        libraries = match mtl::load_mtl_files(&arguments.mesh, &loaded.mtllib_arguments, memory.available_bytes()) {
             Ok(materials) => {
                 let beside = path.with_extension("mtl");
                 failures.ok_or_collect_error(mtl::write(&beside, &materials));
@@ -195,7 +197,7 @@ fn write_mesh_and_materials(
 
 /// Returns the folder that contains the file `path`. Symbolic links are resolved if the folder
 /// exists.
-fn canonical_folder(path: &Path) -> PathBuf {
+fn canonical_parent_folder(path: &Path) -> PathBuf {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::canonicalize(parent).unwrap_or_else(|_| parent.to_owned())
 }

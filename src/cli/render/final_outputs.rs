@@ -2,16 +2,16 @@
 
 use super::summary::print_render_summary;
 use crate::cli::diagnostics::{black_picture_note, no_photon_stored_note};
-use crate::cli::film::SavedFilm;
-use crate::cli::number::count_with_noun;
+use crate::cli::film::LockedFilmFile;
 use crate::cli::outputs::OutputFailures;
 use crate::cli::pictures::write_pictures;
 use crate::cli::progress::{ProgressDisplay, print_message, warn_of_rejected_samples};
 use crate::cli::report::{RenderReport, RenderSetup};
+use crate::cli::value_parsers::count_with_noun;
 use crate::cli::{CommandFailure, Exit, RenderArguments};
 use crate::image::{self, Image, ToneCurve, WriteOptions};
 use crate::integrate::{Algorithm, SurfaceAovs};
-use crate::render::error_estimate::MIN_PASSES;
+use crate::render::error_estimate::MIN_ERROR_ESTIMATE_PASSES;
 use crate::render::{EndReason, RenderLimits, RenderResult, StopCriteria, picture_layers, surface_layers};
 use glam::Vec3;
 
@@ -22,7 +22,7 @@ pub(super) struct RenderOutputs<'a> {
     /// Albedo, normal and the like for `--aov`; `None` without this flag, or after a cancellation.
     pub aovs: Option<SurfaceAovs>,
     /// Film file of the render; `None` without `--film`.
-    pub film: Option<&'a SavedFilm<'a>>,
+    pub film_file: Option<&'a LockedFilmFile<'a>>,
 }
 
 impl RenderOutputs<'_> {
@@ -39,9 +39,10 @@ impl RenderOutputs<'_> {
         stop: &StopCriteria<'_>,
         powerless: bool,
     ) -> Result<Exit, CommandFailure> {
-        let Self { arguments, rendered, film, .. } = *self;
+        let Self { arguments, rendered, film_file: film, .. } = *self;
         let (width, height) = rendered.film.size();
-        let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(CommandFailure::output_error)?;
+        let picture =
+            Image::from_pixels(width, height, rendered.film.mean_picture()).map_err(CommandFailure::output_error)?;
         let mut failures = OutputFailures::default();
         self.write_pictures(progress, &picture, &mut failures);
         if let (Some(path), Some(film)) = (&arguments.film, film)
@@ -74,7 +75,7 @@ impl RenderOutputs<'_> {
         write_pictures(arguments.output.iter(), picture, &options, progress, failures);
         let Some(path) = &arguments.aov else { return };
         let passes = rendered.film.passes();
-        if passes < MIN_PASSES && rendered.estimator.is_some() {
+        if passes < MIN_ERROR_ESTIMATE_PASSES && rendered.estimator.is_some() {
             let passes = count_with_noun(passes as usize, "pass gives", "passes give");
             print_message(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
         }

@@ -21,10 +21,10 @@ pub(super) fn render_passes(
     mut after_pass: impl FnMut(&PassProgress<'_>),
 ) -> RenderResult {
     let passes_before = before.film.passes();
-    let (passes, target) = (stop.passes, stop.target);
+    let (passes, target) = (stop.max_passes, stop.target);
     progress.set_pass_number(passes_before + 1, passes);
     // With an error target, the remaining time is known only after the first error estimate.
-    progress.set_time_left(stop.time.filter(|_| target.is_none()));
+    progress.set_time_left(stop.time_limit.filter(|_| target.is_none()));
     let began = Instant::now();
     render(before, numbers, integrator, stop, progress, |standing| {
         let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes - passes_before);
@@ -80,8 +80,8 @@ fn time_until_stop(
         StopForecast::Passes(range) => Some(of_passes(range.median)),
         StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
     });
-    let by_time = stop.time.map(|time| time.saturating_sub(elapsed).as_secs_f64());
-    let all = [stop.passes.map(of_passes), by_time, by_target];
+    let by_time = stop.time_limit.map(|time| time.saturating_sub(elapsed).as_secs_f64());
+    let all = [stop.max_passes.map(of_passes), by_time, by_target];
     let least = all.into_iter().flatten().min_by(f64::total_cmp)?;
     Duration::try_from_secs_f64(least).ok()
 }
@@ -96,7 +96,7 @@ mod tests {
         let interrupted = AtomicBool::new(false);
         let limits = |passes: Option<u32>, time: Option<u64>| {
             let time = time.map(Duration::from_secs);
-            StopCriteria { passes, time, ..StopCriteria::unlimited(&interrupted) }
+            StopCriteria { max_passes: passes, time_limit: time, ..StopCriteria::unlimited(&interrupted) }
         };
         let left_of = |stop: StopCriteria<'_>| {
             time_until_stop(&stop, 4, None, Duration::from_secs(8), 2.0).map(|left| left.as_secs())

@@ -2,9 +2,9 @@
 
 use crate::cli::diagnostics::all_lights_are_black;
 use crate::cli::forecast_text;
-use crate::cli::number::count_with_noun;
 use crate::cli::progress::{ProgressDisplay, print_message};
 use crate::cli::report::{EstimatedErrorReport, RenderReport};
+use crate::cli::value_parsers::count_with_noun;
 use crate::render::{EndReason, RenderLimits, RenderResult, StopCriteria};
 use crate::scene::Scene;
 use crate::study::text::percent_text;
@@ -42,7 +42,7 @@ pub(super) fn print_render_summary(
         EndReason::Passes => String::new(),
         EndReason::Time => format!("; time was up: --passes {n} repeats this picture bit for bit"),
         EndReason::Target => format!("; the error is low enough: --passes {n} repeats this picture bit for bit"),
-        EndReason::Floor => "; more passes cannot reach the error".to_owned(),
+        EndReason::BiasFloor => "; more passes cannot reach the error".to_owned(),
         EndReason::Interrupted => format!("; interrupted: --passes {n} repeats this picture"),
     };
     progress.print_line(&format!(
@@ -66,7 +66,7 @@ pub(super) fn print_render_summary(
     if limits.are_default() {
         default_end_line(stop, rendered.end_reason).iter().for_each(|line| progress.print_line(line));
     }
-    if rendered.end_reason == EndReason::Floor {
+    if rendered.end_reason == EndReason::BiasFloor {
         print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY));
     }
 }
@@ -74,7 +74,7 @@ pub(super) fn print_render_summary(
 /// Returns a line that says which default limit ended a render: error, time or bias. Returns `None`
 /// if the number of passes or the user ended it, or if `stop` lacks a target or a time limit.
 fn default_end_line(stop: &StopCriteria<'_>, end_reason: EndReason) -> Option<String> {
-    let (target, time) = (stop.target?, stop.time?);
+    let (target, time) = (stop.target?, stop.time_limit?);
     let error = percent_text(target.error);
     let confidence = percent_text(target.confidence.probability());
     let time = forecast_text::duration_text(time.as_secs_f64());
@@ -85,7 +85,7 @@ fn default_end_line(stop: &StopCriteria<'_>, end_reason: EndReason) -> Option<St
         EndReason::Time => {
             Some(format!("ended by time: {time} were over before the error fell to {error}. --time sets another time"))
         }
-        EndReason::Floor => Some(format!("ended by bias: more passes cannot lower the error to {error}")),
+        EndReason::BiasFloor => Some(format!("ended by bias: more passes cannot lower the error to {error}")),
         EndReason::Passes | EndReason::Interrupted => None,
     }
 }
@@ -102,13 +102,16 @@ mod tests {
     fn the_last_line_names_the_default_limit_that_ended_a_render() {
         let interrupted = AtomicBool::new(false);
         let target = Some(ErrorTarget { error: 0.03, confidence: Confidence::default() });
-        let stop =
-            StopCriteria { target, time: Some(Duration::from_secs(300)), ..StopCriteria::unlimited(&interrupted) };
+        let stop = StopCriteria {
+            target,
+            time_limit: Some(Duration::from_secs(300)),
+            ..StopCriteria::unlimited(&interrupted)
+        };
         let line = |ended| default_end_line(&stop, ended);
         let begins = |ended, text: &str| line(ended).is_some_and(|line| line.starts_with(text));
         assert!(begins(EndReason::Target, "ended by error: at most 3.0 %"));
         assert!(begins(EndReason::Time, "ended by time: 5 min 0 s were over before the error fell to 3.0 %"));
-        assert!(begins(EndReason::Floor, "ended by bias: "));
+        assert!(begins(EndReason::BiasFloor, "ended by bias: "));
         assert_eq!(line(EndReason::Passes).or(line(EndReason::Interrupted)), None);
     }
 }

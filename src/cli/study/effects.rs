@@ -1,6 +1,6 @@
 //! `caustica study --effects`: the cost and the contribution of each effect.
 
-use super::output::{ReportWriter, StudyOutputs, study_output_files};
+use super::output::{ReportFormatter, StudyOutputs, study_output_files};
 use crate::cli::interrupt::{INTERRUPTED, listen_for_signals};
 use crate::cli::outputs::{FileWithRole, check_distinct_files};
 use crate::cli::plan::{self, EffectDecisionReport};
@@ -15,7 +15,7 @@ use crate::stats::Counters;
 use crate::study::report::effects::{csv_report, markdown_report};
 use crate::study::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
 use crate::study::{
-    ClockKind, EffectContribution, EffectCost, EffectStudy, EffectStudyResult, PictureCost, ReportContext,
+    ClockKind, EffectContribution, EffectCost, EffectReportHeader, EffectStudy, EffectStudyResult, PictureCost,
     effects_html_page,
 };
 use miette::IntoDiagnostic;
@@ -27,16 +27,16 @@ use std::time::Instant;
 const DEFAULT_PASSES: u32 = 4;
 
 /// File extensions of reports, and the functions that make the text of a report.
-const REPORT_WRITERS: [(&str, ReportWriter<EffectStudyResult>); 4] = [
-    ("html", |arguments, found| effects_html_page(&report_context(arguments), found).into_diagnostic()),
+const REPORT_FORMATTERS: [(&str, ReportFormatter<EffectStudyResult>); 4] = [
+    ("html", |arguments, found| effects_html_page(&effect_report_header(arguments), found).into_diagnostic()),
     ("csv", |_, found| Ok(csv_report(found))),
     ("json", effect_study_json),
-    ("md", |arguments, found| Ok(markdown_report(&report_context(arguments), found))),
+    ("md", |arguments, found| Ok(markdown_report(&effect_report_header(arguments), found))),
 ];
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
     // Everything that can fail without rendering is checked before rendering.
-    let outputs = StudyOutputs::from_arguments(arguments, &REPORT_WRITERS)?;
+    let outputs = StudyOutputs::from_arguments(arguments, &REPORT_FORMATTERS)?;
     listen_for_signals("the study so far is written after this pass");
     let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || run_effect_study(arguments, &outputs, &progress))
@@ -71,7 +71,7 @@ fn run_effect_study(
     });
     progress.remove_progress_bar();
     let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
-    warn_of_rejected_samples(&found.whole.counters);
+    warn_of_rejected_samples(&found.full_picture_cost.counters);
     let text = if arguments.json {
         effect_study_json(arguments, &found).map(|json| json + "\n")
     } else {
@@ -96,10 +96,10 @@ pub(super) fn load_study_scene(
 }
 
 /// Returns the scene name and settings that a report shows at its top.
-fn report_context(arguments: &StudyArguments) -> ReportContext {
+fn effect_report_header(arguments: &StudyArguments) -> EffectReportHeader {
     let scene = arguments.scene.scene.display().to_string();
     let (integrator, seed) = (arguments.method.integrator.name(), arguments.method.seed);
-    ReportContext { scene, integrator, seed, exposure: arguments.exposure }
+    EffectReportHeader { scene_name: scene, integrator, seed, exposure: arguments.exposure }
 }
 
 /// Returns the results of a study of effects as JSON.
@@ -115,14 +115,14 @@ fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
         ClockKind::Processor => "processor",
         ClockKind::Wall => "wall",
     };
-    let whole = &found.whole;
-    let passes = whole.passes.len() as f64;
+    let whole = &found.full_picture_cost;
+    let passes = whole.pass_seconds.len() as f64;
     let mut text = format!(
         "{integrator}: {:.1} ms of {clock} time, {} rays and {} gathered photons per pass; mean radiance {}\n",
         1e3 * whole.total_pass_seconds() / passes,
         count_text(whole.counters.total_rays() as f64 / passes),
         count_text(whole.counters.gathered_photons as f64 / passes),
-        three_digit_text(found.mean),
+        three_digit_text(found.mean_radiance),
     );
     if !found.effects.is_empty() {
         let _ = writeln!(
@@ -132,10 +132,20 @@ fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
         );
     }
     for finding in &found.effects {
-        let EffectCost { seconds, seconds_error, ratio, rays, gathered_photons, .. } = finding.cost;
-        let EffectContribution { relative_rmse, adds, removes, rmse } = finding.contribution;
+        let EffectCost {
+            seconds_per_pass: seconds,
+            seconds_standard_error: seconds_error,
+            time_ratio: ratio,
+            rays,
+            gathered_photons,
+            ..
+        } = finding.cost;
+        let EffectContribution { relative_rmse, added_radiance: adds, removed_radiance: removes, rmse } =
+            finding.contribution;
         let error = seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
-        let share = |x: f64| if found.mean > 0.0 { percent_text(x / found.mean) } else { three_digit_text(x) };
+        let share = |x: f64| {
+            if found.mean_radiance > 0.0 { percent_text(x / found.mean_radiance) } else { three_digit_text(x) }
+        };
         let _ = writeln!(
             text,
             "  {:<16} {:>18} {:>7} {:>9} {:>10} {:>9} {:>9} {:>9}",
@@ -150,7 +160,7 @@ fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
         );
     }
     for decision in found.plan.decisions.iter().filter(|d| !d.is_simulated) {
-        let forced = if decision.is_forced_by_user() { ", forced, although " } else { ": " };
+        let forced = if decision.is_forced_against_need() { ", forced, although " } else { ": " };
         let _ = writeln!(text, "  {:<16} off{forced}{}", decision.effect, decision.reason);
     }
     text
@@ -168,24 +178,29 @@ struct EffectStudyReport<'f> {
     passes: usize,
     interrupted: bool,
     clock: ClockKind,
-    mean: f64,
-    whole: PictureCostReport<'f>,
+    #[serde(rename = "mean")]
+    mean_radiance: f64,
+    #[serde(rename = "whole")]
+    full_picture_cost: PictureCostReport<'f>,
     effects: Vec<EffectResultReport<'f>>,
 }
 
 #[derive(Debug, Serialize)]
 struct PictureCostReport<'f> {
-    setup: f64,
-    seconds: f64,
+    #[serde(rename = "setup")]
+    setup_seconds: f64,
+    #[serde(rename = "seconds")]
+    total_pass_seconds: f64,
     counters: &'f Counters,
 }
 
 #[derive(Debug, Serialize)]
 struct EffectResultReport<'f> {
     #[serde(flatten)]
-    effect: EffectDecisionReport,
+    decision: EffectDecisionReport,
     /// Time and counters of the picture without the effect; `None` if the effect is off.
-    without: Option<PictureCostReport<'f>>,
+    #[serde(rename = "without")]
+    cost_without_effect: Option<PictureCostReport<'f>>,
     /// Time and rays that the effect adds to a pass; `None` if the effect is off.
     cost: Option<EffectCost>,
     /// Light that the effect adds to and removes from the picture; `None` if the effect is off.
@@ -195,7 +210,11 @@ struct EffectResultReport<'f> {
 
 impl<'f> From<&'f PictureCost> for PictureCostReport<'f> {
     fn from(spent: &'f PictureCost) -> Self {
-        Self { setup: spent.setup, seconds: spent.total_pass_seconds(), counters: &spent.counters }
+        Self {
+            setup_seconds: spent.setup_seconds,
+            total_pass_seconds: spent.total_pass_seconds(),
+            counters: &spent.counters,
+        }
     }
 }
 
@@ -204,8 +223,8 @@ impl<'f> EffectStudyReport<'f> {
         let row = |(effect, decision): (EffectDecisionReport, &EffectDecision)| {
             let finding = found.effects.iter().find(|f| f.decision.effect == decision.effect);
             EffectResultReport {
-                effect,
-                without: finding.map(|f| (&f.without).into()),
+                decision: effect,
+                cost_without_effect: finding.map(|f| (&f.cost_without_effect).into()),
                 cost: finding.map(|f| f.cost),
                 contribution: finding.map(|f| f.contribution),
             }
@@ -218,11 +237,11 @@ impl<'f> EffectStudyReport<'f> {
             width: found.picture.width(),
             height: found.picture.height(),
             seed,
-            passes: found.whole.passes.len(),
+            passes: found.full_picture_cost.pass_seconds.len(),
             interrupted: found.interrupted,
             clock: found.clock,
-            mean: found.mean,
-            whole: (&found.whole).into(),
+            mean_radiance: found.mean_radiance,
+            full_picture_cost: (&found.full_picture_cost).into(),
             effects: plan::plan_effect_reports(&found.plan).into_iter().zip(&found.plan.decisions).map(row).collect(),
         }
     }

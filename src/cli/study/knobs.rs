@@ -27,7 +27,7 @@ const CAMERA_RAY_FACTORS: [f64; 2] = [0.5, 2.0];
 
 /// Settings that pilot passes chose for a method.
 struct PilotChosenSettings {
-    samples: u32,
+    samples_per_pixel: u32,
     unaimed_paths: u32,
     aimed_paths: u32,
     radius: Option<f32>,
@@ -40,10 +40,10 @@ impl PilotChosenSettings {
         let (width, height) = scene.camera().size();
         let camera_rays = integrator.expected_work(integrator.plan().simulated_effects()).camera_rays;
         let radius = integrator
-            .gather_radii()
+            .initial_gather_radii()
             .map(|radii| if algorithm == Algorithm::Hybrid { radii.caustic } else { radii.indirect });
         Self {
-            samples: (camera_rays / (u64::from(width) * u64::from(height))).max(1) as u32,
+            samples_per_pixel: (camera_rays / (u64::from(width) * u64::from(height))).max(1) as u32,
             unaimed_paths: balance.and_then(|b| b.unaimed_paths).unwrap_or(settings.unaimed_paths),
             aimed_paths: balance.and_then(|b| b.aimed_paths).unwrap_or(settings.aimed_paths),
             radius,
@@ -72,7 +72,7 @@ pub(super) fn knob_study_variants(
 fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) -> Vec<VariantArguments> {
     let VariantArguments { label: name, mut method } = plain;
     let algorithm = method.integrator;
-    method.spp = Some(pilot.samples);
+    method.spp = Some(pilot.samples_per_pixel);
     if algorithm.traces_photons() {
         (method.photons, method.caustic_photons) = (Some(pilot.unaimed_paths), Some(pilot.aimed_paths));
     }
@@ -110,7 +110,11 @@ fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) ->
             });
         }
     }
-    for samples in CAMERA_RAY_FACTORS.map(|by| scaled(pilot.samples, by)).into_iter().filter(|n| *n != pilot.samples) {
+    for samples in CAMERA_RAY_FACTORS
+        .map(|by| scaled(pilot.samples_per_pixel, by))
+        .into_iter()
+        .filter(|n| *n != pilot.samples_per_pixel)
+    {
         add(format!("--spp {samples}"), &|method| method.spp = Some(samples));
     }
     if !base.adaptive {

@@ -2,17 +2,17 @@
 
 use super::effects::load_study_scene;
 use super::knobs;
-use super::output::{ReportWriter, StudyOutputs, check_reference_path, study_output_files};
+use super::output::{ReportFormatter, StudyOutputs, check_reference_path, study_output_files};
 use super::table::{checkpoints_table, square_root_percent_text};
 use super::variants::VariantArguments;
 use crate::cli::args::ReferenceSource;
 use crate::cli::interrupt::{INTERRUPTED, listen_for_signals};
-use crate::cli::number::count_with_noun;
 use crate::cli::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use crate::cli::plan;
 use crate::cli::progress::{ProgressDisplay, print_message};
 use crate::cli::scene::with_thread_pool;
 use crate::cli::settings::{method_flags, settings_from_arguments};
+use crate::cli::value_parsers::count_with_noun;
 use crate::cli::{CommandFailure, Exit, StudyArguments};
 use crate::image::{WriteOptions, write};
 use crate::plan::Plan;
@@ -21,7 +21,7 @@ use crate::scene::Scene;
 use crate::stats::format_bytes;
 use crate::study::methods::{
     MIN_THREAD_TIME_SHARE, MethodStudy, MethodStudyEvent, MethodStudyResult, MethodVariant, ReferencePictures,
-    StudiedScene, StudyLimits, applicable_methods, shell_quoted,
+    StudiedScene, StudyLimits, applicable_methods, shell_command_line,
 };
 use crate::study::report::methods as report;
 use miette::IntoDiagnostic;
@@ -30,7 +30,7 @@ use miette::IntoDiagnostic;
 const REFERENCE_BUDGET_FACTOR: f64 = 4.0;
 
 /// File extensions of reports, and the functions that make the text of a report.
-const REPORT_WRITERS: [(&str, ReportWriter<MethodStudyResult>); 4] = [
+const REPORT_FORMATTERS: [(&str, ReportFormatter<MethodStudyResult>); 4] = [
     ("html", |_, found| report::methods_html_page(found).into_diagnostic()),
     ("csv", |_, found| Ok(report::csv_report(found))),
     ("json", |_, found| report::method_study_json(found).into_diagnostic()),
@@ -63,7 +63,7 @@ struct TooManyPicturesError {
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
     // Everything that can fail without rendering is checked before rendering.
-    let outputs = StudyOutputs::from_arguments(arguments, &REPORT_WRITERS)?;
+    let outputs = StudyOutputs::from_arguments(arguments, &REPORT_FORMATTERS)?;
     let kind = &arguments.kind;
     if kind.truth != ReferenceSource::Auto {
         let unused = [("--save-truth", kind.save_truth.is_some()), ("--truth-time", kind.truth_time.is_some())];
@@ -76,8 +76,8 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
     }
     let truth = match &kind.truth {
         ReferenceSource::Auto => Vec::new(),
-        ReferenceSource::One(a) => vec![FileWithRole::new("the reference", a)],
-        ReferenceSource::Two(a, b) => [a, b].map(|path| FileWithRole::new("the reference", path)).to_vec(),
+        ReferenceSource::OneFile(a) => vec![FileWithRole::new("the reference", a)],
+        ReferenceSource::TwoFiles(a, b) => [a, b].map(|path| FileWithRole::new("the reference", path)).to_vec(),
     };
     check_distinct_files(&study_output_files(arguments), &truth)?;
     let read = |text: &String| VariantArguments::parse(text, &arguments.method).map_err(CommandFailure::usage_error);
@@ -109,8 +109,8 @@ fn run_method_study(
     }
     let given = match &kind.truth {
         ReferenceSource::Auto => None,
-        ReferenceSource::One(a) => Some(ReferencePictures::read(a, None, size)),
-        ReferenceSource::Two(a, b) => Some(ReferencePictures::read(a, Some(b), size)),
+        ReferenceSource::OneFile(a) => Some(ReferencePictures::read(a, None, size)),
+        ReferenceSource::TwoFiles(a, b) => Some(ReferencePictures::read(a, Some(b), size)),
     };
     let given = given.transpose().into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
     let algorithms = variants.iter().map(|v| v.algorithm.supported_effects());
@@ -134,14 +134,14 @@ fn run_method_study(
         kind.seeds,
         kind.budget.as_secs_f64()
     ));
-    let limits = StudyLimits { budget: kind.budget.as_secs_f64(), passes: arguments.passes };
+    let limits = StudyLimits { cpu_seconds_per_seed: kind.budget.as_secs_f64(), passes: arguments.passes };
     progress.set_pass_number(1, arguments.passes);
     let found = study.run(&studied_scene(arguments), limits, &references, &INTERRUPTED, progress, |step| match step {
-        MethodStudyEvent::Round(made) => progress.set_pass_number(made + 1, arguments.passes),
+        MethodStudyEvent::PassFinished(made) => progress.set_pass_number(made + 1, arguments.passes),
         MethodStudyEvent::Checkpoint(label, at) => progress.print_line(&format!(
             "{label}: {} after {:.2} s, error {}",
             count_with_noun(at.passes as usize, "pass", "passes"),
-            at.seconds,
+            at.cpu_seconds,
             square_root_percent_text(at.mean_squared_error())
         )),
     });
@@ -172,7 +172,7 @@ fn study_variants(arguments: &StudyArguments, named: Vec<VariantArguments>, scen
     let around =
         kind.knobs.map(|algorithm| knobs::knob_study_variants(algorithm, shared, overrides, scene)).unwrap_or_default();
     let plain = methods.into_iter().map(|algorithm| VariantArguments::from_algorithm(algorithm, shared));
-    plain.chain(named).chain(around).map(|named| named.into_study_variant(overrides)).collect()
+    plain.chain(named).chain(around).map(|named| named.into_method_variant(overrides)).collect()
 }
 
 /// Renders two references, and writes them to the files of `--save-truth` if given. Returns `None`
@@ -231,13 +231,13 @@ fn studied_scene(arguments: &StudyArguments) -> StudiedScene {
         "--truth",
         match &kind.truth {
             ReferenceSource::Auto => None,
-            ReferenceSource::One(a) => Some(a.display().to_string()),
-            ReferenceSource::Two(a, b) => Some(format!("{},{}", a.display(), b.display())),
+            ReferenceSource::OneFile(a) => Some(a.display().to_string()),
+            ReferenceSource::TwoFiles(a, b) => Some(format!("{},{}", a.display(), b.display())),
         },
     );
     add("--truth-time", kind.truth_time.map(|time| format!("{}s", time.as_secs_f64())));
     add("--seed", Some(arguments.method.seed.to_string()));
     // Skip the first flag with its value, `--integrator`: a study of methods does not take it.
     words.extend(method_flags(&arguments.method, "--simulate", arguments.simulate).into_iter().skip(2));
-    StudiedScene { command: shell_quoted(&words), scene, size: arguments.scene.size }
+    StudiedScene { study_command: shell_command_line(&words), scene_path: scene, size: arguments.scene.size }
 }

@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Function that makes the text of a report from the result `F` of a study.
-pub(super) type ReportWriter<F> = fn(&StudyArguments, &F) -> miette::Result<String>;
+pub(super) type ReportFormatter<F> = fn(&StudyArguments, &F) -> miette::Result<String>;
 
 /// Error: the extension of an output path names no report format.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -20,7 +20,7 @@ struct UnknownReportFormatError {
 }
 
 /// Report files to write: their paths, and the functions that make their texts.
-pub(super) struct StudyOutputs<'a, F>(Vec<(&'a Path, ReportWriter<F>)>);
+pub(super) struct StudyOutputs<'a, F>(Vec<(&'a Path, ReportFormatter<F>)>);
 
 impl<'a, F> StudyOutputs<'a, F> {
     /// Returns the report files that the command line names. Returns a failure if one of them
@@ -29,10 +29,10 @@ impl<'a, F> StudyOutputs<'a, F> {
     /// `known` lists the file extensions of reports, each with the function that makes the text.
     pub fn from_arguments(
         arguments: &'a StudyArguments,
-        known: &[(&str, ReportWriter<F>)],
+        known: &[(&str, ReportFormatter<F>)],
     ) -> Result<Self, CommandFailure> {
         let writer = |path: &'a PathBuf| {
-            let matches = |(extension, _): &&(&str, ReportWriter<F>)| {
+            let matches = |(extension, _): &&(&str, ReportFormatter<F>)| {
                 path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
             };
             let (_, writer) = known.iter().find(matches).ok_or_else(|| {

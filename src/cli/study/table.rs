@@ -13,7 +13,7 @@ pub(super) fn checkpoints_table(found: &MethodStudyResult) -> String {
     }
     let _ = writeln!(text, "\n{} seeds each; seconds of processor time per seed; - means hidden by noise", found.seeds);
     for method in &found.methods {
-        let _ = writeln!(text, "\n{}: prepared in {:.2} s", method.label, method.setup);
+        let _ = writeln!(text, "\n{}: prepared in {:.2} s", method.label, method.setup_seconds);
         let _ = writeln!(
             text,
             "  {:>8} {:>10} {:>9} {:>9} {:>9} {:>7} {:>9}",
@@ -26,17 +26,17 @@ pub(super) fn checkpoints_table(found: &MethodStudyResult) -> String {
                 text,
                 "  {:>8} {:>10.3} {:>9} {:>9} {:>9} {:>7} {:>9}",
                 checkpoint.passes,
-                checkpoint.seconds,
+                checkpoint.cpu_seconds,
                 square_root_percent_text(checkpoint.mean_squared_error()),
-                square_root_percent_text(checkpoint.noise2),
-                square_root_percent_text(checkpoint.bias2),
+                square_root_percent_text(checkpoint.squared_noise),
+                square_root_percent_text(checkpoint.squared_bias),
                 rate.map_or(String::new(), |rate| format!("{rate:.2}")),
-                rms_estimated_error(checkpoint),
+                rms_estimated_error_text(checkpoint),
             );
         }
         let _ =
             writeln!(text, "  {}", judge_convergence(method, fit_convergence(method).as_ref(), found.reference.error));
-        let _ = writeln!(text, "  {}", method.command);
+        let _ = writeln!(text, "  {}", method.render_command);
     }
     text
 }
@@ -48,14 +48,14 @@ pub(super) fn square_root_percent_text(square: f64) -> String {
 
 /// Returns the root mean square of the renderer's own error estimates of all seeds, in percent;
 /// empty if there are none.
-fn rms_estimated_error(checkpoint: &ConvergenceCheckpoint) -> String {
+fn rms_estimated_error_text(checkpoint: &ConvergenceCheckpoint) -> String {
     checkpoint.mean_square_of_estimated_error().map_or(String::new(), square_root_percent_text)
 }
 
 /// Returns the exponent in error ∝ time^exponent between two checkpoints; `None` if it is unknown.
 fn convergence_rate(before: &ConvergenceCheckpoint, after: &ConvergenceCheckpoint) -> Option<f64> {
     let error = 0.5 * libm::log(after.mean_squared_error() / before.mean_squared_error());
-    let rate = error / libm::log(after.seconds / before.seconds);
+    let rate = error / libm::log(after.cpu_seconds / before.cpu_seconds);
     rate.is_finite().then_some(rate)
 }
 
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn rates_are_exponents_of_time() {
         let at = |seconds, square| ConvergenceCheckpoint {
-            seconds,
+            cpu_seconds: seconds,
             squared_errors: vec![square; 2],
             ..ConvergenceCheckpoint::default()
         };

@@ -63,8 +63,11 @@ impl VariantArguments {
             };
             return Err(bad(format!("{flag} is the same for all methods"), remedy));
         }
-        let mut line =
-            method_flags(&MethodArguments { integrator: algorithm, ..shared.clone() }, "", EffectOverrides::PLANNED);
+        let mut line = method_flags(
+            &MethodArguments { integrator: algorithm, ..shared.clone() },
+            "",
+            EffectOverrides::NO_OVERRIDES,
+        );
         line.extend(rest.iter().map(|&word| word.to_owned()));
         let read = VariantFlags::try_parse_from(line).map_err(|error| {
             let error = error.render().to_string();
@@ -79,7 +82,7 @@ impl VariantArguments {
     }
 
     /// Converts the arguments to a [`MethodVariant`]. `overrides` forces effects on or off.
-    pub fn into_study_variant(self, overrides: EffectOverrides) -> MethodVariant {
+    pub fn into_method_variant(self, overrides: EffectOverrides) -> MethodVariant {
         MethodVariant {
             label: self.label,
             algorithm: self.method.integrator,

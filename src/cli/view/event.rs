@@ -14,9 +14,9 @@ pub(super) enum Event {
     /// Request of a browser that shows the live page.
     Request(Request),
     /// A job has read the scene file, with or without errors.
-    Read {
+    SceneRead {
         /// Number of the job's render on the page, see
-        /// [`LiveRender::render_number`](crate::view::LiveRender::render_number).
+        /// [`RenderPublisher::render_number`](crate::view::RenderPublisher::render_number).
         render: u32,
         /// The scene file and the files that it names, with their stamps before reading.
         files: WatchedFiles,

@@ -4,7 +4,7 @@ use super::ViewArguments;
 use super::event::{Event, EventQueue};
 use super::orbit::orbited_camera;
 use super::preview::render_preview;
-use super::scene::{LoadedScene, ReadScene, problem_of_report, read_scene};
+use super::scene::{LoadedScene, SceneReadResult, problem_of_report, read_scene};
 use crate::cli::plan;
 use crate::cli::settings::settings_from_arguments;
 use crate::integrate::{
@@ -15,7 +15,7 @@ use crate::render::{
     check_photon_memory, render,
 };
 use crate::scene::Scene;
-use crate::view::{LiveRender, Orbit, Phase, PlanReport};
+use crate::view::{Orbit, PlanReport, RenderPublisher, RenderStage};
 use miette::Report;
 use rayon::ThreadPool;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,16 +27,16 @@ use std::time::Duration;
 const SETTLING_TIME: Duration = Duration::from_millis(300);
 
 /// Time between two looks for requests of surface AOVs while a render is paused.
-const SURFACE_INTERVAL: Duration = Duration::from_millis(100);
+const AOV_POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Number of rays of each pixel for surface AOVs of the page.
-const SURFACE_RAYS: u32 = 4;
+const AOV_PIXEL_RAYS: u32 = 4;
 
 /// Flags by which the session controls a job.
 #[derive(Debug, Default)]
 struct JobControl {
     /// True if the render must pause after the current pass; false again on resume.
-    interrupted: AtomicBool,
+    pause_requested: AtomicBool,
     /// True if the job must end for good, without finishing the current pass.
     cancelled: AtomicBool,
 }
@@ -46,26 +46,26 @@ struct JobControl {
 pub(super) struct JobHandle {
     control: Arc<JobControl>,
     /// Sender that wakes a paused job. If it is dropped, a paused job ends.
-    resume: SyncSender<()>,
+    resume_sender: SyncSender<()>,
 }
 
 impl JobHandle {
     /// Pauses the render after the current pass.
-    pub fn stop(&self) {
-        self.control.interrupted.store(true, Ordering::Relaxed);
+    pub fn pause(&self) {
+        self.control.pause_requested.store(true, Ordering::Relaxed);
     }
 
     /// Continues a paused render.
     pub fn resume(&self) {
-        self.control.interrupted.store(false, Ordering::Relaxed);
+        self.control.pause_requested.store(false, Ordering::Relaxed);
         // A full queue means that the job is about to resume anyway.
-        let _ = self.resume.try_send(());
+        let _ = self.resume_sender.try_send(());
     }
 
     /// Ends the job. Its thread drops the current pass, but finishes pilots.
     pub fn cancel(self) {
         self.control.cancelled.store(true, Ordering::Relaxed);
-        self.control.interrupted.store(true, Ordering::Relaxed);
+        self.control.pause_requested.store(true, Ordering::Relaxed);
     }
 }
 
@@ -103,20 +103,23 @@ pub(super) struct JobContext<'a> {
 /// A render of `caustica view` in its own thread, from reading its scene to its end.
 pub(super) struct Job<'a> {
     context: JobContext<'a>,
-    live: LiveRender<'a>,
+    live: RenderPublisher<'a>,
     orbit: Orbit,
     control: Arc<JobControl>,
-    resumed: Receiver<()>,
+    resume_receiver: Receiver<()>,
 }
 
 impl<'a> Job<'a> {
     /// Makes a job that publishes to `live`, and the handle that controls it. `orbit` is the
     /// movement of the camera relative to that of the scene file.
-    pub fn new(context: JobContext<'a>, live: LiveRender<'a>, orbit: Orbit) -> (JobHandle, Self) {
+    pub fn new(context: JobContext<'a>, live: RenderPublisher<'a>, orbit: Orbit) -> (JobHandle, Self) {
         let (resume, resumed) = sync_channel(1);
         let control = Arc::<JobControl>::default();
         live.publish(|state, _| state.status.orbit = orbit);
-        (JobHandle { control: control.clone(), resume }, Self { context, live, orbit, control, resumed })
+        (
+            JobHandle { control: control.clone(), resume_sender: resume },
+            Self { context, live, orbit, control, resume_receiver: resumed },
+        )
     }
 
     /// Reads the scene and renders it until the job is cancelled.
@@ -125,16 +128,17 @@ impl<'a> Job<'a> {
         let loaded = match scene {
             JobScene::Loaded(loaded) => loaded,
             JobScene::File(previous) => {
-                let ReadScene { source, files, loaded } = pool.install(|| read_scene(arguments, previous.as_deref()));
+                let SceneReadResult { source, files, loaded } =
+                    pool.install(|| read_scene(arguments, previous.as_deref()));
                 if self.is_cancelled() {
                     return;
                 }
-                events.try_send(Event::Read { render: self.live.render_number(), files, loaded: loaded.clone() });
+                events.try_send(Event::SceneRead { render: self.live.render_number(), files, loaded: loaded.clone() });
                 let failed = loaded.is_none();
                 self.live.publish(|state, _| {
                     state.source = Arc::new(source);
                     state.status.source_revision += 1;
-                    state.status.phase = if failed { Phase::Failed } else { Phase::Preview };
+                    state.status.stage = if failed { RenderStage::Failed } else { RenderStage::Preview };
                 });
                 let Some(loaded) = loaded else { return };
                 loaded
@@ -158,7 +162,7 @@ impl<'a> Job<'a> {
         self.live.publish(|state, _| {
             Arc::make_mut(&mut state.source).problems = vec![problem];
             state.status.source_revision += 1;
-            state.status.phase = Phase::Failed;
+            state.status.stage = RenderStage::Failed;
         });
     }
 
@@ -172,14 +176,14 @@ impl<'a> Job<'a> {
         let camera_paths = settings.camera_paths.clone();
         let free = || arguments.scene.memory_limit().available_bytes();
         let layers = RenderedLayers {
-            error: camera_paths.estimate_error,
-            groups: camera_paths.groups_light,
-            aovs: true,
+            estimates_error: camera_paths.estimate_error,
+            groups_light: camera_paths.groups_light,
+            renders_aovs: true,
             ..RenderedLayers::default()
         };
         self.live.publish(|state, _| {
             state.status.size = size;
-            state.status.phase = Phase::Preview;
+            state.status.stage = RenderStage::Preview;
         });
         if algorithm != Algorithm::Raycast {
             let control = self.control.clone();
@@ -191,7 +195,7 @@ impl<'a> Job<'a> {
         }
         // While the camera is dragged, previews are enough.
         if self.orbit != Orbit::default()
-            && self.resumed.recv_timeout(SETTLING_TIME) == Err(RecvTimeoutError::Disconnected)
+            && self.resume_receiver.recv_timeout(SETTLING_TIME) == Err(RecvTimeoutError::Disconnected)
         {
             return;
         }
@@ -203,7 +207,7 @@ impl<'a> Job<'a> {
             Ok(picture_bytes) => picture_bytes,
             Err(error) => return self.publish_memory_error(error),
         };
-        self.live.set_phase(Phase::Pilots);
+        self.live.publish_stage(RenderStage::Pilots);
         let integrator = pool.install(|| algorithm.prepare(scene, settings));
         if let Err(error) = check_photon_memory(integrator.expected_photons(), picture_bytes, free()) {
             return self.publish_memory_error(error);
@@ -212,16 +216,16 @@ impl<'a> Job<'a> {
     }
 
     /// Publishes surface AOVs of `scene` if a browser has asked for them.
-    fn publish_wanted_surfaces(
-        live: &LiveRender<'_>,
+    fn publish_requested_aovs(
+        live: &RenderPublisher<'_>,
         scene: &Scene,
         settings: &CameraPathSettings,
         integrator: &dyn Integrator,
         monitor: &JobMonitor<'_>,
     ) {
-        live.publish_wanted_surfaces(scene.camera().size(), || {
+        live.publish_wanted_surface_aovs(scene.camera().size(), || {
             let effects = integrator.plan().simulated_effects();
-            render_surface_aovs(scene, effects, settings, AovSurface::FirstNonSpecular, SURFACE_RAYS, monitor)
+            render_surface_aovs(scene, effects, settings, AovSurface::FirstNonSpecular, AOV_PIXEL_RAYS, monitor)
         });
     }
 
@@ -237,37 +241,41 @@ impl<'a> Job<'a> {
         let size = scene.camera().size();
         let control = self.control.clone();
         let JobContext { arguments, pool, .. } = self.context;
-        let limited = arguments.limits().stop_criteria(algorithm, integrator, &control.interrupted);
+        let limited = arguments.limits().stop_criteria(algorithm, integrator, &control.pause_requested);
         let unlimited = StopCriteria {
             // A second pass of ray casting would repeat the first.
-            passes: (algorithm == Algorithm::Raycast).then_some(1),
-            ..StopCriteria::unlimited(&control.interrupted)
+            max_passes: (algorithm == Algorithm::Raycast).then_some(1),
+            ..StopCriteria::unlimited(&control.pause_requested)
         };
         let mut stop = limited;
         let mut rendered = RenderResult::without_passes(integrator, size);
         while !self.is_cancelled() {
-            self.live.begin_passes(PlanReport::new(integrator.plan(), plan::pass_work_lines(integrator)), &stop, size);
+            self.live.publish_plan_and_limits(
+                PlanReport::new(integrator.plan(), plan::pass_work_lines(integrator)),
+                &stop,
+                size,
+            );
             let live = &mut self.live;
             rendered = pool.install(|| {
                 render(rendered, 0..u32::MAX, integrator, &stop, &JobMonitor(&control), |standing| {
-                    live.after_pass(standing, &stop);
-                    Self::publish_wanted_surfaces(live, scene, settings, integrator, &JobMonitor(&control));
+                    live.publish_pass_if_due(standing, &stop);
+                    Self::publish_requested_aovs(live, scene, settings, integrator, &JobMonitor(&control));
                 })
             });
             if self.is_cancelled() {
                 return;
             }
             // Drop resume requests from before the pause, so that they do not end it.
-            while self.resumed.try_recv().is_ok() {}
+            while self.resume_receiver.try_recv().is_ok() {}
             let is_stopped = rendered.end_reason == EndReason::Interrupted;
-            self.live.publish_end(&rendered, if is_stopped { Phase::Stopped } else { Phase::Ended });
+            self.live.publish_end(&rendered, if is_stopped { RenderStage::Stopped } else { RenderStage::Ended });
             loop {
-                match self.resumed.recv_timeout(SURFACE_INTERVAL) {
+                match self.resume_receiver.recv_timeout(AOV_POLL_INTERVAL) {
                     Ok(()) => break,
                     Err(RecvTimeoutError::Disconnected) => return,
                     Err(RecvTimeoutError::Timeout) => pool.install(|| {
                         let monitor = JobMonitor(&control);
-                        Self::publish_wanted_surfaces(&self.live, scene, settings, integrator, &monitor);
+                        Self::publish_requested_aovs(&self.live, scene, settings, integrator, &monitor);
                     }),
                 }
             }

@@ -11,7 +11,7 @@ mod watch;
 use super::args::{EffectsArguments, MethodArguments, SceneArguments};
 use super::interrupt::listen_for_signals;
 use super::live::{print_page_address, read_reference};
-use super::number::{parse_confidence, parse_duration, parse_positive_count, parse_relative_error};
+use super::value_parsers::{parse_confidence, parse_duration, parse_positive_count, parse_relative_error};
 use super::{CommandFailure, Exit};
 use crate::render::RenderLimits;
 use crate::render::error_estimate::Confidence;
@@ -71,7 +71,7 @@ impl ViewArguments {
     /// Returns the limits of the command line, at which a render pauses.
     fn limits(&self) -> RenderLimits {
         let Self { passes, time, target_error, confidence, .. } = *self;
-        RenderLimits { passes, time, target_error, confidence, preview: false }
+        RenderLimits { max_passes: passes, time_limit: time, target_error, confidence, preview: false }
     }
 }
 

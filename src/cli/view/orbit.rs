@@ -11,14 +11,14 @@ use glam::DVec3;
 const MIN_POLE_ANGLE: f64 = 0.05;
 
 /// Largest zoom, in or out: natural logarithm of the ratio of the new to the old camera distance.
-const MAX_ZOOM: f64 = 8.0;
+const MAX_LOG_ZOOM: f64 = 8.0;
 
 /// Returns the camera of `scene`, moved by `orbit` around the point in the center of the picture;
 /// `None` if `orbit` is zero or not finite.
 ///
 /// `up` is the up vector of the scene file. All coordinates are those of the scene file.
 pub(super) fn orbited_camera(scene: &Scene, up: DVec3, orbit: Orbit) -> Option<Camera> {
-    let Orbit { yaw, pitch, zoom } = orbit;
+    let Orbit { yaw, pitch, log_distance: zoom } = orbit;
     if orbit == Orbit::default() || ![yaw, pitch, zoom].iter().all(|number| number.is_finite()) {
         return None;
     }
@@ -29,7 +29,7 @@ pub(super) fn orbited_camera(scene: &Scene, up: DVec3, orbit: Orbit) -> Option<C
     let angle = libm::acos(camera.forward().dot(axis).clamp(-1.0, 1.0));
     let (least, most) = (MIN_POLE_ANGLE.min(angle), (std::f64::consts::PI - MIN_POLE_ANGLE).max(angle));
     let pitch = angle - (angle - pitch).clamp(least, most);
-    let distance = libm::exp(zoom.clamp(-MAX_ZOOM, MAX_ZOOM));
+    let distance = libm::exp(zoom.clamp(-MAX_LOG_ZOOM, MAX_LOG_ZOOM));
     Some(camera.orbited(pivot(scene), axis, yaw, pitch, distance))
 }
 
@@ -53,7 +53,7 @@ mod tests {
         let scene = ball_scene();
         let point = DVec3::new(3.0, 1.0, -4.0);
         for (yaw, pitch, zoom) in [(0.7, 0.0, 0.0), (0.0, -0.4, 0.5), (-2.0, 9.0, -1.0)] {
-            let camera = orbited_camera(&scene, DVec3::Y * 3.0, Orbit { yaw, pitch, zoom }).unwrap();
+            let camera = orbited_camera(&scene, DVec3::Y * 3.0, Orbit { yaw, pitch, log_distance: zoom }).unwrap();
             let to_point = point - camera.center();
             assert!((to_point.length() - 4.0 * libm::exp(zoom)).abs() < 1e-4, "{yaw} {pitch}");
             assert!((to_point.normalize() - camera.forward()).length() < 1e-4, "{yaw} {pitch}");

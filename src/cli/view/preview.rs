@@ -8,7 +8,7 @@ use crate::scene::Scene;
 const MAX_PIXELS: f64 = 20_000.0;
 
 /// Number of camera paths per pixel of a preview.
-const SAMPLES: u32 = 2;
+const SAMPLES_PER_PIXEL: u32 = 2;
 
 /// Returns the width and height of a preview for a picture of `width` × `height` pixels.
 ///
@@ -35,13 +35,13 @@ pub(super) fn render_preview(
     let (width, height) = preview_size(scene.camera().size());
     let small = scene.with_camera(&scene.camera_in_description().with_size(width, height));
     let mut settings = Settings {
-        allows_balance: false,
+        allows_ray_photon_balance: false,
         allows_prefix_rays: false,
         allows_environment_guiding: false,
         allows_scatter_point_guiding: false,
         ..settings.clone()
     };
-    settings.camera_paths.samples = Some(SAMPLES);
+    settings.camera_paths.samples_per_pixel = Some(SAMPLES_PER_PIXEL);
     settings.camera_paths.adaptive = false;
     settings.camera_paths.estimate_error = false;
     let integrator = Algorithm::Path.prepare(&small, settings);

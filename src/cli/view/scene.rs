@@ -1,10 +1,10 @@
 //! Reading of the scene of `caustica view`, with its text and errors for the page.
 
 use super::ViewArguments;
-use super::watch::{WatchedFiles, WatchingMonitor};
+use super::watch::{WatchedFileCollector, WatchedFiles};
 use crate::cli::CommandFailure;
 use crate::cli::check::quick_scene_warnings;
-use crate::cli::scene::{read_sized_scene_file, resolve_scene_file_after};
+use crate::cli::scene::{read_resized_scene_file, resolve_scene_file_incrementally};
 use crate::format::description::SceneDescription;
 use crate::format::{ResolvedScene, SceneError, SceneFile, SceneReadError};
 use crate::view::{SceneProblem, SceneSource};
@@ -33,7 +33,7 @@ impl LoadedScene {
 }
 
 /// Result of reading a scene: its text and errors, its files, and the scene if there is no error.
-pub(super) struct ReadScene {
+pub(super) struct SceneReadResult {
     pub source: SceneSource,
     pub files: WatchedFiles,
     pub loaded: Option<Arc<LoadedScene>>,
@@ -43,18 +43,18 @@ pub(super) struct ReadScene {
 ///
 /// The new scene shares with `previous` what has not changed: everything but the camera if
 /// [`scene_with_new_camera`] finds that only the camera differs, else meshes and hierarchies.
-pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScene>) -> ReadScene {
+pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScene>) -> SceneReadResult {
     let path = &arguments.scene.scene;
     let name = path.display().to_string();
-    let monitor = WatchingMonitor::new(path);
-    let read = read_sized_scene_file(&arguments.scene, &monitor).and_then(|file| {
+    let monitor = WatchedFileCollector::new(path);
+    let read = read_resized_scene_file(&arguments.scene, &monitor).and_then(|file| {
         if let Some((resolved, previous)) =
             previous.and_then(|previous| Some((scene_with_new_camera(&file, previous)?, previous)))
         {
             return Ok((file, resolved, Some(&previous.files)));
         }
         let earlier = previous.map(|previous| &previous.resolved);
-        let resolved = resolve_scene_file_after(earlier, &file, &arguments.scene, &monitor)?;
+        let resolved = resolve_scene_file_incrementally(earlier, &file, &arguments.scene, &monitor)?;
         Ok((file, resolved, None))
     });
     let mut files = monitor.into_files();
@@ -64,14 +64,14 @@ pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScen
             let text = file.source.scene_text();
             let text = if text.len() as u64 <= MAX_SOURCE_BYTES { text } else { "" };
             let warnings = quick_scene_warnings(&file, &resolved.scene, &arguments.scene);
-            let source = SceneSource { name, text: text.into(), problems: Vec::new(), warnings };
+            let source = SceneSource { path: name, text: text.into(), problems: Vec::new(), warnings };
             let loaded = LoadedScene { resolved, description: file.description, files: files.clone() };
-            ReadScene { source, files, loaded: Some(Arc::new(loaded)) }
+            SceneReadResult { source, files, loaded: Some(Arc::new(loaded)) }
         }
         Err(CommandFailure { reports, .. }) => {
             let problems = reports.iter().flat_map(problems_of_report).collect();
-            let source = SceneSource { name, text: text_of_file(path).into(), problems, warnings: Vec::new() };
-            ReadScene { source, files, loaded: None }
+            let source = SceneSource { path: name, text: text_of_file(path).into(), problems, warnings: Vec::new() };
+            SceneReadResult { source, files, loaded: None }
         }
     }
 }
@@ -85,7 +85,7 @@ fn scene_with_new_camera(file: &SceneFile, previous: &LoadedScene) -> Option<Res
     let mut old = previous.description.clone();
     old.camera.clone_from(&file.description.camera);
     let rests = file.description.camera.motion.is_empty();
-    if !rests || !file.assets.is_empty() || old != file.description || !previous.files.has_same_inputs() {
+    if !rests || !file.assets.is_empty() || old != file.description || !previous.files.has_unchanged_inputs() {
         return None;
     }
     let camera = file.resolve_camera().ok()?;
@@ -103,8 +103,8 @@ fn text_of_file(path: &Path) -> String {
 /// scene file have a position in the file.
 fn problems_of_report(report: &Report) -> Vec<SceneProblem> {
     let error = match report.downcast_ref::<SceneReadError>() {
-        Some(SceneReadError::Content(error)) => Some(error),
-        Some(SceneReadError::Unreadable { .. } | SceneReadError::Memory { .. }) => None,
+        Some(SceneReadError::InvalidContent(error)) => Some(error),
+        Some(SceneReadError::Unreadable { .. } | SceneReadError::OutOfMemory { .. }) => None,
         None => report.downcast_ref::<SceneError>(),
     };
     let Some(first) = error else { return vec![problem_of_report(report)] };

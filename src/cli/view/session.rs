@@ -7,7 +7,7 @@ use super::job::{Job, JobContext, JobHandle, JobScene};
 use super::scene::LoadedScene;
 use super::watch::{FileWatch, WatchedFiles};
 use crate::cli::interrupt::INTERRUPTED;
-use crate::view::{LivePage, LiveRender, Orbit, Request};
+use crate::view::{LivePage, Orbit, RenderPublisher, Request};
 use rayon::ThreadPool;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::Receiver;
@@ -31,7 +31,7 @@ pub(super) struct Session<'a> {
 struct SessionState {
     job: JobHandle,
     /// Number of the current job's render on the page, as [`Session::start_job`] returned it.
-    render: u32,
+    render_number: u32,
     /// The scene that was read last without an error.
     loaded: Option<Arc<LoadedScene>>,
     watch: FileWatch,
@@ -56,7 +56,8 @@ impl<'a> Session<'a> {
             watch.set_files(WatchedFiles::new(&self.arguments.scene.scene));
             let orbit = Orbit::default();
             let (render, job) = self.start_job(scope, JobScene::File(None), orbit);
-            let mut state = SessionState { job, render, loaded: None, watch, orbit, orbit_changed: false };
+            let mut state =
+                SessionState { job, render_number: render, loaded: None, watch, orbit, orbit_changed: false };
             let mut next_look = Instant::now() + POLL_INTERVAL;
             while !INTERRUPTED.load(Ordering::Relaxed) {
                 let first = events.recv_timeout(next_look.saturating_duration_since(Instant::now()));
@@ -72,7 +73,7 @@ impl<'a> Session<'a> {
                 if let Some(scene) = next_scene {
                     state.orbit_changed = false;
                     let (render, job) = self.start_job(scope, scene, state.orbit);
-                    state.render = render;
+                    state.render_number = render;
                     std::mem::replace(&mut state.job, job).cancel();
                 }
             }
@@ -87,7 +88,7 @@ impl<'a> Session<'a> {
         scene: JobScene,
         orbit: Orbit,
     ) -> (u32, JobHandle) {
-        let live = LiveRender::begin(self.page, Instant::now());
+        let live = RenderPublisher::begin(self.page, Instant::now());
         let number = live.render_number();
         let context = JobContext {
             arguments: self.arguments,
@@ -106,14 +107,14 @@ impl SessionState {
     /// notes a new camera orbit, or stores the scene that the current job has read.
     fn handle_event(&mut self, event: Event) {
         match event {
-            Event::Request(Request::Stop) => self.job.stop(),
+            Event::Request(Request::Stop) => self.job.pause(),
             Event::Request(Request::Resume) => self.job.resume(),
             Event::Request(Request::Orbit(orbit)) => {
                 self.orbit_changed |= orbit != self.orbit;
                 self.orbit = orbit;
             }
-            Event::Read { render, files, loaded } => {
-                if render == self.render {
+            Event::SceneRead { render, files, loaded } => {
+                if render == self.render_number {
                     self.watch.set_files(files);
                     self.loaded = loaded.or(self.loaded.take());
                 }

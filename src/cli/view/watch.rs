@@ -39,15 +39,15 @@ impl WatchedFiles {
 
     /// True if all files except the first, the scene file, are unchanged since their stamps were
     /// taken.
-    pub fn has_same_inputs(&self) -> bool {
+    pub fn has_unchanged_inputs(&self) -> bool {
         self.0.iter().skip(1).all(|(path, stamp)| FileStamp::of_file(path) == *stamp)
     }
 }
 
 /// Monitor that collects the files that a scene names, just before each is read.
-pub(super) struct WatchingMonitor(Mutex<WatchedFiles>);
+pub(super) struct WatchedFileCollector(Mutex<WatchedFiles>);
 
-impl WatchingMonitor {
+impl WatchedFileCollector {
     /// Makes a monitor for the scene file at `path`, which is read next.
     pub fn new(path: &Path) -> Self {
         Self(Mutex::new(WatchedFiles::new(path)))
@@ -59,7 +59,7 @@ impl WatchingMonitor {
     }
 }
 
-impl MeshReadMonitor for WatchingMonitor {
+impl MeshReadMonitor for WatchedFileCollector {
     fn on_input_file_found(&self, path: &Path) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).add(path);
     }
@@ -69,7 +69,8 @@ impl MeshReadMonitor for WatchingMonitor {
     fn on_read_end(&self, _: &Path, _: &TriangleMesh) {}
 }
 
-/// Detects changes of files. It reads their states only when the session calls [`Self::look`].
+/// Detects changes of files. It reads their states only when the session calls
+/// [`Self::has_settled_change`].
 ///
 /// A change is reported once two looks in a row find the same new state. So a half-written file is
 /// not reported.
@@ -115,7 +116,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let [scene, mesh] = ["scene.txt", "mesh.obj"].map(|name| folder.path().join(name));
         fs::write(&scene, "a").unwrap();
-        let monitor = WatchingMonitor::new(&scene);
+        let monitor = WatchedFileCollector::new(&scene);
         monitor.on_input_file_found(&mesh);
         monitor.on_input_file_found(&mesh);
         let files = monitor.into_files();
@@ -128,10 +129,10 @@ mod tests {
         assert!(!watch.has_settled_change());
         fs::write(&scene, "abc").unwrap();
         assert!(!watch.has_settled_change());
-        assert!(watch.has_settled_change() && !watch.has_settled_change() && files.has_same_inputs());
+        assert!(watch.has_settled_change() && !watch.has_settled_change() && files.has_unchanged_inputs());
         // A file appears, and is removed again before two looks have found it.
         fs::write(&mesh, "v").unwrap();
-        assert!(!watch.has_settled_change() && !files.has_same_inputs());
+        assert!(!watch.has_settled_change() && !files.has_unchanged_inputs());
         fs::remove_file(&mesh).unwrap();
         assert!(!watch.has_settled_change() && !watch.has_settled_change());
     }

@@ -76,7 +76,7 @@ fn conductors_keep_their_color_at_normal_incidence() {
     let (eta, k) = (Spectrum::from_samples(samples(eta)).unwrap(), Spectrum::from_samples(samples(k)).unwrap());
     let reflectance = |n: f64, k: f64| ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k);
     let expected = super::reflectance_rgb(|nm| reflectance(eta.value(nm), k.value(nm)));
-    let (e, k) = conductor_rgb(&eta, &k);
+    let (e, k) = conductor_refractive_index(&eta, &k);
     for i in 0..3 {
         assert!((reflectance(e[i], k[i]) - expected[i]).abs() < 1e-9, "{i}");
         assert!(e[i] > 0.4 && e[i] < 1.5);
@@ -84,7 +84,7 @@ fn conductors_keep_their_color_at_normal_incidence() {
     assert!(expected.x > expected.y && expected.y > expected.z);
     // A mirror and a surface that reflects nothing stay finite.
     for (eta, k) in [(0.0, 1e30), (1.0, 0.0), (1e30, 0.0)] {
-        let (eta, k) = conductor_rgb(&Spectrum::constant(eta), &Spectrum::constant(k));
+        let (eta, k) = conductor_refractive_index(&Spectrum::constant(eta), &Spectrum::constant(k));
         assert!(eta.is_finite() && k.is_finite() && eta.min_element() > 0.0, "{eta} {k}");
     }
 }

@@ -32,14 +32,18 @@ fn white_light_stays_white() {
 #[test]
 fn wavelength_weights_and_pdf_are_normalized() {
     let mut integral = 0.0;
-    for cell in 0..CELLS {
-        let w = wavelength_of_nanometres(Wavelength::SHORTEST + (cell as f32 + 0.5) * STEP);
+    for cell in 0..RESPONSE_INTERVAL_COUNT {
+        let w = wavelength_of_nanometres(Wavelength::SHORTEST_NM + (cell as f32 + 0.5) * RESPONSE_INTERVAL_NM);
         assert!((w.weight().element_sum() / 3.0 - 1.0).abs() < 1e-6 && w.weight().min_element() >= 0.0);
         assert!(w.pdf() > 0.0 && w == wavelength_of_nanometres(w.nanometres()));
-        integral += f64::from(w.pdf()) * f64::from(STEP);
+        integral += f64::from(w.pdf()) * f64::from(RESPONSE_INTERVAL_NM);
     }
     // Each of the 255 pdfs has a rounding error of f32.
-    assert!((integral - 1.0).abs() < 6e-8 && (RESPONSE_TABLE.sums[CELLS] - 1.0).abs() < 1e-12, "{integral}");
+    assert!(
+        (integral - 1.0).abs() < 6e-8
+            && (RESPONSE_TABLE.cumulative_probabilities[RESPONSE_INTERVAL_COUNT] - 1.0).abs() < 1e-12,
+        "{integral}"
+    );
 }
 
 #[test]
@@ -66,7 +70,7 @@ fn wavelength_hues_follow_the_spectrum() {
     for nm in 640..690 {
         assert!(hue_degrees(wavelength_of_nanometres(nm as f32).weight()).abs() < 10.0, "{nm}");
     }
-    let beyond = RESPONSE_TABLE.sums[wavelength_of_nanometres(690.0).response_interval_index()];
+    let beyond = RESPONSE_TABLE.cumulative_probabilities[wavelength_of_nanometres(690.0).response_interval_index()];
     assert!(beyond > 0.999, "{beyond}");
 }
 
@@ -75,7 +79,7 @@ fn wavelength_hues_follow_the_spectrum() {
 fn wavelength_samples_follow_the_pdf() {
     let n = 1_000_000u32;
     let mut rng = SmallRng::seed_from_u64(11);
-    let mut counts = [0u32; CELLS];
+    let mut counts = [0u32; RESPONSE_INTERVAL_COUNT];
     for _ in 0..n {
         counts[Wavelength::sample(rng.random()).response_interval_index()] += 1;
     }
@@ -85,7 +89,7 @@ fn wavelength_samples_follow_the_pdf() {
     let (mut count, mut expected) = (0.0, 0.0);
     for (cell, c) in counts.iter().enumerate() {
         count += f64::from(*c);
-        expected += f64::from(n) * f64::from(RESPONSE_TABLE.pdfs[cell]) * f64::from(STEP);
+        expected += f64::from(n) * f64::from(RESPONSE_TABLE.pdfs[cell]) * f64::from(RESPONSE_INTERVAL_NM);
         if expected >= 20.0 {
             chi2 += (count - expected) * (count - expected) / expected;
             nu += 1.0;
@@ -102,14 +106,17 @@ fn extreme_random_numbers_give_wavelengths_in_range() {
     let last = Wavelength::sample(1.0 - f32::EPSILON / 2.0);
     assert_eq!(Wavelength::sample(0.0).response_interval_index(), 0);
     assert!(last.nanometres() < 720.0 && last.nanometres() > 700.0, "{last:?}");
-    assert_eq!(last.response_interval_index(), ((last.nanometres() - Wavelength::SHORTEST) / STEP) as usize);
+    assert_eq!(
+        last.response_interval_index(),
+        ((last.nanometres() - Wavelength::SHORTEST_NM) / RESPONSE_INTERVAL_NM) as usize
+    );
 }
 
 #[test]
 fn wavelength_byte_codes_round_trip() {
     assert_eq!(Wavelength::from_byte_code(0), None);
     for i in 0..=3400 {
-        let w = wavelength_of_nanometres(Wavelength::SHORTEST + i as f32 * 0.1);
+        let w = wavelength_of_nanometres(Wavelength::SHORTEST_NM + i as f32 * 0.1);
         let back = Wavelength::from_byte_code(w.byte_code()).unwrap();
         // The largest error is half an interval of 340/255 nm, plus rounding to f32.
         assert!((back.nanometres() - w.nanometres()).abs() < 0.667, "{w:?} {back:?}");

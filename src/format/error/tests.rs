@@ -20,7 +20,7 @@ fn make_error_at_span(text: &str, start: usize, len: usize) -> SceneError {
 #[test]
 fn reports_show_position_text_and_remedy() {
     let error = make_error_at_span("one\r\n  über wrong\r\nthree", 13, 5);
-    assert_eq!((error.line(), error.column(), error.text()), (2, 8, "wrong"));
+    assert_eq!((error.line(), error.column(), error.offending_text()), (2, 8, "wrong"));
     assert_eq!(error.to_string(), "a.txt:2:8: no such word");
     let report = error_report_text(&error);
     for part in ["a.txt:2:8", "no such word", "über wrong", "here", "write `right`"] {
@@ -62,7 +62,10 @@ fn control_characters_are_escaped() {
 fn several_errors_are_reported_in_order() {
     let errors = [make_error_at_span("one two", 4, 3), make_error_at_span("one two", 0, 3)].to_vec();
     let joined = SceneError::from_errors(errors).unwrap();
-    assert_eq!((joined.text(), joined.further_errors().len(), joined.further_errors()[0].text()), ("one", 1, "two"));
+    assert_eq!(
+        (joined.offending_text(), joined.further_errors().len(), joined.further_errors()[0].offending_text()),
+        ("one", 1, "two")
+    );
     let report = error_report_text(&joined);
     assert!(report.contains("a.txt:1:1:") && report.contains("a.txt:1:5"), "{report}");
     assert!(SceneError::from_errors(Vec::new()).is_none());

@@ -16,7 +16,7 @@ pub(super) struct GltfBuffers<'a> {
 /// Numbers of an accessor: a list of elements, such as scalars or vectors.
 pub(super) struct AccessorValues {
     /// Number of components per element: 1 for scalars, 3 for three-dimensional vectors.
-    pub width: usize,
+    pub components_per_element: usize,
     /// Components of all elements, one element after the other. Normalized integers lie in \[−1,
     /// 1].
     pub numbers: Vec<f64>,
@@ -27,8 +27,9 @@ impl AccessorValues {
     ///
     /// Fails with an error at `place` if elements have another width, or if a number is not finite.
     pub fn vector_elements<const N: usize>(&self, context: &FileContext<'_>, place: &str) -> ReadResult<Vec<[f64; N]>> {
-        if self.width != N {
-            return Err(context.error(place, format!("its elements have {} components instead of {N}", self.width)));
+        if self.components_per_element != N {
+            return Err(context
+                .error(place, format!("its elements have {} components instead of {N}", self.components_per_element)));
         }
         if let Some(i) = self.numbers.iter().position(|number| !number.is_finite()) {
             return Err(context.error(place, format!("element {} is not finite", i / N)));
@@ -88,9 +89,9 @@ impl<'a> GltfBuffers<'a> {
     /// Returns the numbers of an accessor.
     ///
     /// Accepts all component types, normalized integers, strides and sparse accessors.
-    pub fn read(&self, accessor: &Accessor<'_>) -> ReadResult<AccessorValues> {
+    pub fn read_accessor(&self, accessor: &Accessor<'_>) -> ReadResult<AccessorValues> {
         let place = format!("accessors[{}]", accessor.index());
-        let width = component_count(accessor.dimensions());
+        let width = components_per_element(accessor.dimensions());
         let count = accessor.count();
         let total = count.checked_mul(width).filter(|total| *total < usize::MAX / 16);
         let Some(total) = total else {
@@ -99,7 +100,12 @@ impl<'a> GltfBuffers<'a> {
         let is_normalized = accessor.normalized();
         let mut numbers = match accessor.view() {
             Some(view) => {
-                let layout = Layout { count, width, kind: accessor.data_type(), is_normalized };
+                let layout = Layout {
+                    element_count: count,
+                    components_per_element: width,
+                    kind: accessor.data_type(),
+                    is_normalized,
+                };
                 self.read_elements(&place, &view, accessor.offset(), layout)?
             }
             None => {
@@ -114,9 +120,15 @@ impl<'a> GltfBuffers<'a> {
                 gltf::accessor::sparse::IndexType::U16 => DataType::U16,
                 gltf::accessor::sparse::IndexType::U32 => DataType::U32,
             };
-            let layout = Layout { count: sparse.count(), width: 1, kind, is_normalized: false };
+            let layout =
+                Layout { element_count: sparse.count(), components_per_element: 1, kind, is_normalized: false };
             let targets = self.read_elements(&place, &indices.view(), indices.offset(), layout)?;
-            let layout = Layout { count: sparse.count(), width, kind: accessor.data_type(), is_normalized };
+            let layout = Layout {
+                element_count: sparse.count(),
+                components_per_element: width,
+                kind: accessor.data_type(),
+                is_normalized,
+            };
             let replaced = self.read_elements(&place, &values.view(), values.offset(), layout)?;
             for (target, value) in targets.iter().zip(replaced.chunks_exact(width)) {
                 let at = *target as usize * width;
@@ -126,22 +138,22 @@ impl<'a> GltfBuffers<'a> {
                 element.copy_from_slice(value);
             }
         }
-        Ok(AccessorValues { width, numbers })
+        Ok(AccessorValues { components_per_element: width, numbers })
     }
 
     /// Returns the vertex indices that an accessor describes.
     pub fn read_indices(&self, accessor: &Accessor<'_>) -> ReadResult<Vec<u32>> {
         let is_unsigned = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
-        if !is_unsigned || accessor.normalized() || component_count(accessor.dimensions()) != 1 {
+        if !is_unsigned || accessor.normalized() || components_per_element(accessor.dimensions()) != 1 {
             let place = format!("accessors[{}]", accessor.index());
             return Err(self.context.error(place, "indices must be unsigned integers that are not normalized"));
         }
-        Ok(self.read(accessor)?.numbers.iter().map(|index| *index as u32).collect())
+        Ok(self.read_accessor(accessor)?.numbers.iter().map(|index| *index as u32).collect())
     }
 
     /// Reads elements that are stored in a buffer view, from the byte `offset` on.
     fn read_elements(&self, place: &str, view: &View<'_>, offset: usize, layout: Layout) -> ReadResult<Vec<f64>> {
-        let Layout { count, width, kind, is_normalized } = layout;
+        let Layout { element_count: count, components_per_element: width, kind, is_normalized } = layout;
         let (component, element) = (kind.size(), kind.size() * width);
         let stride = view.stride().unwrap_or(element);
         let length = count.saturating_sub(1).checked_mul(stride).and_then(|n| n.checked_add(element));
@@ -168,8 +180,8 @@ impl<'a> GltfBuffers<'a> {
 /// Number and format of the elements of an accessor.
 #[derive(Clone, Copy)]
 struct Layout {
-    count: usize,
-    width: usize,
+    element_count: usize,
+    components_per_element: usize,
     kind: DataType,
     is_normalized: bool,
 }
@@ -177,7 +189,7 @@ struct Layout {
 /// Returns the number of components per element.
 ///
 /// Padding of matrix columns is not counted, because the importer reads no matrices.
-fn component_count(dimensions: Dimensions) -> usize {
+fn components_per_element(dimensions: Dimensions) -> usize {
     dimensions.multiplicity()
 }
 

@@ -52,7 +52,9 @@ impl FileContext<'_> {
     /// Fails if `needed` bytes exceed the free memory.
     pub fn check_memory(&self, needed: u64) -> ReadResult<()> {
         match self.free_memory() {
-            Some(free) if needed > free => Err(SceneReadError::Memory { path: self.path.to_owned(), needed, free }),
+            Some(free) if needed > free => {
+                Err(SceneReadError::OutOfMemory { path: self.path.to_owned(), needed, free })
+            }
             _ => Ok(()),
         }
     }

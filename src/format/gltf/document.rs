@@ -9,10 +9,10 @@ use serde_json::Value;
 
 /// Estimated memory of each object of the JSON text \[bytes], as a generic value and a typed
 /// record.
-const MEMORY_PER_OBJECT: u64 = 1_200;
+const MEMORY_PER_JSON_OBJECT: u64 = 1_200;
 
 /// Estimated memory of each list element and each field of the JSON text \[bytes].
-const MEMORY_PER_ELEMENT: u64 = 100;
+const MEMORY_PER_JSON_VALUE: u64 = 100;
 
 /// Estimated memory per byte of the JSON text \[bytes], mostly for strings.
 const MEMORY_PER_BYTE: u64 = 4;
@@ -20,7 +20,7 @@ const MEMORY_PER_BYTE: u64 = 4;
 /// Extensions that the importer supports, in addition to those of the crate `gltf`.
 ///
 /// Files that require other extensions are refused.
-const READ_EXTENSIONS: [&str; 7] = [
+const EXTRA_SUPPORTED_EXTENSIONS: [&str; 7] = [
     "EXT_mesh_gpu_instancing",
     "KHR_materials_dispersion",
     "KHR_materials_specular",
@@ -46,7 +46,7 @@ pub(super) const IGNORED_MATERIAL_EXTENSIONS: [(&str, &str); 6] = [
 const OTHER_IGNORED_EXTENSIONS: [&str; 2] = ["KHR_animation_pointer", "KHR_xmp_json_ld"];
 
 /// Greatest number of defects that one error message describes.
-const NAMED_DEFECTS: usize = 3;
+const MAX_REPORTED_DEFECTS: usize = 3;
 
 /// A glTF document whose indices are valid, and the binary chunk of a `.glb` file.
 pub(super) struct GltfFile {
@@ -61,18 +61,20 @@ pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mu
     let (json, blob) = if bytes.starts_with(b"glTF") { split_container(context, bytes)? } else { (bytes, None) };
     let count = |wanted: u8| json.iter().filter(|byte| **byte == wanted).count() as u64;
     context.check_memory(
-        count(b'{') * MEMORY_PER_OBJECT + count(b',') * MEMORY_PER_ELEMENT + json.len() as u64 * MEMORY_PER_BYTE,
+        count(b'{') * MEMORY_PER_JSON_OBJECT
+            + count(b',') * MEMORY_PER_JSON_VALUE
+            + json.len() as u64 * MEMORY_PER_BYTE,
     )?;
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut value: Value = serde_json::from_slice(json).map_err(|e| context.error("JSON", e))?;
     take_required_extensions(context, &mut value, notes)?;
-    remove_animations_and_add_nodes(&mut value, notes);
+    adapt_json_to_parser(&mut value, notes);
     let root: Root = serde_json::from_value(value).map_err(|e| context.error("JSON", e))?;
     if !root.asset.version.starts_with("2.") {
         let help = "export it as glTF 2.0";
         return Err(context.error_with_help("asset", format!("glTF {} is not read", root.asset.version), help));
     }
-    check_defects(context, &root)?;
+    validate_document(context, &root)?;
     if let Some(i) = root.images.iter().position(|image| !has_image_source(image)) {
         return Err(context.error(format!("images[{i}]"), "it has no URI, and no buffer view with a MIME type"));
     }
@@ -121,7 +123,8 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
     };
     for (i, extension) in required.iter().enumerate() {
         let name = extension.as_str().unwrap_or("?");
-        let is_read = READ_EXTENSIONS.contains(&name) || gltf::json::extensions::ENABLED_EXTENSIONS.contains(&name);
+        let is_read =
+            EXTRA_SUPPORTED_EXTENSIONS.contains(&name) || gltf::json::extensions::ENABLED_EXTENSIONS.contains(&name);
         let is_ignored = OTHER_IGNORED_EXTENSIONS.contains(&name)
             || IGNORED_MATERIAL_EXTENSIONS.iter().any(|(ignored, _)| *ignored == name);
         if is_ignored {
@@ -138,7 +141,7 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
 /// Prepares the JSON for the crate `gltf`: removes animations, because the crate refuses some.
 ///
 /// Also gives an empty list of nodes to scenes without one.
-fn remove_animations_and_add_nodes(root: &mut Value, notes: &mut ImportNotes) {
+fn adapt_json_to_parser(root: &mut Value, notes: &mut ImportNotes) {
     let Some(root) = root.as_object_mut() else { return };
     if let Some(animations) = root.remove("animations") {
         for i in 0..animations.as_array().map_or(0, Vec::len) {
@@ -154,13 +157,13 @@ fn remove_animations_and_add_nodes(root: &mut Value, notes: &mut ImportNotes) {
 
 /// Fails if the document has defects, such as indices out of range. The error describes the first
 /// ones.
-fn check_defects(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
-    check_positions(context, root)?;
+fn validate_document(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
+    check_position_accessor_indices(context, root)?;
     let mut defects = Vec::new();
     let mut count = 0;
     root.validate(root, JsonPath::new, &mut |path: &dyn Fn() -> JsonPath, defect: Defect| {
         count += 1;
-        if defects.len() < NAMED_DEFECTS {
+        if defects.len() < MAX_REPORTED_DEFECTS {
             defects.push((path(), defect));
         }
     });
@@ -179,7 +182,7 @@ fn check_defects(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
 /// Fails if a primitive refers to an accessor of positions that does not exist.
 ///
 /// Without this check, the validation by the crate `gltf` would panic.
-fn check_positions(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
+fn check_position_accessor_indices(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
     for (i, mesh) in root.meshes.iter().enumerate() {
         for (k, primitive) in mesh.primitives.iter().enumerate() {
             let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));

@@ -34,7 +34,7 @@ pub(super) fn read_primitive(
         return Ok(None);
     };
     let name = |attribute: &str| format!("{place}.attributes.{attribute}");
-    let positions: Vec<[f64; 3]> = buffers.read(&positions)?.vector_elements(context, &name("POSITION"))?;
+    let positions: Vec<[f64; 3]> = buffers.read_accessor(&positions)?.vector_elements(context, &name("POSITION"))?;
     let corners: Vec<u32> = match primitive.indices() {
         Some(indices) => buffers.read_indices(&indices)?,
         None => (0..positions.len() as u32).collect(),
@@ -50,7 +50,7 @@ pub(super) fn read_primitive(
     };
     let normals = match primitive.get(&Semantic::Normals) {
         Some(accessor) => {
-            let normals: Vec<[f64; 3]> = buffers.read(&accessor)?.vector_elements(context, &name("NORMAL"))?;
+            let normals: Vec<[f64; 3]> = buffers.read_accessor(&accessor)?.vector_elements(context, &name("NORMAL"))?;
             check_count(name("NORMAL"), normals.len())?;
             Some(normals.into_iter().map(|n| unit_normal(n.into())).collect::<Vec<DVec3>>())
         }
@@ -59,7 +59,7 @@ pub(super) fn read_primitive(
     let texcoords = match texcoord_set.map(|set| (set, primitive.get(&Semantic::TexCoords(set)))) {
         Some((set, Some(accessor))) => {
             let name = name(&format!("TEXCOORD_{set}"));
-            let texcoords: Vec<[f64; 2]> = buffers.read(&accessor)?.vector_elements(context, &name)?;
+            let texcoords: Vec<[f64; 2]> = buffers.read_accessor(&accessor)?.vector_elements(context, &name)?;
             check_count(name, texcoords.len())?;
             // In glTF, v grows downwards; in Caustica, it grows upwards.
             Some(texcoords.into_iter().map(|[u, v]| DVec2::new(u, 1.0 - v)).collect())
@@ -105,8 +105,8 @@ pub(super) fn mean_vertex_color(
 ) -> ReadResult<Option<DVec4>> {
     let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(None) };
     let place = format!("{place}.attributes.COLOR_0");
-    let values = buffers.read(&accessor)?;
-    let colors: Vec<DVec4> = if values.width == 3 {
+    let values = buffers.read_accessor(&accessor)?;
+    let colors: Vec<DVec4> = if values.components_per_element == 3 {
         values.vector_elements::<3>(context, &place)?.into_iter().map(|c| DVec3::from(c).extend(1.0)).collect()
     } else {
         values.vector_elements::<4>(context, &place)?.into_iter().map(DVec4::from).collect()

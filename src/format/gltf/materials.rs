@@ -2,12 +2,12 @@
 
 use super::context::{FileContext, ReadResult};
 use super::document::IGNORED_MATERIAL_EXTENSIONS;
-use super::pictures::{GltfPictures, GltfTextureUse, GltfTextureValues, TextureReference};
+use super::textures::{GltfConvertedTexture, GltfTextureUse, GltfTextures, TextureReference};
 use crate::format::description::{
     ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, EmissionDescription,
     GroupItem, MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription, MixDescription,
     NormalPerturbationDescription, ObjectGroup, PhongDescription, RefractiveIndexDescription, Span, Spanned,
-    TexturedValue, ThinDescription,
+    TexturedValue, ThinDielectricDescription,
 };
 use crate::format::import_notes::ImportNotes;
 use glam::{DVec3, DVec4};
@@ -54,23 +54,23 @@ pub(super) struct GltfImportedMaterial {
 /// Materials of the imported scene so far, with their textures.
 pub(super) struct GltfMaterials<'a> {
     /// Textures of the materials, and embedded pictures.
-    pub pictures: GltfPictures<'a>,
+    pub textures: GltfTextures<'a>,
     /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     names: HashSet<String>,
-    clear: Option<String>,
-    used: HashMap<(Option<usize>, [u64; 4]), GltfImportedMaterial>,
+    transparent_material_name: Option<String>,
+    converted: HashMap<(Option<usize>, [u64; 4]), GltfImportedMaterial>,
 }
 
 /// Parameters of the metallic-roughness model that its metal part and its dielectric part share.
 struct MetallicRoughnessSurface<'a> {
     /// Base color in \[0, 1], which multiplies `base_texture`.
-    base: DVec3,
+    base_color: DVec3,
     base_texture: Option<TextureReference<'a>>,
     /// Reflectance of the dielectric part at normal incidence, by color channel.
     f0: DVec3,
     /// GGX α, and its mean over the texture.
-    alpha: (TexturedValue<f64>, f64),
+    ggx_alpha_and_mean: (TexturedValue<f64>, f64),
 }
 
 /// Converter of one material, with the state of the conversion.
@@ -88,9 +88,9 @@ struct GltfMaterialConverter<'m, 'a> {
 
 impl<'a> GltfMaterials<'a> {
     /// Returns an empty table of materials, whose textures are collected in `pictures`.
-    pub fn new(pictures: GltfPictures<'a>) -> Self {
+    pub fn new(pictures: GltfTextures<'a>) -> Self {
         let (names, used) = (HashSet::new(), HashMap::new());
-        Self { pictures, descriptions: Vec::new(), names, clear: None, used }
+        Self { textures: pictures, descriptions: Vec::new(), names, transparent_material_name: None, converted: used }
     }
 
     /// Returns the material of the imported scene for `material` of the file. Converts it at its
@@ -106,7 +106,7 @@ impl<'a> GltfMaterials<'a> {
     ) -> ReadResult<GltfImportedMaterial> {
         let vertex_color = vertex_color.unwrap_or(DVec4::ONE);
         let key = (material.index(), vertex_color.to_array().map(f64::to_bits));
-        if let Some(known) = self.used.get(&key) {
+        if let Some(known) = self.converted.get(&key) {
             return Ok(known.clone());
         }
         let number = material.index().map_or_else(|| "default".to_owned(), |i| format!("material {i}"));
@@ -114,7 +114,7 @@ impl<'a> GltfMaterials<'a> {
         let mut converter =
             GltfMaterialConverter { materials: self, notes, context, name, texcoord_set: None, normal: None };
         let imported = converter.convert_material(material, vertex_color)?;
-        self.used.insert(key, imported.clone());
+        self.converted.insert(key, imported.clone());
         Ok(imported)
     }
 
@@ -150,7 +150,7 @@ impl<'a> GltfMaterials<'a> {
         self.descriptions.retain(|material| material.name.as_ref().is_some_and(|name| used.contains(name)));
         let textures: HashSet<String> =
             self.descriptions.iter().flat_map(|m| m.texture_names()).map(|name| name.value.clone()).collect();
-        self.pictures.keep_textures(&textures);
+        self.textures.keep_textures(&textures);
     }
 
     fn push_material(
@@ -165,14 +165,15 @@ impl<'a> GltfMaterials<'a> {
     }
 
     /// Returns the name of a material that transmits all light unchanged. Adds it at its first use.
-    fn clear_material(&mut self) -> String {
-        if let Some(name) = &self.clear {
+    fn transparent_material_name(&mut self) -> String {
+        if let Some(name) = &self.transparent_material_name {
             return name.clone();
         }
         let name = self.unique_name("clear");
-        let kind = MaterialKindDescription::Thin(ThinDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
+        let kind =
+            MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
         self.push_material(name.clone(), kind, None, None);
-        self.clear = Some(name.clone());
+        self.transparent_material_name = Some(name.clone());
         name
     }
 }
@@ -207,15 +208,16 @@ impl GltfMaterialConverter<'_, '_> {
             self.surface_description(material, factor.truncate(), base_texture)?
         };
         let kind = match &alpha {
-            TexturedValue::Plain(alpha) if *alpha == 1.0 => kind,
+            TexturedValue::Constant(alpha) if *alpha == 1.0 => kind,
             _ => {
-                let (clear, solid) = (self.materials.clear_material(), self.add_mix_component("solid", kind));
+                let (clear, solid) =
+                    (self.materials.transparent_material_name(), self.add_mix_component("solid", kind));
                 mix_description(clear, solid, alpha.clone())
             }
         };
         let normal = if kind.mix_material_names().is_none() { self.normal.take() } else { None };
         self.materials.push_material(self.name.clone(), kind, emission, normal);
-        let is_invisible = alpha == TexturedValue::Plain(0.0);
+        let is_invisible = alpha == TexturedValue::Constant(0.0);
         Ok(GltfImportedMaterial { name: self.name.clone(), texcoord_set: self.texcoord_set, is_invisible, emits })
     }
 
@@ -236,7 +238,7 @@ impl GltfMaterialConverter<'_, '_> {
                     self.add_note("textures of specular color and glossiness are ignored");
                 }
                 let roughness = 1.0 - clamped_to_unit(glossy.glossiness_factor());
-                (TexturedValue::Plain(0.0), (TexturedValue::Plain(roughness * roughness), roughness * roughness))
+                (TexturedValue::Constant(0.0), (TexturedValue::Constant(roughness * roughness), roughness * roughness))
             }
             None => {
                 let texture = self.texture_reference(pbr.metallic_roughness_texture().as_ref());
@@ -245,22 +247,22 @@ impl GltfMaterialConverter<'_, '_> {
                     texture.as_ref(),
                     GltfTextureUse::Channel(2, clamped_to_unit(pbr.metallic_factor())),
                 )?;
-                let alpha = self.textured_scalar_and_mean(texture.as_ref(), GltfTextureUse::Roughness(roughness))?;
+                let alpha = self.textured_scalar_and_mean(texture.as_ref(), GltfTextureUse::GgxAlpha(roughness))?;
                 (metallic.0, alpha)
             }
         };
         let index = self.refractive_index(material);
         let surface = MetallicRoughnessSurface {
-            base,
+            base_color: base,
             base_texture,
             f0: self.dielectric_normal_reflectance(material, index),
-            alpha,
+            ggx_alpha_and_mean: alpha,
         };
-        if metallic == TexturedValue::Plain(1.0) {
+        if metallic == TexturedValue::Constant(1.0) {
             return self.metal_description(&surface);
         }
         let dielectric = self.dielectric_description(material, &surface, index)?;
-        if metallic == TexturedValue::Plain(0.0) {
+        if metallic == TexturedValue::Constant(0.0) {
             return Ok(dielectric);
         }
         let metal = self.metal_description(&surface)?;
@@ -282,11 +284,11 @@ impl GltfMaterialConverter<'_, '_> {
         let factor = clamped_to_unit(transmission.transmission_factor());
         let texture = self.texture_reference(transmission.transmission_texture().as_ref());
         let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), GltfTextureUse::Channel(0, factor))?;
-        if amount == TexturedValue::Plain(0.0) {
+        if amount == TexturedValue::Constant(0.0) {
             return self.opaque_dielectric_description(surface);
         }
         let glass = self.glass_description(material, surface, index)?;
-        if amount == TexturedValue::Plain(1.0) {
+        if amount == TexturedValue::Constant(1.0) {
             return Ok(glass);
         }
         let opaque_dielectric = self.opaque_dielectric_description(surface)?;
@@ -302,7 +304,7 @@ impl GltfMaterialConverter<'_, '_> {
         &mut self,
         surface: &MetallicRoughnessSurface<'_>,
     ) -> ReadResult<MaterialKindDescription> {
-        let MetallicRoughnessSurface { base, base_texture, f0, alpha } = surface;
+        let MetallicRoughnessSurface { base_color: base, base_texture, f0, ggx_alpha_and_mean: alpha } = surface;
         let kept = 1.0 - f0.max_element();
         let diffuse = self.textured_color(base_texture.as_ref(), *base * kept)?;
         if *f0 == DVec3::ZERO {
@@ -310,7 +312,7 @@ impl GltfMaterialConverter<'_, '_> {
         }
         self.add_note("the gloss of non-metals is a Phong lobe, which does not grow towards grazing angles");
         let shininess = phong_exponent(alpha.1);
-        let specular = *f0 * phong_specular_color(shininess);
+        let specular = *f0 * phong_normalization_factor(shininess);
         Ok(MaterialKindDescription::Phong(PhongDescription {
             diffuse,
             specular: specular.into(),
@@ -323,8 +325,8 @@ impl GltfMaterialConverter<'_, '_> {
     ///
     /// Its reflectance at normal incidence is the base color.
     fn metal_description(&mut self, surface: &MetallicRoughnessSurface<'_>) -> ReadResult<MaterialKindDescription> {
-        let MetallicRoughnessSurface { base, base_texture, alpha, .. } = surface;
-        if let TexturedValue::Plain(color) = self.textured_color(base_texture.as_ref(), *base)? {
+        let MetallicRoughnessSurface { base_color: base, base_texture, ggx_alpha_and_mean: alpha, .. } = surface;
+        if let TexturedValue::Constant(color) = self.textured_color(base_texture.as_ref(), *base)? {
             // A conductor of index 1 + ik has the reflectance k² / (4 + k²) at normal incidence.
             let reflectance = color.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
             let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
@@ -333,7 +335,7 @@ impl GltfMaterialConverter<'_, '_> {
             return Ok(MaterialKindDescription::Conductor(ConductorDescription {
                 metal,
                 roughness,
-                multiple_scattering: true,
+                has_multiple_scattering: true,
             }));
         }
         self.add_note("metals with a texture of color are mirrors or Phong lobes");
@@ -343,7 +345,7 @@ impl GltfMaterialConverter<'_, '_> {
             }));
         }
         let shininess = phong_exponent(alpha.1);
-        let specular = self.textured_color(base_texture.as_ref(), *base * phong_specular_color(shininess))?;
+        let specular = self.textured_color(base_texture.as_ref(), *base * phong_normalization_factor(shininess))?;
         Ok(MaterialKindDescription::Phong(PhongDescription {
             diffuse: DVec3::ZERO.into(),
             specular,
@@ -359,16 +361,16 @@ impl GltfMaterialConverter<'_, '_> {
         surface: &MetallicRoughnessSurface<'_>,
         index: f64,
     ) -> ReadResult<MaterialKindDescription> {
-        let MetallicRoughnessSurface { base, base_texture, alpha, .. } = surface;
+        let MetallicRoughnessSurface { base_color: base, base_texture, ggx_alpha_and_mean: alpha, .. } = surface;
         let Some(volume) = material.volume().filter(|volume| volume.thickness_factor() > 0.0) else {
             if alpha.1 > 0.0 {
                 self.add_note("panes (transmission without volume) are smooth");
             }
             let transmittance = match self.textured_color(base_texture.as_ref(), *base)? {
-                TexturedValue::Plain(color) => color.max(DVec3::splat(MIN_TRANSMITTANCE)).into(),
+                TexturedValue::Constant(color) => color.max(DVec3::splat(MIN_TRANSMITTANCE)).into(),
                 texture @ TexturedValue::Texture(_) => texture,
             };
-            return Ok(MaterialKindDescription::Thin(ThinDescription { eta: index, transmittance }));
+            return Ok(MaterialKindDescription::Thin(ThinDielectricDescription { eta: index, transmittance }));
         };
         if base_texture.is_some() || *base != DVec3::ONE {
             self.add_note("the base color of bodies of glass is ignored: their color is that of their attenuation");
@@ -394,9 +396,9 @@ impl GltfMaterialConverter<'_, '_> {
         let (roughness, multiple_scattering) = (alpha.0.clone(), true);
         Ok(MaterialKindDescription::Dielectric(DielectricDescription {
             refraction,
-            attenuation,
+            absorption: attenuation,
             roughness,
-            multiple_scattering,
+            has_multiple_scattering: multiple_scattering,
             priority: 0,
         }))
     }
@@ -441,7 +443,7 @@ impl GltfMaterialConverter<'_, '_> {
         texture: Option<&TextureReference<'_>>,
     ) -> ReadResult<TexturedValue<f64>> {
         let wanted = match material.alpha_mode() {
-            AlphaMode::Opaque => return Ok(TexturedValue::Plain(1.0)),
+            AlphaMode::Opaque => return Ok(TexturedValue::Constant(1.0)),
             AlphaMode::Blend => GltfTextureUse::Channel(3, factor),
             AlphaMode::Mask => GltfTextureUse::AlphaMask(factor, f64::from(material.alpha_cutoff().unwrap_or(0.5))),
         };
@@ -474,8 +476,8 @@ impl GltfMaterialConverter<'_, '_> {
             self.add_note("surfaces emit light from their front only");
         }
         Ok(match self.textured_color(texture, factor)? {
-            TexturedValue::Plain(color) if color == DVec3::ZERO => None,
-            TexturedValue::Plain(color) => Some(EmissionDescription::Radiance(color * scale)),
+            TexturedValue::Constant(color) if color == DVec3::ZERO => None,
+            TexturedValue::Constant(color) => Some(EmissionDescription::Radiance(color * scale)),
             TexturedValue::Texture(name) => Some(EmissionDescription::Texture { name, scale }),
         })
     }
@@ -485,7 +487,7 @@ impl GltfMaterialConverter<'_, '_> {
     /// A texture of alpha is ignored with a message.
     fn masked_emission(&mut self, emission: EmissionDescription, alpha: &TexturedValue<f64>) -> EmissionDescription {
         let alpha = match alpha {
-            TexturedValue::Plain(alpha) => *alpha,
+            TexturedValue::Constant(alpha) => *alpha,
             TexturedValue::Texture(_) => {
                 self.add_note("surfaces with a texture of alpha emit light from their transparent points too");
                 1.0
@@ -503,10 +505,10 @@ impl GltfMaterialConverter<'_, '_> {
             Some(TextureReference::from_normal_texture(&normal)).filter(TextureReference::has_valid_transform);
         let scale = f64::from(normal.scale());
         let values = self
-            .texture_values(reference.as_ref(), GltfTextureUse::Normal(if scale.is_finite() { scale } else { 1.0 }))?;
+            .convert_texture(reference.as_ref(), GltfTextureUse::Normal(if scale.is_finite() { scale } else { 1.0 }))?;
         Ok(match values {
-            Some(GltfTextureValues::Texture(name, _)) => Some(NormalPerturbationDescription::NormalMap(name)),
-            Some(GltfTextureValues::Constant(_)) | None => None,
+            Some(GltfConvertedTexture::Texture(name, _)) => Some(NormalPerturbationDescription::NormalMap(name)),
+            Some(GltfConvertedTexture::Constant(_)) | None => None,
         })
     }
 
@@ -528,10 +530,10 @@ impl GltfMaterialConverter<'_, '_> {
         texture: Option<&TextureReference<'_>>,
         factor: DVec3,
     ) -> ReadResult<TexturedValue<DVec3>> {
-        Ok(match self.texture_values(texture, GltfTextureUse::Color(factor))? {
-            Some(GltfTextureValues::Constant(color)) => TexturedValue::Plain(color),
-            Some(GltfTextureValues::Texture(name, _)) => TexturedValue::Texture(name),
-            None => TexturedValue::Plain(factor),
+        Ok(match self.convert_texture(texture, GltfTextureUse::Color(factor))? {
+            Some(GltfConvertedTexture::Constant(color)) => TexturedValue::Constant(color),
+            Some(GltfConvertedTexture::Texture(name, _)) => TexturedValue::Texture(name),
+            None => TexturedValue::Constant(factor),
         })
     }
 
@@ -545,14 +547,14 @@ impl GltfMaterialConverter<'_, '_> {
     ) -> ReadResult<(TexturedValue<f64>, f64)> {
         let alone = match wanted {
             GltfTextureUse::Channel(_, factor) => factor,
-            GltfTextureUse::Roughness(factor) => factor * factor,
+            GltfTextureUse::GgxAlpha(factor) => factor * factor,
             GltfTextureUse::AlphaMask(factor, cutoff) => f64::from(factor >= cutoff),
             GltfTextureUse::Color(_) | GltfTextureUse::Normal(_) => 1.0,
         };
-        Ok(match self.texture_values(texture, wanted)? {
-            Some(GltfTextureValues::Constant(value)) => (TexturedValue::Plain(value.x), value.x),
-            Some(GltfTextureValues::Texture(name, mean)) => (TexturedValue::Texture(name), mean.x),
-            None => (TexturedValue::Plain(alone), alone),
+        Ok(match self.convert_texture(texture, wanted)? {
+            Some(GltfConvertedTexture::Constant(value)) => (TexturedValue::Constant(value.x), value.x),
+            Some(GltfConvertedTexture::Texture(name, mean)) => (TexturedValue::Texture(name), mean.x),
+            None => (TexturedValue::Constant(alone), alone),
         })
     }
 
@@ -561,18 +563,18 @@ impl GltfMaterialConverter<'_, '_> {
     ///
     /// A material of Caustica has one set of texture coordinates: that of its first texture. A
     /// later texture with another set becomes its mean.
-    fn texture_values(
+    fn convert_texture(
         &mut self,
         texture: Option<&TextureReference<'_>>,
         wanted: GltfTextureUse,
-    ) -> ReadResult<Option<GltfTextureValues>> {
+    ) -> ReadResult<Option<GltfConvertedTexture>> {
         let Some(texture) = texture else { return Ok(None) };
-        let values = self.materials.pictures.texture_values(texture, wanted, self.notes)?;
-        if let Some(GltfTextureValues::Texture(..)) = &values {
+        let values = self.materials.textures.convert_texture(texture, wanted, self.notes)?;
+        if let Some(GltfConvertedTexture::Texture(..)) = &values {
             let texcoord_set = *self.texcoord_set.get_or_insert(texture.texcoord_set);
             if texcoord_set != texture.texcoord_set {
                 self.add_note("textures with other texture coordinates than the first one become their mean");
-                return Ok(values.map(|values| GltfTextureValues::Constant(values.mean())));
+                return Ok(values.map(|values| GltfConvertedTexture::Constant(values.mean())));
             }
         }
         Ok(values)
@@ -593,7 +595,7 @@ impl GltfMaterialConverter<'_, '_> {
 
 fn mix_description(first: String, second: String, amount: TexturedValue<f64>) -> MaterialKindDescription {
     let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
-    MaterialKindDescription::Mix(MixDescription { first, second, amount })
+    MaterialKindDescription::Mix(MixDescription { first, second, second_probability: amount })
 }
 
 /// Returns the Phong exponent 2/α² − 2 for the GGX roughness `alpha`, which is clamped to \[0.01,
@@ -606,7 +608,7 @@ fn phong_exponent(alpha: f64) -> f64 {
 /// Returns the specular coefficient with which a Phong lobe reflects all light at normal incidence.
 ///
 /// `shininess` is the exponent of the lobe.
-fn phong_specular_color(shininess: f64) -> f64 {
+fn phong_normalization_factor(shininess: f64) -> f64 {
     0.5 * (shininess + 2.0)
 }
 

@@ -5,10 +5,10 @@ mod context;
 mod document;
 mod geometry;
 mod materials;
-mod pictures;
 mod scene;
 #[cfg(test)]
 mod tests;
+mod textures;
 
 use super::assets::EmbeddedAssets;
 use super::description::{EnvironmentRadiance, LightDescription, SceneDescription, Span, Spanned};
@@ -21,9 +21,9 @@ use context::FileContext;
 use document::{GltfFile, parse_document};
 use glam::DVec3;
 use materials::GltfMaterials;
-use pictures::GltfPictures;
 use scene::read_scene;
 use std::path::Path;
+use textures::GltfTextures;
 
 /// Importer of glTF 2.0 scenes.
 pub(super) struct GltfImporter;
@@ -63,20 +63,20 @@ fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene
     let mut notes = ImportNotes::default();
     let GltfFile { document, blob } = parse_document(context, bytes, &mut notes)?;
     let buffers = GltfBuffers::new(context, document.buffers().len(), blob);
-    let mut materials = GltfMaterials::new(GltfPictures::new(context, &buffers));
+    let mut materials = GltfMaterials::new(GltfTextures::new(context, &buffers));
     let content = read_scene(context, &buffers, &document, &mut materials, &mut notes)?;
     let mut lights = content.lights;
-    if lights.is_empty() && !content.has_emitters {
+    if lights.is_empty() && !content.has_emissive_surfaces {
         notes.add_missing("the file has no light: a white sky of radiance 1 lights the scene");
         let sky = LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::ONE));
         lights.push(Spanned::new(sky, Span::default()));
     }
     let camera = content.camera.unwrap_or_else(|| {
         notes.add_missing("the file has no camera: the picture shows the whole scene from above and in front");
-        framing_camera(content.bounds)
+        framing_camera(content.world_bounds)
     });
     materials.remove_unused(&content.root);
-    let GltfMaterials { pictures: GltfPictures { textures, pictures, .. }, descriptions, .. } = materials;
+    let GltfMaterials { textures: GltfTextures { textures, pictures, .. }, descriptions, .. } = materials;
     let description = SceneDescription {
         camera: Spanned::new(camera, Span::default()),
         background: DVec3::ZERO,

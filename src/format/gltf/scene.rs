@@ -9,7 +9,7 @@ use crate::format::description::{
     LightDescription, MeshDescription, MeshOptions, ObjectDescription, ObjectGroup, PointLightDescription,
     PointLightStrength, ProjectionDescription, ShapeDescription, Span, Spanned, SpotLightDescription, TransformStep,
 };
-use crate::format::framing::{DEFAULT_ASPECT_RATIO, camera_description};
+use crate::format::framing::{DEFAULT_ASPECT_RATIO, camera_with_aspect_ratio};
 use crate::format::import_notes::ImportNotes;
 use crate::format::mesh::TriangleMesh;
 use crate::math::Transform;
@@ -39,18 +39,18 @@ pub(super) struct GltfSceneContent {
     pub camera: Option<CameraDescription>,
     /// Lower and upper corner of the objects' bounds in world space; +∞ and −∞ if there are no
     /// objects.
-    pub bounds: (DVec3, DVec3),
+    pub world_bounds: (DVec3, DVec3),
     /// True if a surface emits light.
-    pub has_emitters: bool,
+    pub has_emissive_surfaces: bool,
 }
 
 /// A primitive in the imported scene: mesh path, material name, bounds, and a flag that is true if
 /// it emits light.
 #[derive(Clone)]
 struct ImportedPrimitive {
-    path: String,
+    mesh_path: String,
     material: String,
-    bounds: (DVec3, DVec3),
+    local_bounds: (DVec3, DVec3),
     emits: bool,
 }
 
@@ -82,8 +82,8 @@ pub(super) fn read_scene<'a>(
         meshes: BTreeMap::new(),
         lights: Vec::new(),
         camera: None,
-        bounds: (DVec3::INFINITY, DVec3::NEG_INFINITY),
-        has_emitters: false,
+        world_bounds: (DVec3::INFINITY, DVec3::NEG_INFINITY),
+        has_emissive_surfaces: false,
     };
     let mut walker = NodeWalker { context, buffers, document, materials, notes, primitives: HashMap::new(), content };
     let nodes: Vec<gltf::Node<'_>> = document.nodes().collect();
@@ -198,11 +198,11 @@ impl NodeWalker<'_, '_> {
         };
         let [translation, rotation, scale] = [accessor("TRANSLATION")?, accessor("ROTATION")?, accessor("SCALE")?];
         let vector_elements = |accessor: Option<gltf::Accessor<'_>>| -> ReadResult<Option<Vec<[f64; 3]>>> {
-            accessor.map(|a| self.buffers.read(&a)?.vector_elements(self.context, &place)).transpose()
+            accessor.map(|a| self.buffers.read_accessor(&a)?.vector_elements(self.context, &place)).transpose()
         };
         let (translations, scales) = (vector_elements(translation)?, vector_elements(scale)?);
         let rotations: Option<Vec<[f64; 4]>> =
-            rotation.map(|a| self.buffers.read(&a)?.vector_elements(self.context, &place)).transpose()?;
+            rotation.map(|a| self.buffers.read_accessor(&a)?.vector_elements(self.context, &place)).transpose()?;
         let counts =
             [translations.as_ref().map(Vec::len), rotations.as_ref().map(Vec::len), scales.as_ref().map(Vec::len)];
         let count = counts.into_iter().flatten().next().unwrap_or(0);
@@ -247,7 +247,7 @@ impl NodeWalker<'_, '_> {
             let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
             let bounds = triangles.positions.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)));
             self.content.meshes.insert(path.clone(), Arc::new(triangles));
-            ImportedPrimitive { path, material: material.name, bounds, emits: material.emits }
+            ImportedPrimitive { mesh_path: path, material: material.name, local_bounds: bounds, emits: material.emits }
         });
         self.primitives.insert(key, imported.clone());
         Ok(imported)
@@ -260,13 +260,14 @@ impl NodeWalker<'_, '_> {
             self.notes.add_unsupported("objects that are scaled to nothing are left out", place);
             return;
         }
-        let ImportedPrimitive { path, material, bounds: (low, high), emits } = primitive;
+        let ImportedPrimitive { mesh_path: path, material, local_bounds: (low, high), emits } = primitive;
         for corner in 0..8 {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
             let corner = to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
-            self.content.bounds = (self.content.bounds.0.min(corner), self.content.bounds.1.max(corner));
+            self.content.world_bounds =
+                (self.content.world_bounds.0.min(corner), self.content.world_bounds.1.max(corner));
         }
-        self.content.has_emitters |= *emits;
+        self.content.has_emissive_surfaces |= *emits;
         let path = Spanned::new(path.clone(), Span::default());
         let shape = ShapeDescription::Mesh(MeshDescription { path, options: MeshOptions::default() });
         let mut object = ObjectDescription::Shape { shape, emission: None };
@@ -307,7 +308,7 @@ impl NodeWalker<'_, '_> {
         if Transform::new(to_world).is_err() {
             return Err(invalid("its node is scaled to nothing"));
         }
-        Ok(camera_description(to_world.translation, direction.normalize(), up.normalize(), (projection, aspect)))
+        Ok(camera_with_aspect_ratio(to_world.translation, direction.normalize(), up.normalize(), (projection, aspect)))
     }
 
     /// Converts and adds a light. It shines along −z of its node, whose transform is `to_world`.
@@ -353,8 +354,8 @@ impl NodeWalker<'_, '_> {
                 LightDescription::Spot(SpotLightDescription {
                     position,
                     aim,
-                    angle,
-                    penumbra,
+                    full_cone_angle_degrees: angle,
+                    penumbra_degrees: penumbra,
                     strength: PointLightStrength::Intensity(strength),
                 })
             }

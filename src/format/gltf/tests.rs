@@ -2,7 +2,7 @@ use super::decode;
 use crate::format::description::{
     ConductorDescription, DielectricDescription, EmissionDescription, MaterialKindDescription, MetalDescription,
     MixDescription, PhongDescription, RefractiveIndexDescription, TextureKindDescription, TexturedValue,
-    ThinDescription, WrapMode,
+    ThinDielectricDescription, WrapMode,
 };
 use crate::format::import::{ImportOptions, ImportedScene};
 use crate::stats::MemoryLimit;
@@ -87,8 +87,8 @@ fn metals_reflect_their_base_color() {
     let root = (*eta - 1.0) * (*eta - 1.0) + *k * *k;
     let reflectance = root / ((*eta + 1.0) * (*eta + 1.0) + *k * *k);
     assert!((reflectance - DVec3::new(0.75, 0.5, 0.25)).length() < 1e-12, "{reflectance}");
-    assert_eq!(*roughness, TexturedValue::Plain(0.25));
-    assert!(scene.notes.iter().all(|note| !note.is_unsupported), "{:?}", scene.notes);
+    assert_eq!(*roughness, TexturedValue::Constant(0.25));
+    assert!(scene.notes.iter().all(|note| !note.concerns_unsupported_content), "{:?}", scene.notes);
 }
 
 #[test]
@@ -104,12 +104,12 @@ fn textures_keep_factor_channel_and_place() {
     });
     let scene = import_json(&triangle_scene(material, json!({})));
     // Alpha mixes the surface with a transparent one. The blue channel mixes metal in.
-    let MaterialKindDescription::Mix(MixDescription { amount: TexturedValue::Texture(alpha), .. }) =
+    let MaterialKindDescription::Mix(MixDescription { second_probability: TexturedValue::Texture(alpha), .. }) =
         material_kind(&scene, "a")
     else {
         panic!()
     };
-    let MaterialKindDescription::Mix(MixDescription { amount: TexturedValue::Texture(metal), .. }) =
+    let MaterialKindDescription::Mix(MixDescription { second_probability: TexturedValue::Texture(metal), .. }) =
         material_kind(&scene, "a solid")
     else {
         panic!()
@@ -162,7 +162,10 @@ fn transmission_makes_bodies_and_panes() {
     };
     assert_eq!(*refraction, RefractiveIndexDescription::Abbe { index: 1.5, abbe: 40.0 });
     let pane = import_json(&triangle_scene(glass(json!({ "thicknessFactor": 0 })), json!({})));
-    assert!(matches!(material_kind(&pane, "g"), MaterialKindDescription::Thin(ThinDescription { eta: 1.5, .. })));
+    assert!(matches!(
+        material_kind(&pane, "g"),
+        MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.5, .. })
+    ));
 }
 
 #[test]
@@ -171,12 +174,18 @@ fn what_is_not_supported_is_noted_once() {
     let mut scene = triangle_scene(material, json!({ "weights": [0.5] }));
     scene["animations"] = json!([{}, {}]);
     let notes = import_json(&scene).notes;
-    let count = |part: &str| notes.iter().filter(|note| note.message.contains(part) && note.is_unsupported).count();
+    let count = |part: &str| {
+        notes.iter().filter(|note| note.message.contains(part) && note.concerns_unsupported_content).count()
+    };
     for part in ["sheen is ignored", "clear coats are ignored", "morph targets", "(2×: animations[0], animations[1])"]
     {
         assert_eq!(count(part), 1, "{part}: {notes:?}");
     }
-    assert_eq!(notes.iter().filter(|note| !note.is_unsupported).count(), 2, "no camera, no light: {notes:?}");
+    assert_eq!(
+        notes.iter().filter(|note| !note.concerns_unsupported_content).count(),
+        2,
+        "no camera, no light: {notes:?}"
+    );
 }
 
 #[test]
@@ -259,9 +268,9 @@ fn broken_files_are_refused_with_their_place() {
         "one element is replaced, by zero"
     );
     huge["accessors"][0]["count"] = 1_000_000_000_u64.into();
-    let options = ImportOptions { memory: MemoryLimit::Limit(1 << 33), ..ImportOptions::default() };
+    let options = ImportOptions { memory: MemoryLimit::ProcessBytes(1 << 33), ..ImportOptions::default() };
     let error = decode(Path::new("a.gltf"), huge.to_string().as_bytes(), &options).unwrap_err();
-    assert!(matches!(error, crate::format::SceneReadError::Memory { .. }), "{error}");
+    assert!(matches!(error, crate::format::SceneReadError::OutOfMemory { .. }), "{error}");
 }
 
 #[test]

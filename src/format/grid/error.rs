@@ -17,14 +17,14 @@ pub enum GridError {
     },
     /// A line cannot be understood.
     #[error(transparent)]
-    Line(#[from] LineError),
+    InvalidLine(#[from] LineError),
     /// The file has another length than its `size` line implies.
     #[error(
         "{}: {found} bytes follow the empty line, but {} × {} × {} cells of type f32 take {expected}: write the file anew, or \
          correct its size",
         path.display(), size[0], size[1], size[2]
     )]
-    Length {
+    LengthMismatch {
         /// Path of the grid file.
         path: PathBuf,
         /// Cells along x, y and z.
@@ -39,7 +39,7 @@ pub enum GridError {
         "{}: the density of cell ({}, {}, {}), counted from 0, is {value}: it must be finite and at least 0",
         path.display(), cell[0], cell[1], cell[2]
     )]
-    Cell {
+    InvalidDensity {
         /// Path of the grid file.
         path: PathBuf,
         /// Cell coordinates along x, y and z, from 0.
@@ -52,7 +52,7 @@ pub enum GridError {
         "{}: {cells} cells take {} of memory, and {} are free: make the grid coarser, or let it have more (--memory)",
         path.display(), format_bytes(*needed), free.map_or("less".to_owned(), format_bytes)
     )]
-    NoMemory {
+    OutOfMemory {
         /// Path of the grid file.
         path: PathBuf,
         /// Number of cells of the grid.
@@ -66,6 +66,6 @@ pub enum GridError {
 
 impl GridError {
     pub(super) fn error_at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
-        Self::Line(LineError::new(path, line, problem))
+        Self::InvalidLine(LineError::new(path, line, problem))
     }
 }

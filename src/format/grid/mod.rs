@@ -27,7 +27,7 @@ use std::path::Path;
 pub const MAX_CELLS: u64 = 1 << 30;
 
 /// Memory per grid cell \[bytes]: 4 for its density, and 4 for majorants and unused list capacity.
-pub(super) const BYTES_PER_CELL: u64 = 8;
+pub(super) const MEMORY_PER_CELL: u64 = 8;
 
 /// Largest accepted size of a header, with its empty line \[bytes].
 const MAX_HEADER_BYTES: u64 = 4096;
@@ -41,7 +41,7 @@ pub struct GridFile {
     /// Number of cells along x, y and z, each at least 1.
     pub size: [u32; 3],
     /// Densities of all cells, finite and at least 0; the index x varies fastest.
-    pub values: Vec<f32>,
+    pub densities: Vec<f32>,
 }
 
 /// Encoding of the values in a grid file.
@@ -56,12 +56,12 @@ pub enum GridEncoding {
 /// Header of a grid file.
 struct GridHeader {
     size: [u32; 3],
-    cells: usize,
+    cell_count: usize,
     encoding: GridEncoding,
     /// Number of header lines, including the empty line that ends the header.
-    lines: usize,
+    line_count: usize,
     /// Number of header bytes, including the empty line that ends the header.
-    bytes: u64,
+    byte_count: u64,
 }
 
 /// Reads a grid file, without a limit on memory.
@@ -96,20 +96,20 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
     let mut start = Vec::new();
     Read::take(&mut file, MAX_HEADER_BYTES).read_to_end(&mut start).map_err(unreadable)?;
     let header = parse_header(&start).map_err(|(line, wrong)| GridError::error_at_line(path, line, wrong))?;
-    let rest = start[header.bytes as usize..].chain(file);
-    let body = GridBodyReader { path, header: &header, length, free };
+    let rest = start[header.byte_count as usize..].chain(file);
+    let body = GridBodyReader { path, header: &header, file_size: length, free_memory: free };
     let values = match header.encoding {
-        GridEncoding::F32 => body.read_binary_values(BufReader::with_capacity(READ_CHUNK_BYTES, rest))?,
-        GridEncoding::Text => body.read_text_values(rest)?,
+        GridEncoding::F32 => body.read_binary_densities(BufReader::with_capacity(READ_CHUNK_BYTES, rest))?,
+        GridEncoding::Text => body.read_text_densities(rest)?,
     };
     if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
-        return Err(GridError::Cell {
+        return Err(GridError::InvalidDensity {
             path: path.into(),
             cell: grid_cell_coordinates(header.size, i),
             value: values[i],
         });
     }
-    Ok(GridFile { size: header.size, values })
+    Ok(GridFile { size: header.size, densities: values })
 }
 
 /// Writes a grid file.
@@ -128,7 +128,7 @@ pub fn write_to(mut out: impl Write, grid: &GridFile, encoding: GridEncoding) ->
     let [x, y, z] = grid.size;
     let word = if encoding == GridEncoding::F32 { "f32" } else { "text" };
     write!(out, "caustica-grid 1\nsize {x} {y} {z}\ntype {word}\n\n")?;
-    for row in grid.values.chunks(x.max(1) as usize) {
+    for row in grid.densities.chunks(x.max(1) as usize) {
         match encoding {
             GridEncoding::F32 => row.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?,
             GridEncoding::Text => {
@@ -171,7 +171,13 @@ fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, MessageAndRemedy)> {
                 let no_type =
                     || wrong("the type is missing", "write `type f32` or `type text` ahead of the empty line");
                 let encoding = encoding.ok_or_else(no_type)?;
-                return Ok(GridHeader { size, cells, encoding, lines: i + 1, bytes: bytes as u64 });
+                return Ok(GridHeader {
+                    size,
+                    cell_count: cells,
+                    encoding,
+                    line_count: i + 1,
+                    byte_count: bytes as u64,
+                });
             }
             [word, ..] if word.starts_with('#') => {}
             _ => {
@@ -212,60 +218,60 @@ struct GridBodyReader<'a> {
     path: &'a Path,
     header: &'a GridHeader,
     /// Size of the whole file \[bytes].
-    length: u64,
+    file_size: u64,
     /// Memory that is free \[bytes]; `None` if unknown.
-    free: Option<u64>,
+    free_memory: Option<u64>,
 }
 
 impl GridBodyReader<'_> {
     /// Returns an empty list with capacity for the densities of all cells.
     ///
     /// Fails if the memory for the grid and `more` bytes exceeds the free memory.
-    fn reserve_values(&self, more: u64) -> Result<Vec<f32>, GridError> {
-        let Self { path, header, free, .. } = *self;
-        let needed = BYTES_PER_CELL * header.cells as u64 + more;
+    fn allocate_densities(&self, more: u64) -> Result<Vec<f32>, GridError> {
+        let Self { path, header, free_memory: free, .. } = *self;
+        let needed = MEMORY_PER_CELL * header.cell_count as u64 + more;
         let mut values = Vec::new();
-        if free.is_some_and(|free| needed > free) || values.try_reserve_exact(header.cells).is_err() {
-            return Err(GridError::NoMemory { path: path.into(), cells: header.cells, needed, free });
+        if free.is_some_and(|free| needed > free) || values.try_reserve_exact(header.cell_count).is_err() {
+            return Err(GridError::OutOfMemory { path: path.into(), cells: header.cell_count, needed, free });
         }
         Ok(values)
     }
 
-    fn read_binary_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
-        let Self { path, header, length, .. } = *self;
-        let (expected, found) = (4 * header.cells as u64, length.saturating_sub(header.bytes));
+    fn read_binary_densities(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+        let Self { path, header, file_size: length, .. } = *self;
+        let (expected, found) = (4 * header.cell_count as u64, length.saturating_sub(header.byte_count));
         if expected != found {
-            return Err(GridError::Length { path: path.into(), size: header.size, expected, found });
+            return Err(GridError::LengthMismatch { path: path.into(), size: header.size, expected, found });
         }
-        let mut values = self.reserve_values(0)?;
+        let mut values = self.allocate_densities(0)?;
         let mut chunk = [0; READ_CHUNK_BYTES];
-        while values.len() < header.cells {
-            let chunk = &mut chunk[..READ_CHUNK_BYTES.min(4 * (header.cells - values.len()))];
+        while values.len() < header.cell_count {
+            let chunk = &mut chunk[..READ_CHUNK_BYTES.min(4 * (header.cell_count - values.len()))];
             from.read_exact(chunk).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
             values.extend(chunk.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)));
         }
         Ok(values)
     }
 
-    fn read_text_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
-        let Self { path, header, length, .. } = *self;
+    fn read_text_densities(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+        let Self { path, header, file_size: length, .. } = *self;
         let wrong = |line, message, remedy| GridError::error_at_line(path, line, (message, remedy));
-        let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cells);
+        let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cell_count);
         const REMEDY: &str = "give one number for each cell, x running fastest, and nothing behind them";
         // A value takes at least a digit and a separator.
-        let most = length.saturating_sub(header.bytes).div_ceil(2);
-        if most < header.cells as u64 {
-            return Err(wrong(header.lines, format!("at most {}", count(most as usize)), REMEDY));
+        let most = length.saturating_sub(header.byte_count).div_ceil(2);
+        if most < header.cell_count as u64 {
+            return Err(wrong(header.line_count, format!("at most {}", count(most as usize)), REMEDY));
         }
-        let mut values = self.reserve_values(length)?;
+        let mut values = self.allocate_densities(length)?;
         let mut bytes = Vec::new();
         from.read_to_end(&mut bytes).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
-        let mut lines = header.lines;
+        let mut lines = header.line_count;
         for line in bytes.split(|byte| *byte == b'\n') {
             lines += 1;
             for word in line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
-                if values.len() == header.cells {
-                    return Err(wrong(lines, format!("more than {}", count(header.cells)), REMEDY));
+                if values.len() == header.cell_count {
+                    return Err(wrong(lines, format!("more than {}", count(header.cell_count)), REMEDY));
                 }
                 let text = String::from_utf8_lossy(word);
                 let number = text.parse().map_err(|_| {
@@ -278,7 +284,7 @@ impl GridBodyReader<'_> {
                 values.push(number);
             }
         }
-        if values.len() < header.cells {
+        if values.len() < header.cell_count {
             return Err(wrong(lines, count(values.len()), REMEDY));
         }
         Ok(values)

@@ -31,16 +31,16 @@ fn assert_refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
 
 #[test]
 fn grid_values_are_text_or_f32_x_fastest() {
-    let grid = GridFile { size: [3, 2, 1], values: vec![0.0, 1.0, 2.5, 3.0, 1e-30, 5e7] };
+    let grid = GridFile { size: [3, 2, 1], densities: vec![0.0, 1.0, 2.5, 3.0, 1e-30, 5e7] };
     let text = b"caustica-grid 1\r\n# smoke\r\ntype text\r\nsize 3 2 1\r\n\r\n0 1 2.5\n3\t1e-30\r\n\n  5e7 ";
     assert_eq!(read_grid_bytes(text).unwrap(), grid);
     let mut singles = b"caustica-grid 1\nsize 3 2 1\ntype f32\n\n".to_vec();
-    singles.extend(grid.values.iter().flat_map(|v| v.to_le_bytes()));
+    singles.extend(grid.densities.iter().flat_map(|v| v.to_le_bytes()));
     assert_eq!(read_grid_bytes(&singles).unwrap(), grid);
     assert_eq!(grid_file_bytes(&grid, GridEncoding::F32), singles);
     assert_eq!(
         read_grid_bytes(b"caustica-grid 1\ntype text\nsize 1 1 1\n\n7").unwrap(),
-        GridFile { size: [1; 3], values: vec![7.0] }
+        GridFile { size: [1; 3], densities: vec![7.0] }
     );
 }
 
@@ -102,7 +102,7 @@ fn invalid_densities_are_reported_by_cell() {
         // (1, 2, 3) of 2 × 3 × 4.
         values[1 + 2 * (2 + 3 * 3)] = bad;
         for encoding in [GridEncoding::F32, GridEncoding::Text] {
-            let bytes = grid_file_bytes(&GridFile { size: [2, 3, 4], values: values.clone() }, encoding);
+            let bytes = grid_file_bytes(&GridFile { size: [2, 3, 4], densities: values.clone() }, encoding);
             assert_refused(&bytes, " the density of cell (1, 2, 3)", &format!("is {shown}"), "finite and at least 0");
         }
     }
@@ -125,7 +125,7 @@ fn any_grid() -> impl Strategy<Value = GridFile> {
     let value = prop_oneof![Just(0.0), proptest::num::f32::POSITIVE | proptest::num::f32::SUBNORMAL];
     ([1..5_u32, 1..5_u32, 1..5_u32], proptest::collection::vec(value, 64)).prop_map(|(size, mut values)| {
         values.truncate(size.iter().product::<u32>() as usize);
-        GridFile { size, values: values.into_iter().map(f32::abs).collect() }
+        GridFile { size, densities: values.into_iter().map(f32::abs).collect() }
     })
 }
 
@@ -145,7 +145,7 @@ proptest! {
     fn truncated_or_longer_grid_files_are_refused(grid in any_grid(), encoding in any_grid_encoding(), at in any::<prop::sample::Index>()) {
         let bytes = grid_file_bytes(&grid, encoding);
         let cut = read_grid_bytes(&bytes[..at.index(bytes.len())]);
-        prop_assert!(cut.is_err() || (encoding == GridEncoding::Text && cut.unwrap().values.len() == grid.values.len()));
+        prop_assert!(cut.is_err() || (encoding == GridEncoding::Text && cut.unwrap().densities.len() == grid.densities.len()));
         let more: &[u8] = if encoding == GridEncoding::F32 { &[0] } else { b" 1" };
         prop_assert!(read_grid_bytes(&[&bytes, more].concat()).is_err());
     }
@@ -157,7 +157,7 @@ proptest! {
         let end = bytes.len().min(at + 3);
         bytes[at..end].copy_from_slice(&new[..end - at]);
         match read_grid_bytes(&bytes) {
-            Ok(read) => prop_assert!(read.values.iter().all(|v| v.is_finite() && *v >= 0.0)),
+            Ok(read) => prop_assert!(read.densities.iter().all(|v| v.is_finite() && *v >= 0.0)),
             Err(error) => prop_assert!(error.to_string().contains("a.grid")),
         }
     }

@@ -28,21 +28,21 @@ pub enum CurveBasis {
 pub(in crate::format) const BEZIER_CONTROLS: FieldSchema =
     field_schema("controls", FieldKind::Points, "control points, at least 2: a curve of degree n − 1")
         .make_required()
-        .mark_as_course_syntax();
+        .mark_as_mit_6837_syntax();
 
 /// Schema of the field `controls` of a uniform cubic B-spline.
 pub(in crate::format) const BSPLINE_CONTROLS: FieldSchema =
     field_schema("controls", FieldKind::Points, "control points, at least 4: cubic, with knots i/(n + 3), unclamped")
         .make_required()
-        .mark_as_course_syntax();
+        .mark_as_mit_6837_syntax();
 
 /// Schema of a Bézier curve that is the profile of a surface of revolution.
 pub(in crate::format) static BEZIER_PROFILE: BlockSchema =
-    block_schema("BezierCurve", "one Bézier curve").with_fields(&[BEZIER_CONTROLS]).mark_as_course_syntax();
+    block_schema("BezierCurve", "one Bézier curve").with_fields(&[BEZIER_CONTROLS]).mark_as_mit_6837_syntax();
 
 /// Schema of a uniform cubic B-spline that is the profile of a surface of revolution.
 pub(in crate::format) static BSPLINE_PROFILE: BlockSchema =
-    block_schema("BsplineCurve", "a uniform cubic B-spline").with_fields(&[BSPLINE_CONTROLS]).mark_as_course_syntax();
+    block_schema("BsplineCurve", "a uniform cubic B-spline").with_fields(&[BSPLINE_CONTROLS]).mark_as_mit_6837_syntax();
 
 impl CurveBasis {
     /// Returns the schema of a profile curve with this basis.

@@ -22,13 +22,13 @@ pub(in crate::format) struct ParsedFieldValue {
     /// Text of a name, path or word.
     ///
     /// In a field that accepts numbers or a texture: the texture's name, or empty for numbers.
-    name: String,
+    text: String,
     steps: Vec<TransformStep>,
     /// Polynomial basis of a `profile` curve; `points` holds its control points.
     basis: CurveBasis,
     points: Vec<DVec3>,
     weighted_points: Vec<DVec4>,
-    list: Vec<f64>,
+    number_list: Vec<f64>,
 }
 
 /// A type that a parsed field value can be converted to, such as [`DVec3`].
@@ -63,14 +63,14 @@ impl FromFieldValue for u32 {
 
 impl FromFieldValue for Spanned<String> {
     fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
-        Spanned::new(value.name.clone(), value.span)
+        Spanned::new(value.text.clone(), value.span)
     }
 }
 
 impl<T: FromFieldValue> FromFieldValue for TexturedValue<T> {
     fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
-        if value.name.is_empty() {
-            Self::Plain(T::from_field_value(value))
+        if value.text.is_empty() {
+            Self::Constant(T::from_field_value(value))
         } else {
             Self::Texture(FromFieldValue::from_field_value(value))
         }
@@ -87,14 +87,14 @@ impl FromFieldValue for Vec<TransformStep> {
 /// color to a `T`.
 ///
 /// A block has exactly one of several such fields: a light, for example, has `radiance` or `power`.
-pub(in crate::format) type ColorVariant<'a, T> = (&'a str, fn(DVec3) -> T);
+pub(in crate::format) type ColorFieldConverter<'a, T> = (&'a str, fn(DVec3) -> T);
 
 /// Fields of a block that was parsed.
 pub(in crate::format) struct BlockFields<'a> {
     lexer: Lexer<'a>,
     block: &'static BlockSchema,
     keyword: Token<'a>,
-    list: Vec<(&'static FieldSchema, Token<'a>, Spanned<ParsedFieldValue>)>,
+    fields: Vec<(&'static FieldSchema, Token<'a>, Spanned<ParsedFieldValue>)>,
 }
 
 /// A field that is written in a block of scene text, with its parsed value.
@@ -103,7 +103,7 @@ pub(in crate::format) struct ParsedField<'f, 'a> {
     block: &'f BlockFields<'a>,
     field: &'static FieldSchema,
     /// Keyword or alias by which the text names the field.
-    word: Token<'a>,
+    keyword: Token<'a>,
     value: &'f Spanned<ParsedFieldValue>,
 }
 
@@ -132,13 +132,13 @@ pub(in crate::format) fn parse_block_fields<'a>(
     keyword: Token<'a>,
     block: &'static BlockSchema,
 ) -> Result<BlockFields<'a>, SceneError> {
-    let mut fields = BlockFields { lexer: parser.lexer, block, keyword, list: Vec::new() };
+    let mut fields = BlockFields { lexer: parser.lexer, block, keyword, fields: Vec::new() };
     let mut last_error = None;
     parser.open_block(keyword)?;
     let words: Vec<&str> = block.field_keywords().collect();
     loop {
         let mark = parser.current_block_nesting();
-        let (word, error) = match parser.next_word() {
+        let (word, error) = match parser.next_word_or_close() {
             Ok(None) => break,
             Ok(Some(word)) => match parse_field(parser, &mut fields, word, &words) {
                 Ok(()) => continue,
@@ -178,7 +178,7 @@ fn parse_field<'a>(
     words: &[&str],
 ) -> Result<(), SceneError> {
     let Some(field) = fields.block.find_field(word.text) else { return Err(parser.unexpected_word_error(word, words)) };
-    if let Some((_, earlier, _)) = fields.list.iter().find(|(earlier, ..)| earlier.name == field.name) {
+    if let Some((_, earlier, _)) = fields.fields.iter().find(|(earlier, ..)| earlier.keyword == field.keyword) {
         if earlier.text == word.text {
             return Err(parser.repeated_word_error(word));
         }
@@ -187,9 +187,9 @@ fn parse_field<'a>(
         return Err(parser.lexer.error_at(word.span(), message, "the second", help));
     }
     let value = parse_field_value(parser, word, field)?;
-    fields.list.push((field, word, value));
-    let (_, _, value) = &fields.list[fields.list.len() - 1];
-    ParsedField { block: fields, field, word, value }.check_field_value()
+    fields.fields.push((field, word, value));
+    let (_, _, value) = &fields.fields[fields.fields.len() - 1];
+    ParsedField { block: fields, field, keyword: word, value }.check_field_value()
 }
 
 /// Parses the value of `field`. Its keyword `word` has been read.
@@ -203,7 +203,7 @@ fn parse_field_value<'a>(
         FieldKind::ColorOrTexture | FieldKind::NumberOrTexture if is_texture_name_next(parser) => {
             let name = parser.parse_name(word)?;
             parser.scope.check_texture_exists(parser.lexer, &name)?;
-            value.name = name.value;
+            value.text = name.value;
             name.span
         }
         FieldKind::Pair => {
@@ -221,14 +221,14 @@ fn parse_field_value<'a>(
             value.numbers.x = read.value[0];
             read.span
         }
-        FieldKind::Whole => {
+        FieldKind::WholeNumber => {
             let read = parser.parse_integer(word)?;
             value.numbers.x = f64::from(read.value);
             read.span
         }
         FieldKind::Name | FieldKind::Word(_) => {
             let read = parser.parse_name(word)?;
-            value.name = read.value;
+            value.text = read.value;
             read.span
         }
         FieldKind::TransformSteps => {
@@ -248,12 +248,12 @@ fn parse_field_value<'a>(
             value.weighted_points = parse_weighted_points(parser, word)?;
             word.span()
         }
-        FieldKind::Numbers => {
+        FieldKind::NumberList => {
             let mut span = None;
             // A copy of the lexer looks ahead, so that the number stays unread.
-            while !{ parser.lexer }.number_token().is_end_of_text() {
+            while !{ parser.lexer }.read_number_token().is_end_of_text() {
                 let read = parser.parse_numbers::<1>(word)?;
-                value.list.push(read.value[0]);
+                value.number_list.push(read.value[0]);
                 let start = span.map_or(read.span.start, |s: Span| s.start);
                 span = Some(Span { start, len: read.span.start + read.span.len - start });
             }
@@ -331,8 +331,8 @@ impl<'a> BlockFields<'a> {
     /// Returns the field `name` of the block; `None` if it is absent.
     pub fn get(&self, name: &str) -> Option<ParsedField<'_, 'a>> {
         debug_assert!(self.block.find_field(name).is_some(), "`{}` has no field `{name}`", self.block.keyword);
-        let (field, word, value) = self.list.iter().find(|(field, ..)| field.name == name)?;
-        Some(ParsedField { block: self, field, word: *word, value })
+        let (field, word, value) = self.fields.iter().find(|(field, ..)| field.keyword == name)?;
+        Some(ParsedField { block: self, field, keyword: *word, value })
     }
 
     /// Returns the field `name`.
@@ -353,7 +353,7 @@ impl<'a> BlockFields<'a> {
     /// # Errors
     /// If no field or more than one field of `names` is present.
     pub fn require_one_field_of(&self, names: &[&str]) -> Result<ParsedField<'_, 'a>, SceneError> {
-        let mut found = self.list.iter().filter(|(field, ..)| names.contains(&field.name));
+        let mut found = self.fields.iter().filter(|(field, ..)| names.contains(&field.keyword));
         let block = self.keyword.text;
         let listed = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" or ");
         let Some((field, word, value)) = found.next() else {
@@ -364,7 +364,7 @@ impl<'a> BlockFields<'a> {
             let message = format!("`{block}` has both `{}` and `{}`", word.text, second.text);
             return Err(self.error_at(second.span(), message, "the second", format!("keep one of {listed}")));
         }
-        Ok(ParsedField { block: self, field, word: *word, value })
+        Ok(ParsedField { block: self, field, keyword: *word, value })
     }
 
     /// Returns the value of the only field among `variants` that is present in the block. The
@@ -372,10 +372,10 @@ impl<'a> BlockFields<'a> {
     ///
     /// # Errors
     /// If no field or more than one field of `variants` is present.
-    pub fn require_color_variant<T>(&self, variants: &[ColorVariant<'_, T>]) -> Result<T, SceneError> {
+    pub fn require_one_color_field<T>(&self, variants: &[ColorFieldConverter<'_, T>]) -> Result<T, SceneError> {
         let names: Vec<&str> = variants.iter().map(|(name, _)| *name).collect();
         let field = self.require_one_field_of(&names)?;
-        let index = names.iter().position(|name| *name == field.field.name).unwrap_or_default();
+        let index = names.iter().position(|name| *name == field.field.keyword).unwrap_or_default();
         Ok(variants[index].1(field.value()))
     }
 
@@ -399,7 +399,7 @@ impl<'a> BlockFields<'a> {
     ///
     /// # Errors
     /// If the field is absent and its schema has no default numbers.
-    pub fn value<T: FromFieldValue>(&self, name: &str) -> Result<T, SceneError> {
+    pub fn value_or_default<T: FromFieldValue>(&self, name: &str) -> Result<T, SceneError> {
         let default = self.block.find_field(name).map(|field| field.default);
         if let (None, Some(FieldDefault::Numbers(default))) = (self.get(name), default) {
             let mut numbers = [0.0; 3];
@@ -422,7 +422,7 @@ impl<'a> BlockFields<'a> {
     /// If the field is absent and its schema has no default word.
     pub fn field_word_or_default(&self, name: &str) -> Result<&str, SceneError> {
         match (self.get(name), self.block.find_field(name).map(|field| field.default)) {
-            (Some(found), _) => Ok(&found.value.value.name),
+            (Some(found), _) => Ok(&found.value.value.text),
             (None, Some(FieldDefault::Word(word))) => Ok(word),
             (None, _) => self.require_field(name).map(|_| ""),
         }
@@ -432,7 +432,7 @@ impl<'a> BlockFields<'a> {
 impl<'f, 'a> ParsedField<'f, 'a> {
     /// Returns the keyword or alias by which the text names the field.
     pub fn name(&self) -> &'a str {
-        self.word.text
+        self.keyword.text
     }
 
     /// Returns the position of the value in the scene text.
@@ -471,9 +471,9 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         &self.value.weighted_points
     }
 
-    /// Returns the numbers of a field of kind [`FieldKind::Numbers`].
+    /// Returns the numbers of a field of kind [`FieldKind::NumberList`].
     pub fn number_list(&self) -> &'f [f64] {
-        &self.value.list
+        &self.value.number_list
     }
 
     /// Fails with an error at this field's value if `is_valid` is false.
@@ -483,7 +483,7 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         if is_valid {
             return Ok(());
         }
-        let (name, block) = (self.word.text, self.block.keyword.text);
+        let (name, block) = (self.keyword.text, self.block.keyword.text);
         let value = clip_for_message(self.block.lexer.text_of_span(self.value.span));
         let message = format!("`{name}` of `{block}` cannot be `{value}`");
         Err(self.block.error_at(self.value.span, message, "not allowed", format!("`{name}` {rule}")))
@@ -492,18 +492,18 @@ impl<'f, 'a> ParsedField<'f, 'a> {
     /// Fails if the value is outside the range or the list of words in the field's schema.
     fn check_field_value(&self) -> Result<(), SceneError> {
         let violated_rule = match self.field.kind {
-            FieldKind::Word(words) if !words.contains(&self.value.name.as_str()) => {
+            FieldKind::Word(words) if !words.contains(&self.value.text.as_str()) => {
                 let listed: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
                 let joint = if listed.len() == 2 { " or " } else { ", " };
                 let one_of = if listed.len() == 2 { "" } else { "one of " };
                 Some(format!("must be {one_of}{}", listed.join(joint)))
             }
-            FieldKind::ColorOrTexture | FieldKind::NumberOrTexture if !self.value.name.is_empty() => None,
+            FieldKind::ColorOrTexture | FieldKind::NumberOrTexture if !self.value.text.is_empty() => None,
             FieldKind::Point | FieldKind::Direction | FieldKind::Color | FieldKind::ColorOrTexture => {
                 self.field.violated_rule(&self.value.numbers.to_array())
             }
             FieldKind::Pair => self.field.violated_rule(&self.value.numbers.to_array()[..2]),
-            FieldKind::Number | FieldKind::NumberOrTexture | FieldKind::Whole => {
+            FieldKind::Number | FieldKind::NumberOrTexture | FieldKind::WholeNumber => {
                 self.field.violated_rule(&[self.value.numbers.x])
             }
             FieldKind::Name
@@ -511,7 +511,7 @@ impl<'f, 'a> ParsedField<'f, 'a> {
             | FieldKind::Curve
             | FieldKind::Points
             | FieldKind::WeightedPoints
-            | FieldKind::Numbers
+            | FieldKind::NumberList
             | FieldKind::TransformSteps => None,
         };
         violated_rule.map_or(Ok(()), |rule| self.ensure_valid(false, &rule))

@@ -27,7 +27,7 @@ impl Token<'_> {
 /// For example, `20width` starts with the number 20 if a number is asked for, else it is a word.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::format) struct Lexer<'a> {
-    name: &'a str,
+    file_name: &'a str,
     text: &'a str,
     /// Offset of the next unread byte in `text`.
     position: usize,
@@ -37,11 +37,11 @@ impl<'a> Lexer<'a> {
     /// Returns a lexer at the start of `text`, after its byte order mark if it has one.
     pub fn new(name: &'a str, text: &'a str) -> Self {
         let position = if text.starts_with('\u{feff}') { 3 } else { 0 };
-        Self { name, text, position }
+        Self { file_name: name, text, position }
     }
 
     pub fn source_text(&self) -> SourceText {
-        SourceText::new(self.name, self.text)
+        SourceText::new(self.file_name, self.text)
     }
 
     pub fn text_of_span(&self, span: Span) -> &'a str {
@@ -74,13 +74,13 @@ impl<'a> Lexer<'a> {
     }
 
     /// Reads the longest decimal number at the current position; empty if no number starts there.
-    pub fn number_token(&mut self) -> Token<'a> {
+    pub fn read_number_token(&mut self) -> Token<'a> {
         self.skip_space_and_comments();
         self.read_token_of_length(float_prefix_length)
     }
 
     /// Reads the longest whole number at the current position; empty if no number starts there.
-    pub fn integer_token(&mut self) -> Token<'a> {
+    pub fn read_integer_token(&mut self) -> Token<'a> {
         self.skip_space_and_comments();
         self.read_token_of_length(integer_prefix_length)
     }
@@ -176,19 +176,19 @@ fn is_white_space(b: u8) -> bool {
 }
 
 /// Returns the number of digits at the start of `bytes`.
-fn digit_count(bytes: &[u8]) -> usize {
+fn digit_prefix_length(bytes: &[u8]) -> usize {
     bytes.iter().take_while(|b| b.is_ascii_digit()).count()
 }
 
 /// Returns 1 if `bytes` start with a sign, else 0.
-fn sign_length(bytes: &[u8]) -> usize {
+fn sign_prefix_length(bytes: &[u8]) -> usize {
     usize::from(matches!(bytes.first(), Some(b'+' | b'-')))
 }
 
 /// Returns the length of the whole number at the start of `bytes`; 0 if there is none.
 fn integer_prefix_length(bytes: &[u8]) -> usize {
-    let sign = sign_length(bytes);
-    match digit_count(&bytes[sign..]) {
+    let sign = sign_prefix_length(bytes);
+    match digit_prefix_length(&bytes[sign..]) {
         0 => 0,
         n => sign + n,
     }
@@ -196,12 +196,12 @@ fn integer_prefix_length(bytes: &[u8]) -> usize {
 
 /// Returns the length of the decimal number at the start of `bytes`; 0 if there is none.
 fn float_prefix_length(bytes: &[u8]) -> usize {
-    let mut len = sign_length(bytes);
-    let whole = digit_count(&bytes[len..]);
+    let mut len = sign_prefix_length(bytes);
+    let whole = digit_prefix_length(&bytes[len..]);
     len += whole;
     let mut fraction = 0;
     if bytes.get(len) == Some(&b'.') {
-        fraction = digit_count(&bytes[len + 1..]);
+        fraction = digit_prefix_length(&bytes[len + 1..]);
         if whole + fraction > 0 {
             len += 1 + fraction;
         }

@@ -24,15 +24,15 @@ use std::fmt::{self, Display, Formatter};
 
 use glam::DVec3;
 
-use super::camera::{CAMERAS, CameraDescription, parse_camera, parse_moving_camera, write_camera};
+use super::camera::{CAMERA_BLOCK_PARSERS, CameraDescription, parse_camera, parse_moving_camera, write_camera};
 use super::description::{ObjectGroup, SceneDescription};
 use super::error::{SceneError, SourceText};
 use super::lights::{LIGHTS, LightDescription, parse_lights_block, write_light};
 use super::materials::{MATERIALS, MaterialDescription, parse_materials_block, write_material};
-use super::media::{MEDIA, MediumDescription, parse_media_block, write_medium};
+use super::media::{MEDIUM_BLOCK_PARSERS, MediumDescription, parse_media_block, write_medium};
 use super::shapes::SHAPES;
 use super::span::{Span, Spanned};
-use super::textures::{TEXTURES, TextureDescription, parse_textures_block, write_texture};
+use super::textures::{TEXTURE_BLOCK_PARSERS, TextureDescription, parse_textures_block, write_texture};
 use fields::parse_block_fields;
 use lexer::Token;
 use objects::{parse_group, write_group};
@@ -46,11 +46,10 @@ static BACKGROUND: BlockSchema = block_schema("Background", "what lies behind al
         field_schema("color", FieldKind::Color, "radiance of rays that leave the scene")
             .with_default_numbers(&[0.5, 0.5, 0.5])
             .with_unit("W/(m² sr)")
-            .mark_as_course_syntax(),
-        field_schema("medium", FieldKind::Name, "medium that fills the space outside all bodies")
-            .with_default_description("none"),
+            .mark_as_mit_6837_syntax(),
+        field_schema("medium", FieldKind::Name, "medium that fills the space outside all bodies").make_optional("none"),
     ])
-    .mark_as_course_syntax();
+    .mark_as_mit_6837_syntax();
 
 /// Keywords of top-level blocks of scene text, except cameras and `Background`.
 const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
@@ -58,11 +57,11 @@ const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media",
 /// Returns the sections of the language reference, each with its name and its blocks' schemas.
 fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
     [
-        ("cameras", block_schemas(CAMERAS)),
+        ("cameras", block_schemas(CAMERA_BLOCK_PARSERS)),
         ("background", vec![&BACKGROUND]),
         ("lights", block_schemas(LIGHTS)),
-        ("textures", block_schemas(TEXTURES)),
-        ("media", block_schemas(MEDIA)),
+        ("textures", block_schemas(TEXTURE_BLOCK_PARSERS)),
+        ("media", block_schemas(MEDIUM_BLOCK_PARSERS)),
         ("materials", block_schemas(MATERIALS)),
         ("shapes", block_schemas(SHAPES)),
     ]
@@ -144,7 +143,8 @@ struct SceneFileBlocks {
 
 /// Parses all blocks of a scene text, and returns the scene description.
 fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
-    let allowed = [&block_keywords(&[], CAMERAS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
+    let allowed =
+        [&block_keywords(&[], CAMERA_BLOCK_PARSERS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
     let mut blocks = SceneFileBlocks::default();
     loop {
         let word = parser.lexer.peek_token();
@@ -152,9 +152,9 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
             break;
         }
         parser.lexer.consume_token(word);
-        parser.recover_from_error(&allowed, |parser| parse_file_block(parser, word, &allowed, &mut blocks))?;
+        parser.parse_entry_with_recovery(&allowed, |parser| parse_file_block(parser, word, &allowed, &mut blocks))?;
     }
-    if let Some(block) = parser.scope.late_materials {
+    if let Some(block) = parser.scope.late_materials_keyword {
         let message = "these `Materials` replace those that the `Group` before them uses".to_owned();
         let help = "put all materials into one block before the Group".to_owned();
         return Err(parser.lexer.error_at(block.span(), message, "too late", help));
@@ -192,17 +192,17 @@ fn parse_file_block<'a>(
         "Moving" => blocks.camera = Some(parse_moving_camera(parser, word)?),
         "Background" => {
             let f = parse_block_fields(parser, word, &BACKGROUND)?;
-            blocks.background = Some((f.value("color")?, f.optional_value("medium")));
+            blocks.background = Some((f.value_or_default("color")?, f.optional_value("medium")));
         }
         "Lights" => blocks.lights = parse_lights_block(parser, word)?,
         "Textures" => blocks.textures = parse_textures_block(parser, word)?,
         "Media" => blocks.media = parse_media_block(parser, word)?,
         "Materials" => blocks.materials = parse_materials_block(parser, word)?,
         "Group" => {
-            (parser.scope.group_uses_materials, parser.scope.late_materials) = (false, None);
+            (parser.scope.group_uses_materials, parser.scope.late_materials_keyword) = (false, None);
             blocks.root = Some(parse_group(parser, word)?);
         }
-        text if find_block(CAMERAS, text).is_some() => {
+        text if find_block(CAMERA_BLOCK_PARSERS, text).is_some() => {
             blocks.camera = Some(Spanned::new(parse_camera(parser, word)?, word.span()));
         }
         _ => return Err(parser.unexpected_word_error(word, allowed)),
@@ -217,7 +217,7 @@ impl Display for SceneDescription {
         write_camera(out, &self.camera)?;
         out.begin_schema_block(&BACKGROUND)?;
         out.write_vec3("color", self.background)?;
-        self.ambient_medium.as_ref().map_or(Ok(()), |medium| out.write_name("medium", medium))?;
+        self.ambient_medium.as_ref().map_or(Ok(()), |medium| out.write_name_field("medium", medium))?;
         out.end_block()?;
         write_list_block(out, "Lights", "numLights", &self.lights, write_light)?;
         write_list_block(out, "Textures", "numTextures", &self.textures, write_texture)?;

@@ -9,7 +9,7 @@ use super::transforms::{parse_moving_block, parse_transform_block, write_transfo
 use super::writer::SceneWriter;
 use crate::format::description::{GroupItem, ObjectDescription, ObjectGroup};
 use crate::format::error::SceneError;
-use crate::format::materials::{parse_material_index, parse_material_reference};
+use crate::format::materials::{parse_material_index, parse_material_name};
 use crate::format::shapes::{SHAPES, parse_shape, write_shape};
 use crate::format::span::Spanned;
 use crate::format::transform_step::TransformStep;
@@ -18,7 +18,7 @@ use crate::format::transform_step::TransformStep;
 const NESTING_OBJECT_KEYWORDS: [&str; 3] = ["Group", "Transform", "Moving"];
 
 /// Keywords of a group's entries that are not objects.
-const OTHER_ITEM_KEYWORDS: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
+const NON_OBJECT_ITEM_KEYWORDS: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
 
 fn object_keywords() -> Vec<&'static str> {
     block_keywords(&NESTING_OBJECT_KEYWORDS, SHAPES)
@@ -33,17 +33,16 @@ pub(in crate::format) fn parse_group<'a>(
     let mut items = Vec::new();
     let mut objects = 0;
     let mut count = None;
-    while let Some(word) = parser.next_word()? {
+    while let Some(word) = parser.next_word_or_close()? {
         let mark = parser.current_block_nesting();
         let error = match word.text {
             "numObjects" => parser.parse_count(word, &mut count).err(),
             "MaterialIndex" => {
                 push_item_or_return_error(parse_material_index(parser, word).map(GroupItem::MaterialIndex), &mut items)
             }
-            "MaterialName" => push_item_or_return_error(
-                parse_material_reference(parser, word).map(GroupItem::MaterialName),
-                &mut items,
-            ),
+            "MaterialName" => {
+                push_item_or_return_error(parse_material_name(parser, word).map(GroupItem::MaterialName), &mut items)
+            }
             text if is_object_keyword(text) => {
                 objects += 1;
                 push_item_or_return_error(parse_object(parser, word).map(GroupItem::Object), &mut items)
@@ -54,7 +53,7 @@ pub(in crate::format) fn parse_group<'a>(
             skip_to_next_item(parser, error, mark)?;
         }
     }
-    parser.leave_nested_block();
+    parser.decrement_nesting_depth();
     parser.check_entry_count("numObjects", count, objects, "object")?;
     Ok(ObjectGroup { items })
 }
@@ -82,17 +81,17 @@ fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Ve
 #[inline(never)]
 fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: SavedBlockNesting) -> Result<(), SceneError> {
     parser.record_error(error)?;
-    parser.skip_to_next_entry(mark, &[&OTHER_ITEM_KEYWORDS[..], &object_keywords()].concat());
+    parser.skip_to_next_entry(mark, &[&NON_OBJECT_ITEM_KEYWORDS[..], &object_keywords()].concat());
     Ok(())
 }
 
 #[inline(never)]
 fn unexpected_item_error<'a>(parser: &Parser<'a>, word: Token<'a>) -> SceneError {
-    parser.unexpected_word_error(word, &[&OTHER_ITEM_KEYWORDS[..], &object_keywords()].concat())
+    parser.unexpected_word_error(word, &[&NON_OBJECT_ITEM_KEYWORDS[..], &object_keywords()].concat())
 }
 
 fn is_object_keyword(word: &str) -> bool {
-    NESTING_OBJECT_KEYWORDS.contains(&word) || SHAPES.iter().any(|entry| entry.block.is_keyword(word))
+    NESTING_OBJECT_KEYWORDS.contains(&word) || SHAPES.iter().any(|entry| entry.block.matches_keyword(word))
 }
 
 /// Parses an object and boxes it, so that stack frames of the recursive parser stay small.

@@ -5,7 +5,7 @@ use super::scope::ParserScope;
 use super::suggest::{keyword_synonym, nearest_word};
 use super::text::clip_for_message;
 use crate::format::MAX_NESTING_DEPTH;
-use crate::format::error::{MAX_ERRORS, SceneError};
+use crate::format::error::{MAX_REPORTED_ERRORS, SceneError};
 use crate::format::span::{Span, Spanned};
 
 /// Parser of a scene text: its position, and the definitions and errors so far.
@@ -21,7 +21,7 @@ pub(in crate::format) struct Parser<'a> {
     /// Number of `Group`, `Transform` and `Moving` blocks around the current position.
     nesting_depth: usize,
     /// Number of blocks parsed to their end since the start of the text.
-    closed_blocks: usize,
+    closed_block_count: usize,
     /// True if the text ended inside a block.
     has_unclosed_block: bool,
 }
@@ -32,9 +32,9 @@ pub(in crate::format) struct Parser<'a> {
 /// entry's end.
 #[derive(Clone, Copy)]
 pub(in crate::format) struct SavedBlockNesting {
-    open_blocks: usize,
+    open_block_count: usize,
     nesting_depth: usize,
-    closed_blocks: usize,
+    closed_block_count: usize,
 }
 
 impl<'a> Parser<'a> {
@@ -46,7 +46,7 @@ impl<'a> Parser<'a> {
             errors: Vec::new(),
             open_blocks: Vec::new(),
             nesting_depth: 0,
-            closed_blocks: 0,
+            closed_block_count: 0,
             has_unclosed_block: false,
         }
     }
@@ -68,7 +68,7 @@ impl<'a> Parser<'a> {
     ///
     /// # Errors
     /// The error of `parse_entry`, if the text ended inside a block or the list of errors is full.
-    pub fn recover_from_error(
+    pub fn parse_entry_with_recovery(
         &mut self,
         allowed: &[&str],
         parse_entry: impl FnOnce(&mut Self) -> Result<(), SceneError>,
@@ -85,7 +85,7 @@ impl<'a> Parser<'a> {
     /// text ended inside a block or the list is full.
     #[inline(never)]
     pub fn record_error(&mut self, error: SceneError) -> Result<(), SceneError> {
-        if self.has_unclosed_block || self.errors.len() + 1 >= MAX_ERRORS {
+        if self.has_unclosed_block || self.errors.len() + 1 >= MAX_REPORTED_ERRORS {
             return Err(error);
         }
         self.errors.push(error);
@@ -96,9 +96,9 @@ impl<'a> Parser<'a> {
     /// [`skip_to_next_entry`](Self::skip_to_next_entry).
     pub fn current_block_nesting(&self) -> SavedBlockNesting {
         SavedBlockNesting {
-            open_blocks: self.open_blocks.len(),
+            open_block_count: self.open_blocks.len(),
             nesting_depth: self.nesting_depth,
-            closed_blocks: self.closed_blocks,
+            closed_block_count: self.closed_block_count,
         }
     }
 
@@ -111,11 +111,11 @@ impl<'a> Parser<'a> {
     /// - Otherwise, skips to a word of `allowed` or a `}`, or past the next block.
     #[inline(never)]
     pub fn skip_to_next_entry(&mut self, mark: SavedBlockNesting, allowed: &[&str]) {
-        let mut braces = self.open_blocks.len().saturating_sub(mark.open_blocks);
+        let mut braces = self.open_blocks.len().saturating_sub(mark.open_block_count);
         let has_open_blocks = braces > 0;
-        self.open_blocks.truncate(mark.open_blocks);
+        self.open_blocks.truncate(mark.open_block_count);
         self.nesting_depth = mark.nesting_depth;
-        if !has_open_blocks && self.closed_blocks > mark.closed_blocks {
+        if !has_open_blocks && self.closed_block_count > mark.closed_block_count {
             return;
         }
         loop {
@@ -157,10 +157,10 @@ impl<'a> Parser<'a> {
         let mut stated = None;
         let mut found = 0;
         self.open_block(keyword)?;
-        while let Some(word) = self.next_word()? {
+        while let Some(word) = self.next_word_or_close()? {
             let is_count = word.text == count;
             found += usize::from(!is_count);
-            self.recover_from_error(allowed, |parser| {
+            self.parse_entry_with_recovery(allowed, |parser| {
                 if is_count {
                     parser.parse_count(word, &mut stated)
                 } else if allowed.contains(&word.text) {
@@ -183,7 +183,7 @@ impl<'a> Parser<'a> {
     pub fn close_block(&mut self) -> Result<(), SceneError> {
         self.expect_punctuation("}")?;
         self.open_blocks.pop();
-        self.closed_blocks += 1;
+        self.closed_block_count += 1;
         Ok(())
     }
 
@@ -201,7 +201,7 @@ impl<'a> Parser<'a> {
 
     /// Decrements the nesting depth. The caller has parsed the `}` of a `Group`, `Transform` or
     /// `Moving` block.
-    pub fn leave_nested_block(&mut self) {
+    pub fn decrement_nesting_depth(&mut self) {
         self.nesting_depth -= 1;
     }
 
@@ -214,7 +214,7 @@ impl<'a> Parser<'a> {
     /// `word`.
     pub fn close_block_before(&mut self, word: Token<'a>) {
         self.open_blocks.pop();
-        self.closed_blocks += 1;
+        self.closed_block_count += 1;
         self.lexer.rewind_to_token(word);
     }
 
@@ -238,7 +238,7 @@ impl<'a> Parser<'a> {
     ///
     /// # Errors
     /// If the text ends inside the block.
-    pub fn next_word(&mut self) -> Result<Option<Token<'a>>, SceneError> {
+    pub fn next_word_or_close(&mut self) -> Result<Option<Token<'a>>, SceneError> {
         let token = self.lexer.peek_token();
         if token.is_end_of_text() {
             return Err(self.unclosed_block_error());
@@ -246,7 +246,7 @@ impl<'a> Parser<'a> {
         self.lexer.consume_token(token);
         if token.text == "}" {
             self.open_blocks.pop();
-            self.closed_blocks += 1;
+            self.closed_block_count += 1;
             return Ok(None);
         }
         Ok(Some(token))
@@ -257,7 +257,7 @@ impl<'a> Parser<'a> {
         let mut values = [0.0; N];
         let mut span: Option<Span> = None;
         for value in &mut values {
-            let token = self.lexer.number_token();
+            let token = self.lexer.read_number_token();
             if token.is_end_of_text() {
                 return Err(self.missing_number_error(owner, N, "number"));
             }
@@ -277,8 +277,8 @@ impl<'a> Parser<'a> {
     /// Parses a whole number from 0 to 2³² − 1. Error messages name `owner`, the keyword before the
     /// number.
     pub fn parse_integer(&mut self, owner: Token<'a>) -> Result<Spanned<u32>, SceneError> {
-        let fraction = { self.lexer }.number_token();
-        let token = self.lexer.integer_token();
+        let fraction = { self.lexer }.read_number_token();
+        let token = self.lexer.read_integer_token();
         if token.is_end_of_text() {
             return Err(self.missing_number_error(owner, 1, "whole number"));
         }

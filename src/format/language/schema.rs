@@ -10,12 +10,12 @@ use glam::DVec3;
 use super::text::is_normalizable;
 
 /// Largest finite single-precision number.
-const MAX_SINGLE: f64 = f32::MAX as f64;
+const MAX_SINGLE_PRECISION: f64 = f32::MAX as f64;
 
 /// Largest accepted absorption or scattering coefficient \[1/length].
 ///
 /// Its products with densities and lengths still fit into single precision.
-pub(in crate::format) const MAX_COEFFICIENT: f64 = 1e12;
+pub(in crate::format) const MAX_MEDIUM_COEFFICIENT: f64 = 1e12;
 
 /// Type of the value that follows a field's keyword.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +35,7 @@ pub(in crate::format) enum FieldKind {
     /// Two numbers.
     Pair,
     /// A whole number from 0 to 2³² − 1.
-    Whole,
+    WholeNumber,
     /// A path or name, quoted or bare.
     Name,
     /// One of the listed words.
@@ -47,7 +47,7 @@ pub(in crate::format) enum FieldKind {
     /// Any number of points in brackets, each with an optional weight: `[ x y z w ]`.
     WeightedPoints,
     /// A list of numbers of any length.
-    Numbers,
+    NumberList,
     /// Transform steps in braces.
     TransformSteps,
 }
@@ -58,7 +58,7 @@ pub(in crate::format) enum FieldRange {
     /// Any finite number.
     Any,
     /// Any number up to [`f32::MAX`] in magnitude.
-    Single,
+    SinglePrecision,
     /// At least 0, and at most [`f32::MAX`].
     NonNegative,
     /// Above 0, and at most [`f32::MAX`].
@@ -66,14 +66,14 @@ pub(in crate::format) enum FieldRange {
     /// Not 0.
     NonZero,
     /// From the first bound to the second, both included.
-    Within(f64, f64),
+    ClosedInterval(f64, f64),
     /// Between the bounds, both excluded.
-    Between(f64, f64),
+    OpenInterval(f64, f64),
     /// Above the first bound, up to and including the second.
-    UpTo(f64, f64),
+    LeftOpenInterval(f64, f64),
     /// Range that this text describes. The schema does not check it; the
     /// function that converts the block does.
-    Special(&'static str),
+    DescribedOnly(&'static str),
 }
 
 /// Default value of a field, or the meaning of its absence.
@@ -94,7 +94,7 @@ pub(in crate::format) enum FieldDefault {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::format) struct FieldSchema {
     /// The field's keyword.
-    pub name: &'static str,
+    pub keyword: &'static str,
     /// Second accepted keyword; empty if there is none.
     pub alias: &'static str,
     /// Type of the field's value.
@@ -147,7 +147,7 @@ pub(in crate::format) const fn field_schema(name: &'static str, kind: FieldKind,
         _ => FieldRange::Any,
     };
     let default = FieldDefault::Absent("");
-    FieldSchema { name, alias: "", kind, range, unit: "", default, help, is_mit_6837_syntax: false }
+    FieldSchema { keyword: name, alias: "", kind, range, unit: "", default, help, is_mit_6837_syntax: false }
 }
 
 /// Creates the schema of a block, without fields and aliases.
@@ -182,7 +182,7 @@ impl FieldSchema {
 
     /// Makes the field optional without a default value. `meaning` states in the language reference
     /// what it means if the field is absent.
-    pub const fn with_default_description(mut self, meaning: &'static str) -> Self {
+    pub const fn make_optional(mut self, meaning: &'static str) -> Self {
         self.default = FieldDefault::Absent(meaning);
         self
     }
@@ -200,14 +200,14 @@ impl FieldSchema {
     }
 
     /// Marks the field as part of the scene format of MIT course 6.837.
-    pub const fn mark_as_course_syntax(mut self) -> Self {
+    pub const fn mark_as_mit_6837_syntax(mut self) -> Self {
         self.is_mit_6837_syntax = true;
         self
     }
 
     /// True if `word` is the field's keyword or its alias.
-    pub fn is_keyword(&self, word: &str) -> bool {
-        self.name == word || (!self.alias.is_empty() && self.alias == word)
+    pub fn matches_keyword(&self, word: &str) -> bool {
+        self.keyword == word || (!self.alias.is_empty() && self.alias == word)
     }
 
     /// Returns the rule that `numbers`, a field value, violate, such as "must be above 0"; `None`
@@ -218,14 +218,14 @@ impl FieldSchema {
         }
         let all = |ok: &dyn Fn(f64) -> bool| numbers.iter().all(|&x| ok(x));
         let ok = match self.range {
-            FieldRange::Any | FieldRange::Special(_) => true,
-            FieldRange::Single => all(&|x| x.abs() <= MAX_SINGLE),
-            FieldRange::NonNegative => all(&|x| (0.0..=MAX_SINGLE).contains(&x)),
-            FieldRange::Positive => all(&|x| x > 0.0 && x <= MAX_SINGLE),
+            FieldRange::Any | FieldRange::DescribedOnly(_) => true,
+            FieldRange::SinglePrecision => all(&|x| x.abs() <= MAX_SINGLE_PRECISION),
+            FieldRange::NonNegative => all(&|x| (0.0..=MAX_SINGLE_PRECISION).contains(&x)),
+            FieldRange::Positive => all(&|x| x > 0.0 && x <= MAX_SINGLE_PRECISION),
             FieldRange::NonZero => all(&|x| x != 0.0),
-            FieldRange::Within(least, most) => all(&|x| (least..=most).contains(&x)),
-            FieldRange::Between(least, most) => all(&|x| x > least && x < most),
-            FieldRange::UpTo(least, most) => all(&|x| x > least && x <= most),
+            FieldRange::ClosedInterval(least, most) => all(&|x| (least..=most).contains(&x)),
+            FieldRange::OpenInterval(least, most) => all(&|x| x > least && x < most),
+            FieldRange::LeftOpenInterval(least, most) => all(&|x| x > least && x <= most),
         };
         (!ok).then(|| self.describe_violated_range(numbers))
     }
@@ -236,22 +236,24 @@ impl FieldSchema {
     fn describe_violated_range(&self, numbers: &[f64]) -> String {
         let each = if numbers.len() > 1 { " in each component" } else { "" };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
-        let is_too_large = numbers.iter().any(|x| x.abs() > MAX_SINGLE);
+        let is_too_large = numbers.iter().any(|x| x.abs() > MAX_SINGLE_PRECISION);
         match self.range {
-            FieldRange::Single | FieldRange::NonNegative | FieldRange::Positive if is_too_large => {
+            FieldRange::SinglePrecision | FieldRange::NonNegative | FieldRange::Positive if is_too_large => {
                 "must be below 3.4e38, which single precision holds: choose other units".to_owned()
             }
-            FieldRange::Any | FieldRange::Single | FieldRange::Special(_) => "is out of range".to_owned(),
+            FieldRange::Any | FieldRange::SinglePrecision | FieldRange::DescribedOnly(_) => {
+                "is out of range".to_owned()
+            }
             FieldRange::NonNegative => "must not be negative".to_owned(),
             FieldRange::Positive => "must be above 0".to_owned(),
             FieldRange::NonZero => format!("must not be 0{each}"),
-            FieldRange::Within(least, most) if self.kind == FieldKind::Whole => {
+            FieldRange::ClosedInterval(least, most) if self.kind == FieldKind::WholeNumber => {
                 format!("must be a whole number from {} to {}{unit}", RangeBound(least), RangeBound(most))
             }
-            FieldRange::Within(least, most) | FieldRange::Between(least, most) => {
+            FieldRange::ClosedInterval(least, most) | FieldRange::OpenInterval(least, most) => {
                 format!("must lie between {} and {}{unit}{each}", RangeBound(least), RangeBound(most))
             }
-            FieldRange::UpTo(least, most) => {
+            FieldRange::LeftOpenInterval(least, most) => {
                 format!("must lie above {} and at most at {}{unit}{each}", RangeBound(least), RangeBound(most))
             }
         }
@@ -267,24 +269,24 @@ impl FieldSchema {
             FieldKind::Number => "number",
             FieldKind::NumberOrTexture => "number or texture",
             FieldKind::Pair => "two numbers",
-            FieldKind::Whole => "whole number",
+            FieldKind::WholeNumber => "whole number",
             FieldKind::Name => "name or path",
             FieldKind::Word(words) => return join_in_backticks(words),
             FieldKind::Curve => "curve",
             FieldKind::Points => "`[ x y z ]` …",
             FieldKind::WeightedPoints => "`[ x y z ]` or `[ x y z w ]` …",
-            FieldKind::Numbers => "numbers",
+            FieldKind::NumberList => "numbers",
             FieldKind::TransformSteps => "`{ maps }`",
         };
         let range = match self.range {
-            FieldRange::Any | FieldRange::Single => String::new(),
+            FieldRange::Any | FieldRange::SinglePrecision => String::new(),
             FieldRange::NonNegative => ", ≥ 0".to_owned(),
             FieldRange::Positive => ", > 0".to_owned(),
             FieldRange::NonZero => ", not 0".to_owned(),
-            FieldRange::Within(least, most) => format!(", {} … {}", RangeBound(least), RangeBound(most)),
-            FieldRange::Between(least, most) => format!(", {} < x < {}", RangeBound(least), RangeBound(most)),
-            FieldRange::UpTo(least, most) => format!(", {} < x ≤ {}", RangeBound(least), RangeBound(most)),
-            FieldRange::Special(text) => format!(", {text}"),
+            FieldRange::ClosedInterval(least, most) => format!(", {} … {}", RangeBound(least), RangeBound(most)),
+            FieldRange::OpenInterval(least, most) => format!(", {} < x < {}", RangeBound(least), RangeBound(most)),
+            FieldRange::LeftOpenInterval(least, most) => format!(", {} < x ≤ {}", RangeBound(least), RangeBound(most)),
+            FieldRange::DescribedOnly(text) => format!(", {text}"),
         };
         let unit = if self.unit.is_empty() { String::new() } else { format!(", {}", self.unit) };
         format!("{noun}{range}{unit}")
@@ -304,7 +306,7 @@ impl FieldSchema {
     ///
     /// The first cell of the row is `blocks`, the names of blocks that have the field.
     fn write_language_manual_row(&self, blocks: &str, out: &mut String) {
-        let mut name = format!("`{}`", self.name);
+        let mut name = format!("`{}`", self.keyword);
         if !self.alias.is_empty() {
             let _ = write!(name, ", `{}`", self.alias);
         }
@@ -334,13 +336,13 @@ impl BlockSchema {
     }
 
     /// Marks the block as part of the scene format of MIT course 6.837.
-    pub const fn mark_as_course_syntax(mut self) -> Self {
+    pub const fn mark_as_mit_6837_syntax(mut self) -> Self {
         self.is_mit_6837_syntax = true;
         self
     }
 
     /// True if `word` is the block's keyword or an alias.
-    pub fn is_keyword(&self, word: &str) -> bool {
+    pub fn matches_keyword(&self, word: &str) -> bool {
         self.keyword == word || self.aliases.contains(&word)
     }
 
@@ -351,12 +353,12 @@ impl BlockSchema {
 
     /// Returns the field with keyword or alias `word`; `None` if the block has none.
     pub fn find_field(&self, word: &str) -> Option<&'static FieldSchema> {
-        self.all_fields().find(|field| field.is_keyword(word))
+        self.all_fields().find(|field| field.matches_keyword(word))
     }
 
     /// Iterates over the keywords and aliases of all fields.
     pub fn field_keywords(&self) -> impl Iterator<Item = &'static str> + use<> {
-        self.all_fields().flat_map(|field| [field.name, field.alias]).filter(|word| !word.is_empty())
+        self.all_fields().flat_map(|field| [field.keyword, field.alias]).filter(|word| !word.is_empty())
     }
 }
 
@@ -365,7 +367,7 @@ pub(in crate::format) fn find_block<P>(
     table: &'static [BlockParser<P>],
     word: &str,
 ) -> Option<&'static BlockParser<P>> {
-    table.iter().find(|entry| entry.block.is_keyword(word))
+    table.iter().find(|entry| entry.block.matches_keyword(word))
 }
 
 /// Returns the schemas of all blocks of `table`.
@@ -403,11 +405,11 @@ pub(in crate::format) fn reference_markdown(blocks: &[&'static BlockSchema]) -> 
     // A list of shared fields is identified by the name of its first field.
     let mut seen: Vec<&str> = Vec::new();
     for group in blocks.iter().flat_map(|block| block.shared_fields) {
-        if seen.contains(&group[0].name) {
+        if seen.contains(&group[0].keyword) {
             continue;
         }
-        seen.push(group[0].name);
-        let has = |block: &&&BlockSchema| block.shared_fields.iter().any(|other| other[0].name == group[0].name);
+        seen.push(group[0].keyword);
+        let has = |block: &&&BlockSchema| block.shared_fields.iter().any(|other| other[0].keyword == group[0].keyword);
         let users: Vec<&str> = blocks.iter().filter(has).map(|block| block.keyword).collect();
         let users = if users.len() == blocks.len() { "all".to_owned() } else { join_in_backticks(&users) };
         for (i, field) in group.iter().enumerate() {
@@ -446,9 +448,11 @@ mod tests {
             assert_eq!(words.len(), count, "`{}` lists a field twice", block.keyword);
             assert!(!block.help.is_empty() && !block.help.ends_with('.'), "{}", block.keyword);
             for field in block.all_fields() {
-                assert!(!field.help.is_empty() && !field.help.ends_with('.'), "{} {}", block.keyword, field.name);
+                assert!(!field.help.is_empty() && !field.help.ends_with('.'), "{} {}", block.keyword, field.keyword);
                 match field.default {
-                    FieldDefault::Numbers(numbers) => assert_eq!(field.violated_rule(numbers), None, "{}", field.name),
+                    FieldDefault::Numbers(numbers) => {
+                        assert_eq!(field.violated_rule(numbers), None, "{}", field.keyword)
+                    }
                     FieldDefault::Word(word) => {
                         assert!(matches!(field.kind, FieldKind::Word(words) if words.contains(&word)))
                     }

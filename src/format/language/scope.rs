@@ -12,9 +12,9 @@ use crate::format::span::Spanned;
 #[derive(Default)]
 pub(in crate::format) struct ParserScope<'a> {
     /// Names of the textures of the latest `Textures` block; each block replaces the one before.
-    pub textures: Vec<String>,
+    pub texture_names: Vec<String>,
     /// Names of the media of the latest `Media` block; each block replaces the one before.
-    pub media: Vec<String>,
+    pub medium_names: Vec<String>,
     /// Materials of the latest `Materials` block; each block replaces the one before. A material
     /// index counts them from 0.
     pub materials: Vec<DefinedMaterial>,
@@ -26,7 +26,7 @@ pub(in crate::format) struct ParserScope<'a> {
     /// there is none.
     ///
     /// Such a block is an error, because it replaces the materials that the group uses.
-    pub late_materials: Option<Token<'a>>,
+    pub late_materials_keyword: Option<Token<'a>>,
 }
 
 /// A material that the text has defined: its name, and properties that limit its use in a mix.
@@ -44,7 +44,7 @@ pub(in crate::format) struct DefinedMaterial {
 pub(in crate::format) struct MixConstraints {
     /// Index of a `Dielectric` material: the material itself, or one that it mixes; `None` if it is
     /// no dielectric and mixes none.
-    pub dielectric: Option<usize>,
+    pub dielectric_index: Option<usize>,
     /// Nesting depth of mixes: 0 for a material that is no mix, 1 for a mix of such materials.
     pub mix_depth: u8,
 }
@@ -80,7 +80,7 @@ impl ParserScope<'_> {
 
     /// Fails if no texture is called `name`.
     pub fn check_texture_exists(&self, lexer: Lexer<'_>, name: &Spanned<String>) -> Result<(), SceneError> {
-        let names = || self.textures.iter().map(String::as_str);
+        let names = || self.texture_names.iter().map(String::as_str);
         let help = "write numbers, or define it ahead of the Materials: `Textures { Checker name { … } }`";
         check_name_exists(lexer, "texture", name, names, help.to_owned())
     }
@@ -94,8 +94,8 @@ impl ParserScope<'_> {
         name: &Spanned<String>,
         position: &str,
     ) -> Result<(), SceneError> {
-        let names = || self.media.iter().map(String::as_str);
-        let help = if self.media.is_empty() {
+        let names = || self.medium_names.iter().map(String::as_str);
+        let help = if self.medium_names.is_empty() {
             format!("define it {position}: `Media {{ Medium name {{ … }} }}`")
         } else {
             let listed: Vec<String> = names().take(8).map(clip_for_message).collect();

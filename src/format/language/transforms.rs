@@ -83,7 +83,7 @@ fn parse_steps_before_object<'a>(
 ) -> Result<Token<'a>, SceneError> {
     let name = keyword.text;
     loop {
-        match parser.next_word()? {
+        match parser.next_word_or_close()? {
             None => {
                 let allows_shapes = allowed.contains(&"Sphere");
                 let what = if allows_shapes { "object" } else { "camera or light" };
@@ -107,7 +107,7 @@ pub(in crate::format) fn parse_transform_steps<'a>(
 ) -> Result<Vec<TransformStep>, SceneError> {
     let mut steps = Vec::new();
     parser.open_block(keyword)?;
-    while let Some(word) = parser.next_word()? {
+    while let Some(word) = parser.next_word_or_close()? {
         if !STEP_KEYWORDS.contains(&word.text) {
             return Err(parser.unexpected_word_error(word, &STEP_KEYWORDS));
         }
@@ -120,12 +120,12 @@ pub(in crate::format) fn parse_transform_steps<'a>(
 /// Parses the `}` after the object of a `Transform` or `Moving` block.
 #[inline(never)]
 fn close_transform<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<(), SceneError> {
-    if let Some(word) = parser.next_word()? {
+    if let Some(word) = parser.next_word_or_close()? {
         let message = format!("unexpected `{}` after the object of `{}`", clip_for_message(word.text), keyword.text);
         let help = "maps stand before the object; put several objects into a Group".to_owned();
         return Err(parser.lexer.error_at(word.span(), message, "`}` belongs here", help));
     }
-    parser.leave_nested_block();
+    parser.decrement_nesting_depth();
     Ok(())
 }
 
@@ -141,14 +141,15 @@ fn check_not_singular<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[Tran
 /// Fails if one of `steps` cannot be animated: a matrix, or a scale of 0 or below.
 #[inline(never)]
 fn check_motion_steps<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[TransformStep]) -> Result<(), SceneError> {
-    const FLAT: (&str, &str) = ("a scale of 0 or below", "a motion cannot go through flat: scale by more than 0");
+    const FLAT_SCALE_ERROR: (&str, &str) =
+        ("a scale of 0 or below", "a motion cannot go through flat: scale by more than 0");
     for step in steps {
         let (what, help) = match *step {
             TransformStep::Matrix(_) => {
                 ("a matrix", "write Translate, Rotate and Scale instead, or put it into a Transform inside")
             }
-            TransformStep::Scale(s) if s.min_element() <= 0.0 => FLAT,
-            TransformStep::UniformScale(s) if s <= 0.0 => FLAT,
+            TransformStep::Scale(s) if s.min_element() <= 0.0 => FLAT_SCALE_ERROR,
+            TransformStep::UniformScale(s) if s <= 0.0 => FLAT_SCALE_ERROR,
             TransformStep::Scale(_)
             | TransformStep::UniformScale(_)
             | TransformStep::Translate(_)

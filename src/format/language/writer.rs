@@ -12,7 +12,7 @@ use crate::format::textured_value::TexturedValue;
 /// Writer of indented lines of scene text.
 pub(in crate::format) struct SceneWriter<'f, 'a> {
     out: &'f mut Formatter<'a>,
-    depth: usize,
+    indent_depth: usize,
     /// Schema of the last started block that has a schema.
     ///
     /// Debug builds check that this schema has each field that is written.
@@ -22,26 +22,26 @@ pub(in crate::format) struct SceneWriter<'f, 'a> {
 impl<'f, 'a> SceneWriter<'f, 'a> {
     /// Returns a writer at the left margin.
     pub fn new(out: &'f mut Formatter<'a>) -> Self {
-        Self { out, depth: 0, block: None }
+        Self { out, indent_depth: 0, block: None }
     }
 }
 
 impl SceneWriter<'_, '_> {
     /// Writes one line at the current indent.
     pub fn write_line(&mut self, text: impl Display) -> Result {
-        writeln!(self.out, "{:1$}{text}", "", 4 * self.depth)
+        writeln!(self.out, "{:1$}{text}", "", 4 * self.indent_depth)
     }
 
     /// Writes `keyword {`, and indents the lines that follow.
     pub fn begin_block(&mut self, keyword: impl Display) -> Result {
         self.write_line(format_args!("{keyword} {{"))?;
-        self.depth += 1;
+        self.indent_depth += 1;
         Ok(())
     }
 
     /// Reduces the indent, and writes the `}` of a block.
     pub fn end_block(&mut self) -> Result {
-        self.depth -= 1;
+        self.indent_depth -= 1;
         self.write_line("}")
     }
 
@@ -80,7 +80,7 @@ impl SceneWriter<'_, '_> {
     }
 
     /// Writes the field `name` with the name or path `value`.
-    pub fn write_name(&mut self, name: &str, value: &str) -> Result {
+    pub fn write_name_field(&mut self, name: &str, value: &str) -> Result {
         self.write_field(name, QuotedIfNeeded(value))
     }
 
@@ -92,22 +92,22 @@ impl SceneWriter<'_, '_> {
     /// Writes the field `name` with a color, or with the name of a texture.
     pub fn write_color_or_texture(&mut self, name: &str, value: &TexturedValue<DVec3>) -> Result {
         match value {
-            TexturedValue::Plain(value) => self.write_vec3(name, *value),
-            TexturedValue::Texture(texture) => self.write_texture_name(name, texture),
+            TexturedValue::Constant(value) => self.write_vec3(name, *value),
+            TexturedValue::Texture(texture) => self.write_texture_name_field(name, texture),
         }
     }
 
     /// Writes the field `name` with a number, or with the name of a texture.
     pub fn write_number_or_texture(&mut self, name: &str, value: &TexturedValue<f64>) -> Result {
         match value {
-            TexturedValue::Plain(value) => self.write_number(name, *value),
-            TexturedValue::Texture(texture) => self.write_texture_name(name, texture),
+            TexturedValue::Constant(value) => self.write_number(name, *value),
+            TexturedValue::Texture(texture) => self.write_texture_name_field(name, texture),
         }
     }
 
     /// Writes the field `name` with the name of a texture. The field is one that also accepts
     /// numbers.
-    pub fn write_texture_name(&mut self, name: &str, texture: &Spanned<String>) -> Result {
+    pub fn write_texture_name_field(&mut self, name: &str, texture: &Spanned<String>) -> Result {
         self.write_field(name, QuotedUnlessIdentifier(texture))
     }
 

@@ -93,7 +93,7 @@ static RECTANGLE: BlockSchema =
 
 impl AreaLightStrength {
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        f.require_color_variant(&[("radiance", Self::Radiance), ("power", Self::Power)])
+        f.require_one_color_field(&[("radiance", Self::Radiance), ("power", Self::Power)])
     }
 
     fn write(self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -109,7 +109,11 @@ impl LightBlock for SphereLightDescription {
     const IS_INFINITE: bool = false;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { center: f.value("center")?, radius: f.value("radius")?, strength: AreaLightStrength::parse(f)? })
+        Ok(Self {
+            center: f.value_or_default("center")?,
+            radius: f.value_or_default("radius")?,
+            strength: AreaLightStrength::parse(f)?,
+        })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -134,9 +138,9 @@ impl LightBlock for DiscLightDescription {
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         Ok(Self {
-            center: f.value("center")?,
-            normal: f.value("normal")?,
-            radius: f.value("radius")?,
+            center: f.value_or_default("center")?,
+            normal: f.value_or_default("normal")?,
+            radius: f.value_or_default("radius")?,
             strength: AreaLightStrength::parse(f)?,
         })
     }

@@ -6,7 +6,7 @@ use crate::format::language::schema::{FieldKind, FieldSchema, field_schema};
 use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::{Resolver, rgb};
 use crate::math::Motion;
-use crate::scene::{DeltaLightKind, LightStrength};
+use crate::scene::{LightStrength, UnscaledDeltaLight};
 use glam::DVec3;
 use std::fmt;
 
@@ -15,7 +15,7 @@ use std::fmt;
 pub enum PointLightStrength {
     /// Color in the shading model of MIT course 6.837, where light does not fall off with
     /// distance.
-    Color(DVec3),
+    LegacyColor(DVec3),
     /// Radiant intensity in W/sr.
     Intensity(DVec3),
     /// Radiant flux in W.
@@ -29,7 +29,7 @@ pub(super) static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
         FieldKind::Color,
         "color of MIT course 6.837, without distance falloff; give one of the three",
     )
-    .mark_as_course_syntax(),
+    .mark_as_mit_6837_syntax(),
     field_schema("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").with_unit("W/sr"),
     field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
 ];
@@ -45,18 +45,22 @@ pub(super) static PATTERN_STRENGTH_FIELDS: &[FieldSchema] = &[
 impl PointLightStrength {
     /// Parses the strength of a point light or spotlight.
     pub(super) fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        f.require_color_variant(&[("color", Self::Color), ("intensity", Self::Intensity), ("power", Self::Power)])
+        f.require_one_color_field(&[
+            ("color", Self::LegacyColor),
+            ("intensity", Self::Intensity),
+            ("power", Self::Power),
+        ])
     }
 
     /// Parses the strength of a projector or goniometric light.
-    pub(super) fn parse_of_pattern(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        f.require_color_variant(&[("intensity", Self::Intensity), ("power", Self::Power)])
+    pub(super) fn parse_pattern_strength(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        f.require_one_color_field(&[("intensity", Self::Intensity), ("power", Self::Power)])
     }
 
     /// Writes the field that states the strength.
     pub(super) fn write(self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         match self {
-            Self::Color(c) => out.write_vec3("color", c),
+            Self::LegacyColor(c) => out.write_vec3("color", c),
             Self::Intensity(c) => out.write_vec3("intensity", c),
             Self::Power(c) => out.write_vec3("power", c),
         }
@@ -65,7 +69,7 @@ impl PointLightStrength {
     /// Returns the strength in single precision.
     pub(super) fn resolve(self) -> LightStrength {
         match self {
-            Self::Color(c) => LightStrength::LegacyColor(rgb(c)),
+            Self::LegacyColor(c) => LightStrength::LegacyColor(rgb(c)),
             Self::Intensity(i) => LightStrength::Physical(rgb(i)),
             Self::Power(w) => LightStrength::Power(rgb(w)),
         }
@@ -74,7 +78,12 @@ impl PointLightStrength {
 
 /// Adds a light without area to the scene. Its `motion` rotates and scales it about its own
 /// position.
-pub(super) fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
+pub(super) fn add_delta_light(
+    r: &mut Resolver<'_>,
+    kind: UnscaledDeltaLight,
+    strength: LightStrength,
+    motion: &Motion,
+) {
     if motion.is_constant() {
         r.builder.add_delta_light(kind, strength);
     } else {

@@ -9,7 +9,7 @@ use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::{Resolver, rgb};
 use crate::format::span::Span;
 use crate::math::Motion;
-use crate::scene::{DeltaLightKind, LightStrength};
+use crate::scene::{LightStrength, UnscaledDeltaLight};
 use glam::DVec3;
 use std::fmt;
 
@@ -26,7 +26,7 @@ pub struct DirectionalLightDescription {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionalLightStrength {
     /// Color in the shading model of MIT course 6.837.
-    Color(DVec3),
+    LegacyColor(DVec3),
     /// Irradiance in W/m² of a surface perpendicular to the light.
     Irradiance(DVec3),
 }
@@ -35,39 +35,39 @@ static DIRECTIONAL: BlockSchema = block_schema("DirectionalLight", "parallel lig
     .with_fields(&[
         field_schema("direction", FieldKind::Direction, "direction in which the light travels")
             .make_required()
-            .mark_as_course_syntax(),
+            .mark_as_mit_6837_syntax(),
         field_schema("color", FieldKind::Color, "color of MIT course 6.837; give this or `irradiance`")
-            .mark_as_course_syntax(),
+            .mark_as_mit_6837_syntax(),
         field_schema("irradiance", FieldKind::Color, "irradiance of a surface that faces the light").with_unit("W/m²"),
     ])
-    .mark_as_course_syntax();
+    .mark_as_mit_6837_syntax();
 
 impl LightBlock for DirectionalLightDescription {
     const BLOCK: &'static BlockSchema = &DIRECTIONAL;
     const IS_INFINITE: bool = true;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let strength = f.require_color_variant(&[
-            ("color", DirectionalLightStrength::Color),
+        let strength = f.require_one_color_field(&[
+            ("color", DirectionalLightStrength::LegacyColor),
             ("irradiance", DirectionalLightStrength::Irradiance),
         ])?;
-        Ok(Self { direction: f.value("direction")?, strength })
+        Ok(Self { direction: f.value_or_default("direction")?, strength })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         out.write_vec3("direction", self.direction)?;
         match self.strength {
-            DirectionalLightStrength::Color(c) => out.write_vec3("color", c),
+            DirectionalLightStrength::LegacyColor(c) => out.write_vec3("color", c),
             DirectionalLightStrength::Irradiance(c) => out.write_vec3("irradiance", c),
         }
     }
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
         let strength = match self.strength {
-            DirectionalLightStrength::Color(c) => LightStrength::LegacyColor(rgb(c)),
+            DirectionalLightStrength::LegacyColor(c) => LightStrength::LegacyColor(rgb(c)),
             DirectionalLightStrength::Irradiance(e) => LightStrength::Physical(rgb(e)),
         };
-        add_delta_light(r, DeltaLightKind::Directional { direction: self.direction }, strength, motion);
+        add_delta_light(r, UnscaledDeltaLight::Directional { direction: self.direction }, strength, motion);
         Ok(())
     }
 

@@ -55,14 +55,18 @@ impl LightBlock for EnvironmentRadiance {
             f.forbid_fields(&["scale", "rotate"], "has no effect without `file`")?;
             return Ok(Self::Constant(radiance.value()));
         }
-        Ok(Self::Picture { path: radiance.value(), scale: f.value("scale")?, rotate: f.value("rotate")? })
+        Ok(Self::Picture {
+            path: radiance.value(),
+            scale: f.value_or_default("scale")?,
+            rotate: f.value_or_default("rotate")?,
+        })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         match self {
             Self::Constant(radiance) => out.write_vec3("radiance", *radiance),
             Self::Picture { path, scale, rotate } => {
-                out.write_name("file", path)?;
+                out.write_name_field("file", path)?;
                 out.write_number("scale", *scale)?;
                 out.write_number("rotate", *rotate)
             }
@@ -74,7 +78,7 @@ impl LightBlock for EnvironmentRadiance {
             Self::Constant(radiance) => EnvironmentLight::with_constant_radiance(rgb(*radiance))
                 .map_err(|e| r.error_at(span, &e.to_string(), "give a radiance that single precision can hold"))?,
             Self::Picture { path, scale, rotate } => {
-                let map = r.read_picture(path, PixelMeaning::Radiance)?;
+                let map = r.read_picture(path, PixelMeaning::Color)?;
                 EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
                     .map_err(|e| r.file_error(path, &e, "repair the picture, or scale it less"))?
             }

@@ -13,7 +13,7 @@ use crate::format::span::{Span, Spanned};
 use crate::image::PixelMeaning;
 use crate::light::{EquirectangularMap, IntensityPattern, OrientedPointLight, map_from_intensity_profile};
 use crate::math::Motion;
-use crate::scene::DeltaLightKind;
+use crate::scene::UnscaledDeltaLight;
 use std::fmt;
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub struct GoniometricLightDescription {
     pub pose: LightPose,
     /// Intensity in each direction, relative to `strength`.
     pub distribution: IntensityDistribution,
-    /// Intensity where the distribution is 1, or flux. [`PointLightStrength::Color`] is not
+    /// Intensity where the distribution is 1, or flux. [`PointLightStrength::LegacyColor`] is not
     /// allowed.
     pub strength: PointLightStrength,
 }
@@ -35,9 +35,9 @@ pub struct GoniometricLightDescription {
 #[derive(Clone, Debug, PartialEq)]
 pub enum IntensityDistribution {
     /// Path of an equirectangular picture of the intensity in all directions.
-    Map(Spanned<String>),
+    MapFile(Spanned<String>),
     /// Path of a text file that lists the intensity by the angle from the light's axis.
-    Profile(Spanned<String>),
+    ProfileFile(Spanned<String>),
 }
 
 static GONIOMETRIC: BlockSchema =
@@ -64,15 +64,16 @@ impl LightBlock for GoniometricLightDescription {
         let file = f.require_one_field_of(&["file", "profile"])?;
         let path = file.value();
         let is_map = file.name() == "file";
-        let distribution = if is_map { IntensityDistribution::Map(path) } else { IntensityDistribution::Profile(path) };
-        Ok(Self { pose: LightPose::parse(f)?, distribution, strength: PointLightStrength::parse_of_pattern(f)? })
+        let distribution =
+            if is_map { IntensityDistribution::MapFile(path) } else { IntensityDistribution::ProfileFile(path) };
+        Ok(Self { pose: LightPose::parse(f)?, distribution, strength: PointLightStrength::parse_pattern_strength(f)? })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         self.pose.write(out)?;
         match &self.distribution {
-            IntensityDistribution::Map(path) => out.write_name("file", path)?,
-            IntensityDistribution::Profile(path) => out.write_name("profile", path)?,
+            IntensityDistribution::MapFile(path) => out.write_name_field("file", path)?,
+            IntensityDistribution::ProfileFile(path) => out.write_name_field("profile", path)?,
         }
         self.strength.write(out)
     }
@@ -80,25 +81,25 @@ impl LightBlock for GoniometricLightDescription {
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
         let (direction, up) = self.pose.direction_and_up();
         let (map, direction, up) = match &self.distribution {
-            IntensityDistribution::Map(path) => {
-                let map = EquirectangularMap::new(r.read_picture(path, PixelMeaning::Radiance)?, Rgb::ONE);
+            IntensityDistribution::MapFile(path) => {
+                let map = EquirectangularMap::new(r.read_picture(path, PixelMeaning::Color)?, Rgb::ONE);
                 (map.map_err(|e| r.file_error(path, &e, "repair the picture or name another"))?, direction, up)
             }
             // The intensity map of a profile is symmetric about its up direction. So `up` is the
             // light's axis.
-            IntensityDistribution::Profile(path) => {
+            IntensityDistribution::ProfileFile(path) => {
                 (read_profile_as_map(r, path)?, direction.any_orthogonal_vector(), direction)
             }
         };
         let pattern = IntensityPattern::Map(Arc::new(map));
         let source = OrientedPointLight { position: self.pose.position, direction, up, pattern };
-        add_delta_light(r, DeltaLightKind::Oriented(source), self.strength.resolve(), motion);
+        add_delta_light(r, UnscaledDeltaLight::Oriented(source), self.strength.resolve(), motion);
         Ok(())
     }
 
     fn file_path_mut(&mut self) -> Option<&mut String> {
         match &mut self.distribution {
-            IntensityDistribution::Map(path) | IntensityDistribution::Profile(path) => Some(&mut path.value),
+            IntensityDistribution::MapFile(path) | IntensityDistribution::ProfileFile(path) => Some(&mut path.value),
         }
     }
 }

@@ -139,7 +139,7 @@ macro_rules! light_kinds {
             match &light.value {
                 $(LightDescription::$kind(kind) => kind.add(r, motion, light.span),)*
                 LightDescription::Moving { steps, light } => {
-                    let motion = motion.preceded_by_steps(steps.iter().map(TransformStep::motion_step));
+                    let motion = motion.preceded_by_factors(steps.iter().map(TransformStep::motion_factor));
                     add_light(r, light, &motion)
                 }
             }
@@ -171,7 +171,7 @@ light_kinds! {
 
 impl LightDescription {
     /// Returns the light inside all [`LightDescription::Moving`] that wrap `light`.
-    pub(super) fn inside_motions(mut light: &Spanned<Self>) -> &Spanned<Self> {
+    pub(super) fn innermost_light(mut light: &Spanned<Self>) -> &Spanned<Self> {
         while let Self::Moving { light: inner, .. } = &light.value {
             light = inner;
         }

@@ -27,13 +27,13 @@ pub(super) static ORIENTATION_FIELDS: &[FieldSchema] = &[
     field_schema("direction", FieldKind::Direction, "axis of the light; give this or `lookAt`"),
     field_schema("lookAt", FieldKind::Point, "point on the axis of the light"),
     field_schema("up", FieldKind::Direction, "upper side of the picture")
-        .with_default_description("0 1 0, or 0 0 -1 for a vertical axis"),
+        .make_optional("0 1 0, or 0 0 -1 for a vertical axis"),
 ];
 
 impl LightPose {
     /// Parses position and orientation. The field `up` must not be parallel to the axis.
     pub(super) fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let position = f.value("position")?;
+        let position = f.value_or_default("position")?;
         let (aim, direction) = parse_direction_or_target(f, "position", position)?;
         let up: Option<DVec3> = f.optional_value("up");
         if let (Some(field), Some(up)) = (f.get("up"), up) {

@@ -9,7 +9,7 @@ use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::Resolver;
 use crate::format::span::Span;
 use crate::math::Motion;
-use crate::scene::DeltaLightKind;
+use crate::scene::UnscaledDeltaLight;
 use glam::DVec3;
 use std::fmt;
 
@@ -23,16 +23,16 @@ pub struct PointLightDescription {
 }
 
 static POINT: BlockSchema = block_schema("PointLight", "point light, equal in all directions")
-    .with_fields(&[field_schema("position", FieldKind::Point, "position").make_required().mark_as_course_syntax()])
+    .with_fields(&[field_schema("position", FieldKind::Point, "position").make_required().mark_as_mit_6837_syntax()])
     .with_shared_fields(&[POINT_STRENGTH_FIELDS])
-    .mark_as_course_syntax();
+    .mark_as_mit_6837_syntax();
 
 impl LightBlock for PointLightDescription {
     const BLOCK: &'static BlockSchema = &POINT;
     const IS_INFINITE: bool = false;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { position: f.value("position")?, strength: PointLightStrength::parse(f)? })
+        Ok(Self { position: f.value_or_default("position")?, strength: PointLightStrength::parse(f)? })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -41,7 +41,7 @@ impl LightBlock for PointLightDescription {
     }
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
-        add_delta_light(r, DeltaLightKind::Point { position: self.position }, self.strength.resolve(), motion);
+        add_delta_light(r, UnscaledDeltaLight::Point { position: self.position }, self.strength.resolve(), motion);
         Ok(())
     }
 

@@ -12,7 +12,7 @@ use crate::format::span::{Span, Spanned};
 use crate::image::PixelMeaning;
 use crate::light::{IntensityPattern, OrientedPointLight, ProjectedPicture};
 use crate::math::Motion;
-use crate::scene::DeltaLightKind;
+use crate::scene::UnscaledDeltaLight;
 use std::fmt;
 use std::sync::Arc;
 
@@ -22,17 +22,18 @@ pub struct ProjectorLightDescription {
     /// Position and orientation of the light.
     pub pose: LightPose,
     /// Full vertical angle of view \[degrees], inside (0, 180).
-    pub angle: f64,
+    pub vertical_fov_degrees: f64,
     /// Path of the picture as the text writes it: not empty, without line breaks.
     pub path: Spanned<String>,
-    /// Intensity where the picture is 1, or flux. [`PointLightStrength::Color`] is not allowed.
+    /// Intensity where the picture is 1, or flux. [`PointLightStrength::LegacyColor`] is not
+    /// allowed.
     pub strength: PointLightStrength,
 }
 
 static PROJECTOR: BlockSchema = block_schema("ProjectorLight", "pinhole that projects a picture")
     .with_fields(&[
         field_schema("angle", FieldKind::Number, "full vertical angle of the picture")
-            .with_range(FieldRange::Between(0.0, 180.0))
+            .with_range(FieldRange::OpenInterval(0.0, 180.0))
             .make_required()
             .with_unit("degrees"),
         field_schema("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").make_required(),
@@ -44,26 +45,32 @@ impl LightBlock for ProjectorLightDescription {
     const IS_INFINITE: bool = false;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let (path, angle) = (f.value("file")?, f.value("angle")?);
-        Ok(Self { pose: LightPose::parse(f)?, angle, path, strength: PointLightStrength::parse_of_pattern(f)? })
+        let (path, angle) = (f.value_or_default("file")?, f.value_or_default("angle")?);
+        Ok(Self {
+            pose: LightPose::parse(f)?,
+            vertical_fov_degrees: angle,
+            path,
+            strength: PointLightStrength::parse_pattern_strength(f)?,
+        })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         self.pose.write(out)?;
-        out.write_number("angle", self.angle)?;
-        out.write_name("file", &self.path)?;
+        out.write_number("angle", self.vertical_fov_degrees)?;
+        out.write_name_field("file", &self.path)?;
         self.strength.write(out)
     }
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
         let path = &self.path;
-        let picture = ProjectedPicture::new(r.read_picture(path, PixelMeaning::Radiance)?, self.angle.to_radians());
+        let picture =
+            ProjectedPicture::new(r.read_picture(path, PixelMeaning::Color)?, self.vertical_fov_degrees.to_radians());
         let picture = picture.map_err(|e| r.file_error(path, &e, "repair the picture or name another"))?;
         let black = || r.file_error(path, &"the picture is black", "name a picture with light in it");
         let pattern = IntensityPattern::ProjectedPicture(Arc::new(picture.ok_or_else(black)?));
         let (direction, up) = self.pose.direction_and_up();
         let source = OrientedPointLight { position: self.pose.position, direction, up, pattern };
-        add_delta_light(r, DeltaLightKind::Oriented(source), self.strength.resolve(), motion);
+        add_delta_light(r, UnscaledDeltaLight::Oriented(source), self.strength.resolve(), motion);
         Ok(())
     }
 

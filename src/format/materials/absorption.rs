@@ -2,7 +2,7 @@
 
 use crate::format::error::SceneError;
 use crate::format::language::fields::BlockFields;
-use crate::format::language::schema::MAX_COEFFICIENT;
+use crate::format::language::schema::MAX_MEDIUM_COEFFICIENT;
 use crate::format::language::writer::SceneWriter;
 use glam::DVec3;
 use std::fmt;
@@ -45,9 +45,9 @@ pub(super) fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<Dielect
             .optional_value("absorption")
             .map_or(DielectricAbsorption::None, DielectricAbsorption::Coefficient));
     };
-    let attenuation = DielectricAbsorption::Tint { color, distance: f.value("tintDistance")? };
+    let attenuation = DielectricAbsorption::Tint { color, distance: f.value_or_default("tintDistance")? };
     if let Some(field) = f.get("tintDistance") {
-        let is_valid = attenuation.absorption_coefficient().max_element() <= MAX_COEFFICIENT;
+        let is_valid = attenuation.absorption_coefficient().max_element() <= MAX_MEDIUM_COEFFICIENT;
         field.ensure_valid(is_valid, "must be longer: over it, `tint` is an absorption above 1e12")?;
     }
     Ok(attenuation)

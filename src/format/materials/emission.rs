@@ -5,7 +5,7 @@ use crate::format::error::SceneError;
 use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{FieldKind, FieldRange, FieldSchema, field_schema};
 use crate::format::language::writer::SceneWriter;
-use crate::format::resolve::textures::{ANY_TEXTURE_VALUE, TextureRequirements};
+use crate::format::resolve::textures::{NON_NEGATIVE_TEXTURE_RANGE, TextureRequirements};
 use crate::format::resolve::{MaterialEmission, Resolver, rgb};
 use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
@@ -29,7 +29,7 @@ pub enum EmissionDescription {
 /// Fields for the emission of a material.
 pub(super) static EMISSION_FIELDS: &[FieldSchema] = &[
     field_schema("emission", FieldKind::ColorOrTexture, "emitted radiance; not for `Clear`")
-        .with_default_description("0 0 0")
+        .make_optional("0 0 0")
         .with_unit("W/(m² sr)"),
     field_schema("emissionScale", FieldKind::Number, "with a texture as `emission`: factor of its values")
         .with_range(FieldRange::NonNegative)
@@ -41,9 +41,9 @@ impl EmissionDescription {
     pub(super) fn parse(f: &BlockFields<'_>) -> Result<Option<Self>, SceneError> {
         let radiance = match f.optional_value("emission") {
             Some(TexturedValue::Texture(name)) => {
-                return Ok(Some(Self::Texture { name, scale: f.value("emissionScale")? }));
+                return Ok(Some(Self::Texture { name, scale: f.value_or_default("emissionScale")? }));
             }
-            Some(TexturedValue::Plain(radiance)) => Some(Self::Radiance(radiance)),
+            Some(TexturedValue::Constant(radiance)) => Some(Self::Radiance(radiance)),
             None => None,
         };
         f.forbid_fields(&["emissionScale"], "has no effect without a texture as `emission`")?;
@@ -55,7 +55,7 @@ impl EmissionDescription {
         match self {
             Self::Radiance(radiance) => out.write_vec3("emission", *radiance),
             Self::Texture { name, scale } => {
-                out.write_texture_name("emission", name)?;
+                out.write_texture_name_field("emission", name)?;
                 out.write_number("emissionScale", *scale)
             }
         }
@@ -80,7 +80,7 @@ impl EmissionDescription {
         match self {
             Self::Radiance(radiance) => Ok(MaterialEmission { radiance: rgb(*radiance), texture: None }),
             Self::Texture { name, scale } => {
-                let texture = r.texture_by_name(name, &ANY_TEXTURE_VALUE)?;
+                let texture = r.texture_by_name(name, &NON_NEGATIVE_TEXTURE_RANGE)?;
                 requirements.add_texture_requirements(&texture);
                 let scale = Rgb::splat(*scale as f32);
                 Ok(MaterialEmission { radiance: texture.mean * scale, texture: Some((texture.index, scale)) })

@@ -12,18 +12,18 @@ use super::mix::{check_mix_components, parse_mix_component};
 use super::normals::NORMAL_PERTURBATION_FIELDS;
 use super::references::material_index;
 use super::refraction::{
-    INDEX_FIELD, MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, RefractiveIndexDescription, add_refractive_index,
-    parse_refraction, write_refraction,
+    INDEX_FIELD, MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, RefractiveIndexDescription, parse_refraction,
+    resolve_refractive_index, write_refraction,
 };
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::error::SceneError;
 use crate::format::language::fields::BlockFields;
 use crate::format::language::parser::Parser;
 use crate::format::language::schema::{
-    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_COEFFICIENT, block_schema, field_schema,
+    BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_MEDIUM_COEFFICIENT, block_schema, field_schema,
 };
 use crate::format::language::writer::SceneWriter;
-use crate::format::resolve::textures::{ANY_TEXTURE_VALUE, TextureRequirements};
+use crate::format::resolve::textures::{NON_NEGATIVE_TEXTURE_RANGE, TextureRequirements};
 use crate::format::resolve::{Resolver, rgb};
 use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
@@ -61,7 +61,7 @@ trait MaterialBlock: Sized {
 
     /// Returns the field that may be the name of a texture or the path of a picture file; `None` if
     /// the field is absent, or if textured fields hold names only.
-    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>>;
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>>;
 }
 
 /// Body that a surface bounds.
@@ -145,9 +145,9 @@ macro_rules! material_kinds {
 
             /// Returns the field that may be the name of a texture or the path of a picture file;
             /// `None` if it is absent, or if textured fields hold names only.
-            pub(super) fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+            pub(super) fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
                 match self {
-                    $(Self::$kind(kind) => kind.texture_name_or_path_mut(),)*
+                    $(Self::$kind(kind) => kind.ambiguous_texture_reference_mut(),)*
                 }
             }
         }
@@ -168,7 +168,7 @@ material_kinds! {
     /// An opaque conductor.
     Conductor(ConductorDescription),
     /// A pane without thickness: light passes straight through or is reflected.
-    Thin(ThinDescription),
+    Thin(ThinDielectricDescription),
     /// A diffuse base under a dielectric coat, such as plastic.
     CoatedDiffuse(CoatedDiffuseDescription),
     /// Stochastic mix: one of two materials, chosen at random at each point.
@@ -195,9 +195,9 @@ impl MaterialKindDescription {
     }
 }
 
-const UNIT_RANGE: FieldRange = FieldRange::Within(0.0, 1.0);
-const TRANSMITTANCE_RANGE: FieldRange = FieldRange::UpTo(0.0, 1.0);
-const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
+const UNIT_RANGE: FieldRange = FieldRange::ClosedInterval(0.0, 1.0);
+const TRANSMITTANCE_RANGE: FieldRange = FieldRange::LeftOpenInterval(0.0, 1.0);
+const COEFFICIENT_RANGE: FieldRange = FieldRange::ClosedInterval(0.0, MAX_MEDIUM_COEFFICIENT);
 
 const ROUGHNESS_FIELD: FieldSchema = field_schema("roughness", FieldKind::NumberOrTexture, "GGX α; smooth below 0.001")
     .with_range(UNIT_RANGE)
@@ -206,8 +206,8 @@ const MULTIPLE_SCATTERING_FIELD: FieldSchema =
     field_schema("multipleScattering", FieldKind::Word(&["yes", "no"]), "`no`: light between microfacets is lost")
         .with_default_word("yes");
 const PRIORITY_FIELD: FieldSchema =
-    field_schema("priority", FieldKind::Whole, "where bodies overlap, the highest priority counts")
-        .with_range(FieldRange::Within(0.0, 255.0))
+    field_schema("priority", FieldKind::WholeNumber, "where bodies overlap, the highest priority counts")
+        .with_range(FieldRange::ClosedInterval(0.0, 255.0))
         .with_default_numbers(&[0.0]);
 
 /// The Phong model of MIT course 6.837.
@@ -228,21 +228,21 @@ static PHONG: BlockSchema = block_schema("PhongMaterial", "Phong's reflection mo
     .with_fields(&[
         field_schema("diffuseColor", FieldKind::ColorOrTexture, "diffuse reflectance kd")
             .with_default_numbers(&[1.0, 1.0, 1.0])
-            .mark_as_course_syntax(),
+            .mark_as_mit_6837_syntax(),
         field_schema("specularColor", FieldKind::ColorOrTexture, "specular coefficient ks")
             .with_default_numbers(&[0.0, 0.0, 0.0])
-            .mark_as_course_syntax(),
+            .mark_as_mit_6837_syntax(),
         field_schema("shininess", FieldKind::Number, "Phong exponent")
             .with_range(FieldRange::NonNegative)
             .with_default_numbers(&[0.0])
-            .mark_as_course_syntax(),
+            .mark_as_mit_6837_syntax(),
         field_schema("texture", FieldKind::Name, "texture or picture that `diffuseColor` is multiplied by")
-            .with_default_description("none")
-            .mark_as_course_syntax(),
+            .make_optional("none")
+            .mark_as_mit_6837_syntax(),
     ])
     .with_aliases(&["Material", "Phong"])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS])
-    .mark_as_course_syntax();
+    .mark_as_mit_6837_syntax();
 
 impl MaterialBlock for PhongDescription {
     const BLOCK: &'static BlockSchema = &PHONG;
@@ -250,9 +250,9 @@ impl MaterialBlock for PhongDescription {
 
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         Ok(Self {
-            diffuse: f.value("diffuseColor")?,
-            specular: f.value("specularColor")?,
-            shininess: f.value("shininess")?,
+            diffuse: f.value_or_default("diffuseColor")?,
+            specular: f.value_or_default("specularColor")?,
+            shininess: f.value_or_default("shininess")?,
             texture: f.optional_value("texture"),
         })
     }
@@ -261,12 +261,12 @@ impl MaterialBlock for PhongDescription {
         out.write_color_or_texture("diffuseColor", &self.diffuse)?;
         out.write_color_or_texture("specularColor", &self.specular)?;
         out.write_number("shininess", self.shininess)?;
-        self.texture.as_ref().map_or(Ok(()), |name| out.write_name("texture", name))
+        self.texture.as_ref().map_or(Ok(()), |name| out.write_name_field("texture", name))
     }
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let diffuse = r.resolve_phong_diffuse_parameter(&self.diffuse, self.texture.as_ref(), requirements)?;
-        let specular = r.resolve_color_parameter(&self.specular, &ANY_TEXTURE_VALUE, requirements)?;
+        let specular = r.resolve_color_parameter(&self.specular, &NON_NEGATIVE_TEXTURE_RANGE, requirements)?;
         Ok(Material::phong(diffuse, specular, self.shininess as f32))
     }
 
@@ -277,7 +277,7 @@ impl MaterialBlock for PhongDescription {
             .collect()
     }
 
-    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
         self.texture.as_mut()
     }
 }
@@ -300,7 +300,7 @@ impl MaterialBlock for DiffuseDescription {
     const BODY: BoundedBody = BoundedBody::None;
 
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
-        Ok(Self { reflectance: f.value("reflectance")? })
+        Ok(Self { reflectance: f.value_or_default("reflectance")? })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -315,7 +315,7 @@ impl MaterialBlock for DiffuseDescription {
         self.reflectance.texture_name().into_iter().collect()
     }
 
-    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
         None
     }
 }
@@ -338,7 +338,7 @@ impl MaterialBlock for MirrorDescription {
     const BODY: BoundedBody = BoundedBody::None;
 
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
-        Ok(Self { reflectance: f.value("reflectance")? })
+        Ok(Self { reflectance: f.value_or_default("reflectance")? })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -353,7 +353,7 @@ impl MaterialBlock for MirrorDescription {
         self.reflectance.texture_name().into_iter().collect()
     }
 
-    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
         None
     }
 }
@@ -364,11 +364,11 @@ pub struct DielectricDescription {
     /// Index of refraction of the body.
     pub refraction: RefractiveIndexDescription,
     /// Absorption inside the body.
-    pub attenuation: DielectricAbsorption,
+    pub absorption: DielectricAbsorption,
     /// GGX α, inside [0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
     /// False if light that several microfacets scatter is lost, as in pbrt-v4 and Mitsuba 3.
-    pub multiple_scattering: bool,
+    pub has_multiple_scattering: bool,
     /// Priority where bodies overlap (Schmidt and Budge 2002): the highest wins. Among equal
     /// priorities, the body that was entered last wins.
     pub priority: u8,
@@ -379,18 +379,22 @@ static DIELECTRIC: BlockSchema = block_schema("Dielectric", "boundary of a body 
         INDEX_FIELD,
         field_schema("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
             .with_range(FieldRange::Positive)
-            .with_default_description("none: no dispersion"),
+            .make_optional("none: no dispersion"),
         field_schema("glass", FieldKind::Name, "instead of `indexOfRefraction`: a glass by name"),
-        field_schema("cauchy", FieldKind::Numbers, "instead of `indexOfRefraction`: Cauchy's equation; C is optional")
-            .with_range(FieldRange::Special("A, B \\[µm²], C \\[µm⁴]")),
-        field_schema("sellmeierB", FieldKind::Numbers, "instead of `indexOfRefraction`: Sellmeier's equation")
-            .with_range(FieldRange::Special("1 to 4")),
-        field_schema("sellmeierC", FieldKind::Numbers, "squared resonance wavelengths for `sellmeierB`")
-            .with_range(FieldRange::Special("1 to 4"))
+        field_schema(
+            "cauchy",
+            FieldKind::NumberList,
+            "instead of `indexOfRefraction`: Cauchy's equation; C is optional",
+        )
+        .with_range(FieldRange::DescribedOnly("A, B \\[µm²], C \\[µm⁴]")),
+        field_schema("sellmeierB", FieldKind::NumberList, "instead of `indexOfRefraction`: Sellmeier's equation")
+            .with_range(FieldRange::DescribedOnly("1 to 4")),
+        field_schema("sellmeierC", FieldKind::NumberList, "squared resonance wavelengths for `sellmeierB`")
+            .with_range(FieldRange::DescribedOnly("1 to 4"))
             .with_unit("µm²"),
         field_schema("absorption", FieldKind::Color, "absorption coefficient of the inside")
             .with_range(COEFFICIENT_RANGE)
-            .with_default_description("0 0 0")
+            .make_optional("0 0 0")
             .with_unit("1/length"),
         field_schema("tint", FieldKind::Color, "instead of `absorption`: transmittance over `tintDistance`")
             .with_range(TRANSMITTANCE_RANGE),
@@ -401,7 +405,7 @@ static DIELECTRIC: BlockSchema = block_schema("Dielectric", "boundary of a body 
         ROUGHNESS_FIELD,
         MULTIPLE_SCATTERING_FIELD,
         PRIORITY_FIELD,
-        field_schema("medium", FieldKind::Name, "medium that fills the body").with_default_description("none"),
+        field_schema("medium", FieldKind::Name, "medium that fills the body").make_optional("none"),
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
@@ -412,34 +416,34 @@ impl MaterialBlock for DielectricDescription {
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         Ok(Self {
             refraction: parse_refraction(f)?,
-            attenuation: parse_dielectric_absorption(f)?,
-            roughness: f.value("roughness")?,
-            multiple_scattering: f.field_word_or_default("multipleScattering")? == "yes",
-            priority: f.value::<u32>("priority")? as u8,
+            absorption: parse_dielectric_absorption(f)?,
+            roughness: f.value_or_default("roughness")?,
+            has_multiple_scattering: f.field_word_or_default("multipleScattering")? == "yes",
+            priority: f.value_or_default::<u32>("priority")? as u8,
         })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         write_refraction(out, &self.refraction)?;
-        write_dielectric_absorption(out, self.attenuation)?;
+        write_dielectric_absorption(out, self.absorption)?;
         out.write_number_or_texture("roughness", &self.roughness)?;
-        write_multiple_scattering(out, self.multiple_scattering)?;
+        write_multiple_scattering(out, self.has_multiple_scattering)?;
         out.write_field("priority", self.priority)
     }
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let roughness = r.resolve_fraction_parameter(&self.roughness, requirements)?;
-        let (index, glass) = add_refractive_index(r, &self.refraction)?;
-        let absorption = rgb(self.attenuation.absorption_coefficient());
+        let (index, glass) = resolve_refractive_index(r, &self.refraction)?;
+        let absorption = rgb(self.absorption.absorption_coefficient());
         let body = Body { absorption, priority: self.priority, glass, ..Body::new(index) };
-        Ok(with_scattering(Material::rough_boundary(body, roughness), self.multiple_scattering))
+        Ok(with_multiple_scattering(Material::rough_boundary(body, roughness), self.has_multiple_scattering))
     }
 
     fn texture_names(&self) -> Vec<&Spanned<String>> {
         self.roughness.texture_name().into_iter().collect()
     }
 
-    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
         None
     }
 }
@@ -453,7 +457,7 @@ pub struct NullInterfaceDescription {
 
 static NULL_INTERFACE: BlockSchema = block_schema("Clear", "null interface: boundary of a region without a surface")
     .with_fields(&[
-        field_schema("medium", FieldKind::Name, "medium that fills the region").with_default_description("none"),
+        field_schema("medium", FieldKind::Name, "medium that fills the region").make_optional("none"),
         PRIORITY_FIELD,
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
@@ -466,7 +470,7 @@ impl MaterialBlock for NullInterfaceDescription {
         let advice = "needs a surface, and `Clear` has none: ";
         f.forbid_fields(&["emission", "emissionScale"], &format!("{advice}give `emission` to its medium"))?;
         f.forbid_fields(&["bump", "bumpHeight", "normalMap"], &format!("{advice}leave it out"))?;
-        Ok(Self { priority: f.value::<u32>("priority")? as u8 })
+        Ok(Self { priority: f.value_or_default::<u32>("priority")? as u8 })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -482,7 +486,7 @@ impl MaterialBlock for NullInterfaceDescription {
         Vec::new()
     }
 
-    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
         None
     }
 }
@@ -495,16 +499,16 @@ pub struct ConductorDescription {
     /// GGX α, inside [0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
     /// False if light that several microfacets scatter is lost, as in pbrt-v4 and Mitsuba 3.
-    pub multiple_scattering: bool,
+    pub has_multiple_scattering: bool,
 }
 
 static CONDUCTOR: BlockSchema = block_schema("Conductor", "metal; opaque, reflects on both sides")
     .with_fields(&[
         field_schema("metal", FieldKind::Name, "a metal by name; give this, or `eta` and `k`"),
         field_schema("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
-            .with_range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
+            .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
         field_schema("k", FieldKind::Color, "k of the complex index")
-            .with_range(FieldRange::Within(0.0, MAX_REFRACTIVE_INDEX)),
+            .with_range(FieldRange::ClosedInterval(0.0, MAX_REFRACTIVE_INDEX)),
         ROUGHNESS_FIELD,
         MULTIPLE_SCATTERING_FIELD,
     ])
@@ -517,35 +521,35 @@ impl MaterialBlock for ConductorDescription {
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         Ok(Self {
             metal: parse_metal(f)?,
-            roughness: f.value("roughness")?,
-            multiple_scattering: f.field_word_or_default("multipleScattering")? == "yes",
+            roughness: f.value_or_default("roughness")?,
+            has_multiple_scattering: f.field_word_or_default("multipleScattering")? == "yes",
         })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         write_metal(out, &self.metal)?;
         out.write_number_or_texture("roughness", &self.roughness)?;
-        write_multiple_scattering(out, self.multiple_scattering)
+        write_multiple_scattering(out, self.has_multiple_scattering)
     }
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let (eta, k) = complex_refractive_index(r, &self.metal)?;
         let metal = Material::conductor(eta, k, r.resolve_fraction_parameter(&self.roughness, requirements)?);
-        Ok(with_scattering(metal, self.multiple_scattering))
+        Ok(with_multiple_scattering(metal, self.has_multiple_scattering))
     }
 
     fn texture_names(&self) -> Vec<&Spanned<String>> {
         self.roughness.texture_name().into_iter().collect()
     }
 
-    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
         None
     }
 }
 
 /// A pane without thickness: light passes straight through or is reflected.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ThinDescription {
+pub struct ThinDielectricDescription {
     /// Index of refraction relative to the surroundings.
     pub eta: f64,
     /// Transmittance of the pane's interior at normal incidence, inside (0, 1].
@@ -561,12 +565,12 @@ static THIN: BlockSchema = block_schema("Thin", "pane without thickness; the ind
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
-impl MaterialBlock for ThinDescription {
+impl MaterialBlock for ThinDielectricDescription {
     const BLOCK: &'static BlockSchema = &THIN;
     const BODY: BoundedBody = BoundedBody::None;
 
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
-        Ok(Self { eta: f.value("indexOfRefraction")?, transmittance: f.value("transmittance")? })
+        Ok(Self { eta: f.value_or_default("indexOfRefraction")?, transmittance: f.value_or_default("transmittance")? })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -583,7 +587,7 @@ impl MaterialBlock for ThinDescription {
         self.transmittance.texture_name().into_iter().collect()
     }
 
-    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
         None
     }
 }
@@ -599,7 +603,7 @@ pub struct CoatedDiffuseDescription {
     pub roughness: TexturedValue<f64>,
     /// True to account for color shifts by interreflection between coat and base, like `nonlinear`
     /// of Mitsuba's `plastic`.
-    pub nonlinear: bool,
+    pub is_nonlinear: bool,
 }
 
 static COATED_DIFFUSE: BlockSchema =
@@ -609,7 +613,7 @@ static COATED_DIFFUSE: BlockSchema =
                 .with_range(UNIT_RANGE)
                 .make_required(),
             field_schema("indexOfRefraction", FieldKind::Number, "index of the coat relative to the surroundings")
-                .with_range(FieldRange::Within(1.0, MAX_COAT_INDEX as f64))
+                .with_range(FieldRange::ClosedInterval(1.0, MAX_COAT_INDEX as f64))
                 .with_default_numbers(&[1.5]),
             ROUGHNESS_FIELD,
             field_schema(
@@ -628,10 +632,10 @@ impl MaterialBlock for CoatedDiffuseDescription {
 
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         Ok(Self {
-            reflectance: f.value("reflectance")?,
-            eta: f.value("indexOfRefraction")?,
-            roughness: f.value("roughness")?,
-            nonlinear: f.field_word_or_default("nonlinear")? == "yes",
+            reflectance: f.value_or_default("reflectance")?,
+            eta: f.value_or_default("indexOfRefraction")?,
+            roughness: f.value_or_default("roughness")?,
+            is_nonlinear: f.field_word_or_default("nonlinear")? == "yes",
         })
     }
 
@@ -639,20 +643,20 @@ impl MaterialBlock for CoatedDiffuseDescription {
         out.write_color_or_texture("reflectance", &self.reflectance)?;
         out.write_number("indexOfRefraction", self.eta)?;
         out.write_number_or_texture("roughness", &self.roughness)?;
-        out.write_field("nonlinear", if self.nonlinear { "yes" } else { "no" })
+        out.write_field("nonlinear", if self.is_nonlinear { "yes" } else { "no" })
     }
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let reflectance = r.resolve_reflectance_parameter(&self.reflectance, requirements)?;
         let roughness = r.resolve_fraction_parameter(&self.roughness, requirements)?;
-        Ok(Material::coated_diffuse(reflectance, self.eta as f32, roughness, self.nonlinear))
+        Ok(Material::coated_diffuse(reflectance, self.eta as f32, roughness, self.is_nonlinear))
     }
 
     fn texture_names(&self) -> Vec<&Spanned<String>> {
         [self.reflectance.texture_name(), self.roughness.texture_name()].into_iter().flatten().collect()
     }
 
-    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
         None
     }
 }
@@ -665,7 +669,7 @@ pub struct MixDescription {
     /// Name of the second material, which the scene file defines before the mix.
     pub second: Spanned<String>,
     /// Probability of the second material, inside [0, 1].
-    pub amount: TexturedValue<f64>,
+    pub second_probability: TexturedValue<f64>,
 }
 
 static MIX: BlockSchema = block_schema("Mix", "one of two materials at each point, chosen at random")
@@ -685,27 +689,27 @@ impl MaterialBlock for MixDescription {
     fn parse<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         let first = parse_mix_component(parser, f.require_field("first")?)?;
         let second = parse_mix_component(parser, f.require_field("second")?)?;
-        let amount = f.value("amount")?;
+        let amount = f.value_or_default("amount")?;
         check_mix_components(parser, f, &first, &second)?;
-        Ok(Self { first, second, amount })
+        Ok(Self { first, second, second_probability: amount })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.write_name("first", &self.first)?;
-        out.write_name("second", &self.second)?;
-        out.write_number_or_texture("amount", &self.amount)
+        out.write_name_field("first", &self.first)?;
+        out.write_name_field("second", &self.second)?;
+        out.write_number_or_texture("amount", &self.second_probability)
     }
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let (first, second) = (material_index(r, &self.first)?, material_index(r, &self.second)?);
-        Ok(Material::mix(first, second, r.resolve_fraction_parameter(&self.amount, requirements)?))
+        Ok(Material::mix(first, second, r.resolve_fraction_parameter(&self.second_probability, requirements)?))
     }
 
     fn texture_names(&self) -> Vec<&Spanned<String>> {
-        self.amount.texture_name().into_iter().collect()
+        self.second_probability.texture_name().into_iter().collect()
     }
 
-    fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
         None
     }
 }
@@ -717,6 +721,6 @@ fn write_multiple_scattering(out: &mut SceneWriter<'_, '_>, multiple_scattering:
 
 /// Returns `material`, with light that several microfacets scatter if `multiple_scattering` is
 /// true.
-fn with_scattering(material: Material, multiple_scattering: bool) -> Material {
-    if multiple_scattering { material } else { material.with_single_scattering() }
+fn with_multiple_scattering(material: Material, multiple_scattering: bool) -> Material {
+    if multiple_scattering { material } else { material.with_single_microfacet_scattering() }
 }

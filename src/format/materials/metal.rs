@@ -29,7 +29,7 @@ impl MetalDescription {
     /// Returns the conductor index η + ik, with each component clamped to the range that materials
     /// accept.
     #[must_use]
-    pub fn with_nearest_index(eta: DVec3, k: DVec3) -> Self {
+    pub fn with_clamped_index(eta: DVec3, k: DVec3) -> Self {
         let [least, greatest] = [MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX].map(DVec3::splat);
         Self::Index { eta: eta.clamp(least, greatest), k: k.clamp(DVec3::ZERO, greatest) }
     }
@@ -47,13 +47,13 @@ pub(super) fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, Scene
         // If both `metal` and `eta` are absent, this error names both.
         f.require_one_field_of(&["metal", "eta"])?;
     }
-    Ok(MetalDescription::Index { eta: f.value("eta")?, k: f.value("k")? })
+    Ok(MetalDescription::Index { eta: f.value_or_default("eta")?, k: f.value_or_default("k")? })
 }
 
 /// Writes the fields that state the complex index.
 pub(super) fn write_metal(out: &mut SceneWriter<'_, '_>, metal: &MetalDescription) -> fmt::Result {
     match metal {
-        MetalDescription::Named(name) => out.write_name("metal", name),
+        MetalDescription::Named(name) => out.write_name_field("metal", name),
         MetalDescription::Index { eta, k } => {
             out.write_vec3("eta", *eta)?;
             out.write_vec3("k", *k)

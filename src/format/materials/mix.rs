@@ -48,7 +48,8 @@ pub(super) fn check_mix_components<'a>(
     }
     // Otherwise, a path could enter one dielectric and leave the other. The first would stay on the
     // path's stack of bodies.
-    if let (Some(a), Some(b)) = (scope.mix_constraints(first).dielectric, scope.mix_constraints(second).dielectric)
+    if let (Some(a), Some(b)) =
+        (scope.mix_constraints(first).dielectric_index, scope.mix_constraints(second).dielectric_index)
         && a != b
     {
         let message = "a mix cannot be two different Dielectrics".to_owned();

@@ -17,7 +17,7 @@ pub use emission::EmissionDescription;
 pub use kinds::*;
 pub use metal::MetalDescription;
 pub use normals::NormalPerturbationDescription;
-pub(super) use references::{material_index, parse_material_index, parse_material_reference};
+pub(super) use references::{material_index, parse_material_index, parse_material_name};
 pub use refraction::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, RefractiveIndexDescription};
 
 use super::error::SceneError;
@@ -73,14 +73,14 @@ impl MaterialDescription {
     /// picture.
     pub fn texture_names_or_paths_mut(&mut self) -> impl Iterator<Item = &mut Spanned<String>> {
         let normals = self.normal_perturbation.as_mut();
-        let normal_map = normals.map(NormalPerturbationDescription::texture_name_or_path_mut);
-        self.kind.texture_name_or_path_mut().into_iter().chain(normal_map)
+        let normal_map = normals.map(NormalPerturbationDescription::ambiguous_texture_reference_mut);
+        self.kind.ambiguous_texture_reference_mut().into_iter().chain(normal_map)
     }
 
     /// Returns the bump map or normal map with its texture looked up.
     ///
     /// Adds to `requirements` the surface properties that the texture needs.
-    pub(super) fn resolve_normals(
+    pub(super) fn resolve_normal_perturbation(
         &self,
         r: &mut Resolver<'_>,
         requirements: &mut TextureRequirements,
@@ -97,13 +97,13 @@ pub(super) fn parse_materials_block<'a>(
     block: Token<'a>,
 ) -> Result<Vec<Spanned<MaterialDescription>>, SceneError> {
     if parser.scope.group_uses_materials {
-        parser.scope.late_materials = Some(block);
+        parser.scope.late_materials_keyword = Some(block);
     }
     parser.scope.clear_materials();
     let mut materials = Vec::new();
     let allowed = block_keywords(&["numMaterials"], MATERIALS);
     parser.parse_list_block(block, ("numMaterials", "material"), &allowed, |parser, word| {
-        let (name, material) = match parse_new_material_name(parser) {
+        let (name, material) = match parse_and_register_name(parser) {
             Ok(name) => (name.clone(), parse_material(parser, word, name)),
             Err(error) => (None, Err(error)),
         };
@@ -133,16 +133,21 @@ fn defined_material(scope: &ParserScope<'_>, material: &MaterialDescription) -> 
     let mix_constraints = match kind.mix_material_names() {
         Some(components) => {
             let [a, b] = components.map(|name| scope.mix_constraints(name));
-            MixConstraints { dielectric: a.dielectric.or(b.dielectric), mix_depth: a.mix_depth.max(b.mix_depth) + 1 }
+            MixConstraints {
+                dielectric_index: a.dielectric_index.or(b.dielectric_index),
+                mix_depth: a.mix_depth.max(b.mix_depth) + 1,
+            }
         }
-        None => MixConstraints { dielectric: kind.is_dielectric().then_some(scope.materials.len()), mix_depth: 0 },
+        None => {
+            MixConstraints { dielectric_index: kind.is_dielectric().then_some(scope.materials.len()), mix_depth: 0 }
+        }
     };
     DefinedMaterial { name: material.name.clone(), is_null_interface: kind.is_null_interface(), mix_constraints }
 }
 
 /// Parses the optional name of a new material. Registers the name in the parser's scope with the
 /// index that the material will have.
-fn parse_new_material_name(parser: &mut Parser<'_>) -> Result<Option<String>, SceneError> {
+fn parse_and_register_name(parser: &mut Parser<'_>) -> Result<Option<String>, SceneError> {
     let Some(name) = parse_block_name(parser, "material")? else { return Ok(None) };
     if parser.scope.material_indices.contains_key(&name.value) {
         let message = format!("two materials are called `{}`", clip_for_message(&name.value));
@@ -178,7 +183,7 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
         Some(name) => out.begin_named_block(block, name)?,
     }
     material.kind.write_fields(out)?;
-    material.medium.as_ref().map_or(Ok(()), |medium| out.write_name("medium", medium))?;
+    material.medium.as_ref().map_or(Ok(()), |medium| out.write_name_field("medium", medium))?;
     material.normal_perturbation.as_ref().map_or(Ok(()), |normals| normals.write(out))?;
     material.emission.as_ref().map_or(Ok(()), |emission| emission.write(out))?;
     out.end_block()
@@ -196,10 +201,12 @@ pub(super) fn add_materials<'a>(
         let mut textures = TextureRequirements::default();
         let material = described.kind.resolve(r, &mut textures)?;
         let material = with_body_medium(r, material, described)?;
-        let normals = described.resolve_normals(r, &mut textures)?;
+        let normals = described.resolve_normal_perturbation(r, &mut textures)?;
         let emission = described.emission.as_ref().map(|emission| emission.resolve(r, &mut textures)).transpose()?;
         for part in described.kind.mix_material_names().into_iter().flatten() {
-            if let Some(part) = r.material_indices.get(part.as_str()).map(|i| r.materials[*i as usize].textures) {
+            if let Some(part) =
+                r.material_indices.get(part.as_str()).map(|i| r.materials[*i as usize].texture_requirements)
+            {
                 textures.uses_textures |= part.uses_textures;
                 textures.needs_texcoords |= part.needs_texcoords;
             }
@@ -208,7 +215,7 @@ pub(super) fn add_materials<'a>(
             name: described.name.clone(),
             emission: emission.unwrap_or_default(),
             is_null_interface: described.kind.is_null_interface(),
-            textures,
+            texture_requirements: textures,
         });
         r.builder.add_material(material.with_normal_perturbation(normals));
         if let Some(name) = &described.name {

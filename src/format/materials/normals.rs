@@ -31,13 +31,12 @@ pub enum NormalPerturbationDescription {
 
 /// Fields for the bump map or normal map of a material.
 pub(super) static NORMAL_PERTURBATION_FIELDS: &[FieldSchema] = &[
-    field_schema("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`")
-        .with_default_description("none"),
+    field_schema("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`").make_optional("none"),
     field_schema("bumpHeight", FieldKind::Number, "height of the value 1 of `bump`, required with it")
-        .with_range(FieldRange::Single)
+        .with_range(FieldRange::SinglePrecision)
         .with_unit("length"),
     field_schema("normalMap", FieldKind::Name, "instead of `bump`: texture or picture of normals")
-        .with_default_description("none"),
+        .make_optional("none"),
 ];
 
 impl NormalPerturbationDescription {
@@ -48,17 +47,17 @@ impl NormalPerturbationDescription {
             f.forbid_fields(&["bumpHeight"], "has no effect without `bump`")?;
             return Ok(f.optional_value("normalMap").map(Self::NormalMap));
         };
-        Ok(Some(Self::Bump { texture, height: f.value("bumpHeight")? }))
+        Ok(Some(Self::Bump { texture, height: f.value_or_default("bumpHeight")? }))
     }
 
     /// Writes the fields of the bump map or normal map.
     pub(super) fn write(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         match self {
             Self::Bump { texture, height } => {
-                out.write_name("bump", texture)?;
+                out.write_name_field("bump", texture)?;
                 out.write_number("bumpHeight", *height)
             }
-            Self::NormalMap(texture) => out.write_name("normalMap", texture),
+            Self::NormalMap(texture) => out.write_name_field("normalMap", texture),
         }
     }
 
@@ -70,7 +69,7 @@ impl NormalPerturbationDescription {
     }
 
     /// Returns the name of the texture, or the path of the picture.
-    pub(super) fn texture_name_or_path_mut(&mut self) -> &mut Spanned<String> {
+    pub(super) fn ambiguous_texture_reference_mut(&mut self) -> &mut Spanned<String> {
         match self {
             Self::Bump { texture, .. } | Self::NormalMap(texture) => texture,
         }
@@ -86,7 +85,7 @@ impl NormalPerturbationDescription {
     ) -> Result<NormalPerturbation, SceneError> {
         Ok(match self {
             Self::Bump { texture, height } => {
-                let texture = r.texture_or_picture(texture, PixelMeaning::Data)?;
+                let texture = r.texture_or_picture(texture, PixelMeaning::NonColor)?;
                 if *height == 0.0 {
                     return Ok(NormalPerturbation::None);
                 }
@@ -94,7 +93,7 @@ impl NormalPerturbationDescription {
                 NormalPerturbation::BumpMap { texture: texture.index, height: *height as f32 }
             }
             Self::NormalMap(name) => {
-                let texture = r.texture_or_picture(name, PixelMeaning::Data)?;
+                let texture = r.texture_or_picture(name, PixelMeaning::NonColor)?;
                 if texture.is_srgb {
                     let message = format!("the texture `{}` is read as a picture of light", name.value);
                     let help = "give it `encoding linear`: normals are numbers";

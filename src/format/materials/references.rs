@@ -27,7 +27,7 @@ pub(in crate::format) fn parse_material_index<'a>(
 }
 
 /// Parses the name of a material. The word `MaterialName` has been read.
-pub(in crate::format) fn parse_material_reference<'a>(
+pub(in crate::format) fn parse_material_name<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
 ) -> Result<Spanned<String>, SceneError> {

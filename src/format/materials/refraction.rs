@@ -14,9 +14,9 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub enum RefractiveIndexDescription {
     /// One refractive index for all wavelengths.
-    Index(f64),
+    Constant(f64),
     /// Name of a glass with a known dispersion formula.
-    Named(Spanned<String>),
+    NamedGlass(Spanned<String>),
     /// Two-term Cauchy equation that has a given index and Abbe number.
     Abbe {
         /// Refractive index at the d line, 587.56 nm.
@@ -25,12 +25,12 @@ pub enum RefractiveIndexDescription {
         abbe: f64,
     },
     /// Dispersion formula. Its indices lie in [0.001, 1000] from 380 to 720 nm.
-    Glass(DispersionFormula),
+    Formula(DispersionFormula),
 }
 
 impl From<f64> for RefractiveIndexDescription {
     fn from(index: f64) -> Self {
-        Self::Index(index)
+        Self::Constant(index)
     }
 }
 
@@ -43,26 +43,26 @@ pub const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 /// Schema of the field `indexOfRefraction` of dielectrics and thin panes.
 pub(super) const INDEX_FIELD: FieldSchema =
     field_schema("indexOfRefraction", FieldKind::Number, "absolute index of refraction")
-        .with_range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
+        .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
         .with_default_numbers(&[1.5]);
 
 /// Keywords of fields that state the refractive index. A block has at most one of these fields.
-const INDEX_SOURCES: [&str; 4] = ["indexOfRefraction", "glass", "cauchy", "sellmeierB"];
+const INDEX_SOURCE_KEYWORDS: [&str; 4] = ["indexOfRefraction", "glass", "cauchy", "sellmeierB"];
 
 /// Largest accepted number of terms of Sellmeier's equation.
 const MAX_SELLMEIER_TERMS: usize = 4;
 
 /// Parses the refractive index of a dielectric; 1.5 if no field states it.
 pub(super) fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
-    let is_given = INDEX_SOURCES.iter().any(|source| f.get(source).is_some());
-    let source = if is_given { Some(f.require_one_field_of(&INDEX_SOURCES)?) } else { None };
+    let is_given = INDEX_SOURCE_KEYWORDS.iter().any(|source| f.get(source).is_some());
+    let source = if is_given { Some(f.require_one_field_of(&INDEX_SOURCE_KEYWORDS)?) } else { None };
     for (part, whole) in [("abbe", "indexOfRefraction"), ("sellmeierC", "sellmeierB")] {
         if source.is_none_or(|source| source.name() != whole) {
             f.forbid_fields(&[part], &format!("has no effect without `{whole}`"))?;
         }
     }
     match source.map(|source| (source.name(), source)) {
-        Some(("glass", name)) => Ok(RefractiveIndexDescription::Named(name.value())),
+        Some(("glass", name)) => Ok(RefractiveIndexDescription::NamedGlass(name.value())),
         Some(("cauchy", coefficients)) => parse_cauchy(&coefficients),
         Some(("sellmeierB", strengths)) => parse_sellmeier(&strengths, &f.require_field("sellmeierC")?),
         Some(_) | None => parse_index_and_abbe(f),
@@ -71,8 +71,8 @@ pub(super) fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractiveIndexDes
 
 /// Parses `indexOfRefraction`, and `abbe` if it is present.
 fn parse_index_and_abbe(f: &BlockFields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
-    let index = f.value("indexOfRefraction")?;
-    let Some(field) = f.get("abbe") else { return Ok(RefractiveIndexDescription::Index(index)) };
+    let index = f.value_or_default("indexOfRefraction")?;
+    let Some(field) = f.get("abbe") else { return Ok(RefractiveIndexDescription::Constant(index)) };
     let abbe = field.value();
     check_index_range(&DispersionFormula::from_abbe_number(index, abbe), &field, "is too small")?;
     Ok(RefractiveIndexDescription::Abbe { index, abbe })
@@ -85,7 +85,7 @@ fn parse_cauchy(coefficients: &ParsedField<'_, '_>) -> Result<RefractiveIndexDes
     let (a, b, c) = (list[0], list[1], list.get(2).copied().unwrap_or(0.0));
     let glass = DispersionFormula::Cauchy { a, b, c };
     check_index_range(&glass, coefficients, "wants B in µm² and C in µm⁴")?;
-    Ok(RefractiveIndexDescription::Glass(glass))
+    Ok(RefractiveIndexDescription::Formula(glass))
 }
 
 fn parse_sellmeier(
@@ -102,7 +102,7 @@ fn parse_sellmeier(
     c[..terms].copy_from_slice(wavelengths);
     let glass = DispersionFormula::Sellmeier { b, c };
     check_index_range(&glass, wavelength_field, "wants squares of wavelengths, in µm²")?;
-    Ok(RefractiveIndexDescription::Glass(glass))
+    Ok(RefractiveIndexDescription::Formula(glass))
 }
 
 /// Fails with an error at `field` if the refractive index of `glass` is outside 0.001 to 1000.
@@ -118,16 +118,16 @@ fn check_index_range(glass: &DispersionFormula, field: &ParsedField<'_, '_>, adv
 /// Writes the fields that state the refractive index of a dielectric.
 pub(super) fn write_refraction(out: &mut SceneWriter<'_, '_>, refraction: &RefractiveIndexDescription) -> fmt::Result {
     match refraction {
-        RefractiveIndexDescription::Index(index) => out.write_number("indexOfRefraction", *index),
-        RefractiveIndexDescription::Named(name) => out.write_name("glass", name),
+        RefractiveIndexDescription::Constant(index) => out.write_number("indexOfRefraction", *index),
+        RefractiveIndexDescription::NamedGlass(name) => out.write_name_field("glass", name),
         RefractiveIndexDescription::Abbe { index, abbe } => {
             out.write_number("indexOfRefraction", *index)?;
             out.write_number("abbe", *abbe)
         }
-        RefractiveIndexDescription::Glass(DispersionFormula::Cauchy { a, b, c }) => {
+        RefractiveIndexDescription::Formula(DispersionFormula::Cauchy { a, b, c }) => {
             out.write_field("cauchy", SpacedNumbers(&[*a, *b, *c]))
         }
-        RefractiveIndexDescription::Glass(DispersionFormula::Sellmeier { b, c }) => {
+        RefractiveIndexDescription::Formula(DispersionFormula::Sellmeier { b, c }) => {
             // Trailing terms with B = C = 0 are padding and were absent in the text.
             let terms = (1..b.len()).rev().find(|i| (b[*i], c[*i]) != (0.0, 0.0)).map_or(1, |last| last + 1);
             out.write_field("sellmeierB", SpacedNumbers(&b[..terms]))?;
@@ -140,15 +140,15 @@ pub(super) fn write_refraction(out: &mut SceneWriter<'_, '_>, refraction: &Refra
 ///
 /// Glasses are a list of the scene, to which this adds one. The index is `None`, and no glass is
 /// added, for a dielectric without dispersion.
-pub(super) fn add_refractive_index(
+pub(super) fn resolve_refractive_index(
     r: &mut Resolver<'_>,
     described: &RefractiveIndexDescription,
 ) -> Result<(f32, Option<u32>), SceneError> {
     let glass = match described {
-        RefractiveIndexDescription::Index(index) => return Ok((*index as f32, None)),
-        RefractiveIndexDescription::Named(name) => find_glass(r, name)?,
+        RefractiveIndexDescription::Constant(index) => return Ok((*index as f32, None)),
+        RefractiveIndexDescription::NamedGlass(name) => find_glass(r, name)?,
         RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
-        RefractiveIndexDescription::Glass(glass) => *glass,
+        RefractiveIndexDescription::Formula(glass) => *glass,
     };
     Ok((glass.refractive_index_at_d_line(), Some(r.builder.add_glass(glass))))
 }

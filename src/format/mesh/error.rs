@@ -11,13 +11,13 @@ use std::path::{Path, PathBuf};
 pub enum MeshError {
     /// The mesh file does not exist.
     #[error("there is no mesh file {}: check the path, which counts from the scene file's folder or the one above it", path.display())]
-    Missing {
+    MissingMeshFile {
         /// Path of the mesh file.
         path: PathBuf,
     },
     /// The material file does not exist.
     #[error("there is no material file {}: put it beside the mesh that names it", path.display())]
-    NoLibrary {
+    MissingMtlFile {
         /// Path of the material file.
         path: PathBuf,
     },
@@ -31,10 +31,10 @@ pub enum MeshError {
     },
     /// A line cannot be understood.
     #[error(transparent)]
-    Line(#[from] LineError),
+    InvalidLine(#[from] LineError),
     /// A binary file holds invalid data.
     #[error("{}: byte {byte}, {element}: {message}: {remedy}", path.display())]
-    Byte {
+    InvalidElement {
         /// Path of the mesh file.
         path: PathBuf,
         /// Offset of the invalid data from the start of the file \[bytes].
@@ -54,7 +54,7 @@ pub enum MeshError {
     },
     /// The mesh has more vertices than `i32::MAX`.
     #[error("the mesh {} has more than 2147483647 vertices: split it", path.display())]
-    TooLarge {
+    TooManyVertices {
         /// Path of the mesh file.
         path: PathBuf,
     },
@@ -63,7 +63,7 @@ pub enum MeshError {
         "the mesh {} takes {} of memory, and {} are free: simplify or split it, or let it have more (--memory)",
         path.display(), format_bytes(*needed), format_bytes(*free)
     )]
-    Memory {
+    OutOfMemory {
         /// Path of the mesh or material file.
         path: PathBuf,
         /// Memory that reading the file takes \[bytes].
@@ -73,7 +73,7 @@ pub enum MeshError {
     },
     /// Faces name a material that no material file defines.
     #[error("the mesh {} names a material `{name}` that its material files do not hold: add it to one of them", path.display())]
-    NoMaterial {
+    UndefinedMaterial {
         /// Path of the mesh file.
         path: PathBuf,
         /// Name of the material.
@@ -81,7 +81,7 @@ pub enum MeshError {
     },
     /// An MTL material cannot be converted to a material of the scene language.
     #[error("{}: {message}: {remedy}", path.display())]
-    BadMaterial {
+    UnconvertibleMaterial {
         /// Path of the mesh whose material files define the material.
         path: PathBuf,
         /// Description of the defect.
@@ -91,7 +91,7 @@ pub enum MeshError {
     },
     /// The parser crate `tobj` refuses a file that Caustica's own line check accepted.
     #[error("cannot read the mesh {}: {source}: export it anew as plain triangles", path.display())]
-    Malformed {
+    RejectedByTobj {
         /// Path of the mesh file.
         path: PathBuf,
         /// Cause reported by `tobj`.
@@ -101,7 +101,7 @@ pub enum MeshError {
 
 impl MeshError {
     pub(in crate::format) fn error_at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
-        Self::Line(LineError::new(path, line, problem))
+        Self::InvalidLine(LineError::new(path, line, problem))
     }
 }
 
@@ -110,7 +110,7 @@ impl MeshError {
 /// Fails before allocating if they exceed `free` \[bytes]. `free` is `None` without a memory limit.
 pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
     let refused = |source: std::io::Error| match source.kind() {
-        std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
+        std::io::ErrorKind::NotFound => MeshError::MissingMeshFile { path: path.into() },
         _ => MeshError::Unreadable { path: path.into(), source },
     };
     let (mut file, length) = open_file(path).map_err(refused)?;
@@ -125,7 +125,7 @@ pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Resu
 /// `free` is `None` without a memory limit.
 pub(in crate::format) fn check_memory(path: &Path, needed: u64, free: Option<u64>) -> Result<(), MeshError> {
     match free {
-        Some(free) if needed > free => Err(MeshError::Memory { path: path.into(), needed, free }),
+        Some(free) if needed > free => Err(MeshError::OutOfMemory { path: path.into(), needed, free }),
         _ => Ok(()),
     }
 }

@@ -52,7 +52,7 @@ pub(in crate::format) fn coordinate_bits(p: DVec3) -> [u64; 3] {
 }
 
 /// Returns the bit patterns of the coordinates of `p`, so that −0 and 0 give the same bits.
-fn position_bits(p: DVec3) -> [u64; 3] {
+fn position_bits_unsigned_zero(p: DVec3) -> [u64; 3] {
     coordinate_bits(p + DVec3::ZERO)
 }
 
@@ -103,7 +103,8 @@ pub(super) fn keep_listed_vertices(mesh: &mut TriangleMesh, list: impl Iterator<
 
 pub(super) fn distinct_position_indices(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
     let mut numbers = DeduplicatedList::with_capacity(mesh.positions.len());
-    let places = mesh.positions.iter().map(|p| numbers.find_or_append(position_bits(*p), |key| *key)).collect();
+    let places =
+        mesh.positions.iter().map(|p| numbers.find_or_append(position_bits_unsigned_zero(*p), |key| *key)).collect();
     (places, numbers.into_values().len())
 }
 

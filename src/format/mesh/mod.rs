@@ -21,9 +21,9 @@ pub use error::MeshError;
 pub(in crate::format) use error::{check_memory, read_file_bytes};
 pub(in crate::format) use merge::{DeduplicatedList, coordinate_bits};
 pub use options::MeshOptions;
-pub use repair::{MeshRepairs, RepairCounts};
+pub use repair::{MeshRepairOptions, RepairCounts};
 pub use report::MeshReport;
-pub use solid::{SOLID_CHECK_BYTES, SolidDefect};
+pub use solid::{SOLIDITY_BYTES_PER_TRIANGLE, SolidDefect};
 pub use write::MeshFormat;
 pub(in crate::format) use write::ShortestDecimal;
 
@@ -98,7 +98,7 @@ impl TriangleMesh {
 
     /// Makes the repairs that `repair` selects, removes unused vertices, and returns the repair
     /// counts.
-    pub fn repair(&mut self, repair: &MeshRepairs) -> RepairCounts {
+    pub fn repair(&mut self, repair: &MeshRepairOptions) -> RepairCounts {
         repair::repair(self, repair)
     }
 
@@ -109,8 +109,8 @@ impl TriangleMesh {
     /// extends across an edge if its two face normals differ by at most `angle` \[degrees].
     /// Vertices are split at all other edges: sharper ones, edges of one or more than two faces,
     /// and edges with inconsistent windings.
-    pub fn compute_smooth_normals(&mut self, angle: f64) {
-        normals::compute_smooth_normals(self, angle);
+    pub fn compute_missing_smooth_normals(&mut self, angle: f64) {
+        normals::compute_missing_smooth_normals(self, angle);
     }
 
     /// Makes the windings of each connected component consistent and outward. Returns the number of
@@ -185,11 +185,11 @@ pub struct LoadedMesh {
     /// The mesh. No two vertices are equal bit for bit in position, normal and texture coordinates.
     pub mesh: TriangleMesh,
     /// Arguments of the `mtllib` lines of an OBJ file, as written: paths of MTL files.
-    pub libraries: Vec<String>,
+    pub mtllib_arguments: Vec<String>,
     /// Number of vertices in the file, before equal ones are merged.
-    pub vertices: usize,
+    pub file_vertex_count: usize,
     /// Number of vertices in the file that no face uses. `mesh` does not contain them.
-    pub isolated: usize,
+    pub isolated_vertex_count: usize,
     /// True if the file indexes normals and texture coordinates separately from positions, as OBJ
     /// files do.
     pub has_separate_indices: bool,
@@ -198,8 +198,8 @@ pub struct LoadedMesh {
 impl LoadedMesh {
     /// Returns the number of vertices in the file that repeat another vertex bit for bit.
     #[must_use]
-    pub fn repeated_vertices(&self) -> usize {
-        let used = self.vertices - self.isolated;
+    pub fn repeated_vertex_count(&self) -> usize {
+        let used = self.file_vertex_count - self.isolated_vertex_count;
         let split = self.mesh.normals.is_some() || self.mesh.texcoords.is_some();
         let kept = if self.has_separate_indices && split {
             merge::distinct_position_count(&self.mesh)

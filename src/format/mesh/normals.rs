@@ -5,7 +5,7 @@ use super::merge::{DeduplicatedList, keep_listed_vertices};
 use super::topology::{MeshTopology, ParityUnionFind};
 use glam::DVec3;
 
-pub(super) fn compute_smooth_normals(mesh: &mut TriangleMesh, angle: f64) {
+pub(super) fn compute_missing_smooth_normals(mesh: &mut TriangleMesh, angle: f64) {
     let missing: Vec<bool> = match &mesh.normals {
         Some(normals) => {
             let zero = |t: &[u32; 3]| t.iter().any(|&v| normals[v as usize] == DVec3::ZERO);

@@ -1,16 +1,16 @@
 //! Repair of meshes.
 
 use super::TriangleMesh;
-use super::report::duplicate_triangles;
+use super::report::mark_duplicate_triangles;
 use super::topology::MeshTopology;
 use serde::Serialize;
 
 /// Selection of repairs to make on a mesh. They are made in the order of these fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MeshRepairs {
+pub struct MeshRepairOptions {
     /// Distance \[length] within which vertices are merged. 0 merges equal positions; `None` merges
     /// none.
-    pub weld: Option<f64>,
+    pub weld_tolerance: Option<f64>,
     /// True to remove each triangle that has the same three positions as an earlier triangle.
     pub removes_duplicates: bool,
     /// True to remove triangles without area, except those without which the surface would be open.
@@ -19,41 +19,45 @@ pub struct MeshRepairs {
     pub orients_outward: bool,
 }
 
-impl MeshRepairs {
+impl MeshRepairOptions {
     /// Default merge distance of vertices, as a fraction of the diagonal of the mesh's bounds.
     ///
     /// It is far below the single-precision rounding of coordinates as large as the diagonal.
-    pub const DEFAULT_WELD_TOLERANCE: f64 = 1e-9;
+    pub const DEFAULT_RELATIVE_WELD_TOLERANCE: f64 = 1e-9;
 }
 
 /// Counts of the repairs that were made on a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RepairCounts {
     /// Number of distinct positions that were merged into others.
-    pub welded: usize,
+    #[serde(rename = "welded")]
+    pub welded_positions: usize,
     /// Number of removed triangles that had the same three positions as an earlier one.
-    pub duplicates: usize,
+    #[serde(rename = "duplicates")]
+    pub removed_duplicates: usize,
     /// Number of removed triangles without area.
-    pub degenerate: usize,
+    #[serde(rename = "degenerate")]
+    pub removed_degenerates: usize,
     /// Number of triangles flipped to face outward.
-    pub turned: usize,
+    #[serde(rename = "turned")]
+    pub flipped_triangles: usize,
 }
 
-pub(super) fn repair(mesh: &mut TriangleMesh, repair: &MeshRepairs) -> RepairCounts {
+pub(super) fn repair(mesh: &mut TriangleMesh, repair: &MeshRepairOptions) -> RepairCounts {
     let mut done = RepairCounts::default();
-    if let Some(tolerance) = repair.weld {
-        done.welded = mesh.weld_vertices(tolerance);
+    if let Some(tolerance) = repair.weld_tolerance {
+        done.welded_positions = mesh.weld_vertices(tolerance);
     }
     if repair.removes_duplicates {
-        let duplicates = duplicate_triangles(mesh, &MeshTopology::new(mesh));
-        done.duplicates = remove_triangles(mesh, &duplicates);
+        let duplicates = mark_duplicate_triangles(mesh, &MeshTopology::new(mesh));
+        done.removed_duplicates = remove_triangles(mesh, &duplicates);
     }
     if repair.removes_degenerates {
-        let degenerate = removable_degenerate_triangles(mesh);
-        done.degenerate = remove_triangles(mesh, &degenerate);
+        let degenerate = mark_removable_degenerates(mesh);
+        done.removed_degenerates = remove_triangles(mesh, &degenerate);
     }
     if repair.orients_outward {
-        done.turned = mesh.orient_outward();
+        done.flipped_triangles = mesh.orient_outward();
     }
     mesh.merge_equal_vertices();
     done
@@ -63,7 +67,7 @@ pub(super) fn repair(mesh: &mut TriangleMesh, repair: &MeshRepairs) -> RepairCou
 ///
 /// A triangle without area stays if each of its edges has exactly two triangles. It may then close
 /// the gap at a T-junction, where a vertex lies on an edge of another triangle.
-fn removable_degenerate_triangles(mesh: &TriangleMesh) -> Vec<bool> {
+fn mark_removable_degenerates(mesh: &TriangleMesh) -> Vec<bool> {
     let topology = MeshTopology::new(mesh);
     let mut closing = vec![0_u8; mesh.triangles.len()];
     for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() == 2) {

@@ -22,24 +22,31 @@ pub struct MeshReport {
     /// Names of the materials.
     pub materials: Vec<String>,
     /// True if the mesh has normals.
-    pub normals: bool,
+    #[serde(rename = "normals")]
+    pub has_normals: bool,
     /// True if the mesh has texture coordinates.
-    pub texture_coordinates: bool,
+    #[serde(rename = "texture_coordinates")]
+    pub has_texcoords: bool,
     /// Lower corner of the bounds of all triangles; +∞ if there are none.
-    pub min: [f64; 3],
+    #[serde(rename = "min")]
+    pub bounds_min: [f64; 3],
     /// Upper corner of the bounds of all triangles; −∞ if there are none.
-    pub max: [f64; 3],
+    #[serde(rename = "max")]
+    pub bounds_max: [f64; 3],
     /// Total area of the triangles \[length²].
     pub area: f64,
     /// Enclosed volume \[length³]; `None` if the mesh is open or its windings are inconsistent.
     pub volume: Option<f64>,
     /// True if every edge has at least two triangles.
-    pub closed: bool,
+    #[serde(rename = "closed")]
+    pub is_closed: bool,
     /// True if each edge has at most two triangles, and all triangles around a vertex are connected
     /// by edges.
-    pub manifold: bool,
+    #[serde(rename = "manifold")]
+    pub is_manifold: bool,
     /// True if flipping triangles can make all windings consistent.
-    pub orientable: bool,
+    #[serde(rename = "orientable")]
+    pub is_orientable: bool,
     /// Number of edges with one triangle.
     pub boundary_edges: usize,
     /// Number of edges with more than two triangles.
@@ -50,10 +57,12 @@ pub struct MeshReport {
     /// wrong.
     pub inconsistent_edges: usize,
     /// Number of triangles without area.
-    pub degenerate_faces: usize,
+    #[serde(rename = "degenerate_faces")]
+    pub degenerate_triangles: usize,
     /// Number of triangles that have the same three positions as an earlier one, in any order.
     /// Triangles with two equal positions do not count.
-    pub duplicate_faces: usize,
+    #[serde(rename = "duplicate_faces")]
+    pub duplicate_triangles: usize,
     /// Number of connected components. Triangles with a common edge are connected.
     pub components: usize,
     /// Euler characteristic: number of positions − edges + triangles. Triangles with two equal
@@ -73,7 +82,7 @@ pub(super) fn mesh_report(mesh: &TriangleMesh) -> MeshReport {
     let closed = counts.boundary_edges == 0 && counts.faces > 0;
     let manifold = counts.non_manifold_edges == 0 && counts.non_manifold_vertices == 0;
     let euler = counts.positions as i64 - counts.edges as i64 + counts.faces as i64;
-    let handles = closed && manifold && counts.orientable;
+    let handles = closed && manifold && counts.is_orientable;
     let mut shared = mesh.clone();
     shared.merge_equal_vertices();
     let isolated = used.iter().filter(|used| !**used).count();
@@ -83,21 +92,21 @@ pub(super) fn mesh_report(mesh: &TriangleMesh) -> MeshReport {
         isolated_vertices: isolated,
         triangles: mesh.triangles.len(),
         materials: mesh.materials.clone(),
-        normals: mesh.normals.is_some(),
-        texture_coordinates: mesh.texcoords.is_some(),
-        min: min.to_array(),
-        max: max.to_array(),
+        has_normals: mesh.normals.is_some(),
+        has_texcoords: mesh.texcoords.is_some(),
+        bounds_min: min.to_array(),
+        bounds_max: max.to_array(),
         area: mesh.triangles.iter().map(|t| mesh.triangle_area(*t)).sum(),
-        volume: (closed && counts.balanced).then(|| signed_volume(mesh, 0.5 * (min + max))),
-        closed,
-        manifold,
-        orientable: counts.orientable,
+        volume: (closed && counts.has_balanced_edges).then(|| signed_volume(mesh, 0.5 * (min + max))),
+        is_closed: closed,
+        is_manifold: manifold,
+        is_orientable: counts.is_orientable,
         boundary_edges: counts.boundary_edges,
         non_manifold_edges: counts.non_manifold_edges,
         non_manifold_vertices: counts.non_manifold_vertices,
         inconsistent_edges: counts.inconsistent_edges,
-        degenerate_faces: mesh.triangles.iter().filter(|t| mesh.triangle_area(**t) == 0.0).count(),
-        duplicate_faces: duplicate_triangles(mesh, &topology).iter().filter(|d| **d).count(),
+        degenerate_triangles: mesh.triangles.iter().filter(|t| mesh.triangle_area(**t) == 0.0).count(),
+        duplicate_triangles: mark_duplicate_triangles(mesh, &topology).iter().filter(|d| **d).count(),
         components: counts.components,
         euler_characteristic: euler,
         genus: handles.then_some(counts.components as i64 - euler / 2),
@@ -129,12 +138,12 @@ fn signed_volume(mesh: &TriangleMesh, about: DVec3) -> f64 {
 /// Marks each triangle that has the same three positions as an earlier one, in any order.
 ///
 /// Triangles with two equal positions are not marked.
-pub(super) fn duplicate_triangles(mesh: &TriangleMesh, topology: &MeshTopology) -> Vec<bool> {
+pub(super) fn mark_duplicate_triangles(mesh: &TriangleMesh, topology: &MeshTopology) -> Vec<bool> {
     let mut keys: Vec<([u32; 3], u32)> = Vec::with_capacity(mesh.triangles.len());
     for (t, triangle) in
         mesh.triangles.iter().enumerate().filter(|(_, triangle)| topology.has_distinct_positions(**triangle))
     {
-        let mut places = triangle.map(|v| topology.vertex_positions[v as usize]);
+        let mut places = triangle.map(|v| topology.vertex_position_indices[v as usize]);
         places.sort_unstable();
         keys.push((places, t as u32));
     }
@@ -157,9 +166,9 @@ struct TopologyCounts {
     non_manifold_edges: usize,
     non_manifold_vertices: usize,
     inconsistent_edges: usize,
-    orientable: bool,
+    is_orientable: bool,
     /// True if, at each edge, equally many triangles traverse it in either direction.
-    balanced: bool,
+    has_balanced_edges: bool,
     components: usize,
 }
 
@@ -175,8 +184,8 @@ impl TopologyCounts {
             non_manifold_edges: 0,
             non_manifold_vertices: 0,
             inconsistent_edges: 0,
-            orientable: true,
-            balanced: true,
+            is_orientable: true,
+            has_balanced_edges: true,
             components: 0,
         };
         let mut surfaces = ParityUnionFind::new(mesh.triangles.len());
@@ -185,13 +194,13 @@ impl TopologyCounts {
         for half_edges in topology.half_edges_by_edge() {
             this.edges += 1;
             let forward = half_edges.iter().filter(|half_edge| half_edge.is_forward).count();
-            this.balanced &= 2 * forward == half_edges.len();
+            this.has_balanced_edges &= 2 * forward == half_edges.len();
             match half_edges {
                 [_] => this.boundary_edges += 1,
                 [a, b] => {
                     let against = a.is_forward == b.is_forward;
                     this.inconsistent_edges += usize::from(against);
-                    this.orientable &= windings.union_sets(a.triangle as usize, b.triangle as usize, against);
+                    this.is_orientable &= windings.union_sets(a.triangle as usize, b.triangle as usize, against);
                 }
                 _ => this.non_manifold_edges += 1,
             }
@@ -207,7 +216,7 @@ impl TopologyCounts {
             this.components += usize::from(surfaces.find_root(t).0 == t);
             for (k, v) in mesh.triangles[t].into_iter().enumerate() {
                 if fans.find_root(3 * t + k).0 == 3 * t + k {
-                    let count = &mut fan_count[topology.vertex_positions[v as usize] as usize];
+                    let count = &mut fan_count[topology.vertex_position_indices[v as usize] as usize];
                     *count = count.saturating_add(1);
                 }
             }

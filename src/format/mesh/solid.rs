@@ -40,7 +40,7 @@ impl Display for SolidDefect {
 }
 
 /// Memory that [`TriangleMesh::solid_defect`] takes per triangle \[bytes].
-pub const SOLID_CHECK_BYTES: u64 = 120;
+pub const SOLIDITY_BYTES_PER_TRIANGLE: u64 = 120;
 
 pub(super) fn solid_defect(mesh: &TriangleMesh) -> Option<SolidDefect> {
     let topology = MeshTopology::new(mesh);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 pub(super) struct HalfEdge {
     /// Position indices of both ends, the lower one first. Half-edges of one edge have the same
     /// pair.
-    pub positions: [u32; 2],
+    pub position_indices: [u32; 2],
     pub triangle: u32,
     /// Corner of the triangle, 0 to 2, at which the half-edge starts; it ends at the next corner.
     pub corner: u8,
@@ -17,7 +17,7 @@ pub(super) struct HalfEdge {
 }
 
 impl HalfEdge {
-    /// Returns the corner at `positions[0]` and the corner at `positions[1]`.
+    /// Returns the corner at `position_indices[0]` and the corner at `position_indices[1]`.
     ///
     /// Index 3t + k stands for corner k of triangle t.
     pub fn corner_indices(&self) -> [usize; 2] {
@@ -31,7 +31,7 @@ impl HalfEdge {
 #[derive(Debug)]
 pub(super) struct MeshTopology {
     /// Index of each vertex's position in the numbering of the distinct positions.
-    pub vertex_positions: Vec<u32>,
+    pub vertex_position_indices: Vec<u32>,
     /// Number of distinct positions.
     pub position_count: usize,
     /// Half-edges of all triangles with three different positions. Half-edges of one edge are
@@ -51,25 +51,26 @@ impl MeshTopology {
             for (corner, [from, to]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
                 let positions = [from.min(to), from.max(to)];
                 half_edges.push(HalfEdge {
-                    positions,
+                    position_indices: positions,
                     triangle: t as u32,
                     corner: corner as u8,
                     is_forward: from < to,
                 });
             }
         }
-        half_edges.par_sort_unstable_by_key(|half_edge| (half_edge.positions, half_edge.triangle, half_edge.corner));
-        Self { vertex_positions, position_count, half_edges }
+        half_edges
+            .par_sort_unstable_by_key(|half_edge| (half_edge.position_indices, half_edge.triangle, half_edge.corner));
+        Self { vertex_position_indices: vertex_positions, position_count, half_edges }
     }
 
     /// Returns one slice per edge of the mesh, with all half-edges of this edge.
     pub fn half_edges_by_edge(&self) -> impl Iterator<Item = &[HalfEdge]> {
-        self.half_edges.chunk_by(|a, b| a.positions == b.positions)
+        self.half_edges.chunk_by(|a, b| a.position_indices == b.position_indices)
     }
 
     /// True if the corners of `triangle` have three different positions.
     pub fn has_distinct_positions(&self, triangle: [u32; 3]) -> bool {
-        let [a, b, c] = triangle.map(|v| self.vertex_positions[v as usize]);
+        let [a, b, c] = triangle.map(|v| self.vertex_position_indices[v as usize]);
         a != b && b != c && c != a
     }
 }
@@ -81,12 +82,12 @@ impl MeshTopology {
 pub(super) struct ParityUnionFind {
     parent: Vec<u32>,
     /// True for each triangle that is flipped relative to its parent.
-    turned: Vec<bool>,
+    flipped_to_parent: Vec<bool>,
 }
 
 impl ParityUnionFind {
     pub fn new(n: usize) -> Self {
-        Self { parent: (0..n as u32).collect(), turned: vec![false; n] }
+        Self { parent: (0..n as u32).collect(), flipped_to_parent: vec![false; n] }
     }
 
     /// Returns the root of the set that contains `i`, and true if `i` is flipped relative to it.
@@ -95,14 +96,14 @@ impl ParityUnionFind {
     pub fn find_root(&mut self, i: usize) -> (usize, bool) {
         let (mut root, mut turned) = (i, false);
         while self.parent[root] as usize != root {
-            turned ^= self.turned[root];
+            turned ^= self.flipped_to_parent[root];
             root = self.parent[root] as usize;
         }
         let (mut at, mut left) = (i, turned);
         while self.parent[at] as usize != root {
-            let (next, own) = (self.parent[at] as usize, self.turned[at]);
+            let (next, own) = (self.parent[at] as usize, self.flipped_to_parent[at]);
             self.parent[at] = root as u32;
-            self.turned[at] = left;
+            self.flipped_to_parent[at] = left;
             left ^= own;
             at = next;
         }
@@ -122,7 +123,7 @@ impl ParityUnionFind {
         // The lowest element becomes the root, so roots do not depend on the order of joins.
         let (low, high) = (a.min(b), a.max(b));
         self.parent[high] = low as u32;
-        self.turned[high] = turned;
+        self.flipped_to_parent[high] = turned;
         true
     }
 }

@@ -27,8 +27,9 @@ pub(super) fn weld_vertices(mesh: &mut TriangleMesh, tolerance: f64) -> usize {
 struct WeldGrid {
     tolerance: f64,
     low: DVec3,
-    cell: f64,
-    first: HashMap<[i64; 3], u32, RandomState>,
+    cell_size: f64,
+    /// Index into `points` of the latest position in each cell, by cell coordinates.
+    last_in_cell: HashMap<[i64; 3], u32, RandomState>,
     /// Positions in the grid, each with the index of the previous one in its cell; [`NO_POINT`] if
     /// it is the first.
     points: Vec<(DVec3, u32)>,
@@ -42,8 +43,8 @@ impl WeldGrid {
         Self {
             tolerance,
             low,
-            cell: if cell > 0.0 && cell.is_finite() { cell } else { 1.0 },
-            first: HashMap::with_hasher(RandomState::with_seeds(1, 2, 3, 4)),
+            cell_size: if cell > 0.0 && cell.is_finite() { cell } else { 1.0 },
+            last_in_cell: HashMap::with_hasher(RandomState::with_seeds(1, 2, 3, 4)),
             points: Vec::new(),
         }
     }
@@ -52,7 +53,7 @@ impl WeldGrid {
     ///
     /// If there is none, adds `p` to the grid and returns `p`.
     fn find_or_insert(&mut self, p: DVec3) -> DVec3 {
-        let at = (p - self.low) / self.cell;
+        let at = (p - self.low) / self.cell_size;
         let corner = at.floor();
         // A position within the tolerance is at most half a cell away, so it is in one of 8 cells.
         let side = (at - corner).cmpge(DVec3::splat(0.5));
@@ -61,7 +62,7 @@ impl WeldGrid {
         let mut found = NO_POINT;
         for neighbour in 0..8 {
             let cell = [0, 1, 2].map(|axis| base[axis] + if neighbour >> axis & 1 == 1 { step[axis] } else { 0 });
-            let mut i = self.first.get(&cell).copied().unwrap_or(NO_POINT);
+            let mut i = self.last_in_cell.get(&cell).copied().unwrap_or(NO_POINT);
             while i != NO_POINT {
                 let (point, before) = self.points[i as usize];
                 if (point - p).length() <= self.tolerance {
@@ -74,7 +75,7 @@ impl WeldGrid {
             return self.points[found as usize].0;
         }
         let number = self.points.len() as u32;
-        let before = self.first.insert(base, number).unwrap_or(NO_POINT);
+        let before = self.last_in_cell.insert(base, number).unwrap_or(NO_POINT);
         self.points.push((p, before));
         p
     }

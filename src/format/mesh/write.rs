@@ -12,7 +12,7 @@ pub enum MeshFormat {
     /// Wavefront OBJ.
     Obj,
     /// Binary PLY, little-endian.
-    Ply,
+    PlyBinary,
     /// PLY as text.
     PlyText,
 }
@@ -26,7 +26,7 @@ impl MeshFormat {
         let is = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));
         match (is("obj"), is("ply"), text) {
             (true, ..) => Some(Self::Obj),
-            (_, true, false) => Some(Self::Ply),
+            (_, true, false) => Some(Self::PlyBinary),
             (_, true, true) => Some(Self::PlyText),
             _ => None,
         }
@@ -43,7 +43,7 @@ pub(super) fn write(
         let mut out = BufWriter::with_capacity(1 << 20, file);
         match format {
             MeshFormat::Obj => obj::write(mesh, libraries, &mut out)?,
-            MeshFormat::Ply => ply::write(mesh, false, &mut out)?,
+            MeshFormat::PlyBinary => ply::write(mesh, false, &mut out)?,
             MeshFormat::PlyText => ply::write(mesh, true, &mut out)?,
         }
         out.flush()

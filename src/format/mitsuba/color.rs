@@ -16,7 +16,7 @@ pub(super) enum ColorValue {
     /// Blackbody radiation: temperature in kelvin, and a factor for the radiance.
     Blackbody(f64, f64),
     /// Illuminant D65, scaled to luminance 1 and then by this factor.
-    Daylight(f64),
+    IlluminantD65(f64),
 }
 
 /// Quantity that a color stands for. It selects the conversion of a spectrum to RGB.
@@ -27,7 +27,7 @@ pub(super) enum ColorMeaning {
     /// Radiance, intensity or irradiance.
     Emission,
     /// Any quantity without a range, such as a refractive index or a medium's coefficient.
-    Coefficient,
+    Unbounded,
 }
 
 impl ColorValue {
@@ -92,7 +92,7 @@ impl ColorValue {
         match self {
             Self::Uniform(value) => Some(*value),
             Self::Rgb(rgb) if rgb.x == rgb.y && rgb.y == rgb.z => Some(rgb.x),
-            Self::Rgb(_) | Self::Sampled(_) | Self::Blackbody(..) | Self::Daylight(_) => None,
+            Self::Rgb(_) | Self::Sampled(_) | Self::Blackbody(..) | Self::IlluminantD65(_) => None,
         }
     }
 
@@ -100,7 +100,7 @@ impl ColorValue {
     pub fn to_rgb(&self, meaning: ColorMeaning) -> DVec3 {
         let spectrum = match self {
             Self::Rgb(rgb) => return *rgb,
-            Self::Uniform(value) | Self::Daylight(value) => return DVec3::splat(*value),
+            Self::Uniform(value) | Self::IlluminantD65(value) => return DVec3::splat(*value),
             Self::Sampled(spectrum) => spectrum.clone(),
             Self::Blackbody(kelvin, scale) => {
                 return Spectrum::blackbody(*kelvin).radiance_rgb() * *scale;
@@ -109,7 +109,7 @@ impl ColorValue {
         match meaning {
             ColorMeaning::Reflectance => spectrum.reflectance_rgb(),
             ColorMeaning::Emission => spectrum.radiance_rgb(),
-            ColorMeaning::Coefficient => spectrum.channel_means(),
+            ColorMeaning::Unbounded => spectrum.channel_means(),
         }
     }
 
@@ -118,7 +118,7 @@ impl ColorValue {
         match self {
             Self::Sampled(spectrum) => Some(spectrum.clone()),
             Self::Uniform(value) => Some(Spectrum::constant(*value)),
-            Self::Rgb(_) | Self::Blackbody(..) | Self::Daylight(_) => None,
+            Self::Rgb(_) | Self::Blackbody(..) | Self::IlluminantD65(_) => None,
         }
     }
 }

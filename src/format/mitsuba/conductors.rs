@@ -3,10 +3,10 @@
 use super::color::{ColorMeaning, ColorValue};
 use super::context::ImportContext;
 use super::files::ReadResult;
-use super::textures::MitsubaTextureValues;
+use super::textures::MitsubaConvertedTexture;
 use super::tree::MitsubaObject;
 use crate::bsdf::metal_refractive_index;
-use crate::color::conductor_rgb;
+use crate::color::conductor_refractive_index;
 use crate::format::description::{
     ConductorDescription, MaterialKindDescription, MetalDescription, MirrorDescription, Span, Spanned, TexturedValue,
 };
@@ -38,7 +38,7 @@ const METAL_NAMES: [(&str, &str); 14] = [
 pub(super) fn conductor(
     context: &ImportContext<'_>,
     bsdf: &MitsubaObject,
-    tint: MitsubaTextureValues,
+    tint: MitsubaConvertedTexture,
     roughness: TexturedValue<f64>,
 ) -> ReadResult<MaterialKindDescription> {
     let eta = context.color_value(bsdf, "eta")?;
@@ -56,10 +56,10 @@ pub(super) fn conductor(
     };
     if is_ideal {
         return Ok(match roughness {
-            TexturedValue::Plain(0.0) => {
+            TexturedValue::Constant(0.0) => {
                 MaterialKindDescription::Mirror(MirrorDescription { reflectance: tint.into_color() })
             }
-            roughness => metal_from_reflectance(tint.mean(), roughness),
+            roughness => conductor_from_reflectance(tint.mean(), roughness),
         });
     }
     let metal = if eta.is_some() || k.is_some() {
@@ -75,11 +75,11 @@ pub(super) fn conductor(
         return Ok(MaterialKindDescription::Conductor(ConductorDescription {
             metal,
             roughness,
-            multiple_scattering: false,
+            has_multiple_scattering: false,
         }));
     }
     context.add_note("factors of metals change their reflectance at normal incidence", bsdf);
-    Ok(metal_from_reflectance(mean * normal_reflectance(&metal), roughness))
+    Ok(conductor_from_reflectance(mean * normal_reflectance(&metal), roughness))
 }
 
 /// Returns the metal with the index η + ik of the BSDF, relative to the index outside.
@@ -94,24 +94,24 @@ fn metal_from_index(
     let outer = bsdf.number("ext_eta").unwrap_or(1.0);
     let (eta, k) = match (&eta, &k) {
         (ColorValue::Sampled(_), _) | (_, ColorValue::Sampled(_)) => match (eta.to_spectrum(), k.to_spectrum()) {
-            (Some(eta), Some(k)) => conductor_rgb(&eta, &k),
-            _ => (eta.to_rgb(ColorMeaning::Coefficient), k.to_rgb(ColorMeaning::Coefficient)),
+            (Some(eta), Some(k)) => conductor_refractive_index(&eta, &k),
+            _ => (eta.to_rgb(ColorMeaning::Unbounded), k.to_rgb(ColorMeaning::Unbounded)),
         },
-        _ => (eta.to_rgb(ColorMeaning::Coefficient), k.to_rgb(ColorMeaning::Coefficient)),
+        _ => (eta.to_rgb(ColorMeaning::Unbounded), k.to_rgb(ColorMeaning::Unbounded)),
     };
     if !(eta.min_element() >= 0.0 && k.min_element() >= 0.0 && eta.max_element() < 1e6 && k.max_element() < 1e6) {
         return Err(bsdf.place.error("the index of this metal is not valid", "give `eta` and `k` at least 0"));
     }
-    Ok(MetalDescription::with_nearest_index(eta / outer, k / outer))
+    Ok(MetalDescription::with_clamped_index(eta / outer, k / outer))
 }
 
 /// Returns a conductor of index 1 + ik whose reflectance at normal incidence is `reflectance`.
-pub(super) fn metal_from_reflectance(reflectance: DVec3, roughness: TexturedValue<f64>) -> MaterialKindDescription {
+pub(super) fn conductor_from_reflectance(reflectance: DVec3, roughness: TexturedValue<f64>) -> MaterialKindDescription {
     let reflectance = reflectance.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
     // Such a conductor reflects k² / (4 + k²) at normal incidence.
     let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
     let metal = MetalDescription::Index { eta: DVec3::ONE, k };
-    MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, multiple_scattering: false })
+    MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, has_multiple_scattering: false })
 }
 
 /// Returns the reflectance of a metal at normal incidence; 1 for an unknown name.

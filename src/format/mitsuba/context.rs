@@ -1,9 +1,9 @@
 //! Access to the objects, files and messages of a Mitsuba scene during its import.
 
 use super::color::{ColorMeaning, ColorValue};
-use super::document::unknown_reference;
+use super::document::unknown_reference_error;
 use super::files::{MitsubaSceneFiles, ReadResult};
-use super::tree::{ChildObject, MitsubaObject, ObjectClass, ObjectTree, Value};
+use super::tree::{ChildObject, MitsubaObject, MitsubaValue, ObjectClass, ObjectTree};
 use crate::format::import_notes::ImportNotes;
 use glam::DVec3;
 use std::cell::RefCell;
@@ -12,7 +12,7 @@ use std::rc::Rc;
 /// Names of values that are ignored without a message.
 ///
 /// They have no effect on Caustica's pictures, or only on some variants of Mitsuba.
-const SILENT_VALUES: [&str; 24] = [
+const SILENTLY_IGNORED_VALUES: [&str; 24] = [
     "accel",
     "banner",
     "component_format",
@@ -63,7 +63,7 @@ impl ImportContext<'_> {
     /// Adds a message that the whole `object` is ignored or approximated.
     ///
     /// Marks all its values as read, so that they cause no further messages.
-    pub fn add_note_on_object(&self, message: &str, object: &MitsubaObject) {
+    pub fn add_whole_object_note(&self, message: &str, object: &MitsubaObject) {
         object.mark_as_read();
         self.add_note(message, object);
     }
@@ -74,13 +74,17 @@ impl ImportContext<'_> {
     ///
     /// # Errors
     /// If a reference has an unknown identifier.
-    pub fn children(&self, object: &MitsubaObject, class: ObjectClass) -> ReadResult<Vec<(String, Rc<MitsubaObject>)>> {
+    pub fn children_of_class(
+        &self,
+        object: &MitsubaObject,
+        class: ObjectClass,
+    ) -> ReadResult<Vec<(String, Rc<MitsubaObject>)>> {
         let mut found = Vec::new();
         for (name, child) in &object.children {
             let child = match child {
                 ChildObject::Own(child) => child,
                 ChildObject::Reference(id, place) => {
-                    self.tree.by_id.get(id).ok_or_else(|| unknown_reference(place, id))?
+                    self.tree.by_id.get(id).ok_or_else(|| unknown_reference_error(place, id))?
                 }
             };
             if child.class == class {
@@ -94,13 +98,13 @@ impl ImportContext<'_> {
     /// without a name.
     ///
     /// `None` if there is neither.
-    pub fn child(
+    pub fn named_or_unnamed_child(
         &self,
         object: &MitsubaObject,
         class: ObjectClass,
         name: &str,
     ) -> ReadResult<Option<Rc<MitsubaObject>>> {
-        let children = self.children(object, class)?;
+        let children = self.children_of_class(object, class)?;
         let named = children.iter().find(|(own, _)| own == name).or_else(|| children.iter().find(|c| c.0.is_empty()));
         Ok(named.map(|(_, child)| Rc::clone(child)))
     }
@@ -112,7 +116,7 @@ impl ImportContext<'_> {
         class: ObjectClass,
         name: &str,
     ) -> ReadResult<Option<Rc<MitsubaObject>>> {
-        Ok(self.children(object, class)?.into_iter().find(|(own, _)| own == name).map(|(_, child)| child))
+        Ok(self.children_of_class(object, class)?.into_iter().find(|(own, _)| own == name).map(|(_, child)| child))
     }
 
     /// Returns the color or spectrum `name` of an object; `None` if it is missing or a texture.
@@ -121,27 +125,27 @@ impl ImportContext<'_> {
     /// If the value is not a color, or if a nested reference or spectrum is not valid.
     pub fn color_value(&self, object: &MitsubaObject, name: &str) -> ReadResult<Option<ColorValue>> {
         match object.value(name) {
-            Some(Value::Color(color)) => return Ok(Some(color.clone())),
-            Some(Value::Number(number)) => return Ok(Some(ColorValue::Uniform(*number))),
-            Some(Value::Vector(vector)) => return Ok(Some(ColorValue::Rgb(*vector))),
-            Some(Value::Boolean(_) | Value::Text(_) | Value::Transform(_)) => {
+            Some(MitsubaValue::Color(color)) => return Ok(Some(color.clone())),
+            Some(MitsubaValue::Number(number)) => return Ok(Some(ColorValue::Uniform(*number))),
+            Some(MitsubaValue::Vector(vector)) => return Ok(Some(ColorValue::Rgb(*vector))),
+            Some(MitsubaValue::Boolean(_) | MitsubaValue::Text(_) | MitsubaValue::Transform(_)) => {
                 let message = format!("`{name}` is not a color");
                 return Err(object.place.error(message, "write it as `rgb` or `spectrum`"));
             }
             None => {}
         }
         let Some(texture) = self.named_child(object, ObjectClass::Texture, name)? else { return Ok(None) };
-        self.spectrum_object(&texture)
+        self.spectrum_from_object(&texture)
     }
 
     /// Returns the color or spectrum that a nested object describes; `None` if it describes none,
     /// as a texture of pixels.
-    pub fn spectrum_object(&self, object: &MitsubaObject) -> ReadResult<Option<ColorValue>> {
+    pub fn spectrum_from_object(&self, object: &MitsubaObject) -> ReadResult<Option<ColorValue>> {
         let scale = || object.number("scale").or_else(|| object.number("value")).unwrap_or(1.0);
         Ok(match object.plugin.as_str() {
             "d65" => match self.color_value(object, "color")? {
                 Some(color) => Some(ColorValue::Rgb(color.to_rgb(ColorMeaning::Reflectance) * scale())),
-                None => Some(ColorValue::Daylight(scale())),
+                None => Some(ColorValue::IlluminantD65(scale())),
             },
             "blackbody" => {
                 let kelvin = object.number("temperature").filter(|kelvin| *kelvin > 0.0 && *kelvin < 1e9);
@@ -184,7 +188,13 @@ impl ImportContext<'_> {
     /// Returns the color `name` of an object as linear RGB; gray `default` if the object has none.
     ///
     /// Fails if a component is negative or above 10³⁰.
-    pub fn color(&self, object: &MitsubaObject, name: &str, meaning: ColorMeaning, default: f64) -> ReadResult<DVec3> {
+    pub fn linear_rgb(
+        &self,
+        object: &MitsubaObject,
+        name: &str,
+        meaning: ColorMeaning,
+        default: f64,
+    ) -> ReadResult<DVec3> {
         let color = self.color_value(object, name)?.map_or(DVec3::splat(default), |color| color.to_rgb(meaning));
         if color.min_element() >= 0.0 && color.max_element() <= 1e30 {
             return Ok(color);
@@ -198,7 +208,7 @@ impl ImportContext<'_> {
         let mut pending = vec![&self.tree.root];
         while let Some(object) = pending.pop() {
             for (name, (_, is_read)) in &object.values {
-                if object.is_used.get() && !is_read.get() && !SILENT_VALUES.contains(&name.as_str()) {
+                if object.is_used.get() && !is_read.get() && !SILENTLY_IGNORED_VALUES.contains(&name.as_str()) {
                     self.add_note(&format!("`{name}` of `{}` is ignored", object.plugin), object);
                 }
             }

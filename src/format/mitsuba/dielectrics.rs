@@ -2,10 +2,10 @@
 
 use super::context::ImportContext;
 use super::files::ReadResult;
-use super::tree::{MitsubaObject, Value};
+use super::tree::{MitsubaObject, MitsubaValue};
 
 /// Refractive indices by name, in alphabetical order: common values at 589 nm.
-const INDICES: [(&str, f64); 23] = [
+const REFRACTIVE_INDICES_BY_NAME: [(&str, f64); 23] = [
     ("acetone", 1.36),
     ("acrylic glass", 1.49),
     ("air", 1.000_277),
@@ -62,9 +62,9 @@ pub(super) fn is_index_matched(index: f64) -> bool {
 fn index_parameter(bsdf: &MitsubaObject, name: &str, default: f64) -> ReadResult<f64> {
     let index = match bsdf.value(name) {
         None => default,
-        Some(Value::Text(text)) => {
+        Some(MitsubaValue::Text(text)) => {
             let wanted = text.trim().to_ascii_lowercase();
-            let named = INDICES.iter().find(|(known, _)| *known == wanted);
+            let named = REFRACTIVE_INDICES_BY_NAME.iter().find(|(known, _)| *known == wanted);
             let Some((_, index)) = named else {
                 let message = format!("no dielectric is called `{text}`");
                 return Err(bsdf.place.error(message, "write its refractive index as a `float`"));

@@ -1,10 +1,10 @@
 //! Reads the XML of a Mitsuba scene file as a tree of objects, with its includes and parameters.
 
 use super::color::{ColorValue, parse_numbers};
-use super::files::{MitsubaPlace, MitsubaSceneFiles, ReadResult};
+use super::files::{MitsubaSceneFiles, MitsubaSourceLocation, ReadResult};
 use super::names::snake_case;
 use super::transforms::{parse_transform, parse_vector};
-use super::tree::{ChildObject, MitsubaObject, ObjectClass, ObjectTree, Value};
+use super::tree::{ChildObject, MitsubaObject, MitsubaValue, ObjectClass, ObjectTree};
 use crate::format::SourceText;
 use crate::format::description::Span;
 use crate::format::import::SceneReadError;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 /// Greatest depth of nested elements. Recursion over deeper ones would overflow the stack.
-const MAX_DEPTH: u32 = 64;
+const MAX_ELEMENT_DEPTH: u32 = 64;
 
 /// Greatest depth of nested includes.
 const MAX_INCLUDE_DEPTH: usize = 16;
@@ -24,7 +24,7 @@ const MAX_INCLUDE_DEPTH: usize = 16;
 const MAX_INCLUDES: usize = 10_000;
 
 /// Greatest length of an attribute after parameters are replaced by their values \[bytes].
-const MAX_EXPANDED_LENGTH: usize = 1 << 16;
+const MAX_EXPANDED_ATTRIBUTE_BYTES: usize = 1 << 16;
 
 /// Greatest total size of the scene file and its includes \[bytes]. Repeated includes count each
 /// time.
@@ -44,25 +44,28 @@ pub(super) fn read_tree(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadRe
         parameters: HashMap::new(),
         by_id: HashMap::new(),
         aliases: Vec::new(),
-        included: Vec::new(),
-        includes: 0,
-        bytes: 0,
-        elements: 0,
+        include_stack: Vec::new(),
+        include_count: 0,
+        total_bytes: 0,
+        element_count: 0,
     };
     let mut root = ObjectContents::default();
-    reader.read_text(files.path, bytes, None, &mut root)?;
+    reader.read_xml(files.path, bytes, None, &mut root)?;
     for (alias, id, place) in std::mem::take(&mut reader.aliases) {
-        let Some(object) = reader.by_id.get(&id).cloned() else { return Err(unknown_reference(&place, &id)) };
+        let Some(object) = reader.by_id.get(&id).cloned() else { return Err(unknown_reference_error(&place, &id)) };
         reader.by_id.insert(alias, object);
     }
-    let place =
-        MitsubaPlace { source: SourceText::new(&files.path.display().to_string(), ""), span: Span::default(), line: 1 };
+    let place = MitsubaSourceLocation {
+        source: SourceText::new(&files.path.display().to_string(), ""),
+        span: Span::default(),
+        line: 1,
+    };
     let root = root.into_object(ObjectClass::Scene, "scene", None, place);
     Ok(ObjectTree { root: Rc::new(root), by_id: reader.by_id })
 }
 
 /// Returns an error: the element at `place` refers to `id`, but no object has this identifier.
-pub(super) fn unknown_reference(place: &MitsubaPlace, id: &str) -> SceneReadError {
+pub(super) fn unknown_reference_error(place: &MitsubaSourceLocation, id: &str) -> SceneReadError {
     place.error(format!("no object has the id `{id}`"), "correct the id, or define the object")
 }
 
@@ -74,23 +77,29 @@ struct TreeReader<'r, 'a> {
     by_id: HashMap<String, Rc<MitsubaObject>>,
     /// Further identifiers of objects: the new identifier, the original one, and the element's
     /// position.
-    aliases: Vec<(String, String, MitsubaPlace)>,
+    aliases: Vec<(String, String, MitsubaSourceLocation)>,
     /// Files that are being read, from the scene file to the innermost include.
-    included: Vec<PathBuf>,
-    includes: usize,
-    bytes: u64,
-    elements: u64,
+    include_stack: Vec<PathBuf>,
+    include_count: usize,
+    total_bytes: u64,
+    element_count: u64,
 }
 
 /// Values and nested objects of one object, collected while the object is read.
 #[derive(Default)]
 struct ObjectContents {
-    values: BTreeMap<String, (Value, Cell<bool>)>,
+    values: BTreeMap<String, (MitsubaValue, Cell<bool>)>,
     children: Vec<(String, ChildObject)>,
 }
 
 impl ObjectContents {
-    fn into_object(self, class: ObjectClass, plugin: &str, id: Option<String>, place: MitsubaPlace) -> MitsubaObject {
+    fn into_object(
+        self,
+        class: ObjectClass,
+        plugin: &str,
+        id: Option<String>,
+        place: MitsubaSourceLocation,
+    ) -> MitsubaObject {
         let Self { values, children } = self;
         MitsubaObject { class, plugin: plugin.to_owned(), id, place, values, children, is_used: Cell::new(false) }
     }
@@ -100,7 +109,7 @@ impl ObjectContents {
 struct CurrentFile {
     source: SourceText,
     /// Offset of the element that was read last \[bytes], and its line, from 1.
-    last: Cell<(usize, u32)>,
+    last_offset_and_line: Cell<(usize, u32)>,
 }
 
 impl CurrentFile {
@@ -108,9 +117,9 @@ impl CurrentFile {
     ///
     /// To save time, counts lines from the element that was read last, which usually stands
     /// earlier.
-    fn element_place(&self, node: &Node<'_, '_>) -> MitsubaPlace {
+    fn element_place(&self, node: &Node<'_, '_>) -> MitsubaSourceLocation {
         let range = node.range();
-        let (offset, line) = self.last.get();
+        let (offset, line) = self.last_offset_and_line.get();
         let text = self.source.scene_text().as_bytes();
         let newlines = |bytes: &[u8]| bytes.iter().filter(|byte| **byte == b'\n').count() as u32;
         let line = if range.start >= offset {
@@ -118,9 +127,9 @@ impl CurrentFile {
         } else {
             1 + newlines(&text[..range.start])
         };
-        self.last.set((range.start, line));
+        self.last_offset_and_line.set((range.start, line));
         let tag = node.tag_name().name().len() + 1;
-        MitsubaPlace { source: self.source.clone(), span: Span { start: range.start, len: tag }, line }
+        MitsubaSourceLocation { source: self.source.clone(), span: Span { start: range.start, len: tag }, line }
     }
 }
 
@@ -128,18 +137,19 @@ impl TreeReader<'_, '_> {
     /// Reads a file and adds its objects and values to `contents`.
     ///
     /// `includer` is the position of the `include` element; `None` for the scene file.
-    fn read_text(
+    fn read_xml(
         &mut self,
         path: &Path,
         bytes: Vec<u8>,
-        includer: Option<&MitsubaPlace>,
+        includer: Option<&MitsubaSourceLocation>,
         contents: &mut ObjectContents,
     ) -> ReadResult<()> {
         let name = path.display().to_string();
-        let whole = |text: &str| MitsubaPlace { source: SourceText::new(&name, text), span: Span::default(), line: 1 };
-        self.bytes += bytes.len() as u64;
+        let whole =
+            |text: &str| MitsubaSourceLocation { source: SourceText::new(&name, text), span: Span::default(), line: 1 };
+        self.total_bytes += bytes.len() as u64;
         self.files.check_memory(path, MEMORY_PER_BYTE * bytes.len() as u64)?;
-        if self.bytes > MAX_TOTAL_BYTES {
+        if self.total_bytes > MAX_TOTAL_BYTES {
             let place = includer.cloned().unwrap_or_else(|| whole(""));
             return Err(place.error("the scene file and its includes are longer than 256 MiB", "put meshes into files"));
         }
@@ -148,17 +158,17 @@ impl TreeReader<'_, '_> {
         };
         let options = ParsingOptions { nodes_limit: 4 * MAX_ELEMENTS as u32, ..ParsingOptions::default() };
         let document = Document::parse_with_options(&text, options).map_err(|error| {
-            let place = MitsubaPlace { span: span_of_error(&text, &error), ..whole(&text) };
+            let place = MitsubaSourceLocation { span: span_of_error(&text, &error), ..whole(&text) };
             let message = error.to_string();
             place.error(
                 format!("the XML is damaged: {}", message.split(" at ").next().unwrap_or_default()),
                 "repair the file: each element needs its end, and a document type is not allowed",
             )
         })?;
-        let file = CurrentFile { source: SourceText::new(&name, &text), last: Cell::new((0, 1)) };
+        let file = CurrentFile { source: SourceText::new(&name, &text), last_offset_and_line: Cell::new((0, 1)) };
         let root = document.root_element();
         let place = file.element_place(&root);
-        self.included.push(path.canonicalize().unwrap_or_else(|_| path.to_owned()));
+        self.include_stack.push(path.canonicalize().unwrap_or_else(|_| path.to_owned()));
         if root.tag_name().name() == "scene" {
             for child in root.children().filter(Node::is_element) {
                 self.read_element(&file, child, 1, contents)?;
@@ -169,7 +179,7 @@ impl TreeReader<'_, '_> {
             let message = format!("the root of a Mitsuba scene is `scene`, not `{}`", root.tag_name().name());
             return Err(place.error(message, "name the file of the scene; --format names the format of other files"));
         }
-        self.included.pop();
+        self.include_stack.pop();
         Ok(())
     }
 
@@ -182,13 +192,15 @@ impl TreeReader<'_, '_> {
         contents: &mut ObjectContents,
     ) -> ReadResult<()> {
         let place = file.element_place(&node);
-        self.elements += 1;
-        self.files.check_total_memory(MEMORY_PER_ELEMENT * self.elements)?;
-        if self.elements > MAX_ELEMENTS {
+        self.element_count += 1;
+        self.files.check_total_memory(MEMORY_PER_ELEMENT * self.element_count)?;
+        if self.element_count > MAX_ELEMENTS {
             return Err(place.error("the scene has more than four million elements", "put meshes into files"));
         }
-        if depth > MAX_DEPTH {
-            return Err(place.error(format!("elements are nested deeper than {MAX_DEPTH}"), "nest them less deep"));
+        if depth > MAX_ELEMENT_DEPTH {
+            return Err(
+                place.error(format!("elements are nested deeper than {MAX_ELEMENT_DEPTH}"), "nest them less deep")
+            );
         }
         let tag = node.tag_name().name().to_ascii_lowercase();
         let attribute = |name: &str| node.attribute(name);
@@ -250,25 +262,25 @@ impl TreeReader<'_, '_> {
     fn read_include(
         &mut self,
         node: &Node<'_, '_>,
-        place: &MitsubaPlace,
+        place: &MitsubaSourceLocation,
         contents: &mut ObjectContents,
     ) -> ReadResult<()> {
         let name = self.with_expanded_parameters(required_attribute(node, "filename", place)?, place)?;
         let path = self.files.find_file(&name, place)?;
         let absolute = path.canonicalize().unwrap_or_else(|_| path.clone());
-        if self.included.contains(&absolute) {
+        if self.include_stack.contains(&absolute) {
             return Err(place.error(format!("`{name}` includes itself"), "remove the include"));
         }
-        if self.included.len() > MAX_INCLUDE_DEPTH {
+        if self.include_stack.len() > MAX_INCLUDE_DEPTH {
             let message = format!("includes are nested deeper than {MAX_INCLUDE_DEPTH}");
             return Err(place.error(message, "nest them less deep"));
         }
-        self.includes += 1;
-        if self.includes > MAX_INCLUDES {
+        self.include_count += 1;
+        if self.include_count > MAX_INCLUDES {
             return Err(place.error(format!("the scene has more than {MAX_INCLUDES} includes"), "join files"));
         }
         let bytes = self.files.read_file(&path)?;
-        self.read_text(&path, bytes, Some(place), contents)
+        self.read_xml(&path, bytes, Some(place), contents)
     }
 
     /// Parses an element that holds a value, such as `float` or `transform`, and not an object.
@@ -277,8 +289,8 @@ impl TreeReader<'_, '_> {
         file: &CurrentFile,
         tag: &str,
         node: &Node<'_, '_>,
-        place: &MitsubaPlace,
-    ) -> ReadResult<Value> {
+        place: &MitsubaSourceLocation,
+    ) -> ReadResult<MitsubaValue> {
         let text = |name: &str| self.with_expanded_parameters(required_attribute(node, name, place)?, place);
         let invalid = |what: &str, text: &str| {
             let excerpt: String = text.chars().take(40).collect();
@@ -288,28 +300,34 @@ impl TreeReader<'_, '_> {
             "float" | "integer" => {
                 let text = text("value")?;
                 match parse_numbers(&text).as_deref() {
-                    Some([number]) => Value::Number(*number),
+                    Some([number]) => MitsubaValue::Number(*number),
                     _ => return Err(invalid("a number", &text)),
                 }
             }
             "boolean" => match &*text("value")?.trim().to_ascii_lowercase() {
-                "true" => Value::Boolean(true),
-                "false" => Value::Boolean(false),
+                "true" => MitsubaValue::Boolean(true),
+                "false" => MitsubaValue::Boolean(false),
                 other => return Err(invalid("`true` or `false`", other)),
             },
-            "string" => Value::Text(text("value")?),
-            "point" | "vector" => Value::Vector(parse_vector(self.expanded_attributes(node, place)?, 0.0, place)?),
+            "string" => MitsubaValue::Text(text("value")?),
+            "point" | "vector" => {
+                MitsubaValue::Vector(parse_vector(self.expanded_attributes(node, place)?, 0.0, place)?)
+            }
             "rgb" | "srgb" | "color" => {
                 let text = text("value")?;
                 let color = ColorValue::parse_rgb(&text, tag == "srgb");
-                Value::Color(color.ok_or_else(|| invalid("a color: three numbers or `#rrggbb`", &text))?)
+                MitsubaValue::Color(color.ok_or_else(|| invalid("a color: three numbers or `#rrggbb`", &text))?)
             }
             "spectrum" => match node.attribute("filename") {
-                Some(name) => Value::Color(self.spectrum_file(&self.with_expanded_parameters(name, place)?, place)?),
+                Some(name) => {
+                    MitsubaValue::Color(self.read_spectrum_file(&self.with_expanded_parameters(name, place)?, place)?)
+                }
                 None => {
                     let text = text("value")?;
                     let spectrum = ColorValue::parse_spectrum(&text);
-                    Value::Color(spectrum.ok_or_else(|| invalid("a spectrum: a number, or pairs `400:0.5`", &text))?)
+                    MitsubaValue::Color(
+                        spectrum.ok_or_else(|| invalid("a spectrum: a number, or pairs `400:0.5`", &text))?,
+                    )
                 }
             },
             "blackbody" => {
@@ -321,7 +339,7 @@ impl TreeReader<'_, '_> {
                 };
                 match (temperature, scale) {
                     (Some(kelvin), Some(scale)) if kelvin > 0.0 && kelvin < 1e9 => {
-                        Value::Color(ColorValue::Blackbody(kelvin, scale))
+                        MitsubaValue::Color(ColorValue::Blackbody(kelvin, scale))
                     }
                     _ => return Err(invalid("a temperature above 0 K", &kelvin)),
                 }
@@ -336,7 +354,7 @@ impl TreeReader<'_, '_> {
                 if tag == "animation" {
                     return Err(place.error("animated transforms are not read", "write the transform of one moment"));
                 }
-                Value::Transform(parse_transform(&steps.collect::<ReadResult<Vec<_>>>()?)?)
+                MitsubaValue::Transform(parse_transform(&steps.collect::<ReadResult<Vec<_>>>()?)?)
             }
             _ => {
                 let help = "remove it, or look up its name in the documentation of Mitsuba";
@@ -345,7 +363,7 @@ impl TreeReader<'_, '_> {
         })
     }
 
-    fn spectrum_file(&self, name: &str, place: &MitsubaPlace) -> ReadResult<ColorValue> {
+    fn read_spectrum_file(&self, name: &str, place: &MitsubaSourceLocation) -> ReadResult<ColorValue> {
         let path = self.files.find_file(name, place)?;
         let bytes = self.files.read_file(&path)?;
         let spectrum = std::str::from_utf8(&bytes).ok().and_then(ColorValue::parse_spectrum_file);
@@ -356,7 +374,11 @@ impl TreeReader<'_, '_> {
     }
 
     /// Returns the attributes of an element, with parameters replaced by their values.
-    fn expanded_attributes(&self, node: &Node<'_, '_>, place: &MitsubaPlace) -> ReadResult<HashMap<String, String>> {
+    fn expanded_attributes(
+        &self,
+        node: &Node<'_, '_>,
+        place: &MitsubaSourceLocation,
+    ) -> ReadResult<HashMap<String, String>> {
         let expanded = |text: &str| self.with_expanded_parameters(text, place);
         node.attributes().map(|a| Ok((a.name().to_ascii_lowercase(), expanded(a.value())?))).collect()
     }
@@ -364,7 +386,7 @@ impl TreeReader<'_, '_> {
     /// Returns `text` with each parameter `$name` replaced by its value.
     ///
     /// If several parameter names match at one `$`, the longest is used.
-    fn with_expanded_parameters(&self, text: &str, place: &MitsubaPlace) -> ReadResult<String> {
+    fn with_expanded_parameters(&self, text: &str, place: &MitsubaSourceLocation) -> ReadResult<String> {
         if !text.contains('$') {
             return Ok(text.to_owned());
         }
@@ -379,7 +401,7 @@ impl TreeReader<'_, '_> {
             };
             expanded.push_str(&self.parameters[&part[..length]]);
             expanded.push_str(&part[length..]);
-            if expanded.len() > MAX_EXPANDED_LENGTH {
+            if expanded.len() > MAX_EXPANDED_ATTRIBUTE_BYTES {
                 return Err(place.error("the parameters of this attribute are too long", "use shorter values"));
             }
         }
@@ -388,7 +410,7 @@ impl TreeReader<'_, '_> {
 }
 
 /// Returns the attribute `name` of an element; an error if there is none.
-fn required_attribute<'n>(node: &Node<'n, '_>, name: &str, place: &MitsubaPlace) -> ReadResult<&'n str> {
+fn required_attribute<'n>(node: &Node<'n, '_>, name: &str, place: &MitsubaSourceLocation) -> ReadResult<&'n str> {
     node.attribute(name).ok_or_else(|| {
         let message = format!("this `{}` has no attribute `{name}`", node.tag_name().name());
         place.error(message, "add the attribute")

@@ -18,7 +18,7 @@ use std::f64::consts::{PI, TAU};
 const MAX_TILT: f64 = 1e-6;
 
 /// Number of samples of the original map along each side of a pixel of a resampled map.
-const SAMPLES: u32 = 4;
+const SAMPLES_PER_PIXEL_SIDE: u32 = 4;
 
 /// Returns the radiance of an `envmap` emitter. Resamples the map if its transform tilts it.
 pub(super) fn read_environment(
@@ -63,8 +63,8 @@ pub(super) fn read_environment(
 
 /// Returns an environment map that shows `image` turned by the linear transform `to_world`.
 ///
-/// The result has as many pixels as `image`. Each pixel is the mean of [`SAMPLES`]² values of
-/// `image`. Returns `None` if the transform is singular.
+/// The result has as many pixels as `image`. Each pixel is the mean of [`SAMPLES_PER_PIXEL_SIDE`]²
+/// values of `image`. Returns `None` if the transform is singular.
 fn resampled_environment(image: &Image, to_world: DMat3) -> Option<Image> {
     let inverse = to_world.inverse();
     if !inverse.is_finite() {
@@ -75,15 +75,15 @@ fn resampled_environment(image: &Image, to_world: DMat3) -> Option<Image> {
     for row in 0..height {
         for column in 0..width {
             let mut sum = DVec3::ZERO;
-            for sample in 0..SAMPLES * SAMPLES {
-                let within = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES);
-                let phi = (f64::from(column) + within(sample % SAMPLES)) / f64::from(width) * TAU;
-                let theta = (f64::from(row) + within(sample / SAMPLES)) / f64::from(height) * PI;
+            for sample in 0..SAMPLES_PER_PIXEL_SIDE * SAMPLES_PER_PIXEL_SIDE {
+                let within = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES_PER_PIXEL_SIDE);
+                let phi = (f64::from(column) + within(sample % SAMPLES_PER_PIXEL_SIDE)) / f64::from(width) * TAU;
+                let theta = (f64::from(row) + within(sample / SAMPLES_PER_PIXEL_SIDE)) / f64::from(height) * PI;
                 let (sin, cos) = (libm::sin(theta), libm::cos(theta));
                 let world = DVec3::new(libm::sin(phi) * sin, cos, -libm::cos(phi) * sin);
                 sum += radiance_in_direction(image, (inverse * world).normalize_or(DVec3::Y)).as_dvec3();
             }
-            pixels.push((sum / f64::from(SAMPLES * SAMPLES)).as_vec3());
+            pixels.push((sum / f64::from(SAMPLES_PER_PIXEL_SIDE * SAMPLES_PER_PIXEL_SIDE)).as_vec3());
         }
     }
     Image::from_pixels(width, height, pixels).ok()

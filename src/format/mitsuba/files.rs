@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Position of an element in the scene file or in a file that it includes.
 #[derive(Clone, Debug)]
-pub(super) struct MitsubaPlace {
+pub(super) struct MitsubaSourceLocation {
     /// Name and text of the file.
     pub source: SourceText,
     /// Span of the element in the text.
@@ -22,7 +22,7 @@ pub(super) struct MitsubaPlace {
     pub line: u32,
 }
 
-impl MitsubaPlace {
+impl MitsubaSourceLocation {
     /// Returns an error with `message` and the remedy `help`, at this position.
     pub fn error(&self, message: impl Display, help: &str) -> SceneReadError {
         SceneError::error_at_span(&self.source, self.span, message.to_string(), "here", help).into()
@@ -33,7 +33,7 @@ impl MitsubaPlace {
     /// The text begins with the file's name, unless this is `main`.
     pub fn position_text(&self, main: &str) -> String {
         let Self { source, line, .. } = self;
-        if source.name() == main { format!("line {line}") } else { format!("{} line {line}", source.name()) }
+        if source.file_name() == main { format!("line {line}") } else { format!("{} line {line}", source.file_name()) }
     }
 }
 
@@ -46,7 +46,7 @@ pub(super) struct MitsubaSceneFiles<'a> {
     /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,
     /// Search folders of the `path` elements that have been read. Later folders are searched first.
-    folders: RefCell<Vec<PathBuf>>,
+    search_folders: RefCell<Vec<PathBuf>>,
     /// Free memory before the scene is read \[bytes]; `None` without a limit.
     free_at_start: Option<u64>,
 }
@@ -55,7 +55,7 @@ impl<'a> MitsubaSceneFiles<'a> {
     /// Prepares reading the scene at `path`, without search folders; reads no file.
     pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
         let free_at_start = options.memory.available_bytes();
-        Self { path, monitor, options, folders: RefCell::default(), free_at_start }
+        Self { path, monitor, options, search_folders: RefCell::default(), free_at_start }
     }
 
     /// Returns the memory that may still be allocated \[bytes]; `None` if there is no limit.
@@ -66,7 +66,7 @@ impl<'a> MitsubaSceneFiles<'a> {
     /// Fails with an error that names `path` if `needed` bytes exceed the free memory.
     pub fn check_memory(&self, path: &Path, needed: u64) -> ReadResult<()> {
         match self.free_memory() {
-            Some(free) if needed > free => Err(SceneReadError::Memory { path: path.to_owned(), needed, free }),
+            Some(free) if needed > free => Err(SceneReadError::OutOfMemory { path: path.to_owned(), needed, free }),
             _ => Ok(()),
         }
     }
@@ -78,7 +78,7 @@ impl<'a> MitsubaSceneFiles<'a> {
     pub fn check_total_memory(&self, total: u64) -> ReadResult<()> {
         match self.free_at_start {
             Some(free) if total > free => {
-                Err(SceneReadError::Memory { path: self.path.to_owned(), needed: total, free })
+                Err(SceneReadError::OutOfMemory { path: self.path.to_owned(), needed: total, free })
             }
             _ => Ok(()),
         }
@@ -96,7 +96,7 @@ impl<'a> MitsubaSceneFiles<'a> {
 
     /// Adds the search folder `name` of a `path` element, relative to the folder of the scene.
     pub fn add_folder(&self, name: &str) {
-        self.folders.borrow_mut().push(self.scene_folder().join(path_with_slashes(name)));
+        self.search_folders.borrow_mut().push(self.scene_folder().join(path_with_slashes(name)));
     }
 
     /// Returns the path of the existing file to which the element at `place` refers as `name`.
@@ -104,10 +104,10 @@ impl<'a> MitsubaSceneFiles<'a> {
     /// Reports the file to the monitor. Searches the folders of `path` elements, then the folder of
     /// the scene, then the folder of the file that contains `place`. The file must lie inside the
     /// scene's folder, unless the options allow outside files.
-    pub fn find_file(&self, name: &str, place: &MitsubaPlace) -> ReadResult<PathBuf> {
+    pub fn find_file(&self, name: &str, place: &MitsubaSourceLocation) -> ReadResult<PathBuf> {
         let relative = path_with_slashes(name);
-        let own = Path::new(place.source.name()).parent().map(Path::to_owned);
-        let folders = self.folders.borrow();
+        let own = Path::new(place.source.file_name()).parent().map(Path::to_owned);
+        let folders = self.search_folders.borrow();
         let candidates = folders.iter().rev().cloned().chain([self.scene_folder()]).chain(own);
         let found = candidates.map(|folder| folder.join(&relative)).find(|file| file.is_file());
         let Some(file) = found.filter(|_| !name.is_empty()) else {

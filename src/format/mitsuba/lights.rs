@@ -4,7 +4,7 @@ use super::color::ColorMeaning;
 use super::context::ImportContext;
 use super::environment::read_environment;
 use super::files::ReadResult;
-use super::sensor::half_image_height;
+use super::sensor::tan_half_vertical_fov;
 use super::textures::MitsubaTextures;
 use super::tree::{MitsubaObject, ObjectClass};
 use crate::color::Rgb;
@@ -26,7 +26,7 @@ const SPOT_PICTURE_SIZE: u32 = 512;
 /// Greatest half angle of a spotlight's cone, if the light has a texture \[degrees].
 ///
 /// The light becomes a picture projected on a plane, which cannot reach 90 degrees.
-const MAX_PICTURE_CUTOFF: f64 = 85.0;
+const MAX_TEXTURED_CUTOFF_DEGREES: f64 = 85.0;
 
 /// Converts an emitter to a light; `None` if it is an area light, is black or is not supported.
 ///
@@ -40,7 +40,7 @@ pub(super) fn read_light(
     let to_world = emitter.transform("to_world").unwrap_or(DMat4::IDENTITY);
     let position = emitter.vector("position").unwrap_or(to_world.w_axis.truncate());
     let axis = |column: DVec3| column.try_normalize().ok_or_else(|| singular_transform_error(emitter));
-    let color = |name: &str| context.color(emitter, name, ColorMeaning::Emission, 1.0);
+    let color = |name: &str| context.linear_rgb(emitter, name, ColorMeaning::Emission, 1.0);
     let light = match emitter.plugin.as_str() {
         "point" => {
             let strength = scaled_strength(emitter, color("intensity")?);
@@ -70,7 +70,7 @@ pub(super) fn read_light(
         // An area light is the emission of its shape.
         "area" | "directionalarea" => return Ok(None),
         other => {
-            context.add_note_on_object(&format!("emitters of kind `{other}` are left out"), emitter);
+            context.add_whole_object_note(&format!("emitters of kind `{other}` are left out"), emitter);
             return Ok(None);
         }
     };
@@ -112,7 +112,7 @@ fn read_spot(
     let falloff = |degrees: f64| {
         if degrees <= beam { 1.0 } else { ((cutoff - degrees) / (cutoff - beam)).max(0.0) }
     };
-    let intensity = scaled_strength(emitter, context.color(emitter, "intensity", ColorMeaning::Emission, 1.0)?);
+    let intensity = scaled_strength(emitter, context.linear_rgb(emitter, "intensity", ColorMeaning::Emission, 1.0)?);
     let strength = PointLightStrength::Intensity(intensity);
     let position = to_world.w_axis.truncate();
     let [right, up, axis] = emitter_axes(emitter, to_world)?;
@@ -124,8 +124,8 @@ fn read_spot(
             .map_err(|error| emitter.place.error(error, "use another texture"))
     };
     if let Some(texture) = texture.filter(|texture| texture.plugin == "bitmap") {
-        if cutoff > MAX_PICTURE_CUTOFF {
-            let message = format!("a spotlight with a texture is wider than {MAX_PICTURE_CUTOFF} degrees");
+        if cutoff > MAX_TEXTURED_CUTOFF_DEGREES {
+            let message = format!("a spotlight with a texture is wider than {MAX_TEXTURED_CUTOFF_DEGREES} degrees");
             return Err(emitter.place.error(message, "choose a smaller `cutoff_angle`"));
         }
         let (_, picture) = textures.read_picture(context, &texture, texture.boolean("raw", false))?;
@@ -145,14 +145,17 @@ fn read_spot(
         let path = Spanned::new(embed_picture(textures, size, size, pixels)?, Span::default());
         let pose = LightPose { position, aim: DirectionOrTarget::Direction(axis), up: Some(up) };
         let angle = 2.0 * cutoff;
-        return Ok(unless_black(intensity, ProjectorLightDescription { pose, angle, path, strength }));
+        return Ok(unless_black(
+            intensity,
+            ProjectorLightDescription { pose, vertical_fov_degrees: angle, path, strength },
+        ));
     }
     let angle = |row: u32| (f64::from(row) + 0.5) * 180.0 / f64::from(SPOT_ROWS);
     let pixels: Vec<Rgb> = (0..SPOT_ROWS).map(|row| Vec3::splat(falloff(angle(row)) as f32)).collect();
     let path = Spanned::new(embed_picture(textures, 1, SPOT_ROWS, pixels)?, Span::default());
     // The intensity map is symmetric about its up direction, which is the light's axis.
     let pose = LightPose { position, aim: DirectionOrTarget::Direction(right), up: Some(axis) };
-    let distribution = IntensityDistribution::Map(path);
+    let distribution = IntensityDistribution::MapFile(path);
     Ok(unless_black(intensity, GoniometricLightDescription { pose, distribution, strength }))
 }
 
@@ -171,14 +174,14 @@ fn read_projector(
     let image = match texture.filter(|texture| texture.plugin == "bitmap") {
         Some(texture) => (*textures.read_picture(context, &texture, texture.boolean("raw", false))?.1).clone(),
         None => {
-            let irradiance = context.color(emitter, "irradiance", ColorMeaning::Emission, 1.0)?;
+            let irradiance = context.linear_rgb(emitter, "irradiance", ColorMeaning::Emission, 1.0)?;
             let image = Image::from_pixels(1, 1, vec![irradiance.as_vec3()]);
             image.map_err(|error| emitter.place.error(error, "use a picture"))?
         }
     };
     let (width, height) = (image.width(), image.height());
     let size = [f64::from(width), f64::from(height)];
-    let half = half_image_height(emitter, size)?;
+    let half = tan_half_vertical_fov(emitter, size)?;
     let mut image = image;
     for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
         let (column, row) = (i as u32 % width, i as u32 / width);
@@ -195,7 +198,7 @@ fn read_projector(
     let strength = PointLightStrength::Intensity(intensity);
     let position = to_world.w_axis.truncate();
     let pose = LightPose { position, aim: DirectionOrTarget::Direction(axis), up: Some(up) };
-    Ok(unless_black(intensity, ProjectorLightDescription { pose, angle, path, strength }))
+    Ok(unless_black(intensity, ProjectorLightDescription { pose, vertical_fov_degrees: angle, path, strength }))
 }
 
 /// Returns the unit vectors right, up and forward of an emitter in world space.

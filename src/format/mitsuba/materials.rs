@@ -5,20 +5,20 @@ use super::context::ImportContext;
 use super::dielectrics::{is_index_matched, refractive_index};
 use super::files::ReadResult;
 use super::meshes::TexcoordConvention;
-use super::textures::{MitsubaTextureUse, MitsubaTextureValues, MitsubaTextures};
+use super::textures::{MitsubaConvertedTexture, MitsubaTextureUse, MitsubaTextures};
 use super::tree::{MitsubaObject, ObjectClass};
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
     CoatedDiffuseDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, EmissionDescription,
     GroupItem, MaterialDescription, MaterialKindDescription, MixDescription, NormalPerturbationDescription,
-    NullInterfaceDescription, ObjectGroup, PhongDescription, Span, Spanned, TexturedValue, ThinDescription,
+    NullInterfaceDescription, ObjectGroup, PhongDescription, Span, Spanned, TexturedValue, ThinDielectricDescription,
 };
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 /// Greatest nesting depth of BSDFs.
-const MAX_DEPTH: u32 = 24;
+const MAX_BSDF_DEPTH: u32 = 24;
 
 /// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
 /// degree.
@@ -45,7 +45,7 @@ pub(super) struct MitsubaImportedMaterial {
     /// Kind of boundary, which decides which surfaces a shape needs.
     pub boundary: MaterialBoundary,
     /// True if the material uses a texture, or if it is a mix.
-    pub is_textured: bool,
+    pub may_be_textured: bool,
 }
 
 /// Properties of a shape on which its converted material depends.
@@ -58,7 +58,7 @@ pub(super) struct ShapeMaterialInputs {
     /// Emission texture: its name, and the factor from its values to radiance.
     ///
     /// `None` if the shape emits constant radiance or nothing.
-    pub emission: Option<(Spanned<String>, f64)>,
+    pub emission_texture: Option<(Spanned<String>, f64)>,
     /// Convention for the texture coordinates of the shape.
     pub convention: TexcoordConvention,
 }
@@ -69,10 +69,10 @@ pub(super) struct MitsubaMaterials {
     /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     names: HashSet<String>,
-    used: HashMap<(Option<*const MitsubaObject>, String), MitsubaImportedMaterial>,
-    clear: Option<String>,
-    black: Option<String>,
-    interfaces: HashMap<String, String>,
+    converted: HashMap<(Option<*const MitsubaObject>, String), MitsubaImportedMaterial>,
+    transparent_material_name: Option<String>,
+    black_material_name: Option<String>,
+    null_interface_names: HashMap<String, String>,
 }
 
 /// Result of the conversion of a BSDF: reflection and transmission, and a bump map or normal map.
@@ -100,10 +100,10 @@ impl MitsubaMaterials {
         inputs: &ShapeMaterialInputs,
     ) -> ReadResult<MitsubaImportedMaterial> {
         let key = (bsdf.map(Rc::as_ptr), format!("{inputs:?}"));
-        if let Some(known) = self.used.get(&key) {
+        if let Some(known) = self.converted.get(&key) {
             return Ok(known.clone());
         }
-        let ShapeMaterialInputs { medium, emission, convention } = inputs;
+        let ShapeMaterialInputs { medium, emission_texture: emission, convention } = inputs;
         let wanted = bsdf.and_then(|bsdf| bsdf.id.clone()).unwrap_or_else(|| "material".to_owned());
         let name = self.unique_name(&wanted);
         let mut converter =
@@ -132,48 +132,48 @@ impl MitsubaMaterials {
             MaterialDescription { name: Some(name.clone()), kind, emission, normal_perturbation: normal, medium };
         let is_textured = !description.texture_names().is_empty() || description.kind.mix_material_names().is_some();
         self.descriptions.push(Spanned::new(description, Span::default()));
-        let imported = MitsubaImportedMaterial { name, boundary, is_textured };
-        if !imported.is_textured {
+        let imported = MitsubaImportedMaterial { name, boundary, may_be_textured: is_textured };
+        if !imported.may_be_textured {
             // Without textures, the convention for texture coordinates makes no difference.
-            for convention in [TexcoordConvention::Same, TexcoordConvention::Flipped] {
+            for convention in [TexcoordConvention::Same, TexcoordConvention::FlippedV] {
                 let inputs = ShapeMaterialInputs { convention, ..inputs.clone() };
-                self.used.insert((key.0, format!("{inputs:?}")), imported.clone());
+                self.converted.insert((key.0, format!("{inputs:?}")), imported.clone());
             }
         }
-        self.used.insert(key, imported.clone());
+        self.converted.insert(key, imported.clone());
         Ok(imported)
     }
 
     /// Returns the name of the null-interface material that bounds `medium`. Adds it at its first
     /// use.
-    pub fn null_interface(&mut self, medium: &str) -> String {
-        if let Some(name) = self.interfaces.get(medium) {
+    pub fn null_interface_name(&mut self, medium: &str) -> String {
+        if let Some(name) = self.null_interface_names.get(medium) {
             return name.clone();
         }
         let name = self.unique_name("boundary");
         let kind = MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 });
         let filling = Some(Spanned::new(medium.to_owned(), Span::default()));
         self.push_material(name.clone(), kind, None, filling);
-        self.interfaces.insert(medium.to_owned(), name.clone());
+        self.null_interface_names.insert(medium.to_owned(), name.clone());
         name
     }
 
     /// Returns the name of a material that reflects and transmits nothing. Adds it at its first
     /// use.
-    pub fn black_material(&mut self) -> String {
-        if let Some(name) = &self.black {
+    pub fn black_material_name(&mut self) -> String {
+        if let Some(name) = &self.black_material_name {
             return name.clone();
         }
         let name = self.unique_name("black");
         self.push_material(name.clone(), diffuse_description(DVec3::ZERO), None, None);
-        self.black = Some(name.clone());
+        self.black_material_name = Some(name.clone());
         name
     }
 
     /// Keeps only the materials that an object uses, directly or through a mix.
     ///
     /// Returns the names of the textures that these materials use.
-    pub fn keep_used(&mut self, objects: &ObjectGroup) -> HashSet<String> {
+    pub fn remove_unused(&mut self, objects: &ObjectGroup) -> HashSet<String> {
         let mut used = HashSet::new();
         collect_material_names(objects, &mut used);
         // The materials of a mix are listed before it, so one backward pass finds all.
@@ -213,14 +213,15 @@ impl MitsubaMaterials {
     }
 
     /// Returns the name of a material that transmits all light unchanged. Adds it at its first use.
-    fn clear_material(&mut self) -> String {
-        if let Some(name) = &self.clear {
+    fn transparent_material_name(&mut self) -> String {
+        if let Some(name) = &self.transparent_material_name {
             return name.clone();
         }
         let name = self.unique_name("clear");
-        let kind = MaterialKindDescription::Thin(ThinDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
+        let kind =
+            MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
         self.push_material(name.clone(), kind, None, None);
-        self.clear = Some(name.clone());
+        self.transparent_material_name = Some(name.clone());
         name
     }
 }
@@ -251,7 +252,7 @@ struct MitsubaMaterialConverter<'c, 'a> {
 
 impl MitsubaMaterialConverter<'_, '_> {
     fn convert_bsdf(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
-        if depth > MAX_DEPTH {
+        if depth > MAX_BSDF_DEPTH {
             return Err(bsdf.place.error("BSDFs are nested too deep, or contain themselves", "nest them less deep"));
         }
         let context = self.context;
@@ -261,7 +262,7 @@ impl MitsubaMaterialConverter<'_, '_> {
                 MaterialKindDescription::Diffuse(DiffuseDescription { reflectance }).into()
             }
             "roughdiffuse" | "difftrans" => {
-                context.add_note_on_object(&format!("`{}` becomes diffuse", bsdf.plugin), bsdf);
+                context.add_whole_object_note(&format!("`{}` becomes diffuse", bsdf.plugin), bsdf);
                 let reflectance = self.textured_color(bsdf, "reflectance", 0.5)?;
                 MaterialKindDescription::Diffuse(DiffuseDescription { reflectance }).into()
             }
@@ -270,38 +271,40 @@ impl MitsubaMaterialConverter<'_, '_> {
                 self.note_tints(bsdf)?;
                 let index = refractive_index(context, bsdf)?;
                 let transmittance = DVec3::ONE.into();
-                MaterialKindDescription::Thin(ThinDescription { eta: index, transmittance }).into()
+                MaterialKindDescription::Thin(ThinDielectricDescription { eta: index, transmittance }).into()
             }
             "conductor" | "roughconductor" => {
                 let roughness = if bsdf.plugin == "conductor" { 0.0.into() } else { self.roughness(bsdf)? };
-                let tint = self.texture_values(bsdf, "specular_reflectance", 1.0, MitsubaTextureUse::Color)?;
+                let tint =
+                    self.convert_texture_parameter(bsdf, "specular_reflectance", 1.0, MitsubaTextureUse::Color)?;
                 conductor(context, bsdf, tint, roughness)?.into()
             }
             "plastic" | "roughplastic" => self.convert_plastic(bsdf)?,
             "principled" | "principledthin" => self.convert_principled(bsdf)?,
             "phong" => self.convert_phong(bsdf)?,
             "twosided" => {
-                let sides = context.children(bsdf, ObjectClass::Bsdf)?;
+                let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
                 if sides.len() > 1 {
                     context.add_note("surfaces with two BSDFs have the first one on both sides", bsdf);
                 }
                 self.convert_first_nested(bsdf, &sides, depth)?
             }
             "mask" => {
-                let opacity = self.texture_values(bsdf, "opacity", 0.5, MitsubaTextureUse::Fraction)?.into_number();
-                let sides = context.children(bsdf, ObjectClass::Bsdf)?;
+                let opacity =
+                    self.convert_texture_parameter(bsdf, "opacity", 0.5, MitsubaTextureUse::Fraction)?.into_number();
+                let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
                 let solid = self.convert_first_nested(bsdf, &sides, depth)?;
-                self.mix_with_clear(solid, opacity)
+                self.mix_with_transparent(solid, opacity)
             }
             "blendbsdf" | "mixturebsdf" => self.convert_blend(bsdf, depth)?,
             "bumpmap" | "bump" => {
-                let sides = context.children(bsdf, ObjectClass::Bsdf)?;
+                let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
                 let mut surface = self.convert_first_nested(bsdf, &sides, depth)?;
                 let scale = bsdf.number("scale").unwrap_or(1.0);
-                let heights = context.children(bsdf, ObjectClass::Texture)?;
+                let heights = context.children_of_class(bsdf, ObjectClass::Texture)?;
                 if let Some((_, texture)) = heights.first() {
                     let wanted = (MitsubaTextureUse::Height, self.convention);
-                    if let MitsubaTextureValues::Texture(texture, _) =
+                    if let MitsubaConvertedTexture::Texture(texture, _) =
                         self.textures.convert_texture(context, texture, wanted, 1.0, 0)?
                     {
                         surface.normal = Some(NormalPerturbationDescription::Bump { texture, height: scale });
@@ -310,10 +313,10 @@ impl MitsubaMaterialConverter<'_, '_> {
                 self.without_mix_perturbation(bsdf, surface)
             }
             "normalmap" => {
-                let sides = context.children(bsdf, ObjectClass::Bsdf)?;
+                let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
                 let mut surface = self.convert_first_nested(bsdf, &sides, depth)?;
                 let wanted = (MitsubaTextureUse::Normal, self.convention);
-                let values = match context.children(bsdf, ObjectClass::Texture)?.first() {
+                let values = match context.children_of_class(bsdf, ObjectClass::Texture)?.first() {
                     Some((_, texture)) => Some(self.textures.convert_texture(context, texture, wanted, 1.0, 0)?),
                     // A fork of Mitsuba names the picture file in the BSDF itself.
                     None if bsdf.values.contains_key("filename") => {
@@ -321,19 +324,19 @@ impl MitsubaMaterialConverter<'_, '_> {
                     }
                     None => None,
                 };
-                if let Some(MitsubaTextureValues::Texture(name, _)) = values {
+                if let Some(MitsubaConvertedTexture::Texture(name, _)) = values {
                     surface.normal = Some(NormalPerturbationDescription::NormalMap(name));
                 }
                 self.without_mix_perturbation(bsdf, surface)
             }
             "null" => MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 }).into(),
             "coating" | "roughcoating" => {
-                context.add_note_on_object(&format!("the coat of `{}` is ignored", bsdf.plugin), bsdf);
-                let sides = context.children(bsdf, ObjectClass::Bsdf)?;
+                context.add_whole_object_note(&format!("the coat of `{}` is ignored", bsdf.plugin), bsdf);
+                let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
                 self.convert_first_nested(bsdf, &sides, depth)?
             }
             other => {
-                context.add_note_on_object(&format!("BSDFs of kind `{other}` become diffuse gray"), bsdf);
+                context.add_whole_object_note(&format!("BSDFs of kind `{other}` become diffuse gray"), bsdf);
                 diffuse_description(DVec3::splat(0.5)).into()
             }
         })
@@ -360,15 +363,15 @@ impl MitsubaMaterialConverter<'_, '_> {
         let index = refractive_index(self.context, bsdf)?;
         let roughness = if bsdf.plugin == "dielectric" { 0.0.into() } else { self.roughness(bsdf)? };
         let (refraction, attenuation) = (index.into(), DielectricAbsorption::None);
-        if is_index_matched(index) && roughness == TexturedValue::Plain(0.0) {
+        if is_index_matched(index) && roughness == TexturedValue::Constant(0.0) {
             return Ok(MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 }).into());
         }
         let multiple_scattering = false;
         let kind = MaterialKindDescription::Dielectric(DielectricDescription {
             refraction,
-            attenuation,
+            absorption: attenuation,
             roughness,
-            multiple_scattering,
+            has_multiple_scattering: multiple_scattering,
             priority: 0,
         });
         Ok(kind.into())
@@ -377,7 +380,7 @@ impl MitsubaMaterialConverter<'_, '_> {
     /// Adds a message for each specular tint of a dielectric that is not 1. Tints are ignored.
     fn note_tints(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<()> {
         for name in ["specular_reflectance", "specular_transmittance"] {
-            if self.texture_values(bsdf, name, 1.0, MitsubaTextureUse::Color)?.mean() != DVec3::ONE {
+            if self.convert_texture_parameter(bsdf, name, 1.0, MitsubaTextureUse::Color)?.mean() != DVec3::ONE {
                 self.context.add_note(&format!("`{name}` of dielectrics is ignored: it is 1"), bsdf);
             }
         }
@@ -386,8 +389,8 @@ impl MitsubaMaterialConverter<'_, '_> {
 
     fn convert_plastic(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
         let index = refractive_index(self.context, bsdf)?;
-        let base = self.texture_values(bsdf, "diffuse_reflectance", 0.5, MitsubaTextureUse::Color)?;
-        let tint = self.texture_values(bsdf, "specular_reflectance", 1.0, MitsubaTextureUse::Color)?.mean();
+        let base = self.convert_texture_parameter(bsdf, "diffuse_reflectance", 0.5, MitsubaTextureUse::Color)?;
+        let tint = self.convert_texture_parameter(bsdf, "specular_reflectance", 1.0, MitsubaTextureUse::Color)?.mean();
         let alpha = if bsdf.plugin == "plastic" { 0.0 } else { self.mean_roughness(bsdf)? };
         if tint != DVec3::ONE {
             self.context.add_note("`specular_reflectance` of plastic is ignored", bsdf);
@@ -396,7 +399,7 @@ impl MitsubaMaterialConverter<'_, '_> {
             reflectance: base.into_color(),
             eta: index.clamp(1.0, f64::from(MAX_COAT_INDEX)),
             roughness: alpha.into(),
-            nonlinear: bsdf.boolean("nonlinear", false),
+            is_nonlinear: bsdf.boolean("nonlinear", false),
         });
         Ok(kind.into())
     }
@@ -408,10 +411,12 @@ impl MitsubaMaterialConverter<'_, '_> {
                 context.add_note(&format!("`{name}` of `principled` is ignored"), bsdf);
             }
         }
-        let base = self.texture_values(bsdf, "base_color", 0.5, MitsubaTextureUse::Color)?;
-        let metallic = self.texture_values(bsdf, "metallic", 0.0, MitsubaTextureUse::Fraction)?.into_number();
-        let rough = self.texture_values(bsdf, "roughness", 0.5, MitsubaTextureUse::Fraction)?.mean().x;
-        let transmission = self.texture_values(bsdf, "spec_trans", 0.0, MitsubaTextureUse::Fraction)?.into_number();
+        let base = self.convert_texture_parameter(bsdf, "base_color", 0.5, MitsubaTextureUse::Color)?;
+        let metallic =
+            self.convert_texture_parameter(bsdf, "metallic", 0.0, MitsubaTextureUse::Fraction)?.into_number();
+        let rough = self.convert_texture_parameter(bsdf, "roughness", 0.5, MitsubaTextureUse::Fraction)?.mean().x;
+        let transmission =
+            self.convert_texture_parameter(bsdf, "spec_trans", 0.0, MitsubaTextureUse::Fraction)?.into_number();
         let index = match bsdf.number("eta") {
             Some(eta) if eta > 1.0 => eta,
             _ => {
@@ -424,31 +429,32 @@ impl MitsubaMaterialConverter<'_, '_> {
         let alpha = rough * rough;
         context.add_note("the gloss of `principled` is a Phong lobe, which does not grow towards grazing angles", bsdf);
         let mut kind = phong_description(base.clone().into_color(), DVec3::splat(normal_reflectance(index)), alpha);
-        if transmission != TexturedValue::Plain(0.0) {
+        if transmission != TexturedValue::Constant(0.0) {
             let glass = MaterialKindDescription::Dielectric(DielectricDescription {
                 refraction: index.into(),
-                attenuation: DielectricAbsorption::None,
+                absorption: DielectricAbsorption::None,
                 roughness: alpha.into(),
-                multiple_scattering: false,
+                has_multiple_scattering: false,
                 priority: 0,
             });
-            kind = self.add_mix(kind, glass, transmission);
+            kind = self.mix_surfaces(kind, glass, transmission);
         }
-        if metallic != TexturedValue::Plain(0.0) {
-            let metal = super::conductors::metal_from_reflectance(base.mean(), alpha.into());
-            if matches!(base, MitsubaTextureValues::Texture(..)) {
+        if metallic != TexturedValue::Constant(0.0) {
+            let metal = super::conductors::conductor_from_reflectance(base.mean(), alpha.into());
+            if matches!(base, MitsubaConvertedTexture::Texture(..)) {
                 context.add_note("metals with a texture of color have its mean", bsdf);
             }
-            kind = self.add_mix(kind, metal, metallic);
+            kind = self.mix_surfaces(kind, metal, metallic);
         }
         Ok(kind.into())
     }
 
     fn convert_phong(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
         let diffuse = self.textured_color(bsdf, "diffuse_reflectance", 0.5)?;
-        let specular = self.texture_values(bsdf, "specular_reflectance", 0.2, MitsubaTextureUse::Color)?.mean();
+        let specular =
+            self.convert_texture_parameter(bsdf, "specular_reflectance", 0.2, MitsubaTextureUse::Color)?.mean();
         let shininess = bsdf.number("exponent").unwrap_or(30.0).clamp(0.0, 1e6);
-        let specular = specular * phong_specular_color(shininess);
+        let specular = specular * phong_normalization_factor(shininess);
         Ok(MaterialKindDescription::Phong(PhongDescription {
             diffuse,
             specular: specular.into(),
@@ -471,9 +477,9 @@ impl MitsubaMaterialConverter<'_, '_> {
                 _ => return Err(bsdf.place.error("this mixture has not two weights", "give `weights` of two BSDFs")),
             }
         } else {
-            self.texture_values(bsdf, "weight", 0.5, MitsubaTextureUse::Fraction)?.into_number()
+            self.convert_texture_parameter(bsdf, "weight", 0.5, MitsubaTextureUse::Fraction)?.into_number()
         };
-        let parts = self.context.children(bsdf, ObjectClass::Bsdf)?;
+        let parts = self.context.children_of_class(bsdf, ObjectClass::Bsdf)?;
         let [(_, first), (_, second)] = &parts[..] else {
             return Err(bsdf.place.error("a blend needs two BSDFs", "nest two `bsdf` elements in it"));
         };
@@ -485,11 +491,11 @@ impl MitsubaMaterialConverter<'_, '_> {
     /// Returns a mix of `solid`, with the weight `opacity`, and a fully transparent material.
     ///
     /// If `opacity` is 1, returns `solid`.
-    fn mix_with_clear(&mut self, solid: ConvertedBsdf, opacity: TexturedValue<f64>) -> ConvertedBsdf {
-        if opacity == TexturedValue::Plain(1.0) {
+    fn mix_with_transparent(&mut self, solid: ConvertedBsdf, opacity: TexturedValue<f64>) -> ConvertedBsdf {
+        if opacity == TexturedValue::Constant(1.0) {
             return solid;
         }
-        let names = [self.materials.clear_material(), self.add_mix_component("solid", solid)];
+        let names = [self.materials.transparent_material_name(), self.add_mix_component("solid", solid)];
         mix_description(names, opacity).into()
     }
 
@@ -504,13 +510,13 @@ impl MitsubaMaterialConverter<'_, '_> {
         surface
     }
 
-    fn add_mix(
+    fn mix_surfaces(
         &mut self,
         first: MaterialKindDescription,
         second: MaterialKindDescription,
         amount: TexturedValue<f64>,
     ) -> MaterialKindDescription {
-        if amount == TexturedValue::Plain(1.0) {
+        if amount == TexturedValue::Constant(1.0) {
             return second;
         }
         let names = [self.add_mix_component("first", first.into()), self.add_mix_component("second", second.into())];
@@ -522,7 +528,7 @@ impl MitsubaMaterialConverter<'_, '_> {
     /// For a null interface, returns the fully transparent material instead.
     fn add_mix_component(&mut self, suffix: &str, surface: ConvertedBsdf) -> String {
         if surface.kind.is_null_interface() {
-            return self.materials.clear_material();
+            return self.materials.transparent_material_name();
         }
         let name = self.materials.unique_name(&format!("{} {suffix}", self.name));
         self.materials.push_material(name.clone(), surface.kind, surface.normal, None);
@@ -542,43 +548,43 @@ impl MitsubaMaterialConverter<'_, '_> {
         let _ = bsdf.boolean("sample_visible", true);
         if bsdf.values.contains_key("alpha_u") || bsdf.values.contains_key("alpha_v") {
             self.context.add_note("anisotropic roughness becomes isotropic", bsdf);
-            let [u, v] =
-                ["alpha_u", "alpha_v"].map(|name| self.texture_values(bsdf, name, 0.1, MitsubaTextureUse::Fraction));
+            let [u, v] = ["alpha_u", "alpha_v"]
+                .map(|name| self.convert_texture_parameter(bsdf, name, 0.1, MitsubaTextureUse::Fraction));
             return Ok((factor * (u?.mean().x * v?.mean().x).sqrt()).into());
         }
-        Ok(match self.texture_values(bsdf, "alpha", 0.1, MitsubaTextureUse::Fraction)?.into_number() {
-            TexturedValue::Plain(alpha) => (factor * alpha).into(),
+        Ok(match self.convert_texture_parameter(bsdf, "alpha", 0.1, MitsubaTextureUse::Fraction)?.into_number() {
+            TexturedValue::Constant(alpha) => (factor * alpha).into(),
             texture @ TexturedValue::Texture(_) => texture,
         })
     }
 
     fn mean_roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<f64> {
         match self.roughness(bsdf)? {
-            TexturedValue::Plain(alpha) => Ok(alpha),
+            TexturedValue::Constant(alpha) => Ok(alpha),
             TexturedValue::Texture(_) => {
-                Ok(self.texture_values(bsdf, "alpha", 0.1, MitsubaTextureUse::Fraction)?.mean().x)
+                Ok(self.convert_texture_parameter(bsdf, "alpha", 0.1, MitsubaTextureUse::Fraction)?.mean().x)
             }
         }
     }
 
-    fn texture_values(
+    fn convert_texture_parameter(
         &mut self,
         bsdf: &MitsubaObject,
         name: &str,
         default: f64,
         wanted: MitsubaTextureUse,
-    ) -> ReadResult<MitsubaTextureValues> {
-        self.textures.texture_values(self.context, bsdf, (name, default), (wanted, self.convention))
+    ) -> ReadResult<MitsubaConvertedTexture> {
+        self.textures.convert_texture_parameter(self.context, bsdf, (name, default), (wanted, self.convention))
     }
 
     fn textured_color(&mut self, bsdf: &MitsubaObject, name: &str, default: f64) -> ReadResult<TexturedValue<DVec3>> {
-        Ok(self.texture_values(bsdf, name, default, MitsubaTextureUse::Color)?.into_color())
+        Ok(self.convert_texture_parameter(bsdf, name, default, MitsubaTextureUse::Color)?.into_color())
     }
 }
 
 fn mix_description([first, second]: [String; 2], amount: TexturedValue<f64>) -> MaterialKindDescription {
     let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
-    MaterialKindDescription::Mix(MixDescription { first, second, amount })
+    MaterialKindDescription::Mix(MixDescription { first, second, second_probability: amount })
 }
 
 /// Returns the reflectance at normal incidence of a dielectric with a given refractive index.
@@ -593,13 +599,13 @@ fn normal_reflectance(index: f64) -> f64 {
 fn phong_description(diffuse: TexturedValue<DVec3>, specular: DVec3, alpha: f64) -> MaterialKindDescription {
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     let shininess = 2.0 / (alpha * alpha) - 2.0;
-    let specular = (specular * phong_specular_color(shininess)).into();
+    let specular = (specular * phong_normalization_factor(shininess)).into();
     MaterialKindDescription::Phong(PhongDescription { diffuse, specular, shininess, texture: None })
 }
 
 /// Returns the specular coefficient with which a Phong lobe reflects all light at normal incidence.
 ///
 /// `shininess` is the exponent of the lobe.
-fn phong_specular_color(shininess: f64) -> f64 {
+fn phong_normalization_factor(shininess: f64) -> f64 {
     0.5 * (shininess + 2.0)
 }

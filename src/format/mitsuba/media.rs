@@ -74,7 +74,7 @@ impl MitsubaMedia {
                 return Err(medium.place.error(format!("media of kind `{other}` are not supported"), help));
             }
         };
-        let emission = context.color(medium, "emission", ColorMeaning::Emission, 0.0)?;
+        let emission = context.linear_rgb(medium, "emission", ColorMeaning::Emission, 0.0)?;
         Ok(MediumDescription { name: name.to_owned(), coefficients, emission, phase, density })
     }
 
@@ -99,7 +99,7 @@ impl MitsubaMedia {
                 };
             }
             let is_given = context.color_value(medium, name)?.is_some();
-            Ok(if is_given { Some(context.color(medium, name, ColorMeaning::Coefficient, 0.0)?) } else { None })
+            Ok(if is_given { Some(context.linear_rgb(medium, name, ColorMeaning::Unbounded, 0.0)?) } else { None })
         };
         if let (Some(absorption), Some(scattering)) = (values("sigma_a")?, values("sigma_s")?) {
             let (absorption, scattering) = (absorption * scale, scattering * scale);
@@ -122,7 +122,7 @@ impl MitsubaMedia {
                     return read_volume(context, &volume);
                 }
                 if context.color_value(medium, name)?.is_some() {
-                    let color = context.color(medium, name, ColorMeaning::Coefficient, 0.0)?;
+                    let color = context.linear_rgb(medium, name, ColorMeaning::Unbounded, 0.0)?;
                     return Ok(VolumeValues::Constant(color, DMat4::IDENTITY));
                 }
             }
@@ -135,7 +135,7 @@ impl MitsubaMedia {
             // Mitsuba limits such a medium to the unit cube of its volume.
             VolumeValues::Constant(extinction, to_world) => {
                 let values = extinction.as_vec3().to_array().to_vec();
-                (VolumeGrid { size: [1; 3], channels: 3, bounds: [[0.0; 3], [1.0; 3]], values }, to_world)
+                (VolumeGrid { size: [1; 3], channel_count: 3, bounds: [[0.0; 3], [1.0; 3]], values }, to_world)
             }
             VolumeValues::Grid(grid, to_world) => (grid, to_world),
         };
@@ -143,10 +143,10 @@ impl MitsubaMedia {
         let mean = weighted_mean(&grid, |_| 1.0);
         let gray = mean.element_sum() / 3.0;
         let color = if gray > 0.0 { mean / gray } else { DVec3::ONE };
-        if grid.channels == 3 && !is_one_cell {
+        if grid.channel_count == 3 && !is_one_cell {
             context.add_note("a color of extinction that varies in space becomes its mean", medium);
         }
-        let cells = grid.values.chunks(grid.channels);
+        let cells = grid.values.chunks(grid.channel_count);
         let densities: Vec<f32> = cells.map(|cell| cell.iter().sum::<f32>() / cell.len() as f32).collect();
         let albedo = match albedo {
             VolumeValues::Constant(albedo, _) => albedo,
@@ -158,7 +158,7 @@ impl MitsubaMedia {
         };
         let steps = vec![TransformStep::Matrix(to_world)];
         let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, steps };
-        self.grids.insert(name.to_owned(), Arc::new(GridFile { size: grid.size, values: densities }));
+        self.grids.insert(name.to_owned(), Arc::new(GridFile { size: grid.size, densities }));
         let path = Spanned::new(name.to_owned(), Span::default());
         let coefficients =
             MediumCoefficients::ExtinctionAlbedo { extinction: color * scale, albedo: albedo.min(DVec3::ONE) };
@@ -171,20 +171,20 @@ impl MitsubaMedia {
 /// If all weights are 0, returns the mean of all cells with equal weights.
 fn weighted_mean(grid: &VolumeGrid, weight: impl Fn(usize) -> f64) -> DVec3 {
     let (mut sum, mut total, mut plain) = (DVec3::ZERO, 0.0, DVec3::ZERO);
-    for (i, cell) in grid.values.chunks(grid.channels).enumerate() {
+    for (i, cell) in grid.values.chunks(grid.channel_count).enumerate() {
         let channel = |k: usize| f64::from(cell[k % cell.len()]);
         let color = DVec3::new(channel(0), channel(1), channel(2));
         plain += color;
         sum += color * weight(i);
         total += weight(i);
     }
-    if total > 0.0 { sum / total } else { plain / (grid.values.len() / grid.channels).max(1) as f64 }
+    if total > 0.0 { sum / total } else { plain / (grid.values.len() / grid.channel_count).max(1) as f64 }
 }
 
 fn read_volume(context: &ImportContext<'_>, volume: &MitsubaObject) -> ReadResult<VolumeValues> {
     match volume.plugin.as_str() {
         "constvolume" => {
-            let color = context.color(volume, "value", ColorMeaning::Coefficient, 1.0)?;
+            let color = context.linear_rgb(volume, "value", ColorMeaning::Unbounded, 1.0)?;
             let to_world = volume.transform("to_world").unwrap_or(DMat4::IDENTITY);
             if to_world.determinant() == 0.0 || !to_world.is_finite() {
                 return Err(singular_transform_error(volume));
@@ -227,7 +227,7 @@ fn singular_transform_error(volume: &MitsubaObject) -> SceneReadError {
 }
 
 fn read_phase_function(context: &ImportContext<'_>, medium: &MitsubaObject) -> ReadResult<PhaseFunctionDescription> {
-    let Some(phase) = context.child(medium, ObjectClass::Phase, "phase")? else {
+    let Some(phase) = context.named_or_unnamed_child(medium, ObjectClass::PhaseFunction, "phase")? else {
         return Ok(PhaseFunctionDescription::Isotropic);
     };
     Ok(match phase.plugin.as_str() {
@@ -238,7 +238,7 @@ fn read_phase_function(context: &ImportContext<'_>, medium: &MitsubaObject) -> R
             PhaseFunctionDescription::HenyeyGreenstein(g)
         }
         other => {
-            context.add_note_on_object(&format!("phase functions of kind `{other}` become isotropic"), &phase);
+            context.add_whole_object_note(&format!("phase functions of kind `{other}` become isotropic"), &phase);
             PhaseFunctionDescription::Isotropic
         }
     })

@@ -20,21 +20,21 @@ pub(super) enum TexcoordConvention {
     /// Pictures differ nevertheless: v = 0 is their top in Mitsuba, and their bottom in Caustica.
     Same,
     /// Caustica's v is 1 − v of Mitsuba; u is equal.
-    Flipped,
+    FlippedV,
 }
 
 /// Distance between a thin wall and its inner copy, relative to the diagonal of the mesh's bounds.
-const INNER_DISTANCE: f64 = 1e-4;
+const RELATIVE_INNER_DISTANCE: f64 = 1e-4;
 
 /// Embedded meshes of the imported scene so far. A mesh is read once per set of reading flags.
 #[derive(Default)]
 pub(super) struct MitsubaMeshes {
     /// Embedded meshes by path.
     pub embedded: BTreeMap<String, Arc<TriangleMesh>>,
-    known: HashMap<(PathBuf, usize, [bool; 2]), String>,
-    inner: HashMap<String, String>,
-    cube: Option<String>,
-    sphere: Option<String>,
+    file_mesh_paths: HashMap<(PathBuf, usize, [bool; 2]), String>,
+    shrunken_copy_paths: HashMap<String, String>,
+    cube_path: Option<String>,
+    inward_sphere_path: Option<String>,
 }
 
 impl MitsubaMeshes {
@@ -52,7 +52,7 @@ impl MitsubaMeshes {
         // Mitsuba flips v of OBJ files by default, because it grows upwards there.
         let is_obj = shape.plugin == "obj";
         let turns = shape.boolean("flip_tex_coords", is_obj);
-        let convention = if turns { TexcoordConvention::Flipped } else { TexcoordConvention::Same };
+        let convention = if turns { TexcoordConvention::FlippedV } else { TexcoordConvention::Same };
         let file = context.files.find_file(name, &shape.place)?;
         let index = shape.number("shape_index").unwrap_or(0.0);
         if !(0.0..1e9).contains(&index) {
@@ -60,7 +60,7 @@ impl MitsubaMeshes {
         }
         let flags = [shape.boolean("face_normals", false), shape.boolean("flip_normals", false)];
         let key = (file.clone(), index as usize, flags);
-        if let Some(path) = self.known.get(&key) {
+        if let Some(path) = self.file_mesh_paths.get(&key) {
             return Ok((path.clone(), convention));
         }
         let (mut triangles, is_flat, is_split) = if shape.plugin == "serialized" {
@@ -72,11 +72,11 @@ impl MitsubaMeshes {
             let vertices = decoded.mesh.positions.len();
             decoded.mesh.merge_equal_vertices();
             let is_split = decoded.mesh.distinct_position_indices().1 < vertices;
-            (decoded.mesh, decoded.has_face_normals, is_split)
+            (decoded.mesh, decoded.uses_flat_faces, is_split)
         } else {
             let loaded = mesh::load_with_memory_limit(&file, context.files.monitor, context.files.free_memory());
             let loaded: LoadedMesh = loaded.map_err(|error| mesh_error(shape, &error))?;
-            let is_split = loaded.repeated_vertices() > 0;
+            let is_split = loaded.repeated_vertex_count() > 0;
             (loaded.mesh, false, is_split)
         };
         if shape.number("max_smooth_angle").is_some() {
@@ -86,7 +86,7 @@ impl MitsubaMeshes {
         // vertex.
         match triangles.normals {
             _ if flags[0] || is_flat => triangles.normals = None,
-            None if !is_split => triangles.compute_smooth_normals(180.0),
+            None if !is_split => triangles.compute_missing_smooth_normals(180.0),
             None => context.add_note("meshes without normals that repeat vertices have flat faces", shape),
             Some(_) => {}
         }
@@ -96,7 +96,7 @@ impl MitsubaMeshes {
         triangles.materials.clear();
         triangles.triangle_materials.clear();
         let path = self.embed_mesh(triangles);
-        self.known.insert(key, path.clone());
+        self.file_mesh_paths.insert(key, path.clone());
         Ok((path, convention))
     }
 
@@ -104,7 +104,7 @@ impl MitsubaMeshes {
     ///
     /// Each side has texture coordinates that cover the unit square.
     pub fn cube_path(&mut self) -> String {
-        if let Some(path) = &self.cube {
+        if let Some(path) = &self.cube_path {
             return path.clone();
         }
         let mut cube = TriangleMesh::default();
@@ -123,7 +123,7 @@ impl MitsubaMeshes {
         }
         cube.texcoords = Some(texcoords);
         let path = self.embed_mesh(cube);
-        self.cube = Some(path.clone());
+        self.cube_path = Some(path.clone());
         path
     }
 
@@ -133,7 +133,7 @@ impl MitsubaMeshes {
     pub fn inward_sphere_path(&mut self) -> String {
         const STACKS: u32 = 128;
         const SLICES: u32 = 2 * STACKS;
-        if let Some(path) = &self.sphere {
+        if let Some(path) = &self.inward_sphere_path {
             return path.clone();
         }
         let mut sphere = TriangleMesh::default();
@@ -163,7 +163,7 @@ impl MitsubaMeshes {
         sphere.normals = Some(sphere.positions.iter().map(|p| -p.normalize()).collect());
         sphere.merge_equal_vertices();
         let path = self.embed_mesh(sphere);
-        self.sphere = Some(path.clone());
+        self.inward_sphere_path = Some(path.clone());
         path
     }
 
@@ -172,11 +172,11 @@ impl MitsubaMeshes {
     /// Embeds the copy at its first use. It bounds the medium inside a thin wall, because the wall
     /// itself cannot bound a medium.
     pub fn embed_shrunken_copy(&mut self, path: &str) -> String {
-        if let Some(inner) = self.inner.get(path) {
+        if let Some(inner) = self.shrunken_copy_paths.get(path) {
             return inner.clone();
         }
         let mut copy = self.embedded.get(path).map(|mesh| (**mesh).clone()).unwrap_or_default();
-        let distance = INNER_DISTANCE * copy.bounds_diagonal();
+        let distance = RELATIVE_INNER_DISTANCE * copy.bounds_diagonal();
         let (indices, count) = copy.distinct_position_indices();
         let mut outward = vec![DVec3::ZERO; count];
         for triangle in &copy.triangles {
@@ -190,7 +190,7 @@ impl MitsubaMeshes {
         (copy.normals, copy.texcoords) = (None, None);
         copy.merge_equal_vertices();
         let inner = self.embed_mesh(copy);
-        self.inner.insert(path.to_owned(), inner.clone());
+        self.shrunken_copy_paths.insert(path.to_owned(), inner.clone());
         inner
     }
 
@@ -206,6 +206,6 @@ fn mesh_error(shape: &MitsubaObject, error: &mesh::MeshError) -> SceneReadError 
     let help = "repair the mesh or name another";
     let place = &shape.place;
     let described = SceneError::error_at_span(&place.source, place.span, error.to_string(), "this mesh", help);
-    let is_memory = matches!(error, mesh::MeshError::Memory { .. });
+    let is_memory = matches!(error, mesh::MeshError::OutOfMemory { .. });
     if is_memory { described.marked_out_of_memory().into() } else { described.into() }
 }

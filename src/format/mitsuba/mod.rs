@@ -81,11 +81,11 @@ fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Imp
     let tree = read_tree(files, bytes)?;
     let context = ImportContext { files, tree: &tree, notes: RefCell::default() };
     let (mut shapes, mut textures) = (MitsubaShapes::default(), MitsubaTextures::default());
-    for (_, shape) in context.children(&tree.root, ObjectClass::Shape)? {
+    for (_, shape) in context.children_of_class(&tree.root, ObjectClass::Shape)? {
         shapes.add_shape(&context, &mut textures, &shape)?;
     }
-    let mut lights = read_lights(&context, &mut textures, shapes.has_emitters)?;
-    let sensors = context.children(&tree.root, ObjectClass::Sensor)?;
+    let mut lights = read_lights(&context, &mut textures, shapes.has_emissive_surfaces)?;
+    let sensors = context.children_of_class(&tree.root, ObjectClass::Sensor)?;
     let sensor = sensors.first().map(|(_, sensor)| sensor);
     if let Some((_, second)) = sensors.get(1) {
         context.add_note("sensors after the first one are ignored", second);
@@ -95,17 +95,17 @@ fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Imp
     if let Some(sensor) = sensor {
         camera = read_camera(&context, sensor)?;
         if camera.is_none() {
-            context.add_note_on_object(&format!("sensors of kind `{}` are ignored", sensor.plugin), sensor);
+            context.add_whole_object_note(&format!("sensors of kind `{}` are ignored", sensor.plugin), sensor);
         }
         // The medium of the sensor fills the space outside all shapes.
-        if let Some((_, medium)) = context.children(sensor, ObjectClass::Medium)?.first() {
+        if let Some((_, medium)) = context.children_of_class(sensor, ObjectClass::Medium)?.first() {
             ambient_medium = Some(shapes.media.medium_name(&context, medium)?);
         }
     }
     let camera = camera.unwrap_or_else(|| {
         let message = "the file has no camera: the picture shows the whole scene from above and in front";
         context.notes.borrow_mut().add_missing(message);
-        framing_camera(shapes.bounds.unwrap_or((DVec3::ZERO, DVec3::ZERO)))
+        framing_camera(shapes.world_bounds.unwrap_or((DVec3::ZERO, DVec3::ZERO)))
     });
     let flags = suggested_flags(&context, sensor)?;
     if !flags.is_empty() {
@@ -113,7 +113,7 @@ fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Imp
         context.notes.borrow_mut().add_missing(&message);
     }
     context.note_unread_values();
-    let used_textures = shapes.materials.keep_used(&shapes.root);
+    let used_textures = shapes.materials.remove_unused(&shapes.root);
     let pictures_of_lights = lights.iter_mut().filter_map(|light| light.value.file_path_mut().cloned()).collect();
     textures.keep_textures(&used_textures, &pictures_of_lights);
     let notes = context.notes.into_inner();
@@ -142,7 +142,8 @@ fn read_lights(
     has_emitters: bool,
 ) -> ReadResult<Vec<Spanned<LightDescription>>> {
     let mut lights: Vec<Spanned<LightDescription>> = Vec::new();
-    let emitters: Vec<(String, Rc<MitsubaObject>)> = context.children(&context.tree.root, ObjectClass::Emitter)?;
+    let emitters: Vec<(String, Rc<MitsubaObject>)> =
+        context.children_of_class(&context.tree.root, ObjectClass::Emitter)?;
     let is_environment = |light: &LightDescription| matches!(light, LightDescription::Environment(_));
     for (_, emitter) in &emitters {
         let Some(light) = read_light(context, textures, emitter)? else { continue };

@@ -12,17 +12,17 @@ use glam::{DMat4, DVec3};
 const DEFAULT_FILM_SIZE: [u32; 2] = [768, 576];
 
 /// Diagonal of 35 mm film, 24 mm × 36 mm, to which Mitsuba's focal lengths refer \[mm].
-const FILM_DIAGONAL: f64 = 43.266_615_305_567_875;
+const FULL_FRAME_DIAGONAL_MM: f64 = 43.266_615_305_567_875;
 
 /// Greatest width and height of a picture \[pixels].
-const MAX_FILM_SIZE: f64 = 65_536.0;
+const MAX_FILM_SIDE: f64 = 65_536.0;
 
 /// Size of the film, and size of the centered crop that the picture shows.
 struct MitsubaFilm {
     /// Full size of the film \[pixels].
     size: [f64; 2],
     /// Size of the picture, a centered part of the film \[pixels].
-    crop: [f64; 2],
+    crop_size: [f64; 2],
 }
 
 /// Converts a sensor to a camera; `None` if the kind of sensor is not supported.
@@ -59,7 +59,7 @@ pub(super) fn read_camera(
             perspective_projection(context, sensor, &film, Some(lens))?
         }
         "orthographic" => {
-            let size = 2.0 * axes[0].length() * film.size[1] / film.size[0] * (film.crop[1] / film.size[1]);
+            let size = 2.0 * axes[0].length() * film.size[1] / film.size[0] * (film.crop_size[1] / film.size[1]);
             ProjectionDescription::Orthographic { size }
         }
         "spherical" => ProjectionDescription::Panorama,
@@ -70,8 +70,8 @@ pub(super) fn read_camera(
         aim: DirectionOrTarget::Direction(direction),
         up,
         projection,
-        width: film.crop[0] as u32,
-        height: film.crop[1] as u32,
+        width: film.crop_size[0] as u32,
+        height: film.crop_size[1] as u32,
         motion: Vec::new(),
     }))
 }
@@ -83,14 +83,14 @@ fn perspective_projection(
     film: &MitsubaFilm,
     lens: Option<LensDescription>,
 ) -> ReadResult<ProjectionDescription> {
-    let half_height = half_image_height(sensor, film.size)?;
+    let half_height = tan_half_vertical_fov(sensor, film.size)?;
     if ["principal_point_offset_x", "principal_point_offset_y"]
         .iter()
         .any(|name| sensor.number(name).unwrap_or(0.0) != 0.0)
     {
         context.add_note("offsets of the principal point are ignored: the view is centered", sensor);
     }
-    let angle = 2.0 * libm::atan(half_height * film.crop[1] / film.size[1]).to_degrees();
+    let angle = 2.0 * libm::atan(half_height * film.crop_size[1] / film.size[1]).to_degrees();
     Ok(ProjectionDescription::Perspective { angle, lens })
 }
 
@@ -98,14 +98,14 @@ fn perspective_projection(
 ///
 /// `size` is the width and height of the picture; only their ratio matters. `sensor` may also be a
 /// projector, which has the same parameters.
-pub(super) fn half_image_height(sensor: &MitsubaObject, size: [f64; 2]) -> ReadResult<f64> {
+pub(super) fn tan_half_vertical_fov(sensor: &MitsubaObject, size: [f64; 2]) -> ReadResult<f64> {
     let [width, height] = size;
     let diagonal = libm::hypot(width, height);
     let Some(angle) = sensor.number("fov") else {
         let text = sensor.text("focal_length").unwrap_or("50mm");
         let length = text.trim().trim_end_matches("mm").trim().parse().ok().filter(|mm: &f64| *mm > 0.0);
         let invalid = || sensor.place.error(format!("`{text}` is no focal length"), "write one such as `50mm`");
-        return Ok(0.5 * FILM_DIAGONAL / length.ok_or_else(invalid)? * height / diagonal);
+        return Ok(0.5 * FULL_FRAME_DIAGONAL_MM / length.ok_or_else(invalid)? * height / diagonal);
     };
     if !(angle > 0.0 && angle < 180.0) {
         return Err(sensor.place.error("the field of view is not between 0 and 180 degrees", "correct `fov`"));
@@ -126,21 +126,21 @@ pub(super) fn half_image_height(sensor: &MitsubaObject, size: [f64; 2]) -> ReadR
 
 fn read_film(context: &ImportContext<'_>, sensor: &MitsubaObject) -> ReadResult<MitsubaFilm> {
     let [width, height] = DEFAULT_FILM_SIZE.map(f64::from);
-    let Some(film) = context.child(sensor, ObjectClass::Film, "film")? else {
-        return Ok(MitsubaFilm { size: [width, height], crop: [width, height] });
+    let Some(film) = context.named_or_unnamed_child(sensor, ObjectClass::Film, "film")? else {
+        return Ok(MitsubaFilm { size: [width, height], crop_size: [width, height] });
     };
     let pixels = |name: &str, default: f64| {
         let count = film.number(name).unwrap_or(default).trunc();
-        let invalid = || film.place.error(format!("`{name}` is not between 1 and {MAX_FILM_SIZE}"), "correct it");
-        if (1.0..=MAX_FILM_SIZE).contains(&count) { Ok(count) } else { Err(invalid()) }
+        let invalid = || film.place.error(format!("`{name}` is not between 1 and {MAX_FILM_SIDE}"), "correct it");
+        if (1.0..=MAX_FILM_SIDE).contains(&count) { Ok(count) } else { Err(invalid()) }
     };
     let size = [pixels("width", width)?, pixels("height", height)?];
     let crop = [pixels("crop_width", size[0])?, pixels("crop_height", size[1])?];
     let offset = ["crop_offset_x", "crop_offset_y"].map(|name| film.number(name).unwrap_or(0.0));
     let is_centered = (0..2).all(|axis| size[axis] - crop[axis] == 2.0 * offset[axis]);
     if is_centered {
-        return Ok(MitsubaFilm { size, crop });
+        return Ok(MitsubaFilm { size, crop_size: crop });
     }
     context.add_note("crops that are not centered are ignored: the picture shows the whole film", &film);
-    Ok(MitsubaFilm { size, crop: size })
+    Ok(MitsubaFilm { size, crop_size: size })
 }

@@ -12,14 +12,14 @@ const SIGNATURE: u16 = 0x041c;
 const HAS_NORMALS: u32 = 0x0001;
 const HAS_TEXCOORDS: u32 = 0x0002;
 const HAS_COLORS: u32 = 0x0008;
-const FACE_NORMALS: u32 = 0x0010;
+const USES_FLAT_FACES: u32 = 0x0010;
 const DOUBLE_PRECISION: u32 = 0x2000;
 
 /// Greatest number of decompressed bytes per compressed byte, a limit of zlib.
-const MAX_COMPRESSION: u64 = 1_032;
+const MAX_COMPRESSION_RATIO: u64 = 1_032;
 
 /// Memory per vertex and per triangle of a mesh \[bytes].
-const MEMORY_PER_ITEM: u64 = 200;
+const MEMORY_PER_MESH_ELEMENT: u64 = 200;
 
 /// Greatest length of a mesh's name \[bytes]. Names are skipped.
 const MAX_NAME: usize = 1 << 16;
@@ -33,7 +33,7 @@ pub(super) struct SerializedMesh {
     /// The mesh, with the normals of the file if it has any.
     pub mesh: TriangleMesh,
     /// True if the file requests flat faces instead of shading normals.
-    pub has_face_normals: bool,
+    pub uses_flat_faces: bool,
 }
 
 /// Decodes the mesh number `index`, from 0, of a file.
@@ -67,9 +67,9 @@ pub(super) fn decode(file: &[u8], index: usize, free: Option<u64>) -> Result<Ser
         reader.skip_name()?;
     }
     let (vertices, triangles) = (u64::from_le_bytes(reader.read_array()?), u64::from_le_bytes(reader.read_array()?));
-    let needed = vertices.saturating_add(triangles).saturating_mul(MEMORY_PER_ITEM);
+    let needed = vertices.saturating_add(triangles).saturating_mul(MEMORY_PER_MESH_ELEMENT);
     // A vertex or triangle takes at least twelve decompressed bytes.
-    if needed / MEMORY_PER_ITEM * 12 > MAX_COMPRESSION * data.len() as u64 || vertices > i32::MAX as u64 {
+    if needed / MEMORY_PER_MESH_ELEMENT * 12 > MAX_COMPRESSION_RATIO * data.len() as u64 || vertices > i32::MAX as u64 {
         return Err(format!("{vertices} vertices and {triangles} triangles cannot be in this file"));
     }
     if let Some(free) = free.filter(|free| needed > *free) {
@@ -105,7 +105,7 @@ pub(super) fn decode(file: &[u8], index: usize, free: Option<u64>) -> Result<Ser
     }
     let normals = normals.map(|normals| normals.into_iter().map(unit_normal).collect());
     let mesh = TriangleMesh { positions, triangles: corners, normals, texcoords, ..TriangleMesh::default() };
-    Ok(SerializedMesh { mesh, has_face_normals: flags & FACE_NORMALS != 0 })
+    Ok(SerializedMesh { mesh, uses_flat_faces: flags & USES_FLAT_FACES != 0 })
 }
 
 fn missing_mesh_error(index: usize) -> Defect {

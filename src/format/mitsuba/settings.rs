@@ -6,7 +6,7 @@ use super::tree::{MitsubaObject, ObjectClass};
 use std::rc::Rc;
 
 /// Integrators of Mitsuba, each with the algorithm of Caustica that finds the same light paths.
-const ALGORITHMS: [(&str, &str); 13] = [
+const INTEGRATOR_NAMES: [(&str, &str); 13] = [
     ("path", "path"),
     ("prbvolpath", "path"),
     ("volpath", "path"),
@@ -31,19 +31,19 @@ const FILTERS: [(&str, &str); 5] =
 /// The text is empty if nothing corresponds.
 pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<MitsubaObject>>) -> ReadResult<String> {
     let mut flags = Vec::new();
-    let integrators = context.children(&context.tree.root, ObjectClass::Integrator)?;
+    let integrators = context.children_of_class(&context.tree.root, ObjectClass::Integrator)?;
     if let Some((_, integrator)) = integrators.first() {
         integrator.mark_as_read();
         let mut inner = Rc::clone(integrator);
         // Integrators such as `moment` and `aov` wrap another integrator.
-        while let Some((_, nested)) = context.children(&inner, ObjectClass::Integrator)?.into_iter().next() {
+        while let Some((_, nested)) = context.children_of_class(&inner, ObjectClass::Integrator)?.into_iter().next() {
             nested.mark_as_read();
             if Rc::ptr_eq(&nested, &inner) {
                 break;
             }
             inner = nested;
         }
-        if let Some((_, algorithm)) = ALGORITHMS.iter().find(|(theirs, _)| *theirs == inner.plugin) {
+        if let Some((_, algorithm)) = INTEGRATOR_NAMES.iter().find(|(theirs, _)| *theirs == inner.plugin) {
             flags.push(format!("--integrator {algorithm}"));
         }
         // Mitsuba counts path edges. Direct light has two edges, but no bounce in Caustica's count.
@@ -54,15 +54,15 @@ pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<Mi
         }
     }
     let Some(sensor) = sensor else { return Ok(flags.join(" ")) };
-    if let Some(film) = context.child(sensor, ObjectClass::Film, "film")?
-        && let Some(filter) = context.child(&film, ObjectClass::Filter, "rfilter")?
+    if let Some(film) = context.named_or_unnamed_child(sensor, ObjectClass::Film, "film")?
+        && let Some(filter) = context.named_or_unnamed_child(&film, ObjectClass::Filter, "rfilter")?
     {
         filter.mark_as_read();
         if let Some((_, name)) = FILTERS.iter().find(|(theirs, _)| *theirs == filter.plugin) {
             flags.push(format!("--filter {name}"));
         }
     }
-    if let Some(sampler) = context.child(sensor, ObjectClass::Sampler, "sampler")? {
+    if let Some(sampler) = context.named_or_unnamed_child(sensor, ObjectClass::Sampler, "sampler")? {
         sampler.mark_as_read();
     }
     Ok(flags.join(" "))

@@ -6,7 +6,7 @@ use super::files::ReadResult;
 use super::materials::{MaterialBoundary, MitsubaMaterials, ShapeMaterialInputs};
 use super::media::MitsubaMedia;
 use super::meshes::{MitsubaMeshes, TexcoordConvention};
-use super::textures::{MitsubaTextureUse, MitsubaTextureValues, MitsubaTextures};
+use super::textures::{MitsubaConvertedTexture, MitsubaTextureUse, MitsubaTextures};
 use super::tree::{MitsubaObject, ObjectClass};
 use crate::format::description::{
     BoxDescription, CylinderDescription, DiscDescription, GroupItem, MeshDescription, MeshOptions, ObjectDescription,
@@ -21,7 +21,7 @@ use std::rc::Rc;
 const MEMORY_PER_OBJECT: u64 = 1_500;
 
 /// Greatest nesting depth of shapes.
-const MAX_DEPTH: u32 = 8;
+const MAX_SHAPE_DEPTH: u32 = 8;
 
 /// Objects of the imported scene so far, with the meshes, materials and media that they use.
 #[derive(Default)]
@@ -36,9 +36,9 @@ pub(super) struct MitsubaShapes {
     pub media: MitsubaMedia,
     /// Lower and upper corner of the objects' bounds in world space; `None` if there are no
     /// objects.
-    pub bounds: Option<(DVec3, DVec3)>,
+    pub world_bounds: Option<(DVec3, DVec3)>,
     /// True if a surface emits light.
-    pub has_emitters: bool,
+    pub has_emissive_surfaces: bool,
     /// Members of each shape group, by the address of the group's object.
     groups: HashMap<*const MitsubaObject, Rc<Vec<PlacedShape>>>,
 }
@@ -51,7 +51,7 @@ struct PlacedShape {
     emission: Option<DVec3>,
     to_world: DAffine3,
     /// Lower and upper corner of the shape's bounds in its own space, before `to_world`.
-    bounds: (DVec3, DVec3),
+    local_bounds: (DVec3, DVec3),
 }
 
 /// Geometry of a shape in the imported scene, with its transform.
@@ -60,7 +60,7 @@ struct ShapeGeometry {
     /// Transform from the surface's own space to the space around the shape.
     to_world: DAffine3,
     /// Lower and upper corner of the surface's bounds in its own space, before `to_world`.
-    bounds: (DVec3, DVec3),
+    local_bounds: (DVec3, DVec3),
 }
 
 /// Emission of a shape: constant radiance, or a texture; neither if the shape emits nothing.
@@ -97,13 +97,13 @@ impl MitsubaShapes {
         shape: &Rc<MitsubaObject>,
         depth: u32,
     ) -> ReadResult<Vec<PlacedShape>> {
-        if depth > MAX_DEPTH {
+        if depth > MAX_SHAPE_DEPTH {
             return Err(shape.place.error("shapes are nested too deep, or contain themselves", "nest them less deep"));
         }
         match shape.plugin.as_str() {
             "instance" => {
                 let to_world = to_world_matrix(shape);
-                let groups = context.children(shape, ObjectClass::Shape)?;
+                let groups = context.children_of_class(shape, ObjectClass::Shape)?;
                 let Some((_, group)) = groups.first() else {
                     return Err(shape.place.error("this instance names no shape group", "refer to one by its id"));
                 };
@@ -126,7 +126,7 @@ impl MitsubaShapes {
             return Ok(Rc::clone(known));
         }
         let mut members = Vec::new();
-        for (_, shape) in context.children(group, ObjectClass::Shape)? {
+        for (_, shape) in context.children_of_class(group, ObjectClass::Shape)? {
             members.extend(self.placed_shapes(context, textures, &shape, depth + 1)?);
             context.files.check_total_memory(MEMORY_PER_OBJECT * members.len() as u64)?;
         }
@@ -146,12 +146,12 @@ impl MitsubaShapes {
         textures: &mut MitsubaTextures,
         shape: &Rc<MitsubaObject>,
     ) -> ReadResult<Vec<PlacedShape>> {
-        let bsdf = context.children(shape, ObjectClass::Bsdf)?.into_iter().next().map(|(_, bsdf)| bsdf);
+        let bsdf = context.children_of_class(shape, ObjectClass::Bsdf)?.into_iter().next().map(|(_, bsdf)| bsdf);
         let medium = match context.named_child(shape, ObjectClass::Medium, "interior")? {
             Some(medium) => Some(self.media.medium_name(context, &medium)?.value),
             None => None,
         };
-        if !context.children(shape, ObjectClass::Subsurface)?.is_empty() {
+        if !context.children_of_class(shape, ObjectClass::Subsurface)?.is_empty() {
             context.add_note("subsurface scattering is ignored", shape);
         }
         let is_mesh = matches!(shape.plugin.as_str(), "obj" | "ply" | "serialized");
@@ -159,28 +159,35 @@ impl MitsubaShapes {
             let (path, convention) = self.meshes.embed_mesh_file(context, shape)?;
             (Some(path), convention)
         } else {
-            (None, if shape.plugin == "sphere" { TexcoordConvention::Flipped } else { TexcoordConvention::Same })
+            (None, if shape.plugin == "sphere" { TexcoordConvention::FlippedV } else { TexcoordConvention::Same })
         };
         let emission = self.shape_emission(context, textures, shape, convention)?;
-        let inputs = ShapeMaterialInputs { medium: medium.clone(), emission: emission.texture.clone(), convention };
+        let inputs =
+            ShapeMaterialInputs { medium: medium.clone(), emission_texture: emission.texture.clone(), convention };
         let material = self.materials.imported_material(context, textures, bsdf.as_ref(), &inputs)?;
-        let Some(ShapeGeometry { surface, to_world, bounds }) =
-            self.shape_geometry(context, shape, mesh.as_deref(), material.is_textured, material.boundary)?
+        let Some(ShapeGeometry { surface, to_world, local_bounds: bounds }) =
+            self.shape_geometry(context, shape, mesh.as_deref(), material.may_be_textured, material.boundary)?
         else {
             return Ok(Vec::new());
         };
         let (mut name, boundary) = (material.name, material.boundary);
         if boundary == MaterialBoundary::Null && emission.radiance.is_some() {
             context.add_note("emitters without a surface become black", shape);
-            name = self.materials.black_material();
+            name = self.materials.black_material_name();
         } else if boundary == MaterialBoundary::Null && medium.is_none() {
             return Ok(Vec::new());
         }
-        let place = |material: String, shape, emission| PlacedShape { material, shape, emission, to_world, bounds };
+        let place = |material: String, shape, emission| PlacedShape {
+            material,
+            shape,
+            emission,
+            to_world,
+            local_bounds: bounds,
+        };
         let mut placed = vec![place(name, surface.clone(), emission.radiance)];
         if let (MaterialBoundary::Pane, Some(medium)) = (boundary, medium) {
-            let interface = self.materials.null_interface(&medium);
-            let inner = self.inner_shape(surface);
+            let interface = self.materials.null_interface_name(&medium);
+            let inner = self.shrunken_shape(surface);
             placed.push(place(interface, inner, None));
         }
         Ok(placed)
@@ -196,23 +203,23 @@ impl MitsubaShapes {
         shape: &MitsubaObject,
         convention: TexcoordConvention,
     ) -> ReadResult<MitsubaShapeEmission> {
-        let emitters = context.children(shape, ObjectClass::Emitter)?;
+        let emitters = context.children_of_class(shape, ObjectClass::Emitter)?;
         let Some((_, emitter)) = emitters.first() else { return Ok(MitsubaShapeEmission::default()) };
         if emitter.plugin != "area" {
             let message = format!("emitters of kind `{}` on surfaces are ignored", emitter.plugin);
-            context.add_note_on_object(&message, emitter);
+            context.add_whole_object_note(&message, emitter);
             return Ok(MitsubaShapeEmission::default());
         }
         let wanted = (MitsubaTextureUse::Radiance, convention);
-        Ok(match textures.texture_values(context, emitter, ("radiance", 1.0), wanted)? {
-            MitsubaTextureValues::Constant(_) => {
-                let radiance = context.color(emitter, "radiance", ColorMeaning::Emission, 1.0)?;
+        Ok(match textures.convert_texture_parameter(context, emitter, ("radiance", 1.0), wanted)? {
+            MitsubaConvertedTexture::Constant(_) => {
+                let radiance = context.linear_rgb(emitter, "radiance", ColorMeaning::Emission, 1.0)?;
                 let radiance = Some(radiance).filter(|radiance| *radiance != DVec3::ZERO);
-                self.has_emitters |= radiance.is_some();
+                self.has_emissive_surfaces |= radiance.is_some();
                 MitsubaShapeEmission { radiance, texture: None }
             }
-            MitsubaTextureValues::Texture(name, _) => {
-                self.has_emitters = true;
+            MitsubaConvertedTexture::Texture(name, _) => {
+                self.has_emissive_surfaces = true;
                 MitsubaShapeEmission { radiance: None, texture: Some((name, 1.0)) }
             }
         })
@@ -235,7 +242,7 @@ impl MitsubaShapes {
             let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
             let positions = self.meshes.embedded.get(path).into_iter().flat_map(|mesh| &mesh.positions);
             let bounds = positions.fold(start, |(low, high), p| (low.min(*p), high.max(*p)));
-            return Ok(Some(ShapeGeometry { surface: mesh_shape(path.to_owned()), to_world, bounds }));
+            return Ok(Some(ShapeGeometry { surface: mesh_shape(path.to_owned()), to_world, local_bounds: bounds }));
         }
         let is_turned = shape.boolean("flip_normals", false);
         let unit = (DVec3::splat(-1.0), DVec3::ONE);
@@ -308,29 +315,29 @@ impl MitsubaShapes {
             }
             "cube" => (ShapeDescription::Box(BoxDescription { min: unit.0, max: unit.1 }), unit),
             other => {
-                context.add_note_on_object(&format!("shapes of kind `{other}` are left out"), shape);
+                context.add_whole_object_note(&format!("shapes of kind `{other}` are left out"), shape);
                 return Ok(None);
             }
         };
-        Ok(Some(ShapeGeometry { surface, to_world, bounds }))
+        Ok(Some(ShapeGeometry { surface, to_world, local_bounds: bounds }))
     }
 
     /// Returns a slightly smaller copy that lies just inside `shape`.
     ///
     /// Only meshes, spheres and boxes become smaller; any other shape is returned unchanged. The
     /// smaller copy of a mesh is embedded.
-    fn inner_shape(&mut self, shape: ShapeDescription) -> ShapeDescription {
-        const SHRINK: f64 = 1.0 - 1e-4;
+    fn shrunken_shape(&mut self, shape: ShapeDescription) -> ShapeDescription {
+        const SHRINK_FACTOR: f64 = 1.0 - 1e-4;
         match shape {
             ShapeDescription::Mesh(MeshDescription { path, options }) => {
                 let inner = self.meshes.embed_shrunken_copy(&path.value);
                 ShapeDescription::Mesh(MeshDescription { path: Spanned::new(inner, Span::default()), options })
             }
             ShapeDescription::Sphere(SphereDescription { center, radius }) => {
-                ShapeDescription::Sphere(SphereDescription { center, radius: radius * SHRINK })
+                ShapeDescription::Sphere(SphereDescription { center, radius: radius * SHRINK_FACTOR })
             }
             ShapeDescription::Box(BoxDescription { min, max }) => {
-                ShapeDescription::Box(BoxDescription { min: min * SHRINK, max: max * SHRINK })
+                ShapeDescription::Box(BoxDescription { min: min * SHRINK_FACTOR, max: max * SHRINK_FACTOR })
             }
             // The importer makes discs, rectangles and tubes besides. They have no inside.
             sheet => sheet,
@@ -346,7 +353,7 @@ impl MitsubaShapes {
         placed: PlacedShape,
         source: &MitsubaObject,
     ) -> ReadResult<()> {
-        let PlacedShape { material, shape, emission, to_world, bounds: (low, high) } = placed;
+        let PlacedShape { material, shape, emission, to_world, local_bounds: (low, high) } = placed;
         if Transform::new(to_world).is_err() {
             context.add_note("objects that are scaled to nothing are left out", source);
             return Ok(());
@@ -356,8 +363,8 @@ impl MitsubaShapes {
         for corner in 0..8 {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
             let corner = to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
-            let (low, high) = self.bounds.unwrap_or((corner, corner));
-            self.bounds = Some((low.min(corner), high.max(corner)));
+            let (low, high) = self.world_bounds.unwrap_or((corner, corner));
+            self.world_bounds = Some((low.min(corner), high.max(corner)));
         }
         let mut object = ObjectDescription::Shape { shape, emission };
         if to_world != DAffine3::IDENTITY {

@@ -7,7 +7,7 @@ use crate::format::description::{
     IntensityDistribution, LightDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients,
     MetalDescription, MirrorDescription, MixDescription, NormalPerturbationDescription, ObjectDescription,
     PointLightDescription, PointLightStrength, ProjectionDescription, RefractiveIndexDescription, ShapeDescription,
-    SphereDescription, TextureKindDescription, TexturedValue, ThinDescription,
+    SphereDescription, TextureKindDescription, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::import::{ImportOptions, ImportedScene};
 use crate::stats::MemoryLimit;
@@ -130,7 +130,7 @@ fn growing_includes_and_parameters_end_with_an_error() {
     std::fs::write(folder.path().join("15.xml"), scene_xml(&"<shape type=\"sphere\"/>".repeat(10))).unwrap();
     let error = import_error_in_folder(folder.path(), r#"<include filename="0.xml"/>"#, &ImportOptions::default());
     assert!(error.contains("more than 10000 includes"), "{error}");
-    let limited = ImportOptions { memory: MemoryLimit::Limit(0), ..ImportOptions::default() };
+    let limited = ImportOptions { memory: MemoryLimit::ProcessBytes(0), ..ImportOptions::default() };
     let error = import_error_in_folder(folder.path(), "<shape type=\"sphere\"/>", &limited);
     assert!(error.contains("memory"), "{error}");
     let doubled = |i: usize| format!(r#"<default name="p{}_" value="$p{i}_$p{i}_"/>"#, i + 1);
@@ -221,10 +221,10 @@ fn smooth_and_rough_materials_have_their_parameters() {
     let MaterialKindDescription::Dielectric(DielectricDescription { refraction, roughness, .. }) = glass.kind else {
         panic!()
     };
-    assert_eq!((refraction, roughness), (RefractiveIndexDescription::Index(2.419), TexturedValue::Plain(0.0)));
+    assert_eq!((refraction, roughness), (RefractiveIndexDescription::Constant(2.419), TexturedValue::Constant(0.0)));
     let pane = sphere_material("<bsdf type=\"thindielectric\"/>").kind;
     assert!(
-        matches!(pane, MaterialKindDescription::Thin(ThinDescription { eta, .. }) if (eta - 1.5046 / 1.000_277).abs() < 1e-12)
+        matches!(pane, MaterialKindDescription::Thin(ThinDielectricDescription { eta, .. }) if (eta - 1.5046 / 1.000_277).abs() < 1e-12)
     );
     let gold = sphere_material(
         r#"<bsdf type="roughconductor"><string name="material" value="Au"/><float name="alpha" value="0.3"/>
@@ -238,7 +238,7 @@ fn smooth_and_rough_materials_have_their_parameters() {
     else {
         panic!()
     };
-    assert_eq!((&*name.value, roughness), ("gold", TexturedValue::Plain(0.3)));
+    assert_eq!((&*name.value, roughness), ("gold", TexturedValue::Constant(0.3)));
     let index = sphere_material(
         r#"<bsdf type="conductor"><rgb name="eta" value="1 2 3"/><spectrum name="k" value="4"/></bsdf>"#,
     );
@@ -278,8 +278,10 @@ fn wrapped_materials_become_mixes_and_perturbations() {
     let inner = "<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"0.1\"/></bsdf>";
     let masked =
         sphere_material(&format!("<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.25\"/>{inner}</bsdf>"));
-    let MaterialKindDescription::Mix(MixDescription { first, amount, .. }) = masked.kind else { panic!() };
-    assert_eq!((&*first.value, amount), ("clear", TexturedValue::Plain(0.25)));
+    let MaterialKindDescription::Mix(MixDescription { first, second_probability: amount, .. }) = masked.kind else {
+        panic!()
+    };
+    assert_eq!((&*first.value, amount), ("clear", TexturedValue::Constant(0.25)));
     let two = sphere_material(&format!("<bsdf type=\"twosided\">{inner}</bsdf>"));
     assert_eq!(
         two.kind,
@@ -288,8 +290,8 @@ fn wrapped_materials_become_mixes_and_perturbations() {
     let blend = sphere_material(&format!(
         "<bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"0.75\"/>{inner}<bsdf type=\"conductor\"/></bsdf>"
     ));
-    let MaterialKindDescription::Mix(MixDescription { amount, .. }) = blend.kind else { panic!() };
-    assert_eq!(amount, TexturedValue::Plain(0.75));
+    let MaterialKindDescription::Mix(MixDescription { second_probability: amount, .. }) = blend.kind else { panic!() };
+    assert_eq!(amount, TexturedValue::Constant(0.75));
     let bumps = sphere_material(&format!(
         "<bsdf type=\"bumpmap\"><float name=\"scale\" value=\"3\"/><texture type=\"checkerboard\"/>{inner}</bsdf>"
     ));
@@ -302,7 +304,8 @@ fn unknown_parts_are_one_note_for_each_kind() {
         r#"<shape type="hair"/><shape type="hair"/>
         <shape type="sphere"><boolean name="caustic_caster" value="true"/><bsdf type="velvet"/></shape>"#,
     );
-    let notes: Vec<&str> = scene.notes.iter().filter(|n| n.is_unsupported).map(|n| n.message.as_str()).collect();
+    let notes: Vec<&str> =
+        scene.notes.iter().filter(|n| n.concerns_unsupported_content).map(|n| n.message.as_str()).collect();
     assert_eq!(notes.len(), 3, "{notes:?}");
     assert!(has_note(&scene, "shapes of kind `hair` are left out (1×: line 1)"), "{notes:?}");
     assert!(has_note(&scene, "BSDFs of kind `velvet` become diffuse gray"));
@@ -318,7 +321,10 @@ fn checkerboards_have_half_the_period_of_the_description() {
     );
     let TextureKindDescription::Checker { colors, coordinates } = &scene.description.textures[0].kind else { panic!() };
     assert_eq!(*colors, [DVec3::splat(0.1), DVec3::splat(0.9)]);
-    assert_eq!((coordinates.scale, coordinates.rotate, coordinates.offset), (DVec2::new(6.0, 10.0), 0.0, DVec2::ZERO));
+    assert_eq!(
+        (coordinates.scale, coordinates.rotation_degrees, coordinates.offset),
+        (DVec2::new(6.0, 10.0), 0.0, DVec2::ZERO)
+    );
 }
 
 #[test]
@@ -375,7 +381,7 @@ fn spotlights_fall_off_linearly_in_the_angle() {
     );
     let LightDescription::Goniometric(GoniometricLightDescription {
         pose,
-        distribution: IntensityDistribution::Map(path),
+        distribution: IntensityDistribution::MapFile(path),
         ..
     }) = &scene.description.lights[0].value
     else {
@@ -423,7 +429,7 @@ fn gridded_media_have_the_densities_of_their_volume() {
     );
     let medium = &scene.description.media[0].value;
     let DensityDescription::Grid { path, .. } = &medium.density else { panic!() };
-    assert_eq!(scene.assets.grids[&path.value].values, [2.0, 4.0]);
+    assert_eq!(scene.assets.grids[&path.value].densities, [2.0, 4.0]);
     let MediumCoefficients::ExtinctionAlbedo { extinction, .. } = medium.coefficients else { panic!() };
     assert!((extinction - DVec3::new(5.0, 10.0, 15.0)).abs().max_element() < 1e-12, "{extinction}");
     assert!(has_note(&scene, "color of extinction"));

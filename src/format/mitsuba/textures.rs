@@ -12,7 +12,7 @@ use crate::format::description::{
     TexturedValue, WrapMode,
 };
 use crate::format::import::SceneReadError;
-use crate::image::{Image, PixelMeaning, ReadError, decode, decode_rgba_levels};
+use crate::image::{Image, PixelMeaning, ReadError, decode, decode_quantized_rgba};
 use glam::{DMat2, DMat4, DVec2, DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// Greatest nesting depth of textures.
-const MAX_DEPTH: u32 = 8;
+const MAX_TEXTURE_DEPTH: u32 = 8;
 
 /// Quantity that a texture stands for. It selects the conversion and the range of pixel values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -39,15 +39,15 @@ pub(super) enum MitsubaTextureUse {
 
 /// Values of a color parameter or texture: a constant, or a texture of the imported scene.
 #[derive(Clone, Debug)]
-pub(super) enum MitsubaTextureValues {
+pub(super) enum MitsubaConvertedTexture {
     /// Equal values everywhere.
     Constant(DVec3),
     /// Name of a texture in the imported scene (or path of a picture in
-    /// `MitsubaTextures::embedded`), and the mean of its values.
+    /// `MitsubaTextures::converted_pictures`), and the mean of its values.
     Texture(Spanned<String>, DVec3),
 }
 
-impl MitsubaTextureValues {
+impl MitsubaConvertedTexture {
     /// Returns the mean of the values over the texture; for a constant, the constant.
     pub fn mean(&self) -> DVec3 {
         match self {
@@ -58,7 +58,7 @@ impl MitsubaTextureValues {
     /// Returns the constant or texture as a color parameter.
     pub fn into_color(self) -> TexturedValue<DVec3> {
         match self {
-            Self::Constant(color) => TexturedValue::Plain(color),
+            Self::Constant(color) => TexturedValue::Constant(color),
             Self::Texture(name, _) => TexturedValue::Texture(name),
         }
     }
@@ -67,7 +67,7 @@ impl MitsubaTextureValues {
     /// channel.
     pub fn into_number(self) -> TexturedValue<f64> {
         match self {
-            Self::Constant(color) => TexturedValue::Plain(color.x),
+            Self::Constant(color) => TexturedValue::Constant(color.x),
             Self::Texture(name, _) => TexturedValue::Texture(name),
         }
     }
@@ -85,9 +85,9 @@ pub(super) struct MitsubaTextures {
     /// Converted picture files, as paths of embedded pictures or as constants.
     ///
     /// The key holds the file, a flag for raw values, the use, and the bits of the factor.
-    embedded: HashMap<(PathBuf, bool, MitsubaTextureUse, u64), MitsubaTextureValues>,
+    converted_pictures: HashMap<(PathBuf, bool, MitsubaTextureUse, u64), MitsubaConvertedTexture>,
     /// Names of the textures. A key is a texture's content as text, so equal textures become one.
-    names: HashMap<String, String>,
+    texture_names_by_content: HashMap<String, String>,
 }
 
 impl MitsubaTextures {
@@ -96,18 +96,18 @@ impl MitsubaTextures {
     ///
     /// `wanted` is the quantity that the values stand for. `convention` is that of the shape's
     /// texture coordinates.
-    pub fn texture_values(
+    pub fn convert_texture_parameter(
         &mut self,
         context: &ImportContext<'_>,
         object: &MitsubaObject,
         (name, default): (&str, f64),
         (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
-    ) -> ReadResult<MitsubaTextureValues> {
+    ) -> ReadResult<MitsubaConvertedTexture> {
         let meaning = match wanted {
             MitsubaTextureUse::Color => ColorMeaning::Reflectance,
             MitsubaTextureUse::Radiance => ColorMeaning::Emission,
             MitsubaTextureUse::Fraction | MitsubaTextureUse::Height | MitsubaTextureUse::Normal => {
-                ColorMeaning::Coefficient
+                ColorMeaning::Unbounded
             }
         };
         if context.color_value(object, name)?.is_none()
@@ -115,7 +115,10 @@ impl MitsubaTextures {
         {
             return self.convert_texture(context, &texture, (wanted, convention), 1.0, 0);
         }
-        Ok(MitsubaTextureValues::Constant(clamped_to_range(context.color(object, name, meaning, default)?, wanted)))
+        Ok(MitsubaConvertedTexture::Constant(clamped_to_range(
+            context.linear_rgb(object, name, meaning, default)?,
+            wanted,
+        )))
     }
 
     /// Converts a texture object to the quantity `wanted`, with its values multiplied by `factor`.
@@ -128,28 +131,28 @@ impl MitsubaTextures {
         (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
         depth: u32,
-    ) -> ReadResult<MitsubaTextureValues> {
-        if depth > MAX_DEPTH {
+    ) -> ReadResult<MitsubaConvertedTexture> {
+        if depth > MAX_TEXTURE_DEPTH {
             return Err(texture.place.error("textures are nested too deep", "nest them less deep"));
         }
-        if let Some(color) = context.spectrum_object(texture)? {
+        if let Some(color) = context.spectrum_from_object(texture)? {
             let color = color.to_rgb(ColorMeaning::Reflectance).max(DVec3::ZERO) * factor;
-            return Ok(MitsubaTextureValues::Constant(clamped_to_range(color, wanted)));
+            return Ok(MitsubaConvertedTexture::Constant(clamped_to_range(color, wanted)));
         }
         match texture.plugin.as_str() {
             "bitmap" => self.convert_bitmap(context, texture, (wanted, convention), factor),
             "checkerboard" => self.convert_checkerboard(context, texture, (wanted, convention), factor, depth),
             "scale" => {
                 let own = factor * texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0);
-                match context.children(texture, ObjectClass::Texture)?.first() {
+                match context.children_of_class(texture, ObjectClass::Texture)?.first() {
                     Some((_, inner)) => self.convert_texture(context, inner, (wanted, convention), own, depth + 1),
-                    None => Ok(MitsubaTextureValues::Constant(clamped_to_range(DVec3::splat(own), wanted))),
+                    None => Ok(MitsubaConvertedTexture::Constant(clamped_to_range(DVec3::splat(own), wanted))),
                 }
             }
             _ => {
                 let message = format!("textures of kind `{}` become gray of reflectance 0.5", texture.plugin);
-                context.add_note_on_object(&message, texture);
-                Ok(MitsubaTextureValues::Constant(clamped_to_range(DVec3::splat(0.5 * factor), wanted)))
+                context.add_whole_object_note(&message, texture);
+                Ok(MitsubaConvertedTexture::Constant(clamped_to_range(DVec3::splat(0.5 * factor), wanted)))
             }
         }
     }
@@ -180,11 +183,11 @@ impl MitsubaTextures {
             let is_memory = matches!(error, ReadError::Memory { .. });
             SceneReadError::from(if is_memory { described.marked_out_of_memory() } else { described })
         };
-        let image = match decode_rgba_levels(&file, &bytes, free).map_err(failed)? {
+        let image = match decode_quantized_rgba(&file, &bytes, free).map_err(failed)? {
             Some(levels) => {
-                let greatest = f64::from(levels.greatest);
+                let greatest = f64::from(levels.max_level);
                 let table: Vec<f32> = if is_raw {
-                    (0..=levels.greatest).map(|level| (f64::from(level) / greatest) as f32).collect()
+                    (0..=levels.max_level).map(|level| (f64::from(level) / greatest) as f32).collect()
                 } else {
                     levels.srgb_table()
                 };
@@ -193,7 +196,7 @@ impl MitsubaTextures {
                 Image::from_pixels(levels.width, levels.height, pixels)
                     .map_err(|error| object.place.error(error, "name another picture"))?
             }
-            None => decode(&file, &bytes, PixelMeaning::Radiance, free).map_err(failed)?.0,
+            None => decode(&file, &bytes, PixelMeaning::Color, free).map_err(failed)?.0,
         };
         let image = Rc::new(image);
         self.decoded.insert((file.clone(), is_raw), Rc::clone(&image));
@@ -233,14 +236,14 @@ impl MitsubaTextures {
         texture: &MitsubaObject,
         (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
-    ) -> ReadResult<MitsubaTextureValues> {
+    ) -> ReadResult<MitsubaConvertedTexture> {
         // Before version 2, the encoding is called `gamma`.
         let is_raw = wanted == MitsubaTextureUse::Normal
             || texture.boolean("raw", false)
             || texture.number("gamma").is_some_and(|gamma| gamma == 1.0);
         let (file, picture) = self.read_picture(context, texture, is_raw)?;
         let key = (file, is_raw, wanted, factor.to_bits());
-        let values = match self.embedded.get(&key) {
+        let values = match self.converted_pictures.get(&key) {
             Some(values) => values.clone(),
             None => {
                 context.files.check_memory(&key.0, 12 * picture.pixels().len() as u64)?;
@@ -248,17 +251,17 @@ impl MitsubaTextures {
                 let pixels: Vec<Rgb> = picture.pixels().iter().map(value).collect();
                 let mean = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / pixels.len() as f64;
                 let values = if pixels.iter().all(|pixel| *pixel == pixels[0]) {
-                    MitsubaTextureValues::Constant(pixels[0].as_dvec3())
+                    MitsubaConvertedTexture::Constant(pixels[0].as_dvec3())
                 } else {
                     let image = Image::from_pixels(picture.width(), picture.height(), pixels);
                     let image = image.map_err(|error| texture.place.error(error, "name another picture"))?;
-                    MitsubaTextureValues::Texture(Spanned::new(self.embed_picture(image), Span::default()), mean)
+                    MitsubaConvertedTexture::Texture(Spanned::new(self.embed_picture(image), Span::default()), mean)
                 };
-                self.embedded.insert(key, values.clone());
+                self.converted_pictures.insert(key, values.clone());
                 values
             }
         };
-        let MitsubaTextureValues::Texture(path, mean) = values else { return Ok(values) };
+        let MitsubaConvertedTexture::Texture(path, mean) = values else { return Ok(values) };
         if texture.text("filter_type") == Some("nearest") {
             context.add_note("textures are interpolated instead of showing square pixels", texture);
         }
@@ -276,7 +279,7 @@ impl MitsubaTextures {
         // v = 0 is the top of a picture in Mitsuba, and the bottom in Caustica.
         let coordinates = texcoord_transform_description(context, texture, flipped_v(to_uv));
         let kind = TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates };
-        Ok(MitsubaTextureValues::Texture(self.texture_name(kind), mean))
+        Ok(MitsubaConvertedTexture::Texture(self.texture_name(kind), mean))
     }
 
     fn convert_checkerboard(
@@ -286,7 +289,7 @@ impl MitsubaTextures {
         (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
         depth: u32,
-    ) -> ReadResult<MitsubaTextureValues> {
+    ) -> ReadResult<MitsubaConvertedTexture> {
         let mut colors = [DVec3::ZERO; 2];
         for (color, (name, default)) in colors.iter_mut().zip([("color0", 0.4), ("color1", 0.2)]) {
             let inner = match context.color_value(texture, name)? {
@@ -299,7 +302,7 @@ impl MitsubaTextures {
                     self.convert_texture(context, &inner, (wanted, convention), factor, depth + 1)?.mean()
                 }
                 None => {
-                    let color = context.color(texture, name, ColorMeaning::Reflectance, default)? * factor;
+                    let color = context.linear_rgb(texture, name, ColorMeaning::Reflectance, default)? * factor;
                     clamped_to_range(color, wanted)
                 }
             };
@@ -309,14 +312,14 @@ impl MitsubaTextures {
         let (linear, offset) = mitsuba_texcoord_transform(context, texture, convention);
         let coordinates = texcoord_transform_description(context, texture, (linear * 2.0, offset * 2.0));
         let name = self.texture_name(TextureKindDescription::Checker { colors, coordinates });
-        Ok(MitsubaTextureValues::Texture(name, mean))
+        Ok(MitsubaConvertedTexture::Texture(name, mean))
     }
 
     /// Returns the name of the texture with this content. Adds it to the imported scene if it is
     /// new.
     fn texture_name(&mut self, kind: TextureKindDescription) -> Spanned<String> {
         let next = format!("texture{}", self.descriptions.len());
-        let name = self.names.entry(format!("{kind:?}")).or_insert_with(|| next.clone()).clone();
+        let name = self.texture_names_by_content.entry(format!("{kind:?}")).or_insert_with(|| next.clone()).clone();
         if name == next {
             let description = TextureDescription { name: next, kind };
             self.descriptions.push(Spanned::new(description, Span::default()));
@@ -379,7 +382,7 @@ fn mitsuba_texcoord_transform(
     }
     match convention {
         TexcoordConvention::Same => (linear, offset),
-        TexcoordConvention::Flipped => {
+        TexcoordConvention::FlippedV => {
             (linear * DMat2::from_diagonal(DVec2::new(1.0, -1.0)), offset + linear * DVec2::Y)
         }
     }
@@ -407,7 +410,7 @@ fn texcoord_transform_description(
     let is_half_turn = u.y == 0.0 && u.x < 0.0;
     if is_half_turn {
         // Negative scales are exact. A rotation by 180 degrees would have rounding errors.
-        return TexcoordTransformDescription { scale: -scale, rotate: 0.0, offset };
+        return TexcoordTransformDescription { scale: -scale, rotation_degrees: 0.0, offset };
     }
-    TexcoordTransformDescription { scale, rotate: libm::atan2(u.y, u.x).to_degrees(), offset }
+    TexcoordTransformDescription { scale, rotation_degrees: libm::atan2(u.y, u.x).to_degrees(), offset }
 }

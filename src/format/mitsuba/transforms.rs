@@ -1,12 +1,12 @@
 //! Parses transforms of Mitsuba.
 
 use super::color::parse_numbers;
-use super::files::{MitsubaPlace, ReadResult};
+use super::files::{MitsubaSourceLocation, ReadResult};
 use glam::{DMat3, DMat4, DVec3};
 use std::collections::HashMap;
 
 /// Element of a transform, such as `translate`: its name, attributes and position in the file.
-pub(super) type TransformElement = (String, HashMap<String, String>, MitsubaPlace);
+pub(super) type TransformElement = (String, HashMap<String, String>, MitsubaSourceLocation);
 
 /// Returns the product of all elements' matrices. The first element is applied first.
 ///
@@ -31,7 +31,7 @@ pub(super) fn parse_transform(elements: &[TransformElement]) -> ReadResult<DMat4
 pub(super) fn parse_vector(
     attributes: HashMap<String, String>,
     default: f64,
-    place: &MitsubaPlace,
+    place: &MitsubaSourceLocation,
 ) -> ReadResult<DVec3> {
     let invalid = || place.error("this is not a vector", "write `value=\"x, y, z\"` or the attributes x, y and z");
     if let Some(text) = attributes.get("value") {
@@ -53,7 +53,7 @@ pub(super) fn parse_vector(
     Ok(vector)
 }
 
-fn element_matrix(tag: &str, attributes: &HashMap<String, String>, place: &MitsubaPlace) -> ReadResult<DMat4> {
+fn element_matrix(tag: &str, attributes: &HashMap<String, String>, place: &MitsubaSourceLocation) -> ReadResult<DMat4> {
     let vector = |default: f64| parse_vector(attributes.clone(), default, place);
     Ok(match tag {
         "translate" => DMat4::from_translation(vector(0.0)?),
@@ -65,7 +65,7 @@ fn element_matrix(tag: &str, attributes: &HashMap<String, String>, place: &Mitsu
                 _ => return Err(place.error("this rotation has no axis or no angle", "write an axis and an `angle`")),
             }
         }
-        "lookat" => look_at(attributes, place)?,
+        "lookat" => look_at_to_world(attributes, place)?,
         "matrix" => {
             let numbers = attributes.get("value").and_then(|text| parse_numbers(text)).unwrap_or_default();
             if let Ok(rows) = <[f64; 16]>::try_from(numbers.as_slice()) {
@@ -86,7 +86,7 @@ fn element_matrix(tag: &str, attributes: &HashMap<String, String>, place: &Mitsu
 /// Returns the camera-to-world matrix of a `lookat` element.
 ///
 /// The camera looks along +z of its own frame, with +y up and +x to the left.
-fn look_at(attributes: &HashMap<String, String>, place: &MitsubaPlace) -> ReadResult<DMat4> {
+fn look_at_to_world(attributes: &HashMap<String, String>, place: &MitsubaSourceLocation) -> ReadResult<DMat4> {
     let point = |name: &str| match *attributes.get(name).and_then(|text| parse_numbers(text)).unwrap_or_default() {
         [x, y, z] => Some(DVec3::new(x, y, z)),
         _ => None,
@@ -110,7 +110,7 @@ mod tests {
     use crate::format::description::Span;
 
     fn transform_element(tag: &str, attributes: &[(&str, &str)]) -> TransformElement {
-        let place = MitsubaPlace { source: SourceText::new("a.xml", ""), span: Span::default(), line: 1 };
+        let place = MitsubaSourceLocation { source: SourceText::new("a.xml", ""), span: Span::default(), line: 1 };
         let attributes = attributes.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
         (tag.to_owned(), attributes.collect(), place)
     }

@@ -3,7 +3,7 @@
 //! Names of values are in snake case, whatever the version of the file: `toWorld` is `to_world`.
 
 use super::color::ColorValue;
-use super::files::MitsubaPlace;
+use super::files::MitsubaSourceLocation;
 use glam::{DMat4, DVec3};
 use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap};
@@ -29,7 +29,7 @@ pub(super) enum ObjectClass {
     /// Participating medium.
     Medium,
     /// Phase function of a medium.
-    Phase,
+    PhaseFunction,
     /// Volume: a value at each point of space, such as the density of a medium.
     Volume,
     /// Film of a sensor, which states the size of the picture.
@@ -55,7 +55,7 @@ impl ObjectClass {
             "bsdf" => Self::Bsdf,
             "texture" | "spectrum" => Self::Texture,
             "medium" => Self::Medium,
-            "phase" => Self::Phase,
+            "phase" => Self::PhaseFunction,
             "volume" => Self::Volume,
             "film" => Self::Film,
             "sampler" => Self::Sampler,
@@ -68,7 +68,7 @@ impl ObjectClass {
 
 /// A value of an object, such as a number or a transform.
 #[derive(Clone, Debug)]
-pub(super) enum Value {
+pub(super) enum MitsubaValue {
     /// Integer or floating-point number.
     Number(f64),
     /// Truth value.
@@ -89,7 +89,7 @@ pub(super) enum ChildObject {
     /// The nested object itself.
     Own(Rc<MitsubaObject>),
     /// Identifier of the object, which may be defined later, and the position of the reference.
-    Reference(String, MitsubaPlace),
+    Reference(String, MitsubaSourceLocation),
 }
 
 /// An object of the scene file: an instance of a Mitsuba plugin.
@@ -102,9 +102,9 @@ pub(super) struct MitsubaObject {
     /// Identifier by which references name the object; `None` without one.
     pub id: Option<String>,
     /// Position in the file.
-    pub place: MitsubaPlace,
+    pub place: MitsubaSourceLocation,
     /// Values by name, each with a flag that is true if the importer has read it.
-    pub values: BTreeMap<String, (Value, Cell<bool>)>,
+    pub values: BTreeMap<String, (MitsubaValue, Cell<bool>)>,
     /// Nested objects, each with its name inside this object, in the order of the file.
     pub children: Vec<(String, ChildObject)>,
     /// True if the importer has looked up a value of the object.
@@ -144,7 +144,7 @@ impl MitsubaObject {
     }
 
     /// Returns the value called `name`, and marks it as read; `None` if the object has none.
-    pub fn value(&self, name: &str) -> Option<&Value> {
+    pub fn value(&self, name: &str) -> Option<&MitsubaValue> {
         self.is_used.set(true);
         let (value, is_read) = self.values.get(name)?;
         is_read.set(true);
@@ -154,10 +154,10 @@ impl MitsubaObject {
     /// Returns the number called `name`; `None` if there is none, or if the value is no number.
     pub fn number(&self, name: &str) -> Option<f64> {
         match self.value(name)? {
-            Value::Number(number) => Some(*number),
-            Value::Text(text) => text.trim().parse().ok().filter(|number: &f64| number.is_finite()),
-            Value::Color(color) => color.uniform_value(),
-            Value::Boolean(_) | Value::Vector(_) | Value::Transform(_) => None,
+            MitsubaValue::Number(number) => Some(*number),
+            MitsubaValue::Text(text) => text.trim().parse().ok().filter(|number: &f64| number.is_finite()),
+            MitsubaValue::Color(color) => color.uniform_value(),
+            MitsubaValue::Boolean(_) | MitsubaValue::Vector(_) | MitsubaValue::Transform(_) => None,
         }
     }
 
@@ -165,17 +165,24 @@ impl MitsubaObject {
     /// another type.
     pub fn boolean(&self, name: &str, default: bool) -> bool {
         match self.value(name) {
-            Some(Value::Boolean(value)) => *value,
-            Some(Value::Text(text)) => text == "true",
-            Some(Value::Number(_) | Value::Vector(_) | Value::Transform(_) | Value::Color(_)) | None => default,
+            Some(MitsubaValue::Boolean(value)) => *value,
+            Some(MitsubaValue::Text(text)) => text == "true",
+            Some(
+                MitsubaValue::Number(_) | MitsubaValue::Vector(_) | MitsubaValue::Transform(_) | MitsubaValue::Color(_),
+            )
+            | None => default,
         }
     }
 
     /// Returns the text called `name`; `None` if there is none, or if the value has another type.
     pub fn text(&self, name: &str) -> Option<&str> {
         match self.value(name)? {
-            Value::Text(text) => Some(text),
-            Value::Number(_) | Value::Boolean(_) | Value::Vector(_) | Value::Transform(_) | Value::Color(_) => None,
+            MitsubaValue::Text(text) => Some(text),
+            MitsubaValue::Number(_)
+            | MitsubaValue::Boolean(_)
+            | MitsubaValue::Vector(_)
+            | MitsubaValue::Transform(_)
+            | MitsubaValue::Color(_) => None,
         }
     }
 
@@ -183,8 +190,12 @@ impl MitsubaObject {
     /// type.
     pub fn vector(&self, name: &str) -> Option<DVec3> {
         match self.value(name)? {
-            Value::Vector(vector) => Some(*vector),
-            Value::Number(_) | Value::Boolean(_) | Value::Text(_) | Value::Transform(_) | Value::Color(_) => None,
+            MitsubaValue::Vector(vector) => Some(*vector),
+            MitsubaValue::Number(_)
+            | MitsubaValue::Boolean(_)
+            | MitsubaValue::Text(_)
+            | MitsubaValue::Transform(_)
+            | MitsubaValue::Color(_) => None,
         }
     }
 
@@ -192,8 +203,12 @@ impl MitsubaObject {
     /// type.
     pub fn transform(&self, name: &str) -> Option<DMat4> {
         match self.value(name)? {
-            Value::Transform(matrix) => Some(*matrix),
-            Value::Number(_) | Value::Boolean(_) | Value::Text(_) | Value::Vector(_) | Value::Color(_) => None,
+            MitsubaValue::Transform(matrix) => Some(*matrix),
+            MitsubaValue::Number(_)
+            | MitsubaValue::Boolean(_)
+            | MitsubaValue::Text(_)
+            | MitsubaValue::Vector(_)
+            | MitsubaValue::Color(_) => None,
         }
     }
 

@@ -6,7 +6,7 @@ pub(super) struct VolumeGrid {
     /// Number of cells along x, y and z.
     pub size: [u32; 3],
     /// Number of channels: 1 or 3.
-    pub channels: usize,
+    pub channel_count: usize,
     /// Lower and upper corner of the box that the file states.
     pub bounds: [[f32; 3]; 2],
     /// Values of all cells, finite and at least 0; the index x varies fastest.
@@ -48,7 +48,7 @@ pub(super) fn decode(file: &[u8]) -> Result<VolumeGrid, String> {
         return Err(format!("a value of the volume is {value}"));
     }
     let corner = |first: usize| [0, 1, 2].map(|axis| f32::from_le_bytes(word(first + axis)));
-    Ok(VolumeGrid { size, channels, bounds: [corner(6), corner(9)], values })
+    Ok(VolumeGrid { size, channel_count: channels, bounds: [corner(6), corner(9)], values })
 }
 
 #[cfg(test)]
@@ -61,7 +61,7 @@ mod tests {
         [1_u32, 2, 1, 1, 1].iter().for_each(|n| file.extend(n.to_le_bytes()));
         [0.0_f32, 0.0, 0.0, 1.0, 1.0, 2.0, 0.5, 3.0].iter().for_each(|x| file.extend(x.to_le_bytes()));
         let grid = decode(&file).unwrap();
-        assert_eq!((grid.size, grid.channels), ([2, 1, 1], 1));
+        assert_eq!((grid.size, grid.channel_count), ([2, 1, 1], 1));
         assert_eq!((grid.bounds[1], &grid.values[..]), ([1.0, 1.0, 2.0], &[0.5, 3.0][..]));
         assert!((0..file.len()).all(|length| decode(&file[..length]).is_err()));
         file[52..].copy_from_slice(&f32::NAN.to_le_bytes());

@@ -8,16 +8,16 @@ const REPAIR_REMEDY: &str = "repair it or export the materials anew";
 /// Returns the lines of an MTL file that Caustica uses, rewritten for `tobj`.
 ///
 /// An error holds the number of the first invalid line, from 1, with a message and a remedy.
-pub(super) fn check_mtl_lines(text: &str) -> Result<String, (usize, MessageAndRemedy)> {
+pub(super) fn check_and_rewrite_mtl(text: &str) -> Result<String, (usize, MessageAndRemedy)> {
     let mut valid_lines = String::new();
     let mut named = false;
     for (i, line) in text.lines().enumerate() {
-        check_mtl_line(line.trim(), &mut named, &mut valid_lines).map_err(|wrong| (i + 1, wrong))?;
+        append_valid_mtl_line(line.trim(), &mut named, &mut valid_lines).map_err(|wrong| (i + 1, wrong))?;
     }
     Ok(valid_lines)
 }
 
-fn check_mtl_line(line: &str, named: &mut bool, valid_lines: &mut String) -> Result<(), MessageAndRemedy> {
+fn append_valid_mtl_line(line: &str, named: &mut bool, valid_lines: &mut String) -> Result<(), MessageAndRemedy> {
     let (keyword, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
     let rest = rest.trim();
     // Writing to a string cannot fail.

@@ -33,23 +33,23 @@ pub struct MtlMaterial {
     /// Emitted radiance (Ke).
     pub emission: Option<DVec3>,
     /// Transmittance color (Tf).
-    pub filter: Option<DVec3>,
+    pub transmission_filter: Option<DVec3>,
     /// Phong exponent of the highlight (Ns).
     pub shininess: Option<f64>,
     /// Opacity (d, or 1 − Tr): 1 is opaque.
-    pub dissolve: Option<f64>,
+    pub opacity: Option<f64>,
     /// Index of refraction (Ni).
-    pub index: Option<f64>,
+    pub refractive_index: Option<f64>,
     /// Number of the illumination model (illum).
-    pub illumination: Option<u8>,
+    pub illumination_model: Option<u8>,
     /// Path of the picture that multiplies Kd (map_Kd), joined to the folder of the MTL file.
-    pub texture: Option<PathBuf>,
+    pub diffuse_texture_path: Option<PathBuf>,
 }
 
 /// Returns the paths of the material files of a mesh, in the order of `libraries`.
 ///
-/// [`load_libraries`] explains the arguments.
-pub(super) fn library_paths(mesh: &Path, libraries: &[String]) -> Vec<PathBuf> {
+/// [`load_mtl_files`] explains the arguments.
+pub(super) fn mtl_file_paths(mesh: &Path, libraries: &[String]) -> Vec<PathBuf> {
     let folder = mesh.parent().unwrap_or(Path::new(""));
     let paths = |library: &String| {
         let whole = folder.join(path_with_slashes(library));
@@ -70,11 +70,11 @@ pub(super) fn library_paths(mesh: &Path, libraries: &[String]) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// [`MeshError`], which names the file.
-pub fn load_libraries(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<MtlMaterial>, MeshError> {
+pub fn load_mtl_files(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<MtlMaterial>, MeshError> {
     let mut materials: Vec<MtlMaterial> = Vec::new();
-    for path in library_paths(mesh, libraries) {
+    for path in mtl_file_paths(mesh, libraries) {
         let bytes = read_file_bytes(&path, free).map_err(|e| match e {
-            MeshError::Missing { path } => MeshError::NoLibrary { path },
+            MeshError::MissingMeshFile { path } => MeshError::MissingMtlFile { path },
             other => other,
         })?;
         check_memory(&path, MEMORY_PER_FILE_BYTE * bytes.len() as u64, free)?;
@@ -88,7 +88,7 @@ pub fn load_libraries(mesh: &Path, libraries: &[String], free: Option<u64>) -> R
 
 /// Returns the materials of a mesh that have these `names`, in this order.
 ///
-/// `path` is the path of the mesh file. [`load_libraries`] explains `libraries` and `free`.
+/// `path` is the path of the mesh file. [`load_mtl_files`] explains `libraries` and `free`.
 ///
 /// # Errors
 /// [`MeshError`] if a material file is missing or invalid, or if a material is not defined.
@@ -98,10 +98,10 @@ pub fn load_mesh_materials(
     names: &[String],
     free: Option<u64>,
 ) -> Result<Vec<MtlMaterial>, MeshError> {
-    let library = load_libraries(path, libraries, free)?;
+    let library = load_mtl_files(path, libraries, free)?;
     let by_name: HashMap<&str, &MtlMaterial> = library.iter().map(|m| (m.name.as_str(), m)).collect();
     let find = |name: &String| {
-        let none = || MeshError::NoMaterial { path: path.into(), name: name.clone() };
+        let none = || MeshError::UndefinedMaterial { path: path.into(), name: name.clone() };
         by_name.get(name.as_str()).map(|material| (*material).clone()).ok_or_else(none)
     };
     names.iter().map(find).collect()
@@ -114,9 +114,9 @@ pub fn load_mesh_materials(
 /// # Errors
 /// [`MeshError`].
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> {
-    let valid_lines = check::check_mtl_lines(&String::from_utf8_lossy(strip_byte_order_mark(bytes)))
+    let valid_lines = check::check_and_rewrite_mtl(&String::from_utf8_lossy(strip_byte_order_mark(bytes)))
         .map_err(|(line, wrong)| MeshError::error_at_line(path, line, wrong))?;
-    let malformed = |source| MeshError::Malformed { path: path.into(), source };
+    let malformed = |source| MeshError::RejectedByTobj { path: path.into(), source };
     let (materials, _) = tobj::load_mtl_buf(&mut valid_lines.as_bytes()).map_err(malformed)?;
     let vector = |v: Option<[f64; 3]>| v.map(DVec3::from_array);
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -127,15 +127,15 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> 
             specular: vector(m.specular),
             emission: vector(m.emissive),
             // `tobj` keeps `Tf` as text. The check has rewritten it as three numbers.
-            filter: m.unknown_param.get("Tf").map(|text| {
+            transmission_filter: m.unknown_param.get("Tf").map(|text| {
                 let mut numbers = text.split(' ').map(|word| word.parse().unwrap_or_default());
                 DVec3::from_array([(); 3].map(|()| numbers.next().unwrap_or_default()))
             }),
             shininess: m.shininess,
-            dissolve: m.dissolve,
-            index: m.optical_density,
-            illumination: m.illumination_model,
-            texture: m.diffuse_texture.map(|picture| folder.join(path_with_slashes(&picture))),
+            opacity: m.dissolve,
+            refractive_index: m.optical_density,
+            illumination_model: m.illumination_model,
+            diffuse_texture_path: m.diffuse_texture.map(|picture| folder.join(path_with_slashes(&picture))),
             name: m.name,
         })
         .collect())

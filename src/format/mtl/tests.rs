@@ -33,12 +33,12 @@ fn every_supported_mtl_line_is_read() {
         diffuse: Some(v(0.1, 0.2, 0.3)),
         specular: Some(v(0.5, 0.5, 0.5)),
         emission: Some(v(1.0, 2.0, 3.0)),
-        filter: Some(v(0.9, 0.8, 0.7)),
+        transmission_filter: Some(v(0.9, 0.8, 0.7)),
         shininess: Some(20.0),
-        dissolve: Some(0.75),
-        index: Some(1.5),
-        illumination: Some(2),
-        texture: Some(PathBuf::from("folder/pictures/a b.png")),
+        opacity: Some(0.75),
+        refractive_index: Some(1.5),
+        illumination_model: Some(2),
+        diffuse_texture_path: Some(PathBuf::from("folder/pictures/a b.png")),
     };
     assert_eq!(read_single_material(text), expected);
     assert_eq!(read_single_material(""), MtlMaterial { name: "m".to_owned(), ..MtlMaterial::default() });
@@ -46,7 +46,7 @@ fn every_supported_mtl_line_is_read() {
     assert_eq!((two[0].name.as_str(), two[1].name.as_str(), two[1].diffuse), ("a b", "c", None));
     // Some exporters write a negative exponent for no highlight.
     assert_eq!(read_single_material("Ns -1.96").shininess, Some(0.0));
-    assert_eq!(read_single_material("d -halo .5").dissolve, Some(0.5));
+    assert_eq!(read_single_material("d -halo .5").opacity, Some(0.5));
 }
 
 #[test]
@@ -93,9 +93,9 @@ fn mtl_materials_become_scene_materials() {
         let attenuation = DielectricAbsorption::None;
         MaterialKindDescription::Dielectric(DielectricDescription {
             refraction: index.into(),
-            attenuation,
+            absorption: attenuation,
             roughness: 0.0.into(),
-            multiple_scattering: true,
+            has_multiple_scattering: true,
             priority: 0,
         })
     };
@@ -110,7 +110,7 @@ fn mtl_materials_become_scene_materials() {
     assert_eq!(converted_material_kind("Kd .5\nTr .9\nNi 1.7\nTf 1 1 1"), glass(1.7));
     let color = DVec3::new(0.9, 1.0, 0.5);
     match converted_material_kind("d 0\nTf .9 1 .5") {
-        MaterialKindDescription::Dielectric(DielectricDescription { attenuation, .. }) => {
+        MaterialKindDescription::Dielectric(DielectricDescription { absorption: attenuation, .. }) => {
             assert_eq!(attenuation, DielectricAbsorption::Tint { color, distance: 1.0 });
         }
         other => panic!("{other:?}"),
@@ -141,16 +141,19 @@ fn materials_write_and_read_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.mtl");
     let full = MtlMaterial {
-        texture: Some(folder.path().join("pictures/a b.png")),
+        diffuse_texture_path: Some(folder.path().join("pictures/a b.png")),
         ..read_single_material(
             "Kd .1 .2 .3\nKs .5\nKe 1e-9 1e20 3\nTf .9 .8 .7\nNs 20.123456789012345\nNi 1.5\nd .1\nillum 2",
         )
     };
-    let elsewhere =
-        MtlMaterial { name: "n".to_owned(), texture: Some(PathBuf::from("/else/c.png")), ..Default::default() };
+    let elsewhere = MtlMaterial {
+        name: "n".to_owned(),
+        diffuse_texture_path: Some(PathBuf::from("/else/c.png")),
+        ..Default::default()
+    };
     write(&path, &[full.clone(), elsewhere.clone()]).unwrap();
     assert!(std::fs::read_to_string(&path).unwrap().contains("map_Kd pictures/a b.png\n"));
-    assert_eq!(load_libraries(&folder.path().join("x.obj"), &["out.mtl".to_owned()], None).unwrap(), [full, elsewhere]);
+    assert_eq!(load_mtl_files(&folder.path().join("x.obj"), &["out.mtl".to_owned()], None).unwrap(), [full, elsewhere]);
 }
 
 #[test]
@@ -160,7 +163,7 @@ fn material_libraries_are_found_beside_the_mesh() {
     let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     put("a b.mtl", "newmtl m\nKd .1\nnewmtl n\n");
     let libraries =
-        |names: &[&str]| load_libraries(&mesh, &names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>(), None);
+        |names: &[&str]| load_mtl_files(&mesh, &names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>(), None);
     assert_eq!(libraries(&["a b.mtl"]).unwrap().len(), 2);
     let error = libraries(&["b.mtl"]).unwrap_err().to_string();
     assert!(error.contains("b.mtl") && error.contains("put it beside the mesh"), "{error}");

@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::path::{PathBuf, absolute};
 
 /// Index of refraction of transparent materials that define none: that of glass.
-const DEFAULT_INDEX: f64 = 1.5;
+const DEFAULT_REFRACTIVE_INDEX: f64 = 1.5;
 
 impl MtlMaterial {
     /// Returns the closest material of the scene language.
@@ -25,27 +25,29 @@ impl MtlMaterial {
     /// # Errors
     /// A message and a remedy if the index of a dielectric is not in \[0.001, 1000].
     pub fn to_description(&self) -> Result<MaterialDescription, MessageAndRemedy> {
-        let model = self.illumination;
+        let model = self.illumination_model;
         let diffuse = self.diffuse.unwrap_or(DVec3::ONE);
         let specular = self.specular.unwrap_or(DVec3::ZERO);
-        let transparent = matches!(model, Some(4 | 6 | 7 | 9)) || self.dissolve.is_some_and(|d| d < 1.0);
+        let transparent = matches!(model, Some(4 | 6 | 7 | 9)) || self.opacity.is_some_and(|d| d < 1.0);
         let kind = if transparent {
-            let index = self.index.unwrap_or(DEFAULT_INDEX);
+            let index = self.refractive_index.unwrap_or(DEFAULT_REFRACTIVE_INDEX);
             if !(0.001..=1000.0).contains(&index) {
                 let message = format!("the material `{}` is transparent and its `Ni` is {index}", self.name);
                 return Err((message, "give it an index of refraction between 0.001 and 1000"));
             }
-            let tint = self.filter.filter(|f| f.min_element() > 0.0 && f.max_element() <= 1.0 && *f != DVec3::ONE);
+            let tint = self
+                .transmission_filter
+                .filter(|f| f.min_element() > 0.0 && f.max_element() <= 1.0 && *f != DVec3::ONE);
             let attenuation =
                 tint.map_or(DielectricAbsorption::None, |color| DielectricAbsorption::Tint { color, distance: 1.0 });
             MaterialKindDescription::Dielectric(DielectricDescription {
                 refraction: index.into(),
-                attenuation,
+                absorption: attenuation,
                 roughness: 0.0.into(),
-                multiple_scattering: true,
+                has_multiple_scattering: true,
                 priority: 0,
             })
-        } else if matches!(model, Some(3 | 5 | 8)) && diffuse == DVec3::ZERO && self.texture.is_none() {
+        } else if matches!(model, Some(3 | 5 | 8)) && diffuse == DVec3::ZERO && self.diffuse_texture_path.is_none() {
             MaterialKindDescription::Mirror(MirrorDescription { reflectance: specular.min(DVec3::ONE).into() })
         } else {
             let highlights = model.is_none_or(|model| model >= 2);
@@ -53,7 +55,7 @@ impl MtlMaterial {
                 diffuse: diffuse.into(),
                 specular: if highlights { specular } else { DVec3::ZERO }.into(),
                 shininess: self.shininess.unwrap_or(0.0),
-                texture: self.texture.as_ref().map(absolute_texture_path),
+                texture: self.diffuse_texture_path.as_ref().map(absolute_texture_path),
             })
         };
         let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(EmissionDescription::Radiance);

@@ -18,8 +18,12 @@ pub fn write(path: &Path, materials: &[MtlMaterial]) -> Result<(), WriteError> {
     // Writing to a string cannot fail.
     for material in materials {
         let _ = writeln!(text, "\nnewmtl {}", material.name);
-        let colours =
-            [("Kd", material.diffuse), ("Ks", material.specular), ("Ke", material.emission), ("Tf", material.filter)];
+        let colours = [
+            ("Kd", material.diffuse),
+            ("Ks", material.specular),
+            ("Ke", material.emission),
+            ("Tf", material.transmission_filter),
+        ];
         for (keyword, colour) in colours {
             if let Some(c) = colour {
                 let _ = writeln!(
@@ -31,15 +35,17 @@ pub fn write(path: &Path, materials: &[MtlMaterial]) -> Result<(), WriteError> {
                 );
             }
         }
-        for (keyword, number) in [("Ns", material.shininess), ("Ni", material.index), ("d", material.dissolve)] {
+        for (keyword, number) in
+            [("Ns", material.shininess), ("Ni", material.refractive_index), ("d", material.opacity)]
+        {
             if let Some(number) = number {
                 let _ = writeln!(text, "{keyword} {}", ShortestDecimal(number));
             }
         }
-        if let Some(model) = material.illumination {
+        if let Some(model) = material.illumination_model {
             let _ = writeln!(text, "illum {model}");
         }
-        if let Some(picture) = &material.texture {
+        if let Some(picture) = &material.diffuse_texture_path {
             let inside = picture.strip_prefix(folder).ok();
             let named = inside.map(Path::to_owned).or_else(|| absolute(picture).ok());
             let _ = writeln!(text, "map_Kd {}", named.as_deref().unwrap_or(picture).display());

@@ -1,8 +1,8 @@
 //! Reads cameras and films of pbrt scenes.
 
 use super::files::ReadResult;
+use super::graphics_state::{MovingTransform, object_motion};
 use super::parameters::Parameters;
-use super::state::{MovingTransform, object_motion};
 use crate::format::description::{
     ApertureDescription, CameraDescription, DirectionOrTarget, FocusDescription, LensDescription, ProjectionDescription,
 };
@@ -10,7 +10,7 @@ use crate::format::import_notes::ImportNotes;
 use glam::{DAffine3, DVec3};
 
 /// Greatest width and height of a picture \[pixels].
-const MAX_SIDE: f64 = 65_536.0;
+const MAX_FILM_SIDE: f64 = 65_536.0;
 
 /// Size of a film and of the part of it that is rendered \[pixels].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportN
     let default = if name == "image" { [640.0, 480.0] } else { [1280.0, 720.0] };
     let width = parameters.number_or("xresolution", default[0]);
     let height = parameters.number_or("yresolution", default[1]);
-    if !(width >= 1.0 && height >= 1.0 && width <= MAX_SIDE && height <= MAX_SIDE) {
+    if !(width >= 1.0 && height >= 1.0 && width <= MAX_FILM_SIDE && height <= MAX_FILM_SIDE) {
         return Err(place.error("the film has no pixels, or too many", "give resolutions from 1 to 65536"));
     }
     let whole = [width, height];

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
 /// Number of samples of pbrt's map along each side of a pixel of the converted map.
-const SAMPLES: u32 = 3;
+const SAMPLES_PER_PIXEL_SIDE: u32 = 3;
 
 /// Mapping of directions to pixels in an environment map of pbrt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,15 +35,15 @@ pub(super) fn to_equirectangular(image: &Image, layout: MapLayout, to_world: DMa
     for row in 0..height {
         for column in 0..width {
             let mut sum = DVec3::ZERO;
-            for sample in 0..SAMPLES * SAMPLES {
-                let within = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES);
-                let phi = (f64::from(column) + within(sample % SAMPLES)) / f64::from(width) * TAU;
-                let theta = (f64::from(row) + within(sample / SAMPLES)) / f64::from(height) * PI;
+            for sample in 0..SAMPLES_PER_PIXEL_SIDE * SAMPLES_PER_PIXEL_SIDE {
+                let within = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES_PER_PIXEL_SIDE);
+                let phi = (f64::from(column) + within(sample % SAMPLES_PER_PIXEL_SIDE)) / f64::from(width) * TAU;
+                let theta = (f64::from(row) + within(sample / SAMPLES_PER_PIXEL_SIDE)) / f64::from(height) * PI;
                 let (sin, cos) = (libm::sin(theta), libm::cos(theta));
                 let world = DVec3::new(libm::sin(phi) * sin, cos, -libm::cos(phi) * sin);
                 sum += radiance_in_direction(image, layout, (inverse * world).normalize_or(DVec3::Z)).as_dvec3();
             }
-            pixels.push((sum / f64::from(SAMPLES * SAMPLES)).as_vec3());
+            pixels.push((sum / f64::from(SAMPLES_PER_PIXEL_SIDE * SAMPLES_PER_PIXEL_SIDE)).as_vec3());
         }
     }
     Image::from_pixels(width, height, pixels).ok()

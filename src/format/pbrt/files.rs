@@ -13,14 +13,14 @@ use std::rc::Rc;
 
 /// Position of a directive in a pbrt scene: file name and line.
 #[derive(Clone, Debug)]
-pub(super) struct PbrtPlace {
+pub(super) struct PbrtSourceLocation {
     /// Name of the file.
     pub file: Rc<str>,
     /// Line of the directive in the file, from 1.
     pub line: u32,
 }
 
-impl PbrtPlace {
+impl PbrtSourceLocation {
     /// Returns an error with `message` and the remedy `help`, at this position.
     pub fn error(&self, message: impl Display, help: &str) -> SceneReadError {
         SceneError::error_without_position(&self.file, format!("line {}: {message}", self.line), help).into()
@@ -44,28 +44,30 @@ pub(super) struct PbrtSceneFiles<'a> {
     /// Free memory before the scene is read \[bytes]; `None` without a limit.
     free_at_start: Option<u64>,
     /// Estimated memory of the scene so far \[bytes].
-    used: Cell<u64>,
+    reserved_memory: Cell<u64>,
 }
 
 impl<'a> PbrtSceneFiles<'a> {
     /// Prepares reading the scene at `path`; reads no file.
     pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
         let free_at_start = options.memory.available_bytes();
-        Self { path, monitor, options, free_at_start, used: Cell::new(0) }
+        Self { path, monitor, options, free_at_start, reserved_memory: Cell::new(0) }
     }
 
     /// Returns the memory that the scene may still take \[bytes]; `None` without a limit.
     pub fn free_memory(&self) -> Option<u64> {
-        self.free_at_start.map(|free| free.saturating_sub(self.used.get()))
+        self.free_at_start.map(|free| free.saturating_sub(self.reserved_memory.get()))
     }
 
     /// Adds `bytes` to the estimated memory of the scene. Fails if the sum exceeds the free memory.
-    pub fn count_memory(&self, bytes: u64) -> ReadResult<()> {
-        self.used.set(self.used.get().saturating_add(bytes));
+    pub fn reserve_memory(&self, bytes: u64) -> ReadResult<()> {
+        self.reserved_memory.set(self.reserved_memory.get().saturating_add(bytes));
         match self.free_at_start {
-            Some(free) if self.used.get() > free => {
-                Err(SceneReadError::Memory { path: self.path.to_owned(), needed: self.used.get(), free })
-            }
+            Some(free) if self.reserved_memory.get() > free => Err(SceneReadError::OutOfMemory {
+                path: self.path.to_owned(),
+                needed: self.reserved_memory.get(),
+                free,
+            }),
             _ => Ok(()),
         }
     }
@@ -74,7 +76,7 @@ impl<'a> PbrtSceneFiles<'a> {
     pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;
-        self.count_memory(length)?;
+        self.reserve_memory(length)?;
         let mut bytes = Vec::new();
         file.take(length).read_to_end(&mut bytes).map_err(unreadable)?;
         Ok(bytes)
@@ -84,7 +86,7 @@ impl<'a> PbrtSceneFiles<'a> {
     ///
     /// `name` is relative to the folder of the scene file. Reports the file to the monitor. The
     /// file must lie inside that folder, unless the options allow outside files.
-    pub fn resolve_path(&self, place: &PbrtPlace, name: &str) -> ReadResult<PathBuf> {
+    pub fn resolve_path(&self, place: &PbrtSourceLocation, name: &str) -> ReadResult<PathBuf> {
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let file = folder.join(name);
         let Ok(absolute) = file.canonicalize() else {
@@ -101,12 +103,12 @@ impl<'a> PbrtSceneFiles<'a> {
     }
 
     /// Returns the decompressed content of a gzip file.
-    pub fn gunzipped(&self, bytes: &[u8], place: &PbrtPlace) -> ReadResult<Vec<u8>> {
+    pub fn gunzipped(&self, bytes: &[u8], place: &PbrtSourceLocation) -> ReadResult<Vec<u8>> {
         let free = self.free_memory().unwrap_or(u64::MAX);
         let mut out = Vec::new();
         let read = flate2::read::MultiGzDecoder::new(bytes).take(free).read_to_end(&mut out);
         read.map_err(|e| place.error(format!("the compressed file is damaged: {e}"), "compress it again with gzip"))?;
-        self.count_memory(out.len() as u64 + 1)?;
+        self.reserve_memory(out.len() as u64 + 1)?;
         Ok(out)
     }
 }

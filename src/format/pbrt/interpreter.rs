@@ -2,17 +2,19 @@
 
 use super::camera::{FilmSize, film_size, read_camera};
 use super::content::PbrtSceneContent;
-use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
+use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
+use super::graphics_state::{
+    AreaLightDirective, CurrentMaterial, GraphicsState, MovingTransform, directive_transform, object_motion,
+};
 use super::lights::{PbrtLights, PbrtShapeEmission};
 use super::materials::PbrtMaterials;
 use super::media::PbrtMedia;
 use super::parameters::{Parameters, parse_number};
 use super::settings::SuggestedFlags;
+use super::shape_properties::{back_side_shape, is_sheet, world_area};
 use super::shapes::read_shape;
-use super::state::{AreaLightDirective, CurrentMaterial, GraphicsState, MovingTransform, object_motion, transform_map};
-use super::surfaces::{back_side_shape, is_sheet, world_area};
 use super::textures::PbrtTextures;
-use super::tokens::{PbrtToken, TokenKind, Tokens};
+use super::tokens::{PbrtToken, TokenKind, Tokenizer};
 use crate::format::SourceText;
 use crate::format::assets::EmbeddedAssets;
 use crate::format::description::{
@@ -44,8 +46,8 @@ const MEMORY_PER_OBJECT: u64 = 2_000;
 const MEMORY_PER_STATE: u64 = 600;
 
 /// Directives that do not change the imported scene: they concern how pbrt samples or stores
-/// pictures.
-const IGNORED_DIRECTIVES: [&str; 9] = [
+/// pictures. Some of them become suggested flags.
+const RENDER_SETTING_DIRECTIVES: [&str; 9] = [
     "Accelerator",
     "ColorSpace",
     "Integrator",
@@ -62,8 +64,8 @@ const IGNORED_DIRECTIVES: [&str; 9] = [
 struct ObjectDefinition {
     group: ObjectGroup,
     /// Number of shapes in the definition, including those of nested instances.
-    shapes: u64,
-    depth: usize,
+    shape_count: u64,
+    instance_depth: usize,
 }
 
 /// State of the interpreter while it reads a pbrt scene.
@@ -71,7 +73,7 @@ pub(super) struct Interpreter<'a> {
     files: &'a PbrtSceneFiles<'a>,
     state: GraphicsState,
     saved: Vec<GraphicsState>,
-    coordinates: HashMap<String, MovingTransform>,
+    coordinate_systems: HashMap<String, MovingTransform>,
     content: PbrtSceneContent,
     lights: PbrtLights,
     media: PbrtMedia,
@@ -91,7 +93,7 @@ pub(super) struct Interpreter<'a> {
     definitions: HashMap<String, Rc<ObjectDefinition>>,
     /// Name and content of the object definition that is open; `None` outside of `ObjectBegin`.
     open_object: Option<(String, ObjectDefinition)>,
-    includes: usize,
+    include_count: usize,
     shape_count: usize,
 }
 
@@ -109,7 +111,7 @@ impl<'a> Interpreter<'a> {
             files,
             state: GraphicsState::new(),
             saved: Vec::new(),
-            coordinates: HashMap::from([("world".to_owned(), MovingTransform::IDENTITY)]),
+            coordinate_systems: HashMap::from([("world".to_owned(), MovingTransform::IDENTITY)]),
             content,
             lights: PbrtLights::default(),
             media: PbrtMedia::default(),
@@ -122,7 +124,7 @@ impl<'a> Interpreter<'a> {
             root: ObjectGroup::default(),
             definitions: HashMap::new(),
             open_object: None,
-            includes: 0,
+            include_count: 0,
             shape_count: 0,
         }
     }
@@ -140,11 +142,11 @@ impl<'a> Interpreter<'a> {
     /// Returns the imported scene. Adds a white sky if it has no light, and a camera if it has
     /// none.
     pub fn finish(mut self) -> ReadResult<ImportedScene> {
-        let place = PbrtPlace { file: self.files.path.display().to_string().into(), line: 1 };
+        let place = PbrtSourceLocation { file: self.files.path.display().to_string().into(), line: 1 };
         if self.open_object.is_some() {
             return Err(place.error("an object is not closed", "add `ObjectEnd`"));
         }
-        let has_emitters = self.lights.has_emitters;
+        let has_emitters = self.lights.has_emissive_surfaces;
         let mut lights = self.lights.into_descriptions(&mut self.content, self.files)?;
         if lights.is_empty() && !has_emitters {
             self.content.notes.add_missing("the file has no light: a white sky of radiance 1 lights the scene");
@@ -193,10 +195,10 @@ impl<'a> Interpreter<'a> {
     fn run_file(&mut self, bytes: &[u8], file: Rc<str>, depth: usize) -> ReadResult<()> {
         let text = String::from_utf8_lossy(bytes);
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let mut tokens = Tokens::new(text, file);
+        let mut tokens = Tokenizer::new(text, file);
         while let Some(token) = tokens.next_token()? {
             let place = tokens.place(token.line);
-            let TokenKind::Word(directive) = token.kind else {
+            let TokenKind::Unquoted(directive) = token.kind else {
                 return Err(place.error("a value stands outside of a directive", "begin with a directive, as `Shape`"));
             };
             self.run_directive(directive, &mut tokens, place, depth)?;
@@ -207,8 +209,8 @@ impl<'a> Interpreter<'a> {
     fn run_directive(
         &mut self,
         directive: &str,
-        tokens: &mut Tokens<'_>,
-        place: PbrtPlace,
+        tokens: &mut Tokenizer<'_>,
+        place: PbrtSourceLocation,
         depth: usize,
     ) -> ReadResult<()> {
         match directive {
@@ -219,7 +221,7 @@ impl<'a> Interpreter<'a> {
                     "LookAt" => 9,
                     _ => 16,
                 };
-                let map = transform_map(directive, &read_numbers(tokens, count, &place)?, &place)?;
+                let map = directive_transform(directive, &read_numbers(tokens, count, &place)?, &place)?;
                 if directive == "Transform" {
                     self.state.set_transform(MovingTransform::IDENTITY);
                 }
@@ -232,13 +234,13 @@ impl<'a> Interpreter<'a> {
             "TransformTimes" => read_numbers(tokens, 2, &place).map(|_| ()),
             "CoordinateSystem" => {
                 let name = read_quoted(tokens, &place)?;
-                self.files.count_memory(MEMORY_PER_STATE)?;
-                self.coordinates.insert(name, self.state.transform);
+                self.files.reserve_memory(MEMORY_PER_STATE)?;
+                self.coordinate_systems.insert(name, self.state.transform);
                 Ok(())
             }
             "CoordSysTransform" => {
                 let name = read_quoted(tokens, &place)?;
-                let known = self.coordinates.get(&name).copied();
+                let known = self.coordinate_systems.get(&name).copied();
                 let transform = known.ok_or_else(|| {
                     let help = "define it with `CoordinateSystem`; `camera` needs a camera before";
                     place.error(format!("no coordinate system is called `{name}`"), help)
@@ -248,10 +250,10 @@ impl<'a> Interpreter<'a> {
             }
             "ActiveTransform" => {
                 let word = match tokens.next_token()? {
-                    Some(PbrtToken { kind: TokenKind::Word(word), .. }) => word,
+                    Some(PbrtToken { kind: TokenKind::Unquoted(word), .. }) => word,
                     _ => "",
                 };
-                self.state.is_active = match word {
+                self.state.is_transform_active = match word {
                     "All" => [true; 2],
                     "StartTime" => [true, false],
                     "EndTime" => [false, true],
@@ -271,14 +273,15 @@ impl<'a> Interpreter<'a> {
                 if directive == "AttributeEnd" {
                     self.state = saved;
                 } else {
-                    (self.state.transform, self.state.is_active) = (saved.transform, saved.is_active);
+                    (self.state.transform, self.state.is_transform_active) =
+                        (saved.transform, saved.is_transform_active);
                 }
                 Ok(())
             }
             "WorldBegin" => {
                 self.place_camera()?;
                 self.state.transform = MovingTransform::IDENTITY;
-                self.state.is_active = [true; 2];
+                self.state.is_transform_active = [true; 2];
                 Ok(())
             }
             "WorldEnd" => Ok(()),
@@ -329,7 +332,7 @@ impl<'a> Interpreter<'a> {
                 textures.define_texture((&name, &class, is_color), &parameters, self.files, notes)
             }
             _ => {
-                let known = IGNORED_DIRECTIVES.contains(&directive)
+                let known = RENDER_SETTING_DIRECTIVES.contains(&directive)
                     || matches!(
                         directive,
                         "Camera"
@@ -366,7 +369,7 @@ impl<'a> Interpreter<'a> {
                 let to_world = self.state.transform.inverse();
                 let to_world =
                     to_world.ok_or_else(|| place.error("the camera's transform is singular", "scale less"))?;
-                self.coordinates.insert("camera".to_owned(), to_world);
+                self.coordinate_systems.insert("camera".to_owned(), to_world);
                 self.ambient_medium = Rc::clone(&self.state.media[1]);
                 self.camera_directive = Some((Rc::new(parameters), name.to_owned(), to_world));
                 Ok(())
@@ -415,11 +418,11 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    fn save_state(&mut self, place: &PbrtPlace) -> ReadResult<()> {
+    fn save_state(&mut self, place: &PbrtSourceLocation) -> ReadResult<()> {
         if self.saved.len() >= MAX_ATTRIBUTE_DEPTH {
             return Err(place.error("attribute blocks nest too deep", "close the blocks: `AttributeEnd`"));
         }
-        self.files.count_memory(MEMORY_PER_STATE)?;
+        self.files.reserve_memory(MEMORY_PER_STATE)?;
         self.saved.push(self.state.clone());
         Ok(())
     }
@@ -437,9 +440,15 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    fn run_included_file(&mut self, name: &str, is_import: bool, place: &PbrtPlace, depth: usize) -> ReadResult<()> {
-        self.includes += 1;
-        if depth >= MAX_INCLUDE_DEPTH || self.includes > MAX_INCLUDES {
+    fn run_included_file(
+        &mut self,
+        name: &str,
+        is_import: bool,
+        place: &PbrtSourceLocation,
+        depth: usize,
+    ) -> ReadResult<()> {
+        self.include_count += 1;
+        if depth >= MAX_INCLUDE_DEPTH || self.include_count > MAX_INCLUDES {
             let help = "let no file include itself";
             return Err(place.error(format!("files include each other too often, last `{name}`"), help));
         }
@@ -457,7 +466,7 @@ impl<'a> Interpreter<'a> {
 
     fn add_shape(&mut self, kind: &str, parameters: &Parameters) -> ReadResult<()> {
         let place = &parameters.place;
-        self.files.count_memory(MEMORY_PER_OBJECT)?;
+        self.files.reserve_memory(MEMORY_PER_OBJECT)?;
         let name = format!("shape{}", self.shape_count);
         self.shape_count += 1;
         let is_reversed = self.state.is_reversed;
@@ -483,7 +492,7 @@ impl<'a> Interpreter<'a> {
         let material =
             materials.imported_material_name(&self.state.material, (medium, alpha), textures, self.files, notes)?;
         let separates_media = inside != self.state.media[1];
-        if separates_media && !materials.bounds_body(&material) && is_sheet(&shape, meshes) {
+        if separates_media && !materials.can_contain_medium(&material) && is_sheet(&shape, meshes) {
             // pbrt lets light that leaves the back of a sheet travel through the inner medium.
             let message = "sheets do not separate media: the medium around is on both sides";
             notes.add_unsupported(message, place.position_text());
@@ -494,10 +503,10 @@ impl<'a> Interpreter<'a> {
             shapes.extend(back_side_shape(&shapes[0], &name, meshes, self.files)?);
         }
         let emission = emission.map(|emission| emission.radiance(|| world_area(&shapes[0], meshes, transform.0[0])));
-        self.lights.has_emitters |= emission.is_some_and(|radiance| radiance != DVec3::ZERO);
+        self.lights.has_emissive_surfaces |= emission.is_some_and(|radiance| radiance != DVec3::ZERO);
         let (group, outer) = match &mut self.open_object {
             Some((_, definition)) => {
-                definition.shapes += shapes.len() as u64;
+                definition.shape_count += shapes.len() as u64;
                 (&mut definition.group, DAffine3::IDENTITY)
             }
             None => (&mut self.root, self.mirror),
@@ -510,20 +519,20 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    fn add_instance(&mut self, name: &str, place: &PbrtPlace) -> ReadResult<()> {
+    fn add_instance(&mut self, name: &str, place: &PbrtSourceLocation) -> ReadResult<()> {
         let definition = self.definitions.get(name).cloned().ok_or_else(|| {
             place.error(format!("no object is called `{name}`"), "define it before: `ObjectBegin`, `ObjectEnd`")
         })?;
-        self.files.count_memory(MEMORY_PER_OBJECT.saturating_mul(definition.shapes))?;
+        self.files.reserve_memory(MEMORY_PER_OBJECT.saturating_mul(definition.shape_count))?;
         let object = Spanned::new(ObjectDescription::Group(definition.group.clone()), Span::default());
         let transform = self.state.transform;
         match &mut self.open_object {
             Some((_, outer)) => {
-                if definition.depth + 1 > MAX_INSTANCE_DEPTH {
+                if definition.instance_depth + 1 > MAX_INSTANCE_DEPTH {
                     return Err(place.error("object instances nest too deep", "use fewer levels"));
                 }
-                outer.shapes += definition.shapes;
-                outer.depth = outer.depth.max(definition.depth + 1);
+                outer.shape_count += definition.shape_count;
+                outer.instance_depth = outer.instance_depth.max(definition.instance_depth + 1);
                 let placed = transformed_object(object, DAffine3::IDENTITY, &transform, place, &mut self.content.notes);
                 outer.group.items.push(GroupItem::Object(placed));
             }
@@ -543,7 +552,7 @@ fn transformed_object(
     object: Spanned<ObjectDescription>,
     outer: DAffine3,
     transform: &MovingTransform,
-    place: &PbrtPlace,
+    place: &PbrtSourceLocation,
     notes: &mut ImportNotes,
 ) -> Spanned<ObjectDescription> {
     let under = |map: DAffine3, object: Spanned<ObjectDescription>| {
@@ -557,7 +566,7 @@ fn transformed_object(
     if motion.omits_scale {
         notes.add_unsupported("scales that change over the shutter stay as at its start", place.position_text());
     }
-    let center = DAffine3::from_translation(motion.center);
+    let center = DAffine3::from_translation(motion.rotation_center);
     let object = under(center.inverse() * transform.0[0], object);
     let moving = ObjectDescription::Moving { steps: motion.steps, object: Box::new(object) };
     under(outer * center, Spanned::new(moving, Span::default()))
@@ -565,7 +574,7 @@ fn transformed_object(
 
 /// Reads a text in quotes, and returns it without the quotes; an error if the next token is
 /// another.
-fn read_quoted(tokens: &mut Tokens<'_>, place: &PbrtPlace) -> ReadResult<String> {
+fn read_quoted(tokens: &mut Tokenizer<'_>, place: &PbrtSourceLocation) -> ReadResult<String> {
     match tokens.next_token()? {
         Some(PbrtToken { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),
         _ => {
@@ -575,18 +584,18 @@ fn read_quoted(tokens: &mut Tokens<'_>, place: &PbrtPlace) -> ReadResult<String>
 }
 
 /// Reads exactly `count` numbers, with or without brackets around them.
-fn read_numbers(tokens: &mut Tokens<'_>, count: usize, place: &PbrtPlace) -> ReadResult<Vec<f64>> {
+fn read_numbers(tokens: &mut Tokenizer<'_>, count: usize, place: &PbrtSourceLocation) -> ReadResult<Vec<f64>> {
     let mut numbers = Vec::with_capacity(count);
     let missing = || place.error(format!("the directive needs {count} numbers"), "add the missing numbers");
     let mut is_open = false;
     while numbers.len() < count {
         match tokens.next_token()?.ok_or_else(missing)?.kind {
-            TokenKind::Open if numbers.is_empty() && !is_open => is_open = true,
-            TokenKind::Word(word) => numbers.push(parse_number(word, place)?),
-            TokenKind::Open | TokenKind::Close | TokenKind::Quoted(_) => return Err(missing()),
+            TokenKind::OpenBracket if numbers.is_empty() && !is_open => is_open = true,
+            TokenKind::Unquoted(word) => numbers.push(parse_number(word, place)?),
+            TokenKind::OpenBracket | TokenKind::CloseBracket | TokenKind::Quoted(_) => return Err(missing()),
         }
     }
-    if is_open && !matches!(tokens.next_token()?, Some(PbrtToken { kind: TokenKind::Close, .. })) {
+    if is_open && !matches!(tokens.next_token()?, Some(PbrtToken { kind: TokenKind::CloseBracket, .. })) {
         return Err(place.error("a bracket is not closed", "close it with `]`"));
     }
     Ok(numbers)

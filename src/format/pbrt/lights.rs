@@ -2,9 +2,9 @@
 
 use super::content::PbrtSceneContent;
 use super::environment::{MapLayout, to_equirectangular};
-use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
+use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::parameters::{Parameter, Parameters};
-use super::spectra::{ColorUse, color};
+use super::spectra::{ColorMeaning, linear_rgb};
 use super::textures::read_picture;
 use crate::format::description::{
     DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength, EnvironmentRadiance,
@@ -18,18 +18,18 @@ use std::f64::consts::PI;
 /// Rotation about y of an environment map with −z at its left edge \[degrees].
 ///
 /// Caustica's maps without rotation show −z at their center.
-const LEFT_EDGE_ROTATION: f64 = 180.0;
+const LEFT_EDGE_ROTATION_DEGREES: f64 = 180.0;
 
 /// Lights of the imported scene so far. All infinite lights are merged into one.
 #[derive(Default)]
 pub(super) struct PbrtLights {
     /// True if a shape emits light.
-    pub has_emitters: bool,
+    pub has_emissive_surfaces: bool,
     descriptions: Vec<Spanned<LightDescription>>,
     /// Sum of the radiances of all infinite lights without a picture \[W/(m² sr)].
-    sky: DVec3,
+    constant_radiance: DVec3,
     /// Picture of the last infinite light that has one, as an equirectangular map in world space.
-    map: Option<Image>,
+    environment_map: Option<Image>,
 }
 
 impl PbrtLights {
@@ -46,11 +46,11 @@ impl PbrtLights {
     ) -> ReadResult<()> {
         let place = &parameters.place;
         let is_v3 = content.is_v3;
-        let wanted = ColorUse::Light { is_v3 };
+        let wanted = ColorMeaning::Emission { is_v3 };
         let scale = light_scale(parameters, files)?;
         let color_of = |name: &str| -> ReadResult<DVec3> {
             match parameters.find(name) {
-                Some(parameter) => Ok(color(parameter, wanted, place, files)? * scale),
+                Some(parameter) => Ok(linear_rgb(parameter, wanted, place, files)? * scale),
                 None => Ok(scale),
             }
         };
@@ -81,8 +81,8 @@ impl PbrtLights {
                 LightDescription::Spot(SpotLightDescription {
                     position: from,
                     aim: DirectionOrTarget::Target(to),
-                    angle: 2.0 * cone,
-                    penumbra: rim.clamp(0.0, cone),
+                    full_cone_angle_degrees: 2.0 * cone,
+                    penumbra_degrees: rim.clamp(0.0, cone),
                     strength: strength(color_of("I")?),
                 })
             }
@@ -112,7 +112,7 @@ impl PbrtLights {
                         let aim = DirectionOrTarget::Direction(DVec3::Z);
                         let pose = LightPose { position: to_world.translation, aim, up: Some(DVec3::Y) };
                         let path = Spanned::new(content.textures.embed_picture(map, files)?, Span::default());
-                        let distribution = IntensityDistribution::Map(path);
+                        let distribution = IntensityDistribution::MapFile(path);
                         GoniometricLightDescription { pose, distribution, strength: intensity }.into()
                     }
                 }
@@ -125,7 +125,13 @@ impl PbrtLights {
                     aim: DirectionOrTarget::Direction(to_world.transform_vector3(DVec3::Z)),
                     up: Some(to_world.transform_vector3(DVec3::Y)),
                 };
-                ProjectorLightDescription { pose, angle, path, strength: strength(color_of("I")?) }.into()
+                ProjectorLightDescription {
+                    pose,
+                    vertical_fov_degrees: angle,
+                    path,
+                    strength: strength(color_of("I")?),
+                }
+                .into()
             }
             _ => {
                 let message = format!("no light is called `{kind}`");
@@ -133,7 +139,7 @@ impl PbrtLights {
                     .error(message, "pbrt has the lights point, spot, distant, goniometric, projection and infinite"));
             }
         };
-        files.count_memory(1000)?;
+        files.reserve_memory(1000)?;
         self.descriptions.push(Spanned::new(description, Span::default()));
         Ok(())
     }
@@ -151,7 +157,7 @@ impl PbrtLights {
             content.notes.add_unsupported("portals of infinite lights are ignored", place.position_text());
         }
         let Some(parameter) = parameters.find_any(&["filename", "mapname"]) else {
-            self.sky += match parameters.number("illuminance").filter(|value| *value > 0.0) {
+            self.constant_radiance += match parameters.number("illuminance").filter(|value| *value > 0.0) {
                 Some(illuminance) => constant * (illuminance / PI),
                 None => constant,
             };
@@ -161,18 +167,18 @@ impl PbrtLights {
             content.notes.add_unsupported("the illuminance of environment maps is ignored", place.position_text());
         }
         let (image, layout) = environment_map(parameter, place, content, files)?;
-        files.count_memory(36 * image.pixels().len() as u64)?;
+        files.reserve_memory(36 * image.pixels().len() as u64)?;
         let factor = if parameter.name == "mapname" { constant } else { scale };
         let map = to_equirectangular(&image, layout, axes);
         let mut map = map.ok_or_else(|| place.error("the transform of the light is singular", "scale it less"))?;
         for pixel in map.pixels_mut() {
             *pixel = nonnegative_finite_pixel(*pixel * factor.as_vec3());
         }
-        if self.map.is_some() {
+        if self.environment_map.is_some() {
             let message = "of several environment maps, only the last lights the scene";
             content.notes.add_unsupported(message, place.position_text());
         }
-        self.map = Some(map);
+        self.environment_map = Some(map);
         Ok(())
     }
 
@@ -184,14 +190,16 @@ impl PbrtLights {
         content: &mut PbrtSceneContent,
         files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<Vec<Spanned<LightDescription>>> {
-        let radiance = match self.map {
+        let radiance = match self.environment_map {
             Some(mut map) => {
-                let sky = self.sky.as_vec3();
+                let sky = self.constant_radiance.as_vec3();
                 map.pixels_mut().iter_mut().for_each(|pixel| *pixel += sky);
                 let path = Spanned::new(content.textures.embed_picture(map, files)?, Span::default());
-                Some(EnvironmentRadiance::Picture { path, scale: 1.0, rotate: LEFT_EDGE_ROTATION })
+                Some(EnvironmentRadiance::Picture { path, scale: 1.0, rotate: LEFT_EDGE_ROTATION_DEGREES })
             }
-            None => (self.sky != DVec3::ZERO).then_some(EnvironmentRadiance::Constant(self.sky)),
+            None => {
+                (self.constant_radiance != DVec3::ZERO).then_some(EnvironmentRadiance::Constant(self.constant_radiance))
+            }
         };
         if let Some(radiance) = radiance {
             self.descriptions.push(Spanned::new(LightDescription::Environment(radiance), Span::default()));
@@ -205,12 +213,12 @@ impl PbrtLights {
 /// A square map of pbrt-v4 is octahedral; any other is by latitude and longitude.
 fn environment_map(
     parameter: &Parameter,
-    place: &PbrtPlace,
+    place: &PbrtSourceLocation,
     content: &mut PbrtSceneContent,
     files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<(Image, MapLayout)> {
     let name = parameter.texts.first().map(String::as_str).unwrap_or_default();
-    let image = read_picture(name, PixelMeaning::Radiance, place, files)?;
+    let image = read_picture(name, PixelMeaning::Color, place, files)?;
     let layout = match (image.width() == image.height(), &*parameter.name) {
         (true, "filename") => MapLayout::Octahedral,
         (true, _) | (false, "mapname") => MapLayout::LatitudeLongitude,
@@ -241,7 +249,7 @@ fn goniometric_map(
         // pbrt-v4 uses the mean of the channels.
         *pixel = if parameter.name == "filename" { Vec3::splat(value.element_sum() / 3.0) } else { value };
     }
-    files.count_memory(36 * image.pixels().len() as u64)?;
+    files.reserve_memory(36 * image.pixels().len() as u64)?;
     // The z axis of the map is the y axis of the light.
     let axes = axes * DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
     let map = to_equirectangular(&image, layout, axes);
@@ -260,7 +268,7 @@ fn projected_picture(parameters: &Parameters, axes: DMat3, files: &PbrtSceneFile
     let parameter = parameters.find_any(&["filename", "mapname"]);
     let name = parameter.and_then(|parameter| parameter.texts.first());
     let name = name.ok_or_else(|| place.error("the projection light has no picture", "give its `filename`"))?;
-    let mut image = read_picture(name, PixelMeaning::Radiance, place, files)?;
+    let mut image = read_picture(name, PixelMeaning::Color, place, files)?;
     image.pixels_mut().iter_mut().for_each(|pixel| *pixel = nonnegative_finite_pixel(*pixel));
     // Seen from the light, +x is to the right if the axes are left-handed.
     if axes.determinant() > 0.0 {
@@ -281,7 +289,7 @@ fn nonnegative_finite_pixel(pixel: Vec3) -> Vec3 {
 /// Returns the parameter `scale` of a light: a number, or a color in pbrt-v3; 1 if it is missing.
 fn light_scale(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<DVec3> {
     match parameters.find("scale") {
-        Some(parameter) => color(parameter, ColorUse::Unbounded, &parameters.place, files),
+        Some(parameter) => linear_rgb(parameter, ColorMeaning::Unbounded, &parameters.place, files),
         None => Ok(DVec3::ONE),
     }
 }
@@ -310,10 +318,10 @@ impl PbrtShapeEmission {
         files: &PbrtSceneFiles<'_>,
         content: &mut PbrtSceneContent,
     ) -> ReadResult<Self> {
-        let place: &PbrtPlace = &parameters.place;
-        let wanted = ColorUse::Light { is_v3: content.is_v3 };
+        let place: &PbrtSourceLocation = &parameters.place;
+        let wanted = ColorMeaning::Emission { is_v3: content.is_v3 };
         let color = match parameters.find("L") {
-            Some(parameter) => color(parameter, wanted, place, files)?,
+            Some(parameter) => linear_rgb(parameter, wanted, place, files)?,
             None => DVec3::ONE,
         };
         if parameters.find("filename").is_some() {

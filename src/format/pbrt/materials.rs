@@ -1,17 +1,17 @@
 //! Converts materials of pbrt to materials of the scene language.
 
-use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
+use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
+use super::graphics_state::CurrentMaterial;
 use super::parameters::{Parameter, Parameters};
 use super::spectra::{SpectralValue, spectral_value};
-use super::state::CurrentMaterial;
 use super::textures::{PbrtTextures, TextureValue};
 use crate::bsdf::{LossyCoat, MAX_COAT_INDEX, metal_refractive_index};
-use crate::color::{conductor_rgb, glass_by_name};
+use crate::color::{conductor_refractive_index, glass_by_name};
 use crate::format::description::{
     CoatedDiffuseDescription, ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription,
     MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription, MixDescription,
     NormalPerturbationDescription, NullInterfaceDescription, PhongDescription, RefractiveIndexDescription, Span,
-    Spanned, TexturedValue, ThinDescription,
+    Spanned, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::import_notes::ImportNotes;
 use glam::DVec3;
@@ -22,7 +22,7 @@ use std::rc::Rc;
 const MAX_MIX_DEPTH: usize = 16;
 
 /// Least GGX α of a rough surface. pbrt treats a smaller α as smooth.
-const SMOOTH_ALPHA: f64 = 1e-3;
+const MIN_ROUGH_ALPHA: f64 = 1e-3;
 
 /// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
 /// degree.
@@ -33,11 +33,11 @@ const MIN_PHONG_ALPHA: f64 = 0.01;
 const MAX_METAL_REFLECTANCE: f64 = 0.9999;
 
 /// Refractive index of pbrt's coats and glossy materials, and the default for dielectrics.
-const COAT_INDEX: f64 = 1.5;
+const DEFAULT_REFRACTIVE_INDEX: f64 = 1.5;
 
 /// Default thickness of pbrt's coats. It is also their optical depth, because their extinction is
 /// 1.
-const COAT_THICKNESS: f64 = 0.01;
+const DEFAULT_COAT_THICKNESS: f64 = 0.01;
 
 /// Estimated memory of each material \[bytes].
 const MEMORY_PER_MATERIAL: u64 = 2_000;
@@ -64,7 +64,7 @@ pub(super) struct PbrtMaterials {
     named: HashMap<String, FileMaterial>,
     /// Names of the imported scene's materials. A key combines pbrt's material, the medium inside
     /// and the opacity.
-    used: HashMap<String, String>,
+    converted_names: HashMap<String, String>,
     /// Materials of the imported scene.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
 }
@@ -90,7 +90,7 @@ impl PbrtMaterials {
     ///
     /// It holds only pbrt's default material, with the number 0.
     pub fn new() -> Self {
-        Self { numbered: vec![None], named: HashMap::new(), used: HashMap::new(), descriptions: Vec::new() }
+        Self { numbered: vec![None], named: HashMap::new(), converted_names: HashMap::new(), descriptions: Vec::new() }
     }
 
     /// Adds a material of a `Material` directive, and returns its number.
@@ -124,26 +124,26 @@ impl PbrtMaterials {
             CurrentMaterial::Numbered(number) => format!("{number}|{medium:?}|{opacity}"),
             CurrentMaterial::Named(name, _) => format!("\"{name}\"|{medium:?}|{opacity}"),
         };
-        if let Some(name) = self.used.get(&key) {
+        if let Some(name) = self.converted_names.get(&key) {
             return Ok(name.clone());
         }
         let mut converter = PbrtMaterialConverter { materials: self, textures, files, notes, medium };
         let mut name = converter.convert_material(material, 0)?;
         if let Some(parameter) = alpha {
-            let place = PbrtPlace { file: files.path.display().to_string().into(), line: 0 };
+            let place = PbrtSourceLocation { file: files.path.display().to_string().into(), line: 0 };
             let value = converter.textures.parameter_value(parameter, false, &place, files)?;
             let (amount, mean) = converter.textured_scalar_and_mean(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
-            if amount != TexturedValue::Plain(1.0) && mean < 1.0 {
-                name = converter.mix_with_clear(&name, amount)?;
+            if amount != TexturedValue::Constant(1.0) && mean < 1.0 {
+                name = converter.mix_with_transparent(&name, amount)?;
             }
         }
-        self.used.insert(key, name.clone());
+        self.converted_names.insert(key, name.clone());
         Ok(name)
     }
 
     /// True if the imported material `name` is a dielectric or a null interface, so that a medium
     /// can fill its shape.
-    pub fn bounds_body(&self, name: &str) -> bool {
+    pub fn can_contain_medium(&self, name: &str) -> bool {
         let material = self.descriptions.iter().find(|material| material.name.as_deref() == Some(name));
         material.is_some_and(|material| material.kind.is_dielectric() || material.kind.is_null_interface())
     }
@@ -152,7 +152,7 @@ impl PbrtMaterials {
 impl PbrtMaterialConverter<'_> {
     /// Converts a pbrt material, adds it to the imported scene, and returns its name there.
     fn convert_material(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
-        let missing = |name: &str, place: &PbrtPlace| {
+        let missing = |name: &str, place: &PbrtSourceLocation| {
             place.error(format!("no material is called `{name}`"), "define it with `MakeNamedMaterial`")
         };
         let found = match material {
@@ -180,7 +180,7 @@ impl PbrtMaterialConverter<'_> {
         let Some(opacity) = parameters.find("opacity") else { return Ok(name) };
         let value = self.textures.parameter_value(opacity, true, place, self.files)?;
         let (amount, mean) = self.textured_scalar_and_mean(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
-        if mean < 1.0 { self.mix_with_clear(&name, amount) } else { Ok(name) }
+        if mean < 1.0 { self.mix_with_transparent(&name, amount) } else { Ok(name) }
     }
 
     fn push_material(
@@ -188,7 +188,7 @@ impl PbrtMaterialConverter<'_> {
         kind: MaterialKindDescription,
         normal_perturbation: Option<NormalPerturbationDescription>,
     ) -> ReadResult<String> {
-        self.files.count_memory(MEMORY_PER_MATERIAL)?;
+        self.files.reserve_memory(MEMORY_PER_MATERIAL)?;
         let name = format!("material{}", self.materials.descriptions.len());
         let has_body = kind.is_dielectric() || kind.is_null_interface();
         let medium = self.medium.filter(|_| has_body).map(|name| Spanned::new(name.to_owned(), Span::default()));
@@ -200,12 +200,17 @@ impl PbrtMaterialConverter<'_> {
 
     /// Returns the name of a mix of the material `name`, with the weight `opacity`, and a fully
     /// transparent one.
-    fn mix_with_clear(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
-        let clear = MaterialKindDescription::Thin(ThinDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
+    fn mix_with_transparent(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
+        let clear =
+            MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
         let clear = self.push_material(clear, None)?;
         let part = |name: &str| Spanned::new(name.to_owned(), Span::default());
         self.push_material(
-            MaterialKindDescription::Mix(MixDescription { first: part(&clear), second: part(name), amount: opacity }),
+            MaterialKindDescription::Mix(MixDescription {
+                first: part(&clear),
+                second: part(name),
+                second_probability: opacity,
+            }),
             None,
         )
     }
@@ -236,7 +241,10 @@ impl PbrtMaterialConverter<'_> {
             parts.push(Spanned::new(name, Span::default()));
         }
         let [first, second] = [parts[0].clone(), parts[1].clone()];
-        self.push_material(MaterialKindDescription::Mix(MixDescription { first, second, amount }), None)
+        self.push_material(
+            MaterialKindDescription::Mix(MixDescription { first, second, second_probability: amount }),
+            None,
+        )
     }
 
     /// Converts the reflection and transmission of the pbrt material `kind` with the parameters
@@ -259,16 +267,16 @@ impl PbrtMaterialConverter<'_> {
                 if p.find("albedo").is_some_and(|albedo| albedo.numbers.iter().any(|a| *a != 0.0)) {
                     self.add_note("scattering inside coats (`albedo`) is left out: they absorb only", place);
                 }
-                let thickness = p.number_or("thickness", COAT_THICKNESS).max(0.0);
+                let thickness = p.number_or("thickness", DEFAULT_COAT_THICKNESS).max(0.0);
                 let coat = LossyCoat::new(index, roughness.mean, thickness);
-                let under_coat = |c: DVec3| c.map(|reflectance| coat.equivalent_reflectance(reflectance));
+                let under_coat = |c: DVec3| c.map(|reflectance| coat.equivalent_lossless_reflectance(reflectance));
                 let (reflectance, _) = self.textured_color_and_mean(p, "reflectance", 0.5, &under_coat)?;
                 let roughness = roughness.alpha;
                 MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription {
                     reflectance,
                     eta: index,
                     roughness,
-                    nonlinear: true,
+                    is_nonlinear: true,
                 })
             }
             "plastic" | "uber" | "substrate" | "disney" => {
@@ -281,8 +289,11 @@ impl PbrtMaterialConverter<'_> {
                 }
                 let (_, gloss) =
                     self.textured_color_and_mean(p, "Ks", if kind == "disney" { 0.04 } else { default }, &|c| c)?;
-                let f0 =
-                    if matches!(kind, "plastic" | "uber") { normal_reflectance(COAT_INDEX) * gloss } else { gloss };
+                let f0 = if matches!(kind, "plastic" | "uber") {
+                    normal_reflectance(DEFAULT_REFRACTIVE_INDEX) * gloss
+                } else {
+                    gloss
+                };
                 let kept = DVec3::splat(1.0 - f0.max_element());
                 let (diffuse, _) = self.textured_color_and_mean(p, name, default, &|c| c * kept)?;
                 let roughness = self.roughness(p, 0.1, true)?;
@@ -299,13 +310,13 @@ impl PbrtMaterialConverter<'_> {
                 let roughness = self.roughness(p, 0.0, is_v3)?;
                 MaterialKindDescription::Dielectric(DielectricDescription {
                     refraction: self.refractive_index_description(p)?,
-                    attenuation: DielectricAbsorption::None,
+                    absorption: DielectricAbsorption::None,
                     roughness: roughness.alpha,
-                    multiple_scattering: false,
+                    has_multiple_scattering: false,
                     priority: 0,
                 })
             }
-            "thindielectric" => MaterialKindDescription::Thin(ThinDescription {
+            "thindielectric" => MaterialKindDescription::Thin(ThinDielectricDescription {
                 eta: self.refractive_index(p, &["eta"])?,
                 transmittance: DVec3::ONE.into(),
             }),
@@ -337,7 +348,7 @@ impl PbrtMaterialConverter<'_> {
             "interface" | "none" | "" => {
                 if self.medium.is_none() {
                     // A boundary without a medium changes nothing.
-                    return Ok(MaterialKindDescription::Thin(ThinDescription {
+                    return Ok(MaterialKindDescription::Thin(ThinDielectricDescription {
                         eta: 1.0,
                         transmittance: DVec3::ONE.into(),
                     }));
@@ -379,24 +390,28 @@ impl PbrtMaterialConverter<'_> {
             let mut value = |name: &str, is_eta: bool| match p.find(name) {
                 Some(parameter) if parameter.kind == "texture" => {
                     let value = self.textures.parameter_value(parameter, true, place, self.files)?;
-                    Ok(SpectralValue::Channels(self.textures.add_texture(&value, &|c| c, self.files)?.1))
+                    Ok(SpectralValue::Rgb(self.textures.add_texture(&value, &|c| c, self.files)?.1))
                 }
                 Some(parameter) => spectral_value(parameter, place, self.files),
                 None => {
                     let copper = metal_refractive_index("copper").unwrap_or_default();
-                    Ok(SpectralValue::Channels(if is_eta { copper.0 } else { copper.1 }.as_dvec3()))
+                    Ok(SpectralValue::Rgb(if is_eta { copper.0 } else { copper.1 }.as_dvec3()))
                 }
             };
             match (value(eta, true)?, value(k, false)?) {
-                (SpectralValue::Spectrum(eta), SpectralValue::Spectrum(k)) => conductor_rgb(&eta, &k),
+                (SpectralValue::Spectrum(eta), SpectralValue::Spectrum(k)) => conductor_refractive_index(&eta, &k),
                 (eta, k) => (eta.mean_rgb(), k.mean_rgb()),
             }
         };
         if !(eta.min_element() > 0.0 && k.min_element() >= 0.0) {
             return Err(place.error("the index of the metal is not positive", "give η above 0, and k of at least 0"));
         }
-        let metal = MetalDescription::with_nearest_index(eta, k);
-        Ok(MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, multiple_scattering: false }))
+        let metal = MetalDescription::with_clamped_index(eta, k);
+        Ok(MaterialKindDescription::Conductor(ConductorDescription {
+            metal,
+            roughness,
+            has_multiple_scattering: false,
+        }))
     }
 
     /// Returns the refractive index of a dielectric.
@@ -407,13 +422,13 @@ impl PbrtMaterialConverter<'_> {
         let glass = p.find("eta").filter(|eta| eta.kind == "spectrum").and_then(|eta| eta.texts.first());
         if let Some(name) = glass.and_then(|name| name.strip_prefix("glass-")) {
             if glass_by_name(name).is_some() {
-                return Ok(RefractiveIndexDescription::Named(Spanned::new(name.to_owned(), Span::default())));
+                return Ok(RefractiveIndexDescription::NamedGlass(Spanned::new(name.to_owned(), Span::default())));
             }
             if let Some((_, index, abbe)) = GLASSES_BY_ABBE_NUMBER.iter().find(|glass| glass.0 == name) {
                 return Ok(RefractiveIndexDescription::Abbe { index: *index, abbe: *abbe });
             }
         }
-        self.refractive_index(p, &["eta", "index"]).map(RefractiveIndexDescription::Index)
+        self.refractive_index(p, &["eta", "index"]).map(RefractiveIndexDescription::Constant)
     }
 
     /// Returns the refractive index from the first parameter with one of `names`; 1.5 if there is
@@ -423,10 +438,10 @@ impl PbrtMaterialConverter<'_> {
     fn refractive_index(&mut self, p: &Parameters, names: &[&str]) -> ReadResult<f64> {
         let place = &p.place;
         let index = match p.find_any(names) {
-            None => COAT_INDEX,
+            None => DEFAULT_REFRACTIVE_INDEX,
             Some(parameter) if parameter.kind == "texture" => {
                 self.add_note("textures of the index of refraction are 1.5", place);
-                COAT_INDEX
+                DEFAULT_REFRACTIVE_INDEX
             }
             Some(parameter) => spectral_value(parameter, place, self.files)?.mean_rgb().y,
         };
@@ -472,13 +487,13 @@ impl PbrtMaterialConverter<'_> {
                     1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)))
                 }
             };
-            if alpha < SMOOTH_ALPHA { 0.0 } else { alpha.min(1.0) }
+            if alpha < MIN_ROUGH_ALPHA { 0.0 } else { alpha.min(1.0) }
         };
         let (mut first, mean) = self.textured_scalar_and_mean(&first, &alpha)?;
         let (_, other) = self.textured_scalar_and_mean(&second, &alpha)?;
         if (mean - other).abs() > 1e-9 {
             self.add_note("roughness that differs by direction is even: the geometric mean", place);
-            first = TexturedValue::Plain((mean * other).sqrt());
+            first = TexturedValue::Constant((mean * other).sqrt());
         }
         Ok(Roughness { alpha: first, mean })
     }
@@ -512,7 +527,7 @@ impl PbrtMaterialConverter<'_> {
         let gray = |color: DVec3| DVec3::splat(map(mean(color)));
         let (value, mean) = self.textures.add_texture(value, &gray, self.files)?;
         Ok(match value {
-            TexturedValue::Plain(value) => (TexturedValue::Plain(value.x), value.x),
+            TexturedValue::Constant(value) => (TexturedValue::Constant(value.x), value.x),
             TexturedValue::Texture(name) => (TexturedValue::Texture(name), mean.x),
         })
     }
@@ -520,7 +535,7 @@ impl PbrtMaterialConverter<'_> {
     /// Returns the bump map or normal map of a material; `None` if it has neither.
     fn normal_perturbation(&mut self, p: &Parameters) -> ReadResult<Option<NormalPerturbationDescription>> {
         if let Some(name) = p.text("normalmap") {
-            let meaning = crate::image::PixelMeaning::Data;
+            let meaning = crate::image::PixelMeaning::NonColor;
             let image = super::textures::read_picture(name, meaning, &p.place, self.files)?;
             let coordinates = Default::default();
             let value = TextureValue::Picture {
@@ -539,7 +554,7 @@ impl PbrtMaterialConverter<'_> {
         Ok(texture.map(|texture| NormalPerturbationDescription::Bump { texture, height: 1.0 }))
     }
 
-    fn add_note(&mut self, message: &str, place: &PbrtPlace) {
+    fn add_note(&mut self, message: &str, place: &PbrtSourceLocation) {
         self.notes.add_unsupported(message, place.position_text());
     }
 }

@@ -1,8 +1,8 @@
 //! Converts participating media of pbrt scenes.
 
-use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
+use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::parameters::Parameters;
-use super::spectra::{ColorUse, color};
+use super::spectra::{ColorMeaning, linear_rgb};
 use crate::format::description::{
     DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Span, Spanned, TransformStep,
     TransformedBoxDescription,
@@ -16,11 +16,11 @@ use std::sync::Arc;
 /// Bytes of memory for each cell of a grid: its density, and its majorant.
 const MEMORY_PER_CELL: u64 = 8;
 
-/// Least relative deviation of a cell's color from the grid's mean color that causes a message.
-const COLOR_DEVIATION: f64 = 1e-3;
+/// Greatest relative deviation of a cell's color from the grid's mean color that causes no message.
+const MAX_RELATIVE_COLOR_DEVIATION: f64 = 1e-3;
 
 /// Coefficients, emission and density of a medium.
-struct MediumValues {
+struct MediumProperties {
     coefficients: MediumCoefficients,
     emission: DVec3,
     density: DensityDescription,
@@ -89,9 +89,9 @@ impl PbrtMedia {
             0.0 => PhaseFunctionDescription::Isotropic,
             _ => PhaseFunctionDescription::HenyeyGreenstein(g),
         };
-        let MediumValues { coefficients, emission, density } = values;
+        let MediumProperties { coefficients, emission, density } = values;
         let description = MediumDescription { name: name.to_owned(), coefficients, emission, phase, density };
-        files.count_memory(1_000)?;
+        files.reserve_memory(1_000)?;
         self.descriptions.retain(|medium| medium.name != name);
         self.descriptions.push(Spanned::new(description, Span::default()));
         Ok(())
@@ -104,7 +104,7 @@ impl PbrtMedia {
         to_world: DAffine3,
         files: &PbrtSceneFiles<'_>,
         notes: &mut ImportNotes,
-    ) -> ReadResult<MediumValues> {
+    ) -> ReadResult<MediumProperties> {
         let place = &parameters.place;
         let size = grid_size(parameters)?;
         let densities = cell_values::<1>(parameters, "density", size)?;
@@ -116,7 +116,7 @@ impl PbrtMedia {
             notes.add_unsupported("emission by the temperature of media is left out", place.position_text());
         }
         // Emission counts once per absorption in pbrt.
-        let mut emission = emission(parameters, files)? * absorption;
+        let mut emission = unscaled_emission(parameters, files)? * absorption;
         if emission != DVec3::ZERO
             && let Some(factors) = cell_values::<1>(parameters, "Lescale", size)?
         {
@@ -128,7 +128,7 @@ impl PbrtMedia {
         let densities = densities.iter().map(|[density]| *density as f32).collect();
         let density = self.embed_grid((size, densities), parameters, to_world, files)?;
         let coefficients = MediumCoefficients::AbsorptionScattering { absorption, scattering };
-        Ok(MediumValues { coefficients, emission, density })
+        Ok(MediumProperties { coefficients, emission, density })
     }
 
     /// Reads the values of a grid medium with an absorption and scattering color per cell.
@@ -141,7 +141,7 @@ impl PbrtMedia {
         to_world: DAffine3,
         files: &PbrtSceneFiles<'_>,
         notes: &mut ImportNotes,
-    ) -> ReadResult<MediumValues> {
+    ) -> ReadResult<MediumProperties> {
         let place = &parameters.place;
         let size = grid_size(parameters)?;
         let (absorption, scattering) =
@@ -166,7 +166,7 @@ impl PbrtMedia {
             let (a, s) = (color_of(absorption, i), color_of(scattering, i));
             let density = (a + s).element_sum() / 3.0;
             let deviation = (a - absorbed * density).abs().max((s - scattered * density).abs());
-            deviation.max_element() > COLOR_DEVIATION * density
+            deviation.max_element() > MAX_RELATIVE_COLOR_DEVIATION * density
         });
         if deviates || light != DVec3::ZERO {
             notes.add_unsupported("colors of media that vary in space become their mean", place.position_text());
@@ -176,7 +176,7 @@ impl PbrtMedia {
         let coefficients =
             MediumCoefficients::AbsorptionScattering { absorption: absorbed * scale, scattering: scattered * scale };
         let emission = light * scale * parameters.number_or("Lescale", 1.0).max(0.0);
-        Ok(MediumValues { coefficients, emission, density })
+        Ok(MediumProperties { coefficients, emission, density })
     }
 
     /// Embeds a density grid that fills the medium's box, and returns the density that refers to
@@ -194,10 +194,10 @@ impl PbrtMedia {
         if !min.cmplt(max).all() {
             return Err(place.error("the box of the medium is empty", "give a `p1` above `p0` in every coordinate"));
         }
-        files.count_memory(MEMORY_PER_CELL * values.len() as u64)?;
+        files.reserve_memory(MEMORY_PER_CELL * values.len() as u64)?;
         let extent = TransformedBoxDescription { min, max, steps: vec![TransformStep::Matrix(DMat4::from(to_world))] };
         let path = format!("grid{}", self.grids.len());
-        self.grids.insert(path.clone(), Arc::new(GridFile { size, values }));
+        self.grids.insert(path.clone(), Arc::new(GridFile { size, densities: values }));
         Ok(DensityDescription::Grid { path: Spanned::new(path, Span::default()), scale: 1.0, extent })
     }
 }
@@ -207,16 +207,16 @@ fn homogeneous_medium(
     parameters: &Parameters,
     files: &PbrtSceneFiles<'_>,
     notes: &mut ImportNotes,
-) -> ReadResult<MediumValues> {
+) -> ReadResult<MediumProperties> {
     if let Some(preset) = parameters.text("preset") {
         let message = format!("media by preset have pbrt's default coefficients, not those of `{preset}`");
         notes.add_unsupported(&message, parameters.place.position_text());
     }
     let [absorption, scattering] = absorption_and_scattering(parameters, false, files)?;
     // Emission counts once per absorption in pbrt.
-    let emission = emission(parameters, files)? * parameters.number_or("Lescale", 1.0).max(0.0) * absorption;
+    let emission = unscaled_emission(parameters, files)? * parameters.number_or("Lescale", 1.0).max(0.0) * absorption;
     let coefficients = MediumCoefficients::AbsorptionScattering { absorption, scattering };
-    Ok(MediumValues { coefficients, emission, density: DensityDescription::Homogeneous })
+    Ok(MediumProperties { coefficients, emission, density: DensityDescription::Homogeneous })
 }
 
 /// Returns σa and σs \[1/length], multiplied by the parameter `scale`.
@@ -231,7 +231,7 @@ fn absorption_and_scattering(
     let scale = parameters.number_or("scale", 1.0);
     let value = |name: &str, milk: DVec3| -> ReadResult<DVec3> {
         let default = if defaults_to_one { DVec3::ONE } else { milk };
-        let found = parameters.find(name).map(|parameter| color(parameter, ColorUse::Unbounded, place, files));
+        let found = parameters.find(name).map(|parameter| linear_rgb(parameter, ColorMeaning::Unbounded, place, files));
         Ok(found.transpose()?.unwrap_or(default) * scale)
     };
     Ok([value("sigma_a", DVec3::new(0.0011, 0.0024, 0.014))?, value("sigma_s", DVec3::new(2.55, 3.21, 3.77))?])
@@ -240,9 +240,9 @@ fn absorption_and_scattering(
 /// Returns the parameter `Le` of a medium: emitted radiance per optical depth of absorption.
 ///
 /// The factor `Lescale` is not included. The result is 0 if the medium does not emit.
-fn emission(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<DVec3> {
+fn unscaled_emission(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<DVec3> {
     match parameters.find("Le") {
-        Some(parameter) => color(parameter, ColorUse::Light { is_v3: false }, &parameters.place, files),
+        Some(parameter) => linear_rgb(parameter, ColorMeaning::Emission { is_v3: false }, &parameters.place, files),
         None => Ok(DVec3::ZERO),
     }
 }
@@ -262,7 +262,7 @@ fn cell_values<'p, const N: usize>(
     name: &str,
     size: [u32; 3],
 ) -> ReadResult<Option<&'p [[f64; N]]>> {
-    let place: &PbrtPlace = &parameters.place;
+    let place: &PbrtSourceLocation = &parameters.place;
     let Some(parameter) = parameters.find(name) else { return Ok(None) };
     let (values, rest) = parameter.numbers.as_chunks::<N>();
     let count = size.iter().map(|n| u128::from(*n)).product::<u128>();

@@ -1,7 +1,7 @@
 //! Parameter lists of pbrt directives: `"type name" [values]`.
 
-use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
-use super::tokens::{TokenKind, Tokens};
+use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
+use super::tokens::{TokenKind, Tokenizer};
 use glam::DVec3;
 
 /// Estimated memory of each parameter \[bytes].
@@ -27,14 +27,14 @@ pub(super) struct Parameter {
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
     /// Position of the directive.
-    pub place: PbrtPlace,
+    pub place: PbrtSourceLocation,
     list: Vec<Parameter>,
 }
 
 impl Parameters {
     /// Returns number parameters from pairs of a name and values.
     #[cfg(test)]
-    pub fn of_numbers(place: PbrtPlace, numbers: &[(&str, &[f64])]) -> Self {
+    pub fn of_numbers(place: PbrtSourceLocation, numbers: &[(&str, &[f64])]) -> Self {
         let parameter = |(name, numbers): &(&str, &[f64])| Parameter {
             kind: "float".to_owned(),
             name: (*name).to_owned(),
@@ -45,11 +45,11 @@ impl Parameters {
     }
 
     /// Reads the parameters of the directive at `place`, up to the next directive.
-    pub fn read(tokens: &mut Tokens<'_>, place: PbrtPlace, files: &PbrtSceneFiles<'_>) -> ReadResult<Self> {
+    pub fn read(tokens: &mut Tokenizer<'_>, place: PbrtSourceLocation, files: &PbrtSceneFiles<'_>) -> ReadResult<Self> {
         let mut list = Vec::new();
         while let Some(token) = tokens.peek_token()? {
             let TokenKind::Quoted(declaration) = &token.kind else { break };
-            let place = PbrtPlace { file: place.file.clone(), line: token.line };
+            let place = PbrtSourceLocation { file: place.file.clone(), line: token.line };
             let mut words = declaration.split_whitespace();
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
                 let message = format!("`{declaration}` is not a type and a name");
@@ -60,7 +60,7 @@ impl Parameters {
             tokens.next_token()?;
             parameter.read_values(tokens, &place)?;
             let texts: usize = parameter.texts.iter().map(|text| text.len() + 24).sum();
-            files.count_memory(MEMORY_PER_PARAMETER + 8 * parameter.numbers.len() as u64 + texts as u64)?;
+            files.reserve_memory(MEMORY_PER_PARAMETER + 8 * parameter.numbers.len() as u64 + texts as u64)?;
             list.push(parameter);
         }
         Ok(Self { place, list })
@@ -124,28 +124,30 @@ impl Parameters {
 
 impl Parameter {
     /// Reads the values after a parameter's type and name: one value, or all values in brackets.
-    fn read_values(&mut self, tokens: &mut Tokens<'_>, place: &PbrtPlace) -> ReadResult<()> {
+    fn read_values(&mut self, tokens: &mut Tokenizer<'_>, place: &PbrtSourceLocation) -> ReadResult<()> {
         let missing = |name: &str| place.error(format!("the parameter `{name}` has no values"), VALUE_HELP);
         let first = tokens.next_token()?.ok_or_else(|| missing(&self.name))?;
-        if first.kind != TokenKind::Open {
+        if first.kind != TokenKind::OpenBracket {
             return self.push_value(&first.kind, place);
         }
         loop {
             let token =
                 tokens.next_token()?.ok_or_else(|| place.error("a bracket is not closed", "close it with `]`"))?;
             match &token.kind {
-                TokenKind::Close => return Ok(()),
-                kind @ (TokenKind::Open | TokenKind::Word(_) | TokenKind::Quoted(_)) => self.push_value(kind, place)?,
+                TokenKind::CloseBracket => return Ok(()),
+                kind @ (TokenKind::OpenBracket | TokenKind::Unquoted(_) | TokenKind::Quoted(_)) => {
+                    self.push_value(kind, place)?
+                }
             }
         }
     }
 
-    fn push_value(&mut self, kind: &TokenKind<'_>, place: &PbrtPlace) -> ReadResult<()> {
+    fn push_value(&mut self, kind: &TokenKind<'_>, place: &PbrtSourceLocation) -> ReadResult<()> {
         match kind {
             TokenKind::Quoted(text) => self.texts.push(text.clone().into_owned()),
-            TokenKind::Word(word @ ("true" | "false")) => self.texts.push((*word).to_owned()),
-            TokenKind::Word(word) => self.numbers.push(parse_number(word, place)?),
-            TokenKind::Open | TokenKind::Close => {
+            TokenKind::Unquoted(word @ ("true" | "false")) => self.texts.push((*word).to_owned()),
+            TokenKind::Unquoted(word) => self.numbers.push(parse_number(word, place)?),
+            TokenKind::OpenBracket | TokenKind::CloseBracket => {
                 return Err(place.error(format!("a bracket is misplaced in `{}`", self.name), VALUE_HELP));
             }
         }
@@ -154,7 +156,7 @@ impl Parameter {
 }
 
 /// Parses a finite number of magnitude at most 10³⁰.
-pub(super) fn parse_number(word: &str, place: &PbrtPlace) -> ReadResult<f64> {
+pub(super) fn parse_number(word: &str, place: &PbrtSourceLocation) -> ReadResult<f64> {
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() && number.abs() <= 1e30 => Ok(number),
         Ok(_) => Err(place.error(format!("the number {word} is too large"), "use numbers up to 1e30")),

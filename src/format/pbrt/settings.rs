@@ -4,7 +4,7 @@ use super::parameters::Parameters;
 
 /// Integrators of pbrt-v3 and pbrt-v4, each with Caustica's algorithm that finds the same light
 /// paths.
-const ALGORITHMS: [(&str, &str); 13] = [
+const INTEGRATOR_NAMES: [(&str, &str); 13] = [
     ("path", "path"),
     ("volpath", "path"),
     ("simplepath", "path"),
@@ -25,7 +25,7 @@ const FILTERS: [(&str, &str); 4] =
     [("box", "box"), ("triangle", "tent"), ("gaussian", "gaussian"), ("mitchell", "mitchell")];
 
 /// Value of `maxdepth` if a pbrt scene does not state it.
-const DEFAULT_DEPTH: f64 = 5.0;
+const DEFAULT_MAX_DEPTH: f64 = 5.0;
 
 /// Flags of `caustica render` that correspond to settings in a pbrt file.
 ///
@@ -45,11 +45,11 @@ impl SuggestedFlags {
         match directive {
             "Integrator" | "SurfaceIntegrator" => {
                 self.integrator.clear();
-                let algorithm = ALGORITHMS.iter().find(|(theirs, _)| *theirs == name);
+                let algorithm = INTEGRATOR_NAMES.iter().find(|(theirs, _)| *theirs == name);
                 let Some((_, algorithm)) = algorithm else { return };
                 self.integrator.push(format!("--integrator {algorithm}"));
                 // pbrt counts the points at which light is sampled; the first is no bounce.
-                let depth = parameters.number_or("maxdepth", DEFAULT_DEPTH);
+                let depth = parameters.number_or("maxdepth", DEFAULT_MAX_DEPTH);
                 if depth >= 1.0 && *algorithm != "whitted" {
                     self.integrator.push(format!("--max-bounces {}", depth.min(1e6) as u32 - 1));
                 }

@@ -4,7 +4,7 @@ use super::content::PbrtSceneContent;
 use super::files::{PbrtSceneFiles, ReadResult};
 use super::parameters::Parameters;
 use super::quadrics::quadric_mesh;
-use super::subdivision::loop_subdivided;
+use super::subdivision::loop_subdivided_to_limit;
 use crate::format::description::{
     CylinderDescription, DiscDescription, MeshDescription, MeshOptions, ShapeDescription, Span, Spanned,
     SphereDescription,
@@ -44,7 +44,7 @@ pub(super) fn read_shape(
         if radius > 0.0 { Ok(radius) } else { Err(place.error("the radius is not above 0", help)) }
     };
     let notes = &mut content.notes;
-    let is_cut = cuts_quadric(kind, parameters);
+    let is_cut = is_partial_quadric(kind, parameters);
     let mesh = match kind {
         "sphere" if !(is_cut || is_reversed) => {
             return Ok(Some(ShapeDescription::Sphere(SphereDescription {
@@ -72,7 +72,7 @@ pub(super) fn read_shape(
         "sphere" | "disk" | "cylinder" | "cone" | "paraboloid" | "hyperboloid" => {
             let message = "parts of spheres, cylinders and disks, and other quadrics, are meshes of facets";
             notes.add_unsupported(message, place.position_text());
-            files.count_memory(MAX_QUADRIC_CORNERS * MEMORY_PER_CORNER)?;
+            files.reserve_memory(MAX_QUADRIC_CORNERS * MEMORY_PER_CORNER)?;
             quadric_mesh(kind, parameters)?.unwrap_or_default()
         }
         "trianglemesh" => triangle_mesh(parameters, files)?,
@@ -85,8 +85,8 @@ pub(super) fn read_shape(
             let base = triangle_mesh(parameters, files)?;
             let corners = 3 * base.triangles.len() as u64 + base.positions.len() as u64;
             // Each level has four times as many triangles. The estimate includes tables of edges.
-            files.count_memory((6 * MEMORY_PER_CORNER * corners).saturating_mul(1 << (2 * levels as u64)))?;
-            loop_subdivided(base.positions, base.triangles, levels as u32)
+            files.reserve_memory((6 * MEMORY_PER_CORNER * corners).saturating_mul(1 << (2 * levels as u64)))?;
+            loop_subdivided_to_limit(base.positions, base.triangles, levels as u32)
         }
         "plymesh" => {
             let file = parameters.text("filename").unwrap_or_default();
@@ -97,7 +97,7 @@ pub(super) fn read_shape(
             let named = Path::new(file.strip_suffix(".gz").unwrap_or(file));
             let loaded = decode(named, bytes, files.monitor, files.free_memory());
             let mesh = loaded.map_err(|e| place.error(e, "export the mesh again, or check it: `caustica mesh`"))?.mesh;
-            files.count_memory(MEMORY_PER_CORNER * (mesh.positions.len() + 3 * mesh.triangles.len()) as u64)?;
+            files.reserve_memory(MEMORY_PER_CORNER * (mesh.positions.len() + 3 * mesh.triangles.len()) as u64)?;
             if parameters.find("displacement").is_some() {
                 notes.add_unsupported("displacement of meshes is ignored", place.position_text());
             }
@@ -127,7 +127,7 @@ pub(super) fn read_shape(
 }
 
 /// True if the parameters cut a part out of a sphere, cylinder or disk.
-fn cuts_quadric(kind: &str, parameters: &Parameters) -> bool {
+fn is_partial_quadric(kind: &str, parameters: &Parameters) -> bool {
     let radius = parameters.number_or("radius", 1.0);
     let [low, high] = ["zmin", "zmax"].map(|name| parameters.number(name));
     let is_cut_sphere = kind == "sphere" && (low.is_some_and(|z| z > -radius) || high.is_some_and(|z| z < radius));
@@ -138,7 +138,7 @@ fn cuts_quadric(kind: &str, parameters: &Parameters) -> bool {
 /// Returns the vertex indices of the parameter `indices`. Fails if one is not below `count`.
 fn vertex_indices(parameters: &Parameters, count: usize, files: &PbrtSceneFiles<'_>) -> ReadResult<Vec<u32>> {
     let numbers = parameters.numbers("indices");
-    files.count_memory(MEMORY_PER_CORNER * numbers.len() as u64)?;
+    files.reserve_memory(MEMORY_PER_CORNER * numbers.len() as u64)?;
     let index = |number: &f64| {
         if *number >= 0.0 && *number < count as f64 && number.fract() == 0.0 {
             return Ok(*number as u32);
@@ -150,10 +150,10 @@ fn vertex_indices(parameters: &Parameters, count: usize, files: &PbrtSceneFiles<
 }
 
 /// Returns a mesh with the positions, normals and texture coordinates of a shape, but no triangles.
-fn mesh_of_vertices(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<TriangleMesh> {
+fn mesh_without_triangles(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let place = &parameters.place;
     let positions = parameters.points("P")?;
-    files.count_memory(MEMORY_PER_CORNER * positions.len() as u64)?;
+    files.reserve_memory(MEMORY_PER_CORNER * positions.len() as u64)?;
     if positions.is_empty() || positions.len() > u32::MAX as usize / 2 {
         return Err(place.error("the mesh has no vertices", "give positions: `\"point3 P\" [ … ]`"));
     }
@@ -176,7 +176,7 @@ fn mesh_of_vertices(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> Read
 
 /// Returns the mesh of a `trianglemesh` or the control mesh of a `loopsubdiv` shape.
 fn triangle_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<TriangleMesh> {
-    let mut mesh = mesh_of_vertices(parameters, files)?;
+    let mut mesh = mesh_without_triangles(parameters, files)?;
     let mut corners = vertex_indices(parameters, mesh.positions.len(), files)?;
     if corners.is_empty() && mesh.positions.len() == 3 {
         corners = vec![0, 1, 2];
@@ -207,7 +207,7 @@ fn orient_along_normals(mesh: &mut TriangleMesh) {
 ///
 /// Any other patch is divided into [`PATCH_SEGMENTS`]² quads.
 fn bilinear_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<TriangleMesh> {
-    let base = mesh_of_vertices(parameters, files)?;
+    let base = mesh_without_triangles(parameters, files)?;
     let mut corners = vertex_indices(parameters, base.positions.len(), files)?;
     if corners.is_empty() && base.positions.len() == 4 {
         corners = vec![0, 1, 2, 3];
@@ -228,7 +228,7 @@ fn bilinear_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadRes
         let size = (p[3] - p[0]).length() + (p[2] - p[1]).length();
         // A parallelogram needs no segments.
         let segments = if twist.length() < 1e-9 * size { 1 } else { PATCH_SEGMENTS };
-        files.count_memory(MEMORY_PER_CORNER * 6 * u64::from(segments * segments))?;
+        files.reserve_memory(MEMORY_PER_CORNER * 6 * u64::from(segments * segments))?;
         let first = mesh.positions.len() as u32;
         for j in 0..=segments {
             for i in 0..=segments {

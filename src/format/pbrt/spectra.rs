@@ -1,6 +1,6 @@
 //! Converts colors and spectra of pbrt: RGB, XYZ, blackbodies, sampled and named spectra.
 
-use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
+use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::parameters::{Parameter, parse_number};
 use crate::bsdf::metal_refractive_index;
 use crate::color::{Spectrum, illuminant_rgb, xyz_to_rgb};
@@ -8,11 +8,11 @@ use glam::DVec3;
 
 /// Quantity that a color stands for. It selects the conversion of a spectrum to RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ColorUse {
+pub(super) enum ColorMeaning {
     /// Reflectance or transmittance, inside \[0, 1].
     Reflectance,
     /// Radiance or intensity of a light. pbrt-v4 normalizes spectra of lights to luminance 1.
-    Light {
+    Emission {
         /// True for a scene of pbrt-v3, which does not normalize spectra.
         is_v3: bool,
     },
@@ -26,7 +26,7 @@ pub(super) enum SpectralValue {
     /// Spectrum: values by wavelength.
     Spectrum(Spectrum),
     /// Values for linear red, green and blue.
-    Channels(DVec3),
+    Rgb(DVec3),
 }
 
 impl SpectralValue {
@@ -35,17 +35,17 @@ impl SpectralValue {
     pub fn mean_rgb(&self) -> DVec3 {
         match self {
             Self::Spectrum(spectrum) => spectrum.channel_means(),
-            Self::Channels(rgb) => *rgb,
+            Self::Rgb(rgb) => *rgb,
         }
     }
 }
 
 /// Converts a color parameter to linear RGB. `wanted` is the quantity that the parameter stands
 /// for.
-pub(super) fn color(
+pub(super) fn linear_rgb(
     parameter: &Parameter,
-    wanted: ColorUse,
-    place: &PbrtPlace,
+    wanted: ColorMeaning,
+    place: &PbrtSourceLocation,
     files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<DVec3> {
     let value = match (&*parameter.kind, &*parameter.numbers) {
@@ -55,22 +55,22 @@ pub(super) fn color(
             }
             let spectrum = Spectrum::normalized_blackbody(*kelvin);
             match (wanted, rest.first()) {
-                (ColorUse::Light { .. }, Some(scale)) => spectrum.radiance_rgb() * *scale,
-                (ColorUse::Light { .. }, None) => spectrum.normalized_radiance_rgb(),
-                (ColorUse::Reflectance | ColorUse::Unbounded, _) => spectrum.reflectance_rgb(),
+                (ColorMeaning::Emission { .. }, Some(scale)) => spectrum.radiance_rgb() * *scale,
+                (ColorMeaning::Emission { .. }, None) => spectrum.normalized_radiance_rgb(),
+                (ColorMeaning::Reflectance | ColorMeaning::Unbounded, _) => spectrum.reflectance_rgb(),
             }
         }
         _ => match spectral_value(parameter, place, files)? {
-            SpectralValue::Channels(rgb) => rgb,
+            SpectralValue::Rgb(rgb) => rgb,
             SpectralValue::Spectrum(spectrum) => match wanted {
-                ColorUse::Reflectance => spectrum.reflectance_rgb(),
-                ColorUse::Light { is_v3: true } => spectrum.radiance_rgb(),
-                ColorUse::Light { is_v3: false } => spectrum.normalized_radiance_rgb(),
-                ColorUse::Unbounded => spectrum.channel_means(),
+                ColorMeaning::Reflectance => spectrum.reflectance_rgb(),
+                ColorMeaning::Emission { is_v3: true } => spectrum.radiance_rgb(),
+                ColorMeaning::Emission { is_v3: false } => spectrum.normalized_radiance_rgb(),
+                ColorMeaning::Unbounded => spectrum.channel_means(),
             },
         },
     };
-    let value = if wanted == ColorUse::Reflectance { value.clamp(DVec3::ZERO, DVec3::ONE) } else { value };
+    let value = if wanted == ColorMeaning::Reflectance { value.clamp(DVec3::ZERO, DVec3::ONE) } else { value };
     if value.min_element() < 0.0 {
         return Err(place.error(format!("`{}` is negative", parameter.name), "use values of at least 0"));
     }
@@ -80,11 +80,11 @@ pub(super) fn color(
 /// Returns the value of a color parameter: a spectrum if the file gives one, else RGB.
 pub(super) fn spectral_value(
     parameter: &Parameter,
-    place: &PbrtPlace,
+    place: &PbrtSourceLocation,
     files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<SpectralValue> {
     let Parameter { kind, name, numbers, texts } = parameter;
-    let channels = |rgb| Ok(SpectralValue::Channels(rgb));
+    let channels = |rgb| Ok(SpectralValue::Rgb(rgb));
     match (&**kind, &**numbers, texts.first()) {
         ("rgb" | "color", [r, g, b], _) => channels(DVec3::new(*r, *g, *b)),
         ("xyz", [x, y, z], _) => channels(xyz_to_rgb(DVec3::new(*x, *y, *z)).max(DVec3::ZERO)),
@@ -98,7 +98,7 @@ pub(super) fn spectral_value(
 }
 
 /// Returns the spectrum of a list that alternates between wavelength \[nm] and value.
-fn sampled_spectrum(pairs: &[f64], place: &PbrtPlace) -> ReadResult<Spectrum> {
+fn sampled_spectrum(pairs: &[f64], place: &PbrtSourceLocation) -> ReadResult<Spectrum> {
     let samples = pairs.as_chunks::<2>().0.to_vec();
     let spectrum = if pairs.len().is_multiple_of(2) { Spectrum::from_samples(samples) } else { None };
     spectrum.ok_or_else(|| {
@@ -107,7 +107,7 @@ fn sampled_spectrum(pairs: &[f64], place: &PbrtPlace) -> ReadResult<Spectrum> {
 }
 
 /// Returns the spectrum that pbrt calls `name`, or else the spectrum in the file `name`.
-fn named_spectrum(name: &str, place: &PbrtPlace, files: &PbrtSceneFiles<'_>) -> ReadResult<SpectralValue> {
+fn named_spectrum(name: &str, place: &PbrtSourceLocation, files: &PbrtSceneFiles<'_>) -> ReadResult<SpectralValue> {
     if let Some(metal) = name.strip_prefix("metal-") {
         let (metal, is_eta) = match (metal.strip_suffix("-eta"), metal.strip_suffix("-k")) {
             (Some(metal), _) => (metal, true),
@@ -115,11 +115,11 @@ fn named_spectrum(name: &str, place: &PbrtPlace, files: &PbrtSceneFiles<'_>) -> 
             (None, None) => (metal, true),
         };
         return metal_eta_or_k(metal, is_eta)
-            .map(SpectralValue::Channels)
+            .map(SpectralValue::Rgb)
             .ok_or_else(|| place.error(format!("no metal is called `{metal}`"), "give `eta` and `k` as spectra"));
     }
     if let Some(rgb) = name.strip_prefix("stdillum-").and_then(illuminant_rgb) {
-        return Ok(SpectralValue::Channels(rgb));
+        return Ok(SpectralValue::Rgb(rgb));
     }
     if name.starts_with("stdillum-") || name.starts_with("illum-") || name.starts_with("glass-") {
         return Err(place.error(format!("the spectrum `{name}` has no color here"), "give its samples, or an `rgb`"));
@@ -130,12 +130,12 @@ fn named_spectrum(name: &str, place: &PbrtPlace, files: &PbrtSceneFiles<'_>) -> 
     let mut numbers = Vec::new();
     let file: std::rc::Rc<str> = path.display().to_string().into();
     for (line, content) in text.lines().enumerate() {
-        let place = PbrtPlace { file: file.clone(), line: line as u32 + 1 };
+        let place = PbrtSourceLocation { file: file.clone(), line: line as u32 + 1 };
         for word in content.split('#').next().unwrap_or_default().split_whitespace() {
             numbers.push(parse_number(word, &place)?);
         }
     }
-    sampled_spectrum(&numbers, &PbrtPlace { file, line: 1 }).map(SpectralValue::Spectrum)
+    sampled_spectrum(&numbers, &PbrtSourceLocation { file, line: 1 }).map(SpectralValue::Spectrum)
 }
 
 /// Returns a part of the complex index of refraction η + ik of a metal, for red, green and blue: η

@@ -10,11 +10,11 @@ struct Neighborhood {
     /// Number of edges at the vertex.
     valence: u32,
     /// Sum of the positions of all neighbors.
-    sum: DVec3,
+    neighbor_sum: DVec3,
     /// Number of boundary edges at the vertex.
-    boundary_edges: u32,
+    boundary_edge_count: u32,
     /// Sum of the positions of neighbors along boundary edges.
-    boundary_sum: DVec3,
+    boundary_neighbor_sum: DVec3,
 }
 
 /// Edges of a mesh. A key holds both vertex indices, the lower one first.
@@ -24,7 +24,7 @@ type EdgeTable = HashMap<[u32; 2], (u32, [u32; 2])>;
 
 /// Returns the mesh after `levels` Loop subdivisions, at its limit positions and with smooth
 /// normals.
-pub(super) fn loop_subdivided(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, levels: u32) -> TriangleMesh {
+pub(super) fn loop_subdivided_to_limit(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, levels: u32) -> TriangleMesh {
     let (mut positions, mut triangles) = (positions, triangles);
     for _ in 0..levels {
         (positions, triangles) = subdivided_once(&positions, &triangles);
@@ -33,7 +33,7 @@ pub(super) fn loop_subdivided(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, l
     let neighbors = neighborhoods(&positions, &edges);
     let limits = positions.iter().zip(&neighbors).map(|(position, around)| limit_position(*position, around));
     let mut mesh = TriangleMesh { positions: limits.collect(), triangles, ..TriangleMesh::default() };
-    mesh.compute_smooth_normals(180.0);
+    mesh.compute_missing_smooth_normals(180.0);
     mesh
 }
 
@@ -87,10 +87,10 @@ fn neighborhoods(positions: &[DVec3], edges: &EdgeTable) -> Vec<Neighborhood> {
         for (vertex, neighbor) in [(a, b), (b, a)] {
             let around = &mut neighbors[vertex as usize];
             around.valence += 1;
-            around.sum += positions[neighbor as usize];
+            around.neighbor_sum += positions[neighbor as usize];
             if *count == 1 {
-                around.boundary_edges += 1;
-                around.boundary_sum += positions[neighbor as usize];
+                around.boundary_edge_count += 1;
+                around.boundary_neighbor_sum += positions[neighbor as usize];
             }
         }
     }
@@ -104,25 +104,25 @@ fn neighbor_weight(valence: u32) -> f64 {
 
 /// Returns the position of a vertex of the old mesh after one Loop subdivision.
 fn even_position(position: DVec3, around: &Neighborhood) -> DVec3 {
-    match around.boundary_edges {
+    match around.boundary_edge_count {
         0 if around.valence > 0 => {
             let weight = neighbor_weight(around.valence);
-            position * (1.0 - f64::from(around.valence) * weight) + weight * around.sum
+            position * (1.0 - f64::from(around.valence) * weight) + weight * around.neighbor_sum
         }
-        2 => 0.75 * position + 0.125 * around.boundary_sum,
+        2 => 0.75 * position + 0.125 * around.boundary_neighbor_sum,
         _ => position,
     }
 }
 
 /// Returns the position of a vertex after infinitely many subdivisions.
 fn limit_position(position: DVec3, around: &Neighborhood) -> DVec3 {
-    match around.boundary_edges {
+    match around.boundary_edge_count {
         0 if around.valence > 0 => {
             let valence = f64::from(around.valence);
             let weight = 1.0 / (valence + 3.0 / (8.0 * neighbor_weight(around.valence)));
-            position * (1.0 - valence * weight) + weight * around.sum
+            position * (1.0 - valence * weight) + weight * around.neighbor_sum
         }
-        2 => 0.6 * position + 0.2 * around.boundary_sum,
+        2 => 0.6 * position + 0.2 * around.boundary_neighbor_sum,
         _ => position,
     }
 }
@@ -142,8 +142,8 @@ mod tests {
     #[test]
     fn limits_do_not_depend_on_the_level() {
         let (positions, triangles) = octahedron();
-        let coarse = loop_subdivided(positions.clone(), triangles.clone(), 0);
-        let fine = loop_subdivided(positions, triangles, 3);
+        let coarse = loop_subdivided_to_limit(positions.clone(), triangles.clone(), 0);
+        let fine = loop_subdivided_to_limit(positions, triangles, 3);
         assert_eq!(fine.triangles.len(), 8 * 64);
         for corner in &coarse.positions {
             assert!(fine.positions.iter().any(|p| p.abs_diff_eq(*corner, 1e-12)), "{corner}");
@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn a_flat_square_keeps_its_plane_and_boundary() {
         let square = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
-        let mesh = loop_subdivided(square, vec![[0, 1, 2], [0, 2, 3]], 2);
+        let mesh = loop_subdivided_to_limit(square, vec![[0, 1, 2], [0, 2, 3]], 2);
         assert_eq!(mesh.triangles.len(), 32);
         let inside = |p: &DVec3| p.z == 0.0 && p.x >= 0.0 && p.y >= 0.0 && p.x <= 1.0 && p.y <= 1.0;
         assert!(mesh.positions.iter().all(inside));

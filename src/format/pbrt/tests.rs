@@ -12,7 +12,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use std::path::Path;
 
 pub(super) fn try_import_text(text: &str) -> Result<ImportedScene, SceneReadError> {
-    let options = ImportOptions { memory: MemoryLimit::Limit(1 << 28), ..ImportOptions::default() };
+    let options = ImportOptions { memory: MemoryLimit::ProcessBytes(1 << 28), ..ImportOptions::default() };
     decode(Path::new("/nowhere/test.pbrt"), text.as_bytes(), &options)
 }
 
@@ -109,14 +109,14 @@ fn materials_of_both_versions_are_read() {
     let (gold_eta, gold_k) = crate::bsdf::metal_refractive_index("gold").unwrap();
     assert_eq!((eta, k), (gold_eta.as_dvec3(), gold_k.as_dvec3()));
     // α is the square root of the roughness.
-    let TexturedValue::Plain(alpha) = roughness else { panic!() };
+    let TexturedValue::Constant(alpha) = roughness else { panic!() };
     assert!((alpha - 0.3).abs() < 1e-12);
     let MaterialKindDescription::Dielectric(DielectricDescription { roughness, .. }) =
         sphere_material("Material \"dielectric\" \"float roughness\" .09 \"bool remaproughness\" false")
     else {
         panic!()
     };
-    assert_eq!(roughness, TexturedValue::Plain(0.09));
+    assert_eq!(roughness, TexturedValue::Constant(0.09));
     assert!(
         try_import_text("WorldBegin Material \"measured\" Shape \"sphere\"")
             .unwrap_err()
@@ -321,7 +321,7 @@ fn deep_and_large_scenes_are_refused() {
         let next = i + 1;
         text += &format!("ObjectBegin \"{next}\" ObjectInstance \"{i}\" ObjectInstance \"{i}\" ObjectEnd ");
     }
-    assert!(matches!(try_import_text(&text), Err(SceneReadError::Memory { .. })));
+    assert!(matches!(try_import_text(&text), Err(SceneReadError::OutOfMemory { .. })));
 }
 
 #[test]

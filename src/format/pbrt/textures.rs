@@ -1,14 +1,14 @@
 //! Converts textures of pbrt to textures and embedded pictures of the imported scene.
 
-use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
+use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::parameters::{Parameter, Parameters};
-use super::spectra::{ColorUse, color};
+use super::spectra::{ColorMeaning, linear_rgb};
 use crate::format::description::{
     PictureEncoding, SolidPatternDescription, Span, Spanned, TexcoordTransformDescription, TextureDescription,
     TextureKindDescription, TexturedValue, WrapMode,
 };
 use crate::format::import_notes::ImportNotes;
-use crate::image::{Image, PixelMeaning, decode, decode_rgba_levels};
+use crate::image::{Image, PixelMeaning, decode, decode_quantized_rgba};
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -135,7 +135,7 @@ impl PbrtTextures {
                         (&first, second.mean())
                     }
                 };
-                files.count_memory(texture.memory_bytes())?;
+                files.reserve_memory(texture.memory_bytes())?;
                 texture.with_mapped_values(&|value| value * factor)
             }
             "mix" | "directionmix" => {
@@ -144,7 +144,7 @@ impl PbrtTextures {
                 match (&first, &second, &amount) {
                     (TextureValue::Constant(a), TextureValue::Constant(b), amount) => {
                         let (a, b) = (*a, *b);
-                        files.count_memory(amount.memory_bytes())?;
+                        files.reserve_memory(amount.memory_bytes())?;
                         amount.with_mapped_values(&|t| a + (b - a) * t)
                     }
                     _ => {
@@ -166,7 +166,7 @@ impl PbrtTextures {
                 let is_linear = !is_color
                     || parameters.text("encoding") == Some("linear")
                     || parameters.flag("gamma") == Some(false);
-                let meaning = if is_linear { PixelMeaning::Data } else { PixelMeaning::Radiance };
+                let meaning = if is_linear { PixelMeaning::NonColor } else { PixelMeaning::Color };
                 let mut image = read_picture(name, meaning, place, files)?;
                 let inverts = parameters.flag("invert") == Some(true);
                 for pixel in image.pixels_mut() {
@@ -219,7 +219,7 @@ impl PbrtTextures {
                 return Err(place.error(message, "use imagemap, constant, scale, mix or checkerboard"));
             }
         };
-        files.count_memory(400 + texture.memory_bytes())?;
+        files.reserve_memory(400 + texture.memory_bytes())?;
         self.defined.insert((is_color, name.to_owned()), texture);
         Ok(())
     }
@@ -231,15 +231,15 @@ impl PbrtTextures {
         &self,
         parameter: &Parameter,
         is_color: bool,
-        place: &PbrtPlace,
+        place: &PbrtSourceLocation,
         files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<TextureValue> {
         if parameter.kind != "texture" {
-            let wanted = if is_color { ColorUse::Reflectance } else { ColorUse::Unbounded };
+            let wanted = if is_color { ColorMeaning::Reflectance } else { ColorMeaning::Unbounded };
             if !is_color && parameter.numbers.len() == 1 {
                 return Ok(TextureValue::Constant(DVec3::splat(parameter.numbers[0])));
             }
-            return color(parameter, wanted, place, files).map(TextureValue::Constant);
+            return linear_rgb(parameter, wanted, place, files).map(TextureValue::Constant);
         }
         let name = parameter.texts.first().map(String::as_str).unwrap_or_default();
         let find = |is_color: bool| self.defined.get(&(is_color, name.to_owned()));
@@ -258,15 +258,15 @@ impl PbrtTextures {
         map: &dyn Fn(DVec3) -> DVec3,
         files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<(TexturedValue<DVec3>, DVec3)> {
-        files.count_memory(value.memory_bytes())?;
+        files.reserve_memory(value.memory_bytes())?;
         let mapped = value.with_mapped_values(map);
         let mean = mapped.mean();
         let kind = match mapped {
-            TextureValue::Constant(value) => return Ok((TexturedValue::Plain(value), value)),
+            TextureValue::Constant(value) => return Ok((TexturedValue::Constant(value), value)),
             TextureValue::Picture { image, wrap, coordinates, .. } => {
                 let first = image.pixels().first().copied().unwrap_or_default();
                 if image.pixels().iter().all(|pixel| *pixel == first) {
-                    return Ok((TexturedValue::Plain(first.as_dvec3()), first.as_dvec3()));
+                    return Ok((TexturedValue::Constant(first.as_dvec3()), first.as_dvec3()));
                 }
                 let path = Spanned::new(self.embed_picture((*image).clone(), files)?, Span::default());
                 TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates }
@@ -281,7 +281,7 @@ impl PbrtTextures {
                 steps: Vec::new(),
             },
         };
-        files.count_memory(400)?;
+        files.reserve_memory(400)?;
         let name = format!("texture{}", self.descriptions.len());
         self.descriptions.push(Spanned::new(TextureDescription { name: name.clone(), kind }, Span::default()));
         Ok((TexturedValue::Texture(Spanned::new(name, Span::default())), mean))
@@ -289,7 +289,7 @@ impl PbrtTextures {
 
     /// Embeds a picture in the imported scene, and returns its path there.
     pub fn embed_picture(&mut self, image: Image, files: &PbrtSceneFiles<'_>) -> ReadResult<String> {
-        files.count_memory(12 * image.pixels().len() as u64)?;
+        files.reserve_memory(12 * image.pixels().len() as u64)?;
         let path = format!("picture{}", self.pictures.len());
         self.pictures.insert(path.clone(), image.into());
         Ok(path)
@@ -307,7 +307,7 @@ fn texcoord_transform_description(parameters: &Parameters, notes: &mut ImportNot
     let mut scale = pair("uscale", "vscale", 1.0);
     // A scale of 0 shows a single line of the texture. A tiny scale does so too, and is invertible.
     scale = scale.map(|s| if s == 0.0 { 1e-12 } else { s });
-    TexcoordTransformDescription { scale, rotate: 0.0, offset: pair("udelta", "vdelta", 0.0) }
+    TexcoordTransformDescription { scale, rotation_degrees: 0.0, offset: pair("udelta", "vdelta", 0.0) }
 }
 
 /// Reads the picture file that the scene calls `name`: PNG, OpenEXR, Radiance HDR, JPEG or TGA.
@@ -316,7 +316,7 @@ fn texcoord_transform_description(parameters: &Parameters, notes: &mut ImportNot
 pub(super) fn read_picture(
     name: &str,
     meaning: PixelMeaning,
-    place: &PbrtPlace,
+    place: &PbrtSourceLocation,
     files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<Image> {
     let path = files.resolve_path(place, name)?;
@@ -324,19 +324,19 @@ pub(super) fn read_picture(
     let failed = |e: &dyn std::fmt::Display| place.error(e, "convert the picture to PNG or OpenEXR");
     let is_tga = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tga"));
     if (is_tga || bytes.starts_with(&JPEG_SIGNATURE))
-        && let Some(levels) = decode_rgba_levels(&path, &bytes, files.free_memory()).map_err(|e| failed(&e))?
+        && let Some(levels) = decode_quantized_rgba(&path, &bytes, files.free_memory()).map_err(|e| failed(&e))?
     {
-        let (table, greatest) = (levels.srgb_table(), f32::from(levels.greatest));
+        let (table, greatest) = (levels.srgb_table(), f32::from(levels.max_level));
         let value = |level: u16| match meaning {
-            PixelMeaning::Radiance => table.get(usize::from(level)).copied().unwrap_or_default(),
-            PixelMeaning::Data => f32::from(level) / greatest,
+            PixelMeaning::Color => table.get(usize::from(level)).copied().unwrap_or_default(),
+            PixelMeaning::NonColor => f32::from(level) / greatest,
         };
         let pixels = levels.pixels.iter().map(|p| Vec3::new(value(p[0]), value(p[1]), value(p[2]))).collect();
         let image = Image::from_pixels(levels.width, levels.height, pixels).map_err(|e| failed(&e))?;
-        files.count_memory(12 * image.pixels().len() as u64)?;
+        files.reserve_memory(12 * image.pixels().len() as u64)?;
         return Ok(image);
     }
     let (image, _) = decode(&path, &bytes, meaning, files.free_memory()).map_err(|e| failed(&e))?;
-    files.count_memory(12 * image.pixels().len() as u64)?;
+    files.reserve_memory(12 * image.pixels().len() as u64)?;
     Ok(image)
 }

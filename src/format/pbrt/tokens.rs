@@ -1,6 +1,6 @@
 //! Splits pbrt's text format into tokens: words, numbers, quoted texts and brackets.
 
-use super::files::{PbrtPlace, ReadResult};
+use super::files::{PbrtSourceLocation, ReadResult};
 use std::borrow::Cow;
 use std::rc::Rc;
 
@@ -17,33 +17,33 @@ pub(super) struct PbrtToken<'t> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum TokenKind<'t> {
     /// A directive, number or truth value without quotes.
-    Word(&'t str),
+    Unquoted(&'t str),
     /// A text in quotes, without them.
     Quoted(Cow<'t, str>),
     /// An opening bracket.
-    Open,
+    OpenBracket,
     /// A closing bracket.
-    Close,
+    CloseBracket,
 }
 
 /// Reader of the tokens of one pbrt file.
-pub(super) struct Tokens<'t> {
+pub(super) struct Tokenizer<'t> {
     text: &'t str,
-    position: usize,
+    byte_offset: usize,
     line: u32,
     file: Rc<str>,
     peeked: Option<PbrtToken<'t>>,
 }
 
-impl<'t> Tokens<'t> {
+impl<'t> Tokenizer<'t> {
     /// Starts reading the tokens of `text`. Errors name `file`.
     pub fn new(text: &'t str, file: Rc<str>) -> Self {
-        Self { text, position: 0, line: 1, file, peeked: None }
+        Self { text, byte_offset: 0, line: 1, file, peeked: None }
     }
 
     /// Returns the position of `line` in this file, for messages.
-    pub fn place(&self, line: u32) -> PbrtPlace {
-        PbrtPlace { file: Rc::clone(&self.file), line }
+    pub fn place(&self, line: u32) -> PbrtSourceLocation {
+        PbrtSourceLocation { file: Rc::clone(&self.file), line }
     }
 
     /// Returns the next token and moves past it; `None` at the end of the file.
@@ -65,23 +65,23 @@ impl<'t> Tokens<'t> {
     fn read_token(&mut self) -> ReadResult<Option<PbrtToken<'t>>> {
         self.skip_blanks();
         let line = self.line;
-        let rest = &self.text[self.position..];
+        let rest = &self.text[self.byte_offset..];
         let Some(first) = rest.bytes().next() else { return Ok(None) };
         let kind = match first {
             b'[' => {
-                self.position += 1;
-                TokenKind::Open
+                self.byte_offset += 1;
+                TokenKind::OpenBracket
             }
             b']' => {
-                self.position += 1;
-                TokenKind::Close
+                self.byte_offset += 1;
+                TokenKind::CloseBracket
             }
             b'"' => TokenKind::Quoted(self.read_quoted_text(&rest[1..])?),
             _ => {
                 let ends = |c: u8| c.is_ascii_whitespace() || matches!(c, b'"' | b'[' | b']' | b'#');
                 let length = rest.bytes().position(ends).unwrap_or(rest.len());
-                self.position += length;
-                TokenKind::Word(&rest[..length])
+                self.byte_offset += length;
+                TokenKind::Unquoted(&rest[..length])
             }
         };
         Ok(Some(PbrtToken { kind, line }))
@@ -90,18 +90,18 @@ impl<'t> Tokens<'t> {
     /// Skips white space and comments.
     fn skip_blanks(&mut self) {
         let bytes = self.text.as_bytes();
-        while let Some(byte) = bytes.get(self.position) {
+        while let Some(byte) = bytes.get(self.byte_offset) {
             match byte {
                 b'\n' => self.line += 1,
                 b'#' => {
-                    let rest = &bytes[self.position..];
-                    self.position += rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
+                    let rest = &bytes[self.byte_offset..];
+                    self.byte_offset += rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
                     continue;
                 }
                 byte if byte.is_ascii_whitespace() => {}
                 _ => return,
             }
-            self.position += 1;
+            self.byte_offset += 1;
         }
     }
 
@@ -115,7 +115,7 @@ impl<'t> Tokens<'t> {
                 b'\n' => break,
                 b'\\' if !is_escaped => is_escaped = true,
                 b'"' if !is_escaped => {
-                    self.position += i + 2;
+                    self.byte_offset += i + 2;
                     let text = &rest[..i];
                     return Ok(if text.contains('\\') { unescaped_text(text).into() } else { text.into() });
                 }
@@ -148,22 +148,25 @@ mod tests {
     use super::*;
 
     fn token_kinds(text: &str) -> Vec<TokenKind<'_>> {
-        let mut tokens = Tokens::new(text, "test".into());
+        let mut tokens = Tokenizer::new(text, "test".into());
         std::iter::from_fn(|| tokens.next_token().unwrap().map(|token| token.kind)).collect()
     }
 
     #[test]
     fn comments_and_blanks_separate_tokens() {
-        use TokenKind::{Close, Open, Quoted, Word};
+        use TokenKind::{CloseBracket, OpenBracket, Quoted, Unquoted};
         let found = token_kinds("Shape\"a b\"[.5#x\n-1e3]#end");
-        assert_eq!(found, [Word("Shape"), Quoted("a b".into()), Open, Word(".5"), Word("-1e3"), Close]);
+        assert_eq!(
+            found,
+            [Unquoted("Shape"), Quoted("a b".into()), OpenBracket, Unquoted(".5"), Unquoted("-1e3"), CloseBracket]
+        );
         assert_eq!(token_kinds(r#""a\"b\\c\n""#), [Quoted("a\"b\\c\n".into())]);
         assert!(token_kinds(" \r\n# only a comment").is_empty());
     }
 
     #[test]
     fn an_open_quote_is_an_error_with_its_line() {
-        let mut tokens = Tokens::new("a\n\"b\n\"", "test".into());
+        let mut tokens = Tokenizer::new("a\n\"b\n\"", "test".into());
         assert!(tokens.next_token().is_ok());
         assert!(tokens.next_token().unwrap_err().to_string().contains("line 2"));
     }

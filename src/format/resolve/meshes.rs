@@ -2,7 +2,7 @@
 //! material.
 
 use super::placement::{
-    ObjectEmission, ObjectPlacement, add_instance, add_still_mesh, set_emission_texture, set_texcoords,
+    ObjectEmission, ObjectPlacement, add_instance, add_still_mesh, set_emission_texture, set_texcoords_if_needed,
     set_texture_mapping_if_needed,
 };
 use super::scene_meshes::{MeshSource, PreparedMesh, PreparedPart, mesh_key};
@@ -20,7 +20,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 /// Smallest number of triangles that instancing must save, before meshes at rest become instances.
-const MIN_SHARED_TRIANGLES: usize = 50_000;
+const MIN_TRIANGLES_INSTANCING_SAVES: usize = 50_000;
 
 const MESH_REMEDY: &str = "repair the mesh or name another";
 
@@ -56,13 +56,13 @@ pub(in crate::format) fn add_mesh(
     object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
     let parts = load_mesh_parts(r, path, options)?;
-    let current_material = r.material;
+    let current_material = r.current_material_index;
     for MeshPart { prepared, file_material } in parts.iter() {
         let emission = match file_material {
-            Some(material) if !object_emission.is_of_object => material.emission,
+            Some(material) if !object_emission.is_set_on_object => material.emission,
             _ => object_emission.radiance,
         };
-        r.material = file_material.as_ref().map_or(current_material, |material| material.index);
+        r.current_material_index = file_material.as_ref().map_or(current_material, |material| material.index);
         let name = file_material.as_ref().map(|material| &*material.name);
         r.require_texcoords(prepared.mesh.texcoords.is_some(), path, name)?;
         add_mesh_part(r, placement, path, prepared, emission)?;
@@ -70,7 +70,7 @@ pub(in crate::format) fn add_mesh(
             set_emission_texture(r, object_emission);
         }
     }
-    r.material = current_material;
+    r.current_material_index = current_material;
     Ok(())
 }
 
@@ -88,17 +88,17 @@ fn add_mesh_part(
     let mesh = &*part.mesh;
     let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
     let further_copies = r.mesh_uses.get(path.as_str()).map_or(0, |uses| uses - 1);
-    let is_shared = emission == Rgb::ZERO && further_copies * mesh.triangles.len() >= MIN_SHARED_TRIANGLES;
+    let is_shared = emission == Rgb::ZERO && further_copies * mesh.triangles.len() >= MIN_TRIANGLES_INSTANCING_SAVES;
     let is_instance = is_shared || !placement.to_world.is_constant();
     // Instances of one mesh share one BVH, so only the first counts.
-    if !(is_instance && part.has_hierarchy()) {
-        check_triangle_memory(r, path, mesh.triangles.len())?;
+    if !(is_instance && part.has_bvh()) {
+        claim_triangle_memory(r, path, mesh.triangles.len())?;
     }
     if is_instance {
         add_instance(r, placement, part.normalized(), emission)?;
     } else {
-        add_still_mesh(r, &placement.at_shutter_open, &mesh.positions, normals, &mesh.triangles, emission);
-        set_texcoords(r, texcoords);
+        add_still_mesh(r, &placement.to_world_at_open, &mesh.positions, normals, &mesh.triangles, emission);
+        set_texcoords_if_needed(r, texcoords);
     }
     set_texture_mapping_if_needed(r, TextureMappingKind::Uv, placement.to_world);
     Ok(())
@@ -106,14 +106,14 @@ fn add_mesh_part(
 
 /// Adds `triangles` to the scene's triangle count. Fails if building their BVHs would exceed the
 /// memory limit.
-fn check_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
-    r.triangles += triangles as u64;
-    let needed = MEMORY_PER_TRIANGLE * r.triangles;
+fn claim_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
+    r.triangle_count += triangles as u64;
+    let needed = MEMORY_PER_TRIANGLE * r.triangle_count;
     let Some(free) = r.memory.available_bytes().filter(|free| needed > *free) else { return Ok(()) };
     let (needed, free) = (format_bytes(needed), format_bytes(free));
     let message = format!(
         "the scene has {} triangles with this mesh, which take {needed} of memory, and {free} are free",
-        r.triangles
+        r.triangle_count
     );
     let help = "simplify meshes, or let the scene have more memory (--memory)";
     Err(r.file_error(path, &message, help).marked_out_of_memory())
@@ -128,11 +128,11 @@ fn load_mesh_parts(
 ) -> Result<Rc<[MeshPart]>, SceneError> {
     let file = r.find_file("mesh", path)?;
     let key = mesh_key(&file, options);
-    if let Some(parts) = r.meshes.get(&key) {
+    if let Some(parts) = r.mesh_parts.get(&key) {
         return Ok(parts.clone());
     }
     let prepared = prepare_mesh(r, path, &file, options)?;
-    let materials = match prepared.materials.is_empty() {
+    let materials = match prepared.material_names.is_empty() {
         true => Rc::default(),
         false => add_mesh_file_materials(r, path, &file, &prepared)?,
     };
@@ -142,7 +142,7 @@ fn load_mesh_parts(
     };
     let parts: Rc<[MeshPart]> = prepared.parts.iter().map(part).collect();
     r.scene_meshes.insert(key.clone(), prepared);
-    r.meshes.insert(key, parts.clone());
+    r.mesh_parts.insert(key, parts.clone());
     Ok(parts)
 }
 
@@ -166,7 +166,7 @@ fn prepare_mesh(
     let (mesh, libraries) = match embedded {
         Some(mesh) => (mesh.clone(), Vec::new()),
         None => {
-            let LoadedMesh { mesh, libraries, .. } =
+            let LoadedMesh { mesh, mtllib_arguments: libraries, .. } =
                 mesh::load_with_memory_limit(file, r.monitor, r.memory.available_bytes())
                     .map_err(|e| mesh_error_at_path(r, path, &e))?;
             (Arc::new(mesh), libraries)
@@ -184,20 +184,21 @@ fn add_mesh_file_materials(
     file: &Path,
     mesh: &PreparedMesh,
 ) -> Result<Rc<[AddedMeshFileMaterial]>, SceneError> {
-    if let Some(materials) = r.file_materials.get(file) {
+    if let Some(materials) = r.mesh_file_materials.get(file) {
         return Ok(materials.clone());
     }
-    mtl::library_paths(file, &mesh.libraries).iter().for_each(|library| r.monitor.on_input_file_found(library));
-    let library = mtl::load_mesh_materials(file, &mesh.libraries, &mesh.materials, r.memory.available_bytes())
-        .map_err(|e| mesh_error_at_path(r, path, &e))?;
+    mtl::mtl_file_paths(file, &mesh.mtllib_arguments).iter().for_each(|library| r.monitor.on_input_file_found(library));
+    let library =
+        mtl::load_mesh_materials(file, &mesh.mtllib_arguments, &mesh.material_names, r.memory.available_bytes())
+            .map_err(|e| mesh_error_at_path(r, path, &e))?;
     let mut materials = Vec::with_capacity(library.len());
     for material in library {
-        let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };
+        let bad = |(message, remedy)| MeshError::UnconvertibleMaterial { path: file.into(), message, remedy };
         let description = material.to_description().map_err(|e| r.file_error(path, &bad(e), MESH_REMEDY))?;
         materials.push(add_mesh_file_material(r, path, description)?);
     }
     let materials: Rc<[AddedMeshFileMaterial]> = materials.into();
-    r.file_materials.insert(file.to_owned(), materials.clone());
+    r.mesh_file_materials.insert(file.to_owned(), materials.clone());
     Ok(materials)
 }
 
@@ -216,10 +217,10 @@ fn add_mesh_file_material(
     }
     let mut requirements = TextureRequirements::default();
     let material = description.kind.resolve(r, &mut requirements)?;
-    let normals = description.resolve_normals(r, &mut requirements)?;
+    let normals = description.resolve_normal_perturbation(r, &mut requirements)?;
     let index = r.builder.add_material(material.with_normal_perturbation(normals));
     r.materials.resize(index as usize + 1, AddedMaterial::default());
-    r.materials[index as usize].textures = requirements;
+    r.materials[index as usize].texture_requirements = requirements;
     let emission = match description.emission {
         Some(EmissionDescription::Radiance(radiance)) => rgb(radiance),
         // MTL files name no textures of emission.
@@ -229,5 +230,5 @@ fn add_mesh_file_material(
 }
 
 fn mesh_error_at_path(r: &Resolver<'_>, path: &Spanned<String>, error: &MeshError) -> SceneError {
-    r.file_or_memory_error(path, error, matches!(error, MeshError::Memory { .. }), MESH_REMEDY)
+    r.file_or_memory_error(path, error, matches!(error, MeshError::OutOfMemory { .. }), MESH_REMEDY)
 }

@@ -10,8 +10,8 @@ pub(super) mod scene_meshes;
 pub(super) mod textures;
 
 use super::assets::EmbeddedAssets;
-use super::error::{MAX_ERRORS, SceneError, SourceText};
-use super::extensions::{is_unread_mesh_format, lowercase_extension};
+use super::error::{MAX_REPORTED_ERRORS, SceneError, SourceText};
+use super::extensions::{is_unsupported_mesh_format, lowercase_extension};
 use super::mesh::MeshReadMonitor;
 use super::span::{Span, Spanned};
 use crate::color::Rgb;
@@ -57,18 +57,18 @@ pub(super) struct Resolver<'a> {
     pub memory: MemoryLimit,
     /// Number of mesh triangles so far for which BVHs are built. Triangles of a shared mesh count
     /// once.
-    pub triangles: u64,
+    pub triangle_count: u64,
     /// Meshes that were read so far, each split by material. The key states file and options.
-    pub meshes: HashMap<MeshKey, Rc<[meshes::MeshPart]>>,
-    /// The meshes of `meshes` without what this scene alone knows of them, for later versions.
+    pub mesh_parts: HashMap<MeshKey, Rc<[meshes::MeshPart]>>,
+    /// The meshes of `mesh_parts` without what this scene alone knows of them, for later versions.
     pub scene_meshes: SceneMeshes,
     /// Materials from the MTL files of each mesh, by mesh file, in the order of its material names.
-    pub file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
+    pub mesh_file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
     /// Number of objects that refer to each mesh file, by its path in the description.
     pub mesh_uses: HashMap<&'a str, usize>,
     /// Index of the current material: that of the next object. It stays current after the end of a
     /// group.
-    pub material: u32,
+    pub current_material_index: u32,
     /// Position in the scene text of the innermost transform around the current object, for errors;
     /// `None` without a transform.
     pub transform_span: Option<Span>,
@@ -84,7 +84,7 @@ pub(super) struct AddedMaterial {
     /// True if the material is a null interface.
     pub is_null_interface: bool,
     /// Surface properties that the material's textures need.
-    pub textures: TextureRequirements,
+    pub texture_requirements: TextureRequirements,
 }
 
 /// Emission of a material.
@@ -100,15 +100,15 @@ pub(super) struct MaterialEmission {
 impl Resolver<'_> {
     /// Returns the properties of the current material.
     pub fn current_material(&self) -> Option<&AddedMaterial> {
-        self.materials.get(self.material as usize)
+        self.materials.get(self.current_material_index as usize)
     }
 
     /// Keeps the error of `result`, if any, and returns `Ok`, so that building can continue.
     ///
-    /// Returns the error instead if memory is exhausted, or if `MAX_ERRORS` is reached.
+    /// Returns the error instead if memory is exhausted, or if `MAX_REPORTED_ERRORS` is reached.
     pub fn record_error(&mut self, result: Result<(), SceneError>) -> Result<(), SceneError> {
         match result {
-            Err(error) if error.is_out_of_memory() || self.errors.len() + 1 >= MAX_ERRORS => Err(error),
+            Err(error) if error.is_out_of_memory() || self.errors.len() + 1 >= MAX_REPORTED_ERRORS => Err(error),
             Err(error) => {
                 self.errors.push(error);
                 Ok(())
@@ -156,7 +156,7 @@ impl Resolver<'_> {
             return Ok(written.to_owned());
         }
         let extension = lowercase_extension(written);
-        if kind == "mesh" && is_unread_mesh_format(&extension) {
+        if kind == "mesh" && is_unsupported_mesh_format(&extension) {
             let message = format!("meshes of the format `.{extension}` are not read");
             return Err(self.file_error(path, &message, "convert it to OBJ or PLY, which are read"));
         }

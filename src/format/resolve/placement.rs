@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::span::Span;
 use crate::math::{Motion, Transform};
-use crate::shape::{Instance, Mesh, MeshWithBvh, Shape, TextureMappingKind};
+use crate::shape::{Mesh, MeshInstance, MeshWithBvh, Shape, TextureMappingKind};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ pub(in crate::format) struct ObjectEmission {
     /// Radiance in W/(m² sr); the mean radiance if a texture varies it.
     pub radiance: Rgb,
     /// True if the radiance is set on the object, not on its material.
-    pub is_of_object: bool,
+    pub is_set_on_object: bool,
     /// Index of the emission texture, and the factor from its values to radiance; `None` for
     /// constant emission.
     pub texture: Option<(u32, Rgb)>,
@@ -27,7 +27,7 @@ pub(in crate::format) struct ObjectPlacement<'p> {
     /// Motion from object space to world space.
     pub to_world: &'p Motion,
     /// Transform from object space to world space at the time when the shutter opens.
-    pub at_shutter_open: Transform,
+    pub to_world_at_open: Transform,
     /// Span of the object, for errors.
     pub span: Span,
 }
@@ -70,7 +70,7 @@ impl NormalizedMesh {
 /// Sets the emission texture of the object that was added last, if the emission has a texture.
 pub(in crate::format) fn set_emission_texture(r: &mut Resolver<'_>, emission: &ObjectEmission) {
     if let Some((texture, scale)) = emission.texture {
-        r.builder.set_emission_texture(texture, scale);
+        r.builder.set_last_emission_texture(texture, scale);
     }
 }
 
@@ -82,18 +82,18 @@ pub(in crate::format) fn add_placed_shape(
     emission: Rgb,
 ) -> Result<(), SceneError> {
     let flat = || r.error_at(placement.span, "this shape is squeezed flat", "scale it less");
-    let placed = shape.transformed(&placement.at_shutter_open).ok_or_else(flat)?;
+    let placed = shape.transformed(&placement.to_world_at_open).ok_or_else(flat)?;
     if placement.to_world.is_constant() {
-        r.builder.add_shape(placed, r.material, emission);
+        r.builder.add_shape(placed, r.current_material_index, emission);
     } else {
-        r.builder.add_moving_shape(shape, placement.to_world.clone(), r.material, emission);
+        r.builder.add_moving_shape(shape, placement.to_world.clone(), r.current_material_index, emission);
     }
     Ok(())
 }
 
 /// True if the current material has a texture.
 fn is_current_material_textured(r: &Resolver<'_>) -> bool {
-    r.current_material().is_some_and(|material| material.textures.uses_textures)
+    r.current_material().is_some_and(|material| material.texture_requirements.uses_textures)
 }
 
 /// Sets the texture mapping of the object that was added last, if its material has textures.
@@ -103,14 +103,14 @@ pub(in crate::format) fn set_texture_mapping_if_needed(
     to_world: &Motion,
 ) {
     if is_current_material_textured(r) {
-        r.builder.set_texture_mapping(kind, to_world);
+        r.builder.set_last_texture_mapping(kind, to_world);
     }
 }
 
 /// Sets the texture coordinates of the mesh that was added last, if its material has textures.
-pub(in crate::format) fn set_texcoords(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
+pub(in crate::format) fn set_texcoords_if_needed(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
     if let Some(texcoords) = texcoords.filter(|_| is_current_material_textured(r)) {
-        r.builder.set_texcoords(texcoords);
+        r.builder.set_last_mesh_texcoords(texcoords);
     }
 }
 
@@ -133,7 +133,7 @@ pub(in crate::format) fn add_instance(
         }
     }
     let to_original = r.invertible_transform(mesh.to_original, span)?;
-    let shape = Shape::Instance(Instance::new(Arc::clone(&mesh.mesh), to_original));
+    let shape = Shape::Instance(MeshInstance::new(Arc::clone(&mesh.mesh), to_original));
     add_placed_shape(r, placement, shape, emission)
 }
 
@@ -152,7 +152,7 @@ pub(in crate::format) fn add_still_mesh(
     // A mirroring map reverses the winding. Swapping two corners keeps the outer side outside.
     let orient = |[a, b, c]: [u32; 3]| if map.swaps_handedness() { [a, c, b] } else { [a, b, c] };
     let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(orient).collect();
-    r.builder.add_mesh(&positions, &normals, &triangles, r.material, emission);
+    r.builder.add_mesh(&positions, &normals, &triangles, r.current_material_index, emission);
 }
 
 /// Adds a shape with the current material, its own texture mapping `mapping` and its emission.

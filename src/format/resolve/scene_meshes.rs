@@ -20,7 +20,7 @@ pub(super) fn mesh_key(file: &Path, options: MeshOptions) -> MeshKey {
 /// Meshes of a scene as they were read, with the hierarchies of their instances.
 ///
 /// A later version of the scene shares those that have not changed, see
-/// [`resolve_after`](crate::format::SceneFile::resolve_after).
+/// [`resolve_incrementally`](crate::format::SceneFile::resolve_incrementally).
 /// The list holds the meshes that the scene itself uses, so edits do not make it grow.
 #[derive(Clone, Default)]
 pub struct SceneMeshes(HashMap<MeshKey, Arc<PreparedMesh>>);
@@ -74,17 +74,17 @@ impl MeshSource {
 pub(super) struct PreparedMesh {
     source: MeshSource,
     /// Arguments of the `mtllib` lines of an OBJ file.
-    pub libraries: Vec<String>,
+    pub mtllib_arguments: Vec<String>,
     /// Names of the materials that the parts refer to; empty if the mesh is not split.
-    pub materials: Vec<String>,
+    pub material_names: Vec<String>,
     pub parts: Vec<Arc<PreparedPart>>,
 }
 
 /// Triangles of a mesh file that have the same material.
 pub(in crate::format) struct PreparedPart {
     pub mesh: Arc<TriangleMesh>,
-    /// Index of the material in [`PreparedMesh::materials`]; `None` for triangles that have the
-    /// current material of the scene text.
+    /// Index of the material in [`PreparedMesh::material_names`]; `None` for triangles that have
+    /// the current material of the scene text.
     pub material: Option<usize>,
     /// Geometry that instances share; built for the first of them.
     normalized: OnceLock<NormalizedMesh>,
@@ -98,18 +98,18 @@ impl PreparedMesh {
             Arc::make_mut(&mut mesh).normals = None;
         }
         if let Some(angle) = options.max_smoothing_angle {
-            Arc::make_mut(&mut mesh).compute_smooth_normals(angle);
+            Arc::make_mut(&mut mesh).compute_missing_smooth_normals(angle);
         }
         if !options.uses_file_materials || mesh.materials.is_empty() {
             let parts = vec![Arc::new(PreparedPart::new(mesh, None))];
-            return Self { source, libraries, materials: Vec::new(), parts };
+            return Self { source, mtllib_arguments: libraries, material_names: Vec::new(), parts };
         }
         let part = |(number, part): (u32, TriangleMesh)| {
             let material = (number != NO_MATERIAL).then_some(number as usize);
             Arc::new(PreparedPart::new(Arc::new(part), material))
         };
         let parts = mesh.split_by_material().into_iter().map(part).collect();
-        Self { source, libraries, materials: mesh.materials.clone(), parts }
+        Self { source, mtllib_arguments: libraries, material_names: mesh.materials.clone(), parts }
     }
 }
 
@@ -119,7 +119,7 @@ impl PreparedPart {
     }
 
     /// True if the hierarchy of the part's instances exists.
-    pub fn has_hierarchy(&self) -> bool {
+    pub fn has_bvh(&self) -> bool {
         self.normalized.get().is_some()
     }
 

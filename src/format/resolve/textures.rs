@@ -40,7 +40,7 @@ pub(in crate::format) struct TextureRequirements {
 const EMBEDDED_BYTES_PER_PIXEL: u64 = 28;
 
 /// Allowed texture values of parameters without an upper bound, such as radiance.
-pub(in crate::format) const ANY_TEXTURE_VALUE: RangeInclusive<f32> = 0.0..=f32::MAX;
+pub(in crate::format) const NON_NEGATIVE_TEXTURE_RANGE: RangeInclusive<f32> = 0.0..=f32::MAX;
 
 /// Allowed texture values of reflectance, transmittance, roughness and mix amounts.
 const UNIT_RANGE: RangeInclusive<f32> = 0.0..=1.0;
@@ -63,7 +63,7 @@ impl<'a> Resolver<'a> {
         let image = self.read_picture(path, content)?;
         let mip_map = MipMap::new(&image, wrap)
             .map_err(|e| self.file_error(path, &e, "a texture's values must be finite and not negative"))?;
-        Ok(self.add_texture(Texture::Image(mip_map, to_picture), content == PixelMeaning::Radiance))
+        Ok(self.add_texture(Texture::Image(mip_map, to_picture), content == PixelMeaning::Color))
     }
 
     /// Returns the embedded picture with this path, or else reads the picture file.
@@ -119,9 +119,9 @@ impl<'a> Resolver<'a> {
         content: PixelMeaning,
     ) -> Result<AddedTexture, SceneError> {
         if self.textures.contains_key(name.as_str()) {
-            return self.texture_by_name(name, &ANY_TEXTURE_VALUE);
+            return self.texture_by_name(name, &NON_NEGATIVE_TEXTURE_RANGE);
         }
-        let key: (PathBuf, bool) = (self.find_file("texture or picture", name)?, content == PixelMeaning::Radiance);
+        let key: (PathBuf, bool) = (self.find_file("texture or picture", name)?, content == PixelMeaning::Color);
         if let Some(texture) = self.pictures.get(&key) {
             return Ok(*texture);
         }
@@ -140,7 +140,7 @@ impl<'a> Resolver<'a> {
         requirements: &mut TextureRequirements,
     ) -> Result<MaterialParameter<Rgb>, SceneError> {
         match value {
-            TexturedValue::Plain(color) => Ok(MaterialParameter::Constant(rgb(*color))),
+            TexturedValue::Constant(color) => Ok(MaterialParameter::Constant(rgb(*color))),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, range)?;
                 requirements.add_texture_requirements(&texture);
@@ -157,7 +157,7 @@ impl<'a> Resolver<'a> {
         requirements: &mut TextureRequirements,
     ) -> Result<MaterialParameter<f32>, SceneError> {
         match value {
-            TexturedValue::Plain(number) => Ok(MaterialParameter::Constant(*number as f32)),
+            TexturedValue::Constant(number) => Ok(MaterialParameter::Constant(*number as f32)),
             TexturedValue::Texture(name) => {
                 let texture = self.texture_by_name(name, &UNIT_RANGE)?;
                 requirements.add_texture_requirements(&texture);
@@ -191,9 +191,9 @@ impl<'a> Resolver<'a> {
         requirements: &mut TextureRequirements,
     ) -> Result<MaterialParameter<Rgb>, SceneError> {
         let Some(name) = texture else {
-            return self.resolve_color_parameter(diffuse, &ANY_TEXTURE_VALUE, requirements);
+            return self.resolve_color_parameter(diffuse, &NON_NEGATIVE_TEXTURE_RANGE, requirements);
         };
-        let TexturedValue::Plain(factor) = diffuse else {
+        let TexturedValue::Constant(factor) = diffuse else {
             let help = "give `diffuseColor` in numbers, or leave `texture` out";
             return Err(SceneError::error_at_span(
                 self.source,
@@ -203,7 +203,7 @@ impl<'a> Resolver<'a> {
                 help,
             ));
         };
-        let texture = self.texture_or_picture(name, PixelMeaning::Radiance)?;
+        let texture = self.texture_or_picture(name, PixelMeaning::Color)?;
         requirements.add_texture_requirements(&texture);
         let factor = rgb(*factor);
         Ok(MaterialParameter::Texture { texture: texture.index, factor, mean: factor * texture.mean })
@@ -219,12 +219,13 @@ impl<'a> Resolver<'a> {
         path: &Spanned<String>,
         file_material: Option<&str>,
     ) -> Result<(), SceneError> {
-        let requirements = self.current_material().map(|material| material.textures).unwrap_or_default();
+        let requirements = self.current_material().map(|material| material.texture_requirements).unwrap_or_default();
         if has_texcoords || !requirements.needs_texcoords {
             return Ok(());
         }
         let name = file_material.or_else(|| self.current_material().and_then(|material| material.name.as_deref()));
-        let material = name.map_or(format!("material {}", self.material), |name| format!("the material `{name}`"));
+        let material =
+            name.map_or(format!("material {}", self.current_material_index), |name| format!("the material `{name}`"));
         let message = format!("the mesh `{}` has no texture coordinates, which {material} needs", path.value);
         let help = "export it with texture coordinates (lines `vt`), or use Noise, Marble or Wood, which need none";
         Err(self.file_error(path, &message, help))

@@ -32,7 +32,7 @@ impl ShapeBlock for BoxDescription {
     const BLOCK: &'static BlockSchema = &BOX;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let (min, max): (DVec3, DVec3) = (f.value("min")?, f.value("max")?);
+        let (min, max): (DVec3, DVec3) = (f.value_or_default("min")?, f.value_or_default("max")?);
         f.require_field("max")?.ensure_valid(max.cmpgt(min).all(), "must be above `min` in every coordinate")?;
         Ok(Self { min, max })
     }

@@ -30,13 +30,13 @@ static BEZIER_CURVE: BlockSchema =
     block_schema("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
         .with_fields(&[BEZIER_CONTROLS])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_as_course_syntax();
+        .mark_as_mit_6837_syntax();
 
 static BSPLINE_CURVE: BlockSchema =
     block_schema("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
         .with_fields(&[BSPLINE_CONTROLS])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_as_course_syntax();
+        .mark_as_mit_6837_syntax();
 
 impl ShapeBlock for BezierCurveDescription {
     const BLOCK: &'static BlockSchema = &BEZIER_CURVE;

@@ -35,7 +35,11 @@ impl ShapeBlock for DiscDescription {
     const BLOCK: &'static BlockSchema = &DISC;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { center: f.value("center")?, normal: f.value("normal")?, radius: f.value("radius")? })
+        Ok(Self {
+            center: f.value_or_default("center")?,
+            normal: f.value_or_default("normal")?,
+            radius: f.value_or_default("radius")?,
+        })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {

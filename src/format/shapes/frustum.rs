@@ -64,7 +64,7 @@ impl ShapeBlock for CylinderDescription {
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         let (ends, is_capped) = parse_ends_and_caps(f)?;
-        Ok(Self { ends, radius: f.value("radius")?, is_capped })
+        Ok(Self { ends, radius: f.value_or_default("radius")?, is_capped })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -93,7 +93,7 @@ impl ShapeBlock for ConeDescription {
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         let (ends, is_capped) = parse_ends_and_caps(f)?;
-        Ok(Self { ends, radii: [f.value("radius")?, f.value("topRadius")?], is_capped })
+        Ok(Self { ends, radii: [f.value_or_default("radius")?, f.value_or_default("topRadius")?], is_capped })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -122,7 +122,7 @@ impl ShapeBlock for ConeDescription {
 
 /// Returns the centers of both ends of a cylinder or cone, and true if discs close the ends.
 fn parse_ends_and_caps(f: &BlockFields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
-    let ends = [f.value("bottom")?, f.value("top")?];
+    let ends = [f.value_or_default("bottom")?, f.value_or_default("top")?];
     f.require_field("top")?.ensure_valid(ends[0] != ends[1], "must differ from `bottom`")?;
     Ok((ends, f.field_word_or_default("caps")? == "yes"))
 }

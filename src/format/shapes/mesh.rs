@@ -27,7 +27,7 @@ static MESH: BlockSchema = block_schema("TriangleMesh", "triangle mesh in a file
         field_schema("obj_file", FieldKind::Name, "OBJ or PLY file")
             .with_alias("file")
             .make_required()
-            .mark_as_course_syntax(),
+            .mark_as_mit_6837_syntax(),
         field_schema(
             "materials",
             FieldKind::Word(&["scene", "file"]),
@@ -37,12 +37,12 @@ static MESH: BlockSchema = block_schema("TriangleMesh", "triangle mesh in a file
         field_schema("normals", FieldKind::Word(&["file", "none"]), "`none` ignores the file's normals")
             .with_default_word("file"),
         field_schema("smoothAngle", FieldKind::Number, "greatest angle between faces that are smoothed")
-            .with_range(FieldRange::Within(0.0, 180.0))
-            .with_default_description("faces without normals are flat")
+            .with_range(FieldRange::ClosedInterval(0.0, 180.0))
+            .make_optional("faces without normals are flat")
             .with_unit("degrees"),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_course_syntax();
+    .mark_as_mit_6837_syntax();
 
 impl ShapeBlock for MeshDescription {
     const BLOCK: &'static BlockSchema = &MESH;
@@ -53,12 +53,12 @@ impl ShapeBlock for MeshDescription {
             ignores_normals: f.field_word_or_default("normals")? == "none",
             max_smoothing_angle: f.optional_value("smoothAngle"),
         };
-        Ok(Self { path: f.value("obj_file")?, options })
+        Ok(Self { path: f.value_or_default("obj_file")?, options })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         let ply = self.path.to_ascii_lowercase().ends_with(".ply");
-        out.write_name(if ply { "file" } else { "obj_file" }, &self.path)?;
+        out.write_name_field(if ply { "file" } else { "obj_file" }, &self.path)?;
         if self.options.uses_file_materials {
             out.write_field("materials", "file")?;
         }

@@ -128,8 +128,8 @@ macro_rules! shape_kinds {
             to_world: &Motion,
             emission: &ObjectEmission,
         ) -> Result<(), SceneError> {
-            let at_shutter_open = r.invertible_transform(to_world.at_time(0.0), span)?;
-            let placement = ObjectPlacement { to_world, at_shutter_open, span };
+            let to_world_at_open = r.invertible_transform(to_world.at_time(0.0), span)?;
+            let placement = ObjectPlacement { to_world, to_world_at_open, span };
             match shape {
                 $(ShapeDescription::$kind(shape) => shape.add(r, &placement, emission),)*
             }

@@ -28,19 +28,19 @@ static PLANE: BlockSchema = block_schema("Plane", "infinite plane")
     .with_fields(&[
         field_schema("normal", FieldKind::Direction, "normal; its length scales `offset`")
             .make_required()
-            .mark_as_course_syntax(),
+            .mark_as_mit_6837_syntax(),
         field_schema("offset", FieldKind::Number, "normal · x of the points x of the plane")
             .make_required()
-            .mark_as_course_syntax(),
+            .mark_as_mit_6837_syntax(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_course_syntax();
+    .mark_as_mit_6837_syntax();
 
 impl ShapeBlock for PlaneDescription {
     const BLOCK: &'static BlockSchema = &PLANE;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { normal: f.value("normal")?, offset: f.value("offset")? })
+        Ok(Self { normal: f.value_or_default("normal")?, offset: f.value_or_default("offset")? })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -62,9 +62,13 @@ impl ShapeBlock for PlaneDescription {
         let point = normal * (self.offset / normal.length_squared());
         let plane = Plane::new(point, normal);
         if to_world.is_constant() {
-            r.builder.add_plane(plane.transformed(&placement.at_shutter_open), r.material, emission.radiance);
+            r.builder.add_plane(
+                plane.transformed(&placement.to_world_at_open),
+                r.current_material_index,
+                emission.radiance,
+            );
         } else {
-            r.builder.add_moving_plane(plane, to_world.clone(), r.material, emission.radiance);
+            r.builder.add_moving_plane(plane, to_world.clone(), r.current_material_index, emission.radiance);
         }
         set_texture_mapping_if_needed(r, TextureMappingKind::plane_mapping(normal), to_world);
         set_emission_texture(r, emission);

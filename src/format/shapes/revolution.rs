@@ -26,9 +26,9 @@ static REVOLUTION: BlockSchema =
     block_schema("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
         .with_fields(&[field_schema("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
             .make_required()
-            .mark_as_course_syntax()])
+            .mark_as_mit_6837_syntax()])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_as_course_syntax();
+        .mark_as_mit_6837_syntax();
 
 impl ShapeBlock for RevolutionDescription {
     const BLOCK: &'static BlockSchema = &REVOLUTION;

@@ -23,20 +23,20 @@ pub struct SphereDescription {
 
 static SPHERE: BlockSchema = block_schema("Sphere", "all points at distance `radius` from `center`")
     .with_fields(&[
-        field_schema("center", FieldKind::Point, "center").make_required().mark_as_course_syntax(),
+        field_schema("center", FieldKind::Point, "center").make_required().mark_as_mit_6837_syntax(),
         field_schema("radius", FieldKind::Number, "radius")
             .with_range(FieldRange::Positive)
             .make_required()
-            .mark_as_course_syntax(),
+            .mark_as_mit_6837_syntax(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_course_syntax();
+    .mark_as_mit_6837_syntax();
 
 impl ShapeBlock for SphereDescription {
     const BLOCK: &'static BlockSchema = &SPHERE;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { center: f.value("center")?, radius: f.value("radius")? })
+        Ok(Self { center: f.value_or_default("center")?, radius: f.value_or_default("radius")? })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {

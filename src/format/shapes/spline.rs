@@ -30,7 +30,7 @@ pub struct NurbsDescription {
     /// Degrees along u and v, each from 1 to [`MAX_DEGREE`].
     pub degree: [u32; 2],
     /// Number of control points along u and v, each above the degree.
-    pub count: [u32; 2],
+    pub control_counts: [u32; 2],
     /// Knots along u and v: count + degree + 1 nondecreasing numbers each, or an empty list for
     /// uniform knots.
     pub knots: [Vec<f64>; 2],
@@ -38,11 +38,15 @@ pub struct NurbsDescription {
     pub controls: Vec<DVec4>,
 }
 
-const DEGREE_RANGE: FieldRange = FieldRange::Within(1.0, MAX_DEGREE as f64);
+const DEGREE_RANGE: FieldRange = FieldRange::ClosedInterval(1.0, MAX_DEGREE as f64);
 
 static DEGREE_FIELDS: &[FieldSchema] = &[
-    field_schema("degreeU", FieldKind::Whole, "degree along u").with_range(DEGREE_RANGE).with_default_numbers(&[3.0]),
-    field_schema("degreeV", FieldKind::Whole, "degree along v").with_range(DEGREE_RANGE).with_default_numbers(&[3.0]),
+    field_schema("degreeU", FieldKind::WholeNumber, "degree along u")
+        .with_range(DEGREE_RANGE)
+        .with_default_numbers(&[3.0]),
+    field_schema("degreeV", FieldKind::WholeNumber, "degree along v")
+        .with_range(DEGREE_RANGE)
+        .with_default_numbers(&[3.0]),
 ];
 
 static BEZIER_PATCH: BlockSchema = block_schema("BezierPatch", "one or more Bézier patches of the same degrees")
@@ -56,18 +60,18 @@ static BEZIER_PATCH: BlockSchema = block_schema("BezierPatch", "one or more Béz
 
 static NURBS: BlockSchema = block_schema("NurbsSurface", "rational B-spline surface")
     .with_fields(&[
-        field_schema("countU", FieldKind::Whole, "number of control points along u")
-            .with_range(FieldRange::Special("above the degree"))
+        field_schema("countU", FieldKind::WholeNumber, "number of control points along u")
+            .with_range(FieldRange::DescribedOnly("above the degree"))
             .make_required(),
-        field_schema("countV", FieldKind::Whole, "number of control points along v")
-            .with_range(FieldRange::Special("above the degree"))
+        field_schema("countV", FieldKind::WholeNumber, "number of control points along v")
+            .with_range(FieldRange::DescribedOnly("above the degree"))
             .make_required(),
-        field_schema("knotsU", FieldKind::Numbers, "`countU` + `degreeU` + 1 knots along u")
-            .with_range(FieldRange::Special("nondecreasing"))
-            .with_default_description("uniform"),
-        field_schema("knotsV", FieldKind::Numbers, "`countV` + `degreeV` + 1 knots along v")
-            .with_range(FieldRange::Special("nondecreasing"))
-            .with_default_description("uniform"),
+        field_schema("knotsU", FieldKind::NumberList, "`countU` + `degreeU` + 1 knots along u")
+            .with_range(FieldRange::DescribedOnly("nondecreasing"))
+            .make_optional("uniform"),
+        field_schema("knotsV", FieldKind::NumberList, "`countV` + `degreeV` + 1 knots along v")
+            .with_range(FieldRange::DescribedOnly("nondecreasing"))
+            .make_optional("uniform"),
         field_schema("controls", FieldKind::WeightedPoints, "control points, those along v first").make_required(),
     ])
     .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
@@ -76,7 +80,7 @@ impl ShapeBlock for BezierPatchesDescription {
     const BLOCK: &'static BlockSchema = &BEZIER_PATCH;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let degree: [u32; 2] = [f.value("degreeU")?, f.value("degreeV")?];
+        let degree: [u32; 2] = [f.value_or_default("degreeU")?, f.value_or_default("degreeV")?];
         let points_per_patch = (degree[0] as usize + 1) * (degree[1] as usize + 1);
         let controls = f.require_field("controls")?;
         let found = controls.weighted_points().len();
@@ -119,9 +123,9 @@ impl ShapeBlock for NurbsDescription {
     const BLOCK: &'static BlockSchema = &NURBS;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let degree = [f.value("degreeU")?, f.value("degreeV")?];
+        let degree = [f.value_or_default("degreeU")?, f.value_or_default("degreeV")?];
         let parse_count = |name: &str, degree: u32| {
-            let count: u32 = f.value(name)?;
+            let count: u32 = f.value_or_default(name)?;
             f.require_field(name)?.ensure_valid(count > degree, "must be above the degree")?;
             Ok(count)
         };
@@ -132,13 +136,13 @@ impl ShapeBlock for NurbsDescription {
         let (wanted, found) = (u64::from(count[0]) * u64::from(count[1]), controls.weighted_points().len() as u64);
         let rule = format!("must hold countU · countV = {wanted} points, and holds {found}");
         controls.ensure_valid(found == wanted, &rule)?;
-        Ok(Self { degree, count, knots, controls: controls.weighted_points().to_vec() })
+        Ok(Self { degree, control_counts: count, knots, controls: controls.weighted_points().to_vec() })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         write_degrees(out, &self.degree)?;
-        out.write_field("countU", self.count[0])?;
-        out.write_field("countV", self.count[1])?;
+        out.write_field("countU", self.control_counts[0])?;
+        out.write_field("countV", self.control_counts[1])?;
         for (name, knots) in ["knotsU", "knotsV"].into_iter().zip(&self.knots).filter(|(_, k)| !k.is_empty()) {
             out.write_field(name, SpacedNumbers(knots))?;
         }
@@ -151,7 +155,7 @@ impl ShapeBlock for NurbsDescription {
         placement: &ObjectPlacement<'_>,
         emission: &ObjectEmission,
     ) -> Result<(), SceneError> {
-        let basis = |i: usize| match (self.degree[i] as usize, self.count[i] as usize) {
+        let basis = |i: usize| match (self.degree[i] as usize, self.control_counts[i] as usize) {
             (degree, count) if self.knots[i].is_empty() => SplineBasis::uniform_spline_basis(degree, count),
             (degree, count) => SplineBasis::new(degree, count, self.knots[i].clone()),
         };
@@ -185,14 +189,14 @@ fn write_degrees(out: &mut SceneWriter<'_, '_>, degree: &[u32; 2]) -> fmt::Resul
 
 /// Converts the error of an invalid curve or surface to a scene error with a remedy.
 pub(super) fn spline_error(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError {
-    if matches!(error, SplineError::Memory { .. }) {
+    if matches!(error, SplineError::MemoryLimitExceeded { .. }) {
         let help = "bend surfaces less, or let the scene have more memory (--memory)";
         return r.error_at(span, &error.to_string(), help).marked_out_of_memory();
     }
     let help = match error {
-        SplineError::Degree(_) => "join curves of lower degree, or use a B-spline",
+        SplineError::InvalidDegree(_) => "join curves of lower degree, or use a B-spline",
         SplineError::TooLarge => "choose units in which coordinates are below 1e100",
-        SplineError::Narrow(_) => "give that knot and the next the same value, or part them further",
+        SplineError::NarrowKnotSpan(_) => "give that knot and the next the same value, or part them further",
         SplineError::NoArea => "move control points off the axis and away from each other, or leave it out",
         _ => "give control points and knots that fit",
     };

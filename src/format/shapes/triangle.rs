@@ -8,8 +8,8 @@ use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, fiel
 use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{
-    NormalizedMesh, ObjectEmission, ObjectPlacement, add_instance, add_still_mesh, set_emission_texture, set_texcoords,
-    set_texture_mapping_if_needed,
+    NormalizedMesh, ObjectEmission, ObjectPlacement, add_instance, add_still_mesh, set_emission_texture,
+    set_texcoords_if_needed, set_texture_mapping_if_needed,
 };
 use crate::shape::TextureMappingKind;
 use glam::{DVec2, DVec3};
@@ -23,34 +23,33 @@ pub struct TriangleDescription {
     /// Shading normals at the corners, of any length; `None` for the triangle's geometric normal.
     pub normals: Option<[DVec3; 3]>,
     /// Texture coordinates at the corners; `None` for (0, 0), (1, 0), (0, 1).
-    pub uv: Option<Box<[DVec2; 3]>>,
+    pub texcoords: Option<Box<[DVec2; 3]>>,
 }
 
 static TRIANGLE: BlockSchema = block_schema("Triangle", "triangle; its area may be 0")
     .with_fields(&[
-        field_schema("vertex0", FieldKind::Point, "first vertex").make_required().mark_as_course_syntax(),
-        field_schema("vertex1", FieldKind::Point, "second vertex").make_required().mark_as_course_syntax(),
-        field_schema("vertex2", FieldKind::Point, "third vertex").make_required().mark_as_course_syntax(),
+        field_schema("vertex0", FieldKind::Point, "first vertex").make_required().mark_as_mit_6837_syntax(),
+        field_schema("vertex1", FieldKind::Point, "second vertex").make_required().mark_as_mit_6837_syntax(),
+        field_schema("vertex2", FieldKind::Point, "third vertex").make_required().mark_as_mit_6837_syntax(),
         field_schema("normal0", FieldKind::Direction, "shading normal at the first vertex; give all three or none"),
         field_schema("normal1", FieldKind::Direction, "shading normal at the second vertex"),
         field_schema("normal2", FieldKind::Direction, "shading normal at the third vertex"),
         field_schema("uv0", FieldKind::Pair, "texture coordinates at the first vertex; give all three or none")
-            .with_default_description("0 0"),
-        field_schema("uv1", FieldKind::Pair, "texture coordinates at the second vertex")
-            .with_default_description("1 0"),
-        field_schema("uv2", FieldKind::Pair, "texture coordinates at the third vertex").with_default_description("0 1"),
+            .make_optional("0 0"),
+        field_schema("uv1", FieldKind::Pair, "texture coordinates at the second vertex").make_optional("1 0"),
+        field_schema("uv2", FieldKind::Pair, "texture coordinates at the third vertex").make_optional("0 1"),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_course_syntax();
+    .mark_as_mit_6837_syntax();
 
 impl ShapeBlock for TriangleDescription {
     const BLOCK: &'static BlockSchema = &TRIANGLE;
 
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         Ok(Self {
-            vertices: [f.value("vertex0")?, f.value("vertex1")?, f.value("vertex2")?],
+            vertices: [f.value_or_default("vertex0")?, f.value_or_default("vertex1")?, f.value_or_default("vertex2")?],
             normals: parse_three_optional_fields(f, ["normal0", "normal1", "normal2"])?,
-            uv: parse_three_optional_fields(f, ["uv0", "uv1", "uv2"])?.map(Box::new),
+            texcoords: parse_three_optional_fields(f, ["uv0", "uv1", "uv2"])?.map(Box::new),
         })
     }
 
@@ -61,7 +60,7 @@ impl ShapeBlock for TriangleDescription {
         for (i, normal) in self.normals.iter().flatten().enumerate() {
             out.write_vec3(&format!("normal{i}"), *normal)?;
         }
-        for (i, uv) in self.uv.iter().flat_map(|uv| uv.iter()).enumerate() {
+        for (i, uv) in self.texcoords.iter().flat_map(|uv| uv.iter()).enumerate() {
             out.write_vec2(&format!("uv{i}"), *uv)?;
         }
         Ok(())
@@ -75,10 +74,10 @@ impl ShapeBlock for TriangleDescription {
     ) -> Result<(), SceneError> {
         let (vertices, to_world) = (&self.vertices, placement.to_world);
         let normals = self.normals.as_ref().map(|n| n.as_slice());
-        let uv = self.uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
+        let uv = self.texcoords.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
         if to_world.is_constant() {
-            add_still_mesh(r, &placement.at_shutter_open, vertices, normals, &[[0, 1, 2]], emission.radiance);
-            set_texcoords(r, Some(&uv));
+            add_still_mesh(r, &placement.to_world_at_open, vertices, normals, &[[0, 1, 2]], emission.radiance);
+            set_texcoords_if_needed(r, Some(&uv));
         } else {
             let mesh = NormalizedMesh::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
             add_instance(r, placement, &mesh, emission.radiance)?;
@@ -104,5 +103,5 @@ fn parse_three_optional_fields<T: FromFieldValue>(
     if names.iter().all(|name| f.get(name).is_none()) {
         return Ok(None);
     }
-    Ok(Some([f.value(names[0])?, f.value(names[1])?, f.value(names[2])?]))
+    Ok(Some([f.value_or_default(names[0])?, f.value_or_default(names[1])?, f.value_or_default(names[2])?]))
 }

@@ -16,9 +16,9 @@ pub fn random_refractive_index() -> impl Strategy<Value = RefractiveIndexDescrip
         glass.refractive_index_range().is_some_and(|[least, most]| least >= 1e-3 && most <= 1e3)
     };
     prop_oneof![
-        (1e-3..=1e3).prop_map(RefractiveIndexDescription::Index),
-        random_name().prop_map(|name| RefractiveIndexDescription::Named(Spanned::new(name, Span::default()))),
+        (1e-3..=1e3).prop_map(RefractiveIndexDescription::Constant),
+        random_name().prop_map(|name| RefractiveIndexDescription::NamedGlass(Spanned::new(name, Span::default()))),
         (1.0..=3.0, 9.0..=1e9).prop_map(|(index, abbe)| RefractiveIndexDescription::Abbe { index, abbe }),
-        prop_oneof![cauchy, sellmeier].prop_filter("no index", within).prop_map(RefractiveIndexDescription::Glass),
+        prop_oneof![cauchy, sellmeier].prop_filter("no index", within).prop_map(RefractiveIndexDescription::Formula),
     ]
 }

@@ -65,7 +65,7 @@ fn random_projection() -> impl Strategy<Value = ProjectionDescription> {
 
 fn random_point_light_strength() -> impl Strategy<Value = PointLightStrength> {
     (random_color(), 0..3).prop_map(|(c, kind)| match kind {
-        0 => PointLightStrength::Color(c),
+        0 => PointLightStrength::LegacyColor(c),
         1 => PointLightStrength::Intensity(c),
         _ => PointLightStrength::Power(c),
     })
@@ -88,25 +88,34 @@ fn random_still_light() -> impl Strategy<Value = LightDescription> {
         (random_point(), random_point_light_strength())
             .prop_map(|(position, strength)| LightDescription::Point(PointLightDescription { position, strength })),
         (random_direction(), random_color(), any::<bool>()).prop_map(|(direction, c, physical)| {
-            let strength =
-                if physical { DirectionalLightStrength::Irradiance(c) } else { DirectionalLightStrength::Color(c) };
+            let strength = if physical {
+                DirectionalLightStrength::Irradiance(c)
+            } else {
+                DirectionalLightStrength::LegacyColor(c)
+            };
             LightDescription::Directional(DirectionalLightDescription { direction, strength })
         }),
         (random_point(), random_direction(), 1e-9..=360.0, 0.0..=0.5, random_point_light_strength()).prop_map(
-            |(position, axis, angle, rim, strength)| {
+            |(position, axis, full_cone_angle_degrees, rim, strength)| {
                 let aim = DirectionOrTarget::Direction(axis);
-                LightDescription::Spot(SpotLightDescription { position, aim, angle, penumbra: rim * angle, strength })
+                LightDescription::Spot(SpotLightDescription {
+                    position,
+                    aim,
+                    full_cone_angle_degrees,
+                    penumbra_degrees: rim * full_cone_angle_degrees,
+                    strength,
+                })
             }
         ),
         (random_point(), random_direction(), random_name(), 1e-9..180.0, random_color(), 0..3u8).prop_map(
-            |(position, axis, path, angle, c, kind)| {
+            |(position, axis, path, vertical_fov_degrees, c, kind)| {
                 let path = with_empty_span(path);
                 let pose = LightPose { position, aim: DirectionOrTarget::Direction(axis), up: None };
                 let strength = PointLightStrength::Intensity(c);
                 let distribution = match kind {
-                    0 => return ProjectorLightDescription { pose, angle, path, strength }.into(),
-                    1 => IntensityDistribution::Map(path),
-                    _ => IntensityDistribution::Profile(path),
+                    0 => return ProjectorLightDescription { pose, vertical_fov_degrees, path, strength }.into(),
+                    1 => IntensityDistribution::MapFile(path),
+                    _ => IntensityDistribution::ProfileFile(path),
                 };
                 GoniometricLightDescription { pose, distribution, strength }.into()
             }
@@ -141,8 +150,9 @@ fn random_vec2() -> impl Strategy<Value = DVec2> {
 fn random_texture_kind() -> impl Strategy<Value = TextureKindDescription> {
     let part = || prop_oneof![-1e3..-1e-3, 1e-3..1e3];
     let coordinates = || {
-        ([part(), part()].prop_map(DVec2::from_array), random_finite_number(), random_vec2())
-            .prop_map(|(scale, rotate, offset)| TexcoordTransformDescription { scale, rotate, offset })
+        ([part(), part()].prop_map(DVec2::from_array), random_finite_number(), random_vec2()).prop_map(
+            |(scale, rotate, offset)| TexcoordTransformDescription { scale, rotation_degrees: rotate, offset },
+        )
     };
     let encoding = prop_oneof![Just(PictureEncoding::Srgb), Just(PictureEncoding::Linear)];
     let wrap = prop_oneof![Just(WrapMode::Repeat), Just(WrapMode::Clamp), Just(WrapMode::Mirror)];
@@ -177,7 +187,7 @@ fn random_textured_value<T: std::fmt::Debug + Clone>(
 ) -> impl Strategy<Value = TexturedValue<T>> {
     (plain, option::weighted(0.3, any::<u8>())).prop_map(|(plain, texture)| match texture {
         Some(i) => TexturedValue::Texture(with_empty_span(i.to_string())),
-        None => TexturedValue::Plain(plain),
+        None => TexturedValue::Constant(plain),
     })
 }
 
@@ -187,7 +197,7 @@ fn assign_texture_name<T>(value: &mut TexturedValue<T>, textures: &[Spanned<Text
         let number: usize = name.value.parse().unwrap();
         match textures.get(number % textures.len().max(1)) {
             Some(texture) => name.value = texture.value.name.clone(),
-            None => *value = TexturedValue::Plain(plain),
+            None => *value = TexturedValue::Constant(plain),
         }
     }
 }
@@ -200,12 +210,12 @@ fn assign_texture_names(material: &mut MaterialDescription, textures: &[Spanned<
         }
         MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: tint })
         | MaterialKindDescription::Mirror(MirrorDescription { reflectance: tint })
-        | MaterialKindDescription::Thin(ThinDescription { transmittance: tint, .. }) => {
+        | MaterialKindDescription::Thin(ThinDielectricDescription { transmittance: tint, .. }) => {
             assign_texture_name(tint, textures, DVec3::ONE)
         }
         MaterialKindDescription::Dielectric(DielectricDescription { roughness: degree, .. })
         | MaterialKindDescription::Conductor(ConductorDescription { roughness: degree, .. })
-        | MaterialKindDescription::Mix(MixDescription { amount: degree, .. }) => {
+        | MaterialKindDescription::Mix(MixDescription { second_probability: degree, .. }) => {
             assign_texture_name(degree, textures, 0.5)
         }
         MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription { reflectance, roughness, .. }) => {
@@ -256,7 +266,7 @@ fn textures_with_unique_names(drafts: Vec<(String, TextureKindDescription)>) -> 
 type MaterialParts = (MaterialKindDescription, Option<EmissionDescription>, Option<NormalPerturbationDescription>);
 
 fn random_material_parts() -> impl Strategy<Value = MaterialParts> {
-    let attenuation = prop_oneof![
+    let absorption = prop_oneof![
         Just(DielectricAbsorption::None),
         random_coefficients().prop_map(DielectricAbsorption::Coefficient),
         (random_fractions(), 1e-9..1e30).prop_map(|(color, distance)| DielectricAbsorption::Tint { color, distance }),
@@ -281,25 +291,28 @@ fn random_material_parts() -> impl Strategy<Value = MaterialParts> {
             .prop_map(|reflectance| MaterialKindDescription::Diffuse(DiffuseDescription { reflectance })),
         random_textured_value(random_fractions())
             .prop_map(|reflectance| MaterialKindDescription::Mirror(MirrorDescription { reflectance })),
-        (random_refractive_index(), attenuation, random_textured_value(0.0..=1.0), any::<(bool, u8)>()).prop_map(
-            |(refraction, attenuation, roughness, (multiple_scattering, priority))| {
+        (random_refractive_index(), absorption, random_textured_value(0.0..=1.0), any::<(bool, u8)>()).prop_map(
+            |(refraction, absorption, roughness, (has_multiple_scattering, priority))| {
                 MaterialKindDescription::Dielectric(DielectricDescription {
                     refraction,
-                    attenuation,
+                    absorption,
                     roughness,
-                    multiple_scattering,
+                    has_multiple_scattering,
                     priority,
                 })
             }
         ),
-        (metal, random_textured_value(0.0..=1.0), any::<bool>()).prop_map(|(metal, roughness, multiple_scattering)| {
-            MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, multiple_scattering })
+        (metal, random_textured_value(0.0..=1.0), any::<bool>()).prop_map(
+            |(metal, roughness, has_multiple_scattering)| {
+                MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, has_multiple_scattering })
+            }
+        ),
+        (index(), random_textured_value(random_fractions())).prop_map(|(eta, transmittance)| {
+            MaterialKindDescription::Thin(ThinDielectricDescription { eta, transmittance })
         }),
-        (index(), random_textured_value(random_fractions()))
-            .prop_map(|(eta, transmittance)| MaterialKindDescription::Thin(ThinDescription { eta, transmittance })),
         (random_textured_value(random_fractions()), 1.0..=4.0, random_textured_value(0.0..=1.0), any::<bool>())
-            .prop_map(|(reflectance, eta, roughness, nonlinear)| MaterialKindDescription::CoatedDiffuse(
-                CoatedDiffuseDescription { reflectance, eta, roughness, nonlinear }
+            .prop_map(|(reflectance, eta, roughness, is_nonlinear)| MaterialKindDescription::CoatedDiffuse(
+                CoatedDiffuseDescription { reflectance, eta, roughness, is_nonlinear }
             )),
     ];
     (kind, option::of(random_emission()), option::of(random_normal_perturbation()))
@@ -362,10 +375,10 @@ fn random_shape() -> impl Strategy<Value = ShapeDescription> {
             option::of([random_direction(), random_direction(), random_direction()]),
             option::of([random_vec2(), random_vec2(), random_vec2()].prop_map(Box::new))
         )
-            .prop_map(|(vertices, normals, uv)| ShapeDescription::Triangle(TriangleDescription {
+            .prop_map(|(vertices, normals, texcoords)| ShapeDescription::Triangle(TriangleDescription {
                 vertices,
                 normals,
-                uv
+                texcoords
             })),
         (random_mesh_path(), any::<bool>(), any::<bool>(), option::of(0.0..=180.0)).prop_map(
             |(path, uses_file_materials, ignores_normals, max_smoothing_angle)| {
@@ -386,7 +399,7 @@ fn random_shape() -> impl Strategy<Value = ShapeDescription> {
         (vec(random_weighted_point(), 12), option::of(random_knots(6)), option::of(random_knots(6))).prop_map(
             |(controls, u, v)| {
                 let knots = [u.unwrap_or_default(), v.unwrap_or_default()];
-                ShapeDescription::Nurbs(NurbsDescription { degree: [2, 1], count: [3, 4], knots, controls })
+                ShapeDescription::Nurbs(NurbsDescription { degree: [2, 1], control_counts: [3, 4], knots, controls })
             }
         ),
     ]
@@ -500,8 +513,11 @@ fn build_materials(
             let [(first, a), (second, b)] = [first, second].map(|part| &names[part.index(names.len())]);
             if a.is_none() || b.is_none() || a == b {
                 let [first, second] = [first, second].map(|name| with_empty_span(name.clone()));
-                (kind, body, normal_perturbation) =
-                    (MaterialKindDescription::Mix(MixDescription { first, second, amount }), a.or(*b), None);
+                (kind, body, normal_perturbation) = (
+                    MaterialKindDescription::Mix(MixDescription { first, second, second_probability: amount }),
+                    a.or(*b),
+                    None,
+                );
             }
         }
         let name = name.filter(|name| names.iter().all(|(other, _)| other != name));

@@ -25,7 +25,7 @@ macro_rules! variant_names {
     };
 }
 
-variant_names!(DISTRIBUTIONS, distribution_name, IntensityDistribution: Map Profile);
+variant_names!(DISTRIBUTIONS, distribution_name, IntensityDistribution: MapFile ProfileFile);
 variant_names!(DENSITY_KINDS, density_kind_name, DensityDescription: Homogeneous Grid Cloud);
 variant_names!(PHASE_FUNCTIONS, phase_function_name, PhaseFunctionDescription: Isotropic Rayleigh HenyeyGreenstein);
 variant_names!(MEDIUM_COEFFICIENTS, medium_coefficients_name, MediumCoefficients:

@@ -13,7 +13,7 @@ fn unwrap_decoded(result: Result<Image, DecodeFailure>) -> Image {
 #[test]
 fn single_precision_is_lossless() {
     let (file, report) = encode(&image_of_extreme_values(), ExrPrecision::Single, &[]).unwrap();
-    let image = unwrap_decoded(read(&file, None));
+    let image = unwrap_decoded(decode(&file, None));
     assert_eq!((image.width(), image.height()), (40, 33));
     let bits =
         |image: &Image| -> Vec<[u32; 3]> { image.pixels().iter().map(|p| p.to_array().map(f32::to_bits)).collect() };
@@ -52,14 +52,14 @@ fn an_implausible_size_is_refused() {
     for window in [DATA, DISPLAY] {
         for (side, expected) in [(16_384, "too short"), (20_000, "too large")] {
             let huge = exr_with_replaced_window(&file, window, (side, side));
-            let message = read(&huge, None).err().unwrap().into_read_error("memory".into()).to_string();
+            let message = decode(&huge, None).err().unwrap().into_read_error("memory".into()).to_string();
             assert!(message.contains(expected), "{message}");
         }
     }
     // A display window of four megapixels takes 192 MB, although it has little data.
     let framed = exr_with_replaced_window(&file, DISPLAY, (2000, 2000));
-    assert!(matches!(read(&framed, Some(191_000_000)), Err(DecodeFailure::Memory { needed: 192_000_000, .. })));
-    let image = unwrap_decoded(read(&framed, Some(192_000_000)));
+    assert!(matches!(decode(&framed, Some(191_000_000)), Err(DecodeFailure::Memory { needed: 192_000_000, .. })));
+    let image = unwrap_decoded(decode(&framed, Some(192_000_000)));
     assert_eq!((image.width(), image.pixels()[2003].x), (2000, image_of_extreme_values().pixels()[43].x));
     assert_eq!(image.pixels()[40], Vec3::ZERO);
 }
@@ -70,7 +70,7 @@ fn pictures_may_exceed_the_limit_of_the_decoder() {
     let noise = |i: u32| Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32);
     let image = Image::from_pixels(256, 256, (0..256 * 256).map(noise).collect()).unwrap();
     let (file, _) = encode(&image, ExrPrecision::Single, &[]).unwrap();
-    let read = unwrap_decoded(read(&exr_with_replaced_window(&file, DISPLAY, (6720, 6720)), None));
+    let read = unwrap_decoded(decode(&exr_with_replaced_window(&file, DISPLAY, (6720, 6720)), None));
     assert_eq!((read.width(), read.height(), read.pixels()[255]), (6720, 6720, image.pixels()[255]));
 }
 
@@ -78,7 +78,7 @@ fn pictures_may_exceed_the_limit_of_the_decoder() {
 fn damaged_files_never_panic() {
     let (file, _) = encode(&image_of_extreme_values(), ExrPrecision::Single, &[("Seed".into(), "42".into())]).unwrap();
     for cut in (4..file.len()).step_by(7) {
-        assert!(read(&file[..cut], None).is_err(), "cut at {cut}");
+        assert!(decode(&file[..cut], None).is_err(), "cut at {cut}");
     }
     for at in 0..file.len().min(700) {
         for flip in [0x01, 0x80, 0xff] {
@@ -86,7 +86,7 @@ fn damaged_files_never_panic() {
             broken[at] ^= flip;
             // A change in a comment or a pixel leaves a valid file, so only a panic is an error
             // here.
-            drop(read(&broken, None));
+            drop(decode(&broken, None));
         }
     }
 }

@@ -29,7 +29,7 @@ const COLOR_EXPONENT: f64 = 0.7;
 ///
 /// The first number is the colour difference at the knee, relative to the largest difference. The
 /// second is the error at the knee.
-const KNEE: (f64, f64) = (0.4, 0.95);
+const COLOR_ERROR_KNEE: (f64, f64) = (0.4, 0.95);
 
 /// Converts linear RGB to YCxCz, an opponent space that is linear in XYZ and scaled like CIELAB.
 pub(super) fn rgb_to_ycxcz(rgb: Vec3) -> Vec3 {
@@ -38,15 +38,15 @@ pub(super) fn rgb_to_ycxcz(rgb: Vec3) -> Vec3 {
 }
 
 /// Converts channel Y of YCxCz to luminance relative to white.
-pub(super) fn relative_luminance(y: f64) -> f64 {
+pub(super) fn ycxcz_y_to_luminance(y: f64) -> f64 {
     (y + 16.0) / 116.0
 }
 
 /// Converts YCxCz to CIELAB with Hunt adjustment: chroma is multiplied by L*/100 (Hunt 1952).
 ///
 /// The colour is clamped to the RGB cube first.
-pub(super) fn hunt_adjusted_lab(ycxcz: DVec3) -> DVec3 {
-    let y = relative_luminance(ycxcz.x);
+pub(super) fn hunt_lab_from_ycxcz(ycxcz: DVec3) -> DVec3 {
+    let y = ycxcz_y_to_luminance(ycxcz.x);
     let relative = DVec3::new(y + ycxcz.y / 500.0, y, y - ycxcz.z / 200.0);
     hunt_lab_from_rgb((RELATIVE_XYZ.1 * relative).clamp(DVec3::ZERO, DVec3::ONE))
 }
@@ -72,21 +72,21 @@ fn hyab_distance(a: DVec3, b: DVec3) -> f64 {
 /// Largest colour difference in the RGB cube: that of green and blue.
 ///
 /// A colour difference is the HyAB distance to the power [`COLOR_EXPONENT`].
-static LARGEST: LazyLock<f64> = LazyLock::new(|| {
+static MAX_COLOR_DIFFERENCE: LazyLock<f64> = LazyLock::new(|| {
     libm::pow(hyab_distance(hunt_lab_from_rgb(DVec3::Y), hunt_lab_from_rgb(DVec3::Z)), COLOR_EXPONENT)
 });
 
 /// Error between the colours `a` and `b`, from 0 to 1; both are Hunt-adjusted CIELAB.
 ///
-/// The error is a power of the HyAB distance, compressed above [`KNEE`].
+/// The error is a power of the HyAB distance, compressed above [`COLOR_ERROR_KNEE`].
 pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
     let error = libm::pow(hyab_distance(a, b), COLOR_EXPONENT);
-    let (fraction, at_knee) = KNEE;
-    let knee = fraction * *LARGEST;
+    let (fraction, at_knee) = COLOR_ERROR_KNEE;
+    let knee = fraction * *MAX_COLOR_DIFFERENCE;
     if error < knee {
         at_knee / knee * error
     } else {
-        (at_knee + (error - knee) / (*LARGEST - knee) * (1.0 - at_knee)).min(1.0)
+        (at_knee + (error - knee) / (*MAX_COLOR_DIFFERENCE - knee) * (1.0 - at_knee)).min(1.0)
     }
 }
 
@@ -97,7 +97,7 @@ mod tests {
     /// Greys have no chroma. At half the luminance of white, L* is 116 · ∛½ − 16.
     #[test]
     fn greys_have_lightness_only() {
-        let lab = hunt_adjusted_lab(rgb_to_ycxcz(Vec3::splat(0.5)).as_dvec3());
+        let lab = hunt_lab_from_ycxcz(rgb_to_ycxcz(Vec3::splat(0.5)).as_dvec3());
         assert!((lab.x - 76.069_26).abs() < 1e-4, "{lab}");
         assert!(lab.y.abs() < 1e-4 && lab.z.abs() < 1e-4, "{lab}");
     }
@@ -108,14 +108,14 @@ mod tests {
     /// The Hunt adjustment multiplies its chroma by L*/100.
     #[test]
     fn red_has_the_published_lab() {
-        let lab = hunt_adjusted_lab(rgb_to_ycxcz(Vec3::X).as_dvec3());
+        let lab = hunt_lab_from_ycxcz(rgb_to_ycxcz(Vec3::X).as_dvec3());
         let expected = DVec3::new(53.24, 80.09 * 0.5324, 67.20 * 0.5324);
         assert!((lab - expected).abs().max_element() < 0.02, "{lab}");
     }
 
     #[test]
     fn colours_outside_of_rgb_are_clamped() {
-        let bright = hunt_adjusted_lab(rgb_to_ycxcz(Vec3::new(4.0, 4.0, 4.0)).as_dvec3());
+        let bright = hunt_lab_from_ycxcz(rgb_to_ycxcz(Vec3::new(4.0, 4.0, 4.0)).as_dvec3());
         assert!((bright - DVec3::new(100.0, 0.0, 0.0)).abs().max_element() < 1e-9, "{bright}");
     }
 }

@@ -1,21 +1,21 @@
 //! Filters of ꟻLIP: contrast sensitivity functions, and detectors of edges and points.
 
-use super::color::relative_luminance;
+use super::color::ycxcz_y_to_luminance;
 use glam::DVec3;
 use std::f64::consts::PI;
 
 /// Parameters (a, b) of the contrast sensitivity filter of channel Y, luminance.
 ///
 /// The filter is a·√(π/b)·exp(−π²x²/b) at a distance of x degrees (Andersson et al. 2020, table 1).
-const LUMINANCE: (f64, f64) = (1.0, 0.0047);
-/// Parameters (a, b) of the filter of channel Cx, red-green; see [`LUMINANCE`] for the formula.
-const RED_GREEN: (f64, f64) = (1.0, 0.0053);
+const LUMINANCE_CSF: (f64, f64) = (1.0, 0.0047);
+/// Parameters (a, b) of the filter of channel Cx, red-green; see [`LUMINANCE_CSF`] for the formula.
+const RED_GREEN_CSF: (f64, f64) = (1.0, 0.0053);
 /// Parameters (a, b) of two Gaussians whose sum is the filter of channel Cz, blue-yellow; see
-/// [`LUMINANCE`] for the formula.
-const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
+/// [`LUMINANCE_CSF`] for the formula.
+const BLUE_YELLOW_CSF: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 
 /// Width of the edge detector from peak to trough \[degrees] (Andersson et al. 2020, section 4.2).
-const DETECTOR: f64 = 0.082;
+const DETECTOR_WIDTH_DEGREES: f64 = 0.082;
 
 /// Weights of a one-dimensional filter with an odd number of taps, from left to right.
 type FilterWeights = Vec<f32>;
@@ -33,7 +33,7 @@ pub(super) struct FlipMetricFilters {
 impl FlipMetricFilters {
     pub fn new(pixels_per_degree: f64) -> Self {
         // All filters have the radius of the widest, three standard deviations, as in the paper.
-        let radius = (3.0 * (BLUE_YELLOW[0].1 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
+        let radius = (3.0 * (BLUE_YELLOW_CSF[0].1 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
         let gaussian = |b: f64| {
             sample_at_integers(radius, |x| {
                 let degrees = x / pixels_per_degree;
@@ -45,14 +45,14 @@ impl FlipMetricFilters {
             let sum: f64 = raw.iter().sum();
             (sum, to_single_precision(raw.iter().map(|w| w / sum)))
         };
-        let blue_yellow = BLUE_YELLOW.map(|(a, b)| {
+        let blue_yellow = BLUE_YELLOW_CSF.map(|(a, b)| {
             let (sum, kernel) = blur(b);
             (a * (PI / b).sqrt() * sum * sum, kernel)
         });
         let total = blue_yellow[0].0 + blue_yellow[1].0;
         Self {
-            luminance: blur(LUMINANCE.1).1,
-            red_green: blur(RED_GREEN.1).1,
+            luminance: blur(LUMINANCE_CSF.1).1,
+            red_green: blur(RED_GREEN_CSF.1).1,
             blue_yellow: blue_yellow.map(|(weight, kernel)| ((weight / total) as f32, kernel)),
             detector: feature_detectors(pixels_per_degree),
         }
@@ -69,7 +69,7 @@ impl FlipMetricFilters {
 /// The weights of the Gaussian sum to 1. The positive weights of each derivative sum to 1, the
 /// negative ones to −1.
 fn feature_detectors(pixels_per_degree: f64) -> [FilterWeights; 3] {
-    let deviation = 0.5 * DETECTOR * pixels_per_degree;
+    let deviation = 0.5 * DETECTOR_WIDTH_DEGREES * pixels_per_degree;
     let radius = (3.0 * deviation).ceil() as i32;
     let gaussian = |x: f64| libm::exp(-x * x / (2.0 * deviation * deviation));
     let raw = sample_at_integers(radius, gaussian);
@@ -162,7 +162,7 @@ impl FlipRowFilter {
 ///
 /// Detector weights have sum 0, so the offset between channel Y and luminance cancels.
 fn feature_magnitude(across: f32, down: f32) -> f64 {
-    let scale = relative_luminance(1.0) - relative_luminance(0.0);
+    let scale = ycxcz_y_to_luminance(1.0) - ycxcz_y_to_luminance(0.0);
     let (a, d) = (f64::from(across), f64::from(down));
     scale * (a * a + d * d).sqrt()
 }

@@ -11,14 +11,14 @@ mod tone;
 use super::buffer::Image;
 use super::metrics::{MetricError, check_comparable};
 use super::tone::MAX_EXPOSURE_STOPS;
-use color::{color_error, hunt_adjusted_lab, rgb_to_ycxcz};
+use color::{color_error, hunt_lab_from_ycxcz, rgb_to_ycxcz};
 use filter::{FlipMetricFilters, FlipRowFilter};
 use glam::Vec3;
 use rayon::prelude::*;
 use tone::{film_curve, hdr_flip_exposures};
 
 /// Default pixels per degree of visual angle: a 0.7 m wide screen of 3840 pixels, seen from 0.7 m.
-pub const PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
+pub const DEFAULT_PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
 
 /// Accepted pixels per degree of visual angle.
 ///
@@ -50,7 +50,7 @@ pub struct FlipMetricOptions {
 
 impl Default for FlipMetricOptions {
     fn default() -> Self {
-        Self { pixels_per_degree: PIXELS_PER_DEGREE, mode: FlipMetricMode::Ldr(0.0) }
+        Self { pixels_per_degree: DEFAULT_PIXELS_PER_DEGREE, mode: FlipMetricMode::Ldr(0.0) }
     }
 }
 
@@ -58,8 +58,8 @@ impl Default for FlipMetricOptions {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipMetricResult {
     /// Error of each pixel in \[0, 1], in rows from the top; 0 is equal.
-    pub map: Vec<f32>,
-    /// Mean of `map` over all pixels.
+    pub error_map: Vec<f32>,
+    /// Mean of `error_map` over all pixels.
     pub mean: f64,
 }
 
@@ -78,14 +78,14 @@ pub fn flip_metric(
     check_comparable(reference, test)?;
     let value = options.pixels_per_degree;
     if !PIXELS_PER_DEGREE_RANGE.contains(&value) {
-        return Err(MetricError::Parameter { name: "pixels per degree", value });
+        return Err(MetricError::OptionOutOfRange { name: "pixels per degree", value });
     }
     let filters = FlipMetricFilters::new(value);
     let mut map = vec![0.0; reference.pixels().len()];
     match options.mode {
         FlipMetricMode::Ldr(stops) => {
             if !(-MAX_EXPOSURE_STOPS..=MAX_EXPOSURE_STOPS).contains(&stops) {
-                return Err(MetricError::Parameter { name: "exposure", value: stops.into() });
+                return Err(MetricError::OptionOutOfRange { name: "exposure", value: stops.into() });
             }
             let scale = libm::exp2f(stops);
             let shown = |p: Vec3| (p * scale).clamp(Vec3::ZERO, Vec3::ONE);
@@ -110,7 +110,7 @@ pub fn flip_metric(
         }
     }
     let mean = map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len() as f64;
-    Ok(FlipMetricResult { map, mean })
+    Ok(FlipMetricResult { error_map: map, mean })
 }
 
 /// A picture in the opponent colour space YCxCz: luminance, red-green, blue-yellow.
@@ -143,7 +143,7 @@ fn accumulate_max_error(
         a.filter_image_row(&reference.planes, row, filters);
         b.filter_image_row(&test.planes, row, filters);
         for (x, error) in errors.iter_mut().enumerate() {
-            let color = color_error(hunt_adjusted_lab(a.filtered_color(x)), hunt_adjusted_lab(b.filtered_color(x)));
+            let color = color_error(hunt_lab_from_ycxcz(a.filtered_color(x)), hunt_lab_from_ycxcz(b.filtered_color(x)));
             // Combine colour and feature errors by equations 13 and 14 of Andersson et al. 2020.
             let feature =
                 (a.edge_strength(x) - b.edge_strength(x)).abs().max((a.point_strength(x) - b.point_strength(x)).abs());

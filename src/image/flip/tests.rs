@@ -45,8 +45,8 @@ fn assert_flip_values(found: &FlipMetricResult, mean: f64, [largest, inside, fir
     // The authors' program computes in f32. Roots of small features amplify its rounding to about
     // 1e-4.
     assert!((found.mean - mean).abs() < 2e-5, "{} instead of {mean}", found.mean);
-    let most = found.map.iter().copied().fold(0.0, f32::max);
-    for (found, expected) in [(most, largest), (found.map[20 * 64 + 30], inside), (found.map[0], first)] {
+    let most = found.error_map.iter().copied().fold(0.0, f32::max);
+    for (found, expected) in [(most, largest), (found.error_map[20 * 64 + 30], inside), (found.error_map[0], first)] {
         assert!((found - expected).abs() < 2e-4, "{found} instead of {expected}");
     }
 }
@@ -98,7 +98,7 @@ fn flip_error_ranges_from_0_to_1() {
     {
         for options in [FlipMetricOptions::default(), hdr] {
             let found = flip_metric(&image, &image, &options).unwrap();
-            assert!(found.mean == 0.0 && found.map.iter().all(|e| *e == 0.0), "{}", found.mean);
+            assert!(found.mean == 0.0 && found.error_map.iter().all(|e| *e == 0.0), "{}", found.mean);
         }
     }
     // Green and blue differ most (section 4.1.3). For black and white the authors' program gives
@@ -153,12 +153,12 @@ fn invalid_options_and_sizes_are_refused() {
     let options = |pixels_per_degree, mode| FlipMetricOptions { pixels_per_degree, mode };
     for bad in [0.5, f64::NAN, 1001.0] {
         let error = flip_metric(&a, &a, &options(bad, FlipMetricMode::Hdr)).unwrap_err();
-        assert!(matches!(error, MetricError::Parameter { name: "pixels per degree", .. }));
+        assert!(matches!(error, MetricError::OptionOutOfRange { name: "pixels per degree", .. }));
     }
     let error = flip_metric(&a, &a, &options(67.0, FlipMetricMode::Ldr(f32::NAN))).unwrap_err();
-    assert!(matches!(error, MetricError::Parameter { name: "exposure", .. }));
+    assert!(matches!(error, MetricError::OptionOutOfRange { name: "exposure", .. }));
     assert!(matches!(
         flip_metric(&a, &Image::new(2, 2).unwrap(), &FlipMetricOptions::default()),
-        Err(MetricError::Size { .. })
+        Err(MetricError::SizeMismatch { .. })
     ));
 }

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 /// Coefficients k₀ … k₄ of the film curve of HDR-ꟻLIP: (k₀x² + k₁x) / (k₂x² + k₃x + k₄).
 ///
 /// They are Narkowicz's fit of the ACES film curve with his exposure factor 0.6.
-const FILM: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
+const FILM_CURVE_COEFFICIENTS: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
 
 /// Output of the film curve that counts as close to white.
 const NEAR_WHITE: f64 = 0.85;
@@ -14,7 +14,7 @@ const NEAR_WHITE: f64 = 0.85;
 /// Film curve: converts `radiance` times `scale` to linear display values in \[0, 1].
 pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
     let x = radiance.as_dvec3().max(DVec3::ZERO) * scale;
-    let [k0, k1, k2, k3, k4] = FILM;
+    let [k0, k1, k2, k3, k4] = FILM_CURVE_COEFFICIENTS;
     let level = (x * (k0 * x + k1)) / (x * (k2 * x + k3) + k4);
     level.min(DVec3::ONE).as_vec3()
 }
@@ -36,9 +36,9 @@ pub(super) fn hdr_flip_exposures(reference: &Image) -> Vec<f64> {
 /// Input x of the film curve whose output t is [`NEAR_WHITE`].
 ///
 /// x is the positive root of (k₀ − k₂t)x² + (k₁ − k₃t)x − k₄t, with the coefficients kᵢ of
-/// [`FILM`].
+/// [`FILM_CURVE_COEFFICIENTS`].
 fn film_input_near_white() -> f64 {
-    let [k0, k1, k2, k3, k4] = FILM;
+    let [k0, k1, k2, k3, k4] = FILM_CURVE_COEFFICIENTS;
     let (a, half, c) = (k0 - k2 * NEAR_WHITE, 0.5 * (k1 - k3 * NEAR_WHITE), -k4 * NEAR_WHITE);
     ((half * half - a * c).sqrt() - half) / a
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::image::{Image, PictureFormat, read_with_format};
+use crate::image::{Image, InputFormat, read_and_detect_format};
 use exr::prelude::read_first_flat_layer_from_file;
 use glam::Vec3;
 
@@ -31,7 +31,7 @@ fn layers_are_stored_and_the_picture_is_read() {
     ];
     let pairs = [("Seed".to_owned(), "7".to_owned())];
     write_layers(&path, SIZE, &layers, &pairs).unwrap();
-    assert_eq!(read_with_format(&path).unwrap(), (image, PictureFormat::Exr));
+    assert_eq!(read_and_detect_format(&path).unwrap(), (image, InputFormat::Exr));
 
     let file = read_first_flat_layer_from_file(&path).unwrap().layer_data;
     assert_eq!((file.size.0, file.size.1), (37, 21));
@@ -80,7 +80,10 @@ fn invalid_layers_leave_the_old_file() {
     assert!(matches!(write_layers(&path, SIZE, &twice[..1], &bad), Err(WriteError::Metadata { .. })));
     let message = check_layers_path(Path::new("a.png")).unwrap_err().to_string();
     assert!(message.contains("`a.png`") && message.contains(".exr"), "{message}");
-    assert!(matches!(write_layers(Path::new("a.png"), SIZE, &twice[..1], &[]), Err(WriteError::NoLayers { .. })));
+    assert!(matches!(
+        write_layers(Path::new("a.png"), SIZE, &twice[..1], &[]),
+        Err(WriteError::LayersNotSupported { .. })
+    ));
     assert!(check_layers_path(&path).is_ok());
     assert_eq!(std::fs::read(&path).unwrap(), b"old");
 }

@@ -26,13 +26,13 @@ fn metrics_of_extreme_pixels_do_not_overflow() {
 #[test]
 fn incomparable_pictures_are_refused() {
     let (a, b) = (image_of_one_row(&[[0.0; 3]; 2]), image_of_one_row(&[[0.0; 3]; 3]));
-    assert_eq!(rmse(&a, &b), Err(MetricError::Size { a: (2, 1), b: (3, 1) }));
+    assert_eq!(rmse(&a, &b), Err(MetricError::SizeMismatch { a: (2, 1), b: (3, 1) }));
     let nan = image_of_one_row(&[[0.0; 3], [0.0, f32::NAN, 0.0]]);
     let expected = MetricError::NonFinite { which: "second", x: 1, y: 0 };
     assert_eq!(rmse(&a, &nan), Err(expected));
     assert_eq!(relative_mse(&a, &nan, 0.1, Some(1.0)), Err(expected));
-    assert!(matches!(relative_mse(&a, &a, 0.0, None), Err(MetricError::Parameter { name: "epsilon", .. })));
-    assert!(matches!(relative_mse(&a, &a, 1.0, Some(-1.0)), Err(MetricError::Parameter { name: "clip", .. })));
+    assert!(matches!(relative_mse(&a, &a, 0.0, None), Err(MetricError::OptionOutOfRange { name: "epsilon", .. })));
+    assert!(matches!(relative_mse(&a, &a, 1.0, Some(-1.0)), Err(MetricError::OptionOutOfRange { name: "clip", .. })));
 }
 
 #[test]
@@ -42,7 +42,7 @@ fn largest_differences_have_positions() {
     let image = Image::from_pixels(2, 2, pixels.to_vec()).unwrap();
     let found = largest_differences(&image, &zero).unwrap();
     let at = |difference, x, y| Some(LargestDifference { difference, x, y });
-    assert_eq!(found, PixelDifferences { largest: [None, at(2.0, 1, 0), at(0.5, 1, 0)], pixels: 3 });
+    assert_eq!(found, PixelDifferences { largest: [None, at(2.0, 1, 0), at(0.5, 1, 0)], differing_pixel_count: 3 });
     assert_eq!(largest_differences(&zero, &image).unwrap(), found);
     assert_eq!(largest_differences(&image, &image).unwrap(), PixelDifferences::default());
 }
@@ -57,8 +57,8 @@ fn the_relative_error_is_a_root_mean_square() {
 
 #[test]
 fn differing_bytes_counts_each_channel() {
-    let a = RgbBytes::from_pixels(2, 1, vec![[0, 10, 20], [30, 40, 50]]).unwrap();
-    let b = RgbBytes::from_pixels(2, 1, vec![[0, 11, 20], [30, 33, 50]]).unwrap();
-    assert_eq!(differing_bytes(&a, &b), Ok(ByteDifference { count: 2, largest: 7 }));
-    assert!(differing_bytes(&a, &RgbBytes::from_pixels(1, 2, vec![[0; 3]; 2]).unwrap()).is_err());
+    let a = Rgb8Image::from_pixels(2, 1, vec![[0, 10, 20], [30, 40, 50]]).unwrap();
+    let b = Rgb8Image::from_pixels(2, 1, vec![[0, 11, 20], [30, 33, 50]]).unwrap();
+    assert_eq!(compare_bytes(&a, &b), Ok(ByteDifference { count: 2, largest: 7 }));
+    assert!(compare_bytes(&a, &Rgb8Image::from_pixels(1, 2, vec![[0; 3]; 2]).unwrap()).is_err());
 }

@@ -21,7 +21,7 @@ fn decode_failure_message<T>(result: Result<T, DecodeFailure>) -> String {
 #[test]
 fn eight_bit_levels_are_read_back() {
     let (file, report) = encode(&color_ramp_image(), &png_write_options(ToneCurve::Legacy, BitDepth::Eight)).unwrap();
-    let bytes = unwrap_decoded(read_bytes(&file));
+    let bytes = unwrap_decoded(decode_rgb8(&file));
     for (i, rgb) in bytes.pixels().iter().enumerate() {
         let up = (255.0 * (i as f32 / 34.0)) as u8;
         let down = (255.0 * (1.0 - i as f32 / 34.0)) as u8;
@@ -34,7 +34,7 @@ fn eight_bit_levels_are_read_back() {
 fn reading_undoes_srgb_to_half_a_level() {
     for (depth, levels) in [(BitDepth::Eight, 255.0), (BitDepth::Sixteen, 65_535.0)] {
         let (file, _) = encode(&color_ramp_image(), &png_write_options(ToneCurve::Srgb, depth)).unwrap();
-        let image = unwrap_decoded(read(&file, None));
+        let image = unwrap_decoded(decode(&file, None));
         // The slope of the decoding curve is at most 2.4 / 1.055 = 2.275. Rounding adds 2⁻²⁴.
         let bound = (0.5 / levels * 2.275 + f64::from(f32::EPSILON)) as f32;
         for (a, b) in image.pixels().iter().zip(color_ramp_image().pixels()) {
@@ -78,16 +78,16 @@ fn encode_png_variant(color: ColorType, depth: Depth, gamma: Option<f32>, data: 
 #[test]
 fn other_png_variants_are_read_or_refused() {
     let gray = encode_png_variant(ColorType::Grayscale, Depth::Eight, None, &[10, 200]);
-    assert_eq!(unwrap_decoded(read_bytes(&gray)).pixels(), [[10; 3], [200; 3]]);
+    assert_eq!(unwrap_decoded(decode_rgb8(&gray)).pixels(), [[10; 3], [200; 3]]);
     let opaque = encode_png_variant(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 255]);
-    assert_eq!(unwrap_decoded(read_bytes(&opaque)).pixels(), [[1, 2, 3], [4, 5, 6]]);
+    assert_eq!(unwrap_decoded(decode_rgb8(&opaque)).pixels(), [[1, 2, 3], [4, 5, 6]]);
     let clear = encode_png_variant(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 254]);
-    assert!(decode_failure_message(read(&clear, None)).contains("flatten"));
+    assert!(decode_failure_message(decode(&clear, None)).contains("flatten"));
     let deep =
         encode_png_variant(ColorType::Rgb, Depth::Sixteen, Some(1.0), &[128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255]);
-    assert!(decode_failure_message(read_bytes(&deep)).contains("16 bits"));
+    assert!(decode_failure_message(decode_rgb8(&deep)).contains("16 bits"));
     // A gamma of 1 is linear, so level 32768 reads as 32768 / 65535.
-    let image = unwrap_decoded(read(&deep, None));
+    let image = unwrap_decoded(decode(&deep, None));
     assert!((image.pixels()[0].x - 32_768.0 / 65_535.0).abs() < 1e-7);
     assert_eq!(image.pixels()[1].z, 1.0);
 }
@@ -102,7 +102,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 fn damaged_files_are_errors() {
     let (file, _) = encode(&color_ramp_image(), &png_write_options(ToneCurve::Srgb, BitDepth::Eight)).unwrap();
     for cut in 8..file.len() - 13 {
-        assert!(read(&file[..cut], None).is_err(), "cut at {cut}");
+        assert!(decode(&file[..cut], None).is_err(), "cut at {cut}");
     }
     // A header of 16384 × 16384 pixels, with a valid checksum.
     let mut huge = file;
@@ -110,8 +110,8 @@ fn damaged_files_are_errors() {
     let checksum = crc32(&huge[12..29]);
     huge[29..33].copy_from_slice(&checksum.to_be_bytes());
     assert!(
-        decode_failure_message(read(&huge, None)).contains("too short"),
+        decode_failure_message(decode(&huge, None)).contains("too short"),
         "{}",
-        decode_failure_message(read(&huge, None))
+        decode_failure_message(decode(&huge, None))
     );
 }

@@ -9,7 +9,7 @@ fn gray_image(width: u32, values: &[f32]) -> Image {
 #[test]
 fn error_weights_of_uniform_pictures_follow_their_radiance() {
     let error_weights = RelativeErrorWeights::from_image(&gray_image(8, &[2.0; 64]));
-    let square = error_weights.mean(|_| DVec3::splat(0.01));
+    let square = error_weights.mean_relative_squared_error(|_| DVec3::splat(0.01));
     assert!((square - 0.01 / 8.0).abs() < 1e-15, "{square}");
 }
 
@@ -32,12 +32,21 @@ fn bright_pixels_change_only_their_neighbourhood() {
 fn relative_error_counts_a_firefly_as_one_pixel() {
     let error_weights = RelativeErrorWeights::from_image(&gray_image(8, &[1.0; 64]));
     let firefly = |i| if i == 5 { DVec3::splat(1e9) } else { DVec3::ZERO };
-    assert_eq!((error_weights.mean(firefly), error_weights.mean(|i| -firefly(i))), (1.0 / 64.0, -1.0 / 64.0));
+    assert_eq!(
+        (
+            error_weights.mean_relative_squared_error(firefly),
+            error_weights.mean_relative_squared_error(|i| -firefly(i))
+        ),
+        (1.0 / 64.0, -1.0 / 64.0)
+    );
 }
 
 #[test]
 fn black_and_non_finite_pictures_have_error_weights() {
-    assert_eq!(RelativeErrorWeights::from_image(&gray_image(2, &[0.0; 4])).mean(|_| DVec3::ONE), 1.0);
+    assert_eq!(
+        RelativeErrorWeights::from_image(&gray_image(2, &[0.0; 4])).mean_relative_squared_error(|_| DVec3::ONE),
+        1.0
+    );
     let broken = RelativeErrorWeights::from_image(&gray_image(2, &[1.0, f32::NAN, 1.0, f32::INFINITY]));
     assert!(broken.pixel_weights().iter().all(|w| (w * 6.0 - 1.0).abs() < 1e-12));
 }

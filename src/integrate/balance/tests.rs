@@ -1,12 +1,25 @@
 use super::*;
 
 fn noise_source(variance: f64, work: f64, count: f64) -> NoiseSource {
-    NoiseSource { variance, work, count }
+    NoiseSource { single_sample_variance: variance, work_per_sample: work, sample_count: count }
 }
 
 fn variance_and_work(sources: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f64) {
-    let noise = sources.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.variance / n).sum();
-    (noise, sources.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.work * n).sum())
+    let noise = sources
+        .iter()
+        .zip(numbers)
+        .filter(|(p, _)| p.single_sample_variance > 0.0)
+        .map(|(p, n)| p.single_sample_variance / n)
+        .sum();
+    (
+        noise,
+        sources
+            .iter()
+            .zip(numbers)
+            .filter(|(p, _)| p.single_sample_variance > 0.0)
+            .map(|(p, n)| p.work_per_sample * n)
+            .sum(),
+    )
 }
 
 /// The optimum for two sources of equal cost is n ∝ σ.
@@ -26,14 +39,16 @@ fn balance_has_the_least_noise() {
     ] {
         let best = balance_sample_counts(&sources);
         let (noise, work) = variance_and_work(&sources, &best);
-        let (before, given) = variance_and_work(&sources, &sources.map(|p| p.count));
+        let (before, given) = variance_and_work(&sources, &sources.map(|p| p.sample_count));
         assert!(noise <= before && (work / given - 1.0).abs() < 1e-9);
         for (i, j) in [(0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)] {
             let mut other = best;
-            let moved = 1e-3 * sources[i].work * best[i];
-            other[i] -= moved / sources[i].work;
-            other[j] += moved / sources[j].work;
-            let within = |k: usize| (sources[k].count / MAX_CHANGE..=sources[k].count * MAX_CHANGE).contains(&other[k]);
+            let moved = 1e-3 * sources[i].work_per_sample * best[i];
+            other[i] -= moved / sources[i].work_per_sample;
+            other[j] += moved / sources[j].work_per_sample;
+            let within = |k: usize| {
+                (sources[k].sample_count / MAX_CHANGE..=sources[k].sample_count * MAX_CHANGE).contains(&other[k])
+            };
             assert!(!within(i) || !within(j) || variance_and_work(&sources, &other).0 >= noise, "{i} to {j}");
         }
     }

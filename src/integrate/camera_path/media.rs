@@ -56,11 +56,13 @@ fn cross_medium<I: Interior>(
 ) -> Option<f32> {
     let MediumSegment { medium, ray, .. } = segment;
     let policy = paths.policy;
-    let throughput = path.throughput * weight.as_vec3() * segment.transmittance_before;
+    let throughput = path.throughput * weight.as_vec3() * segment.absorption_transmittance_before;
 
     // Add emission. It is direct light of the last receiver, so it has no weight of indirect light.
-    let history =
-        PathHistory { casters: path.history.casters + u32::from(segment.crossed_hidden_boundary), ..path.history };
+    let history = PathHistory {
+        casters_since_receiver: path.history.casters_since_receiver + u32::from(segment.crossed_hidden_boundary),
+        ..path.history
+    };
     if medium.emits() {
         let emitted = throughput * medium.emitted_radiance(ray, ray.t_max, rng);
         task.pixel.groups.add(LightGroup::of_found_light(history), emitted);
@@ -80,7 +82,7 @@ fn cross_medium<I: Interior>(
     let shadow_sampler = path.sampler.shadow_ray_sampler(paths.pass);
     let path_segment = MediumPathSegment { segment, history, throughput, sampler: path.sampler, shadow_sampler };
     let mut scattered = Rgb::ZERO;
-    if policy.direct_light {
+    if policy.uses_nee {
         scattered += paths.nee.estimate_direct_light_in_medium(&path_segment, &distance_sample, continues, task);
         task.pixel.groups.add(LightGroup::of_direct_light(history), throughput * scattered);
     }
@@ -145,11 +147,12 @@ pub(super) fn scatter_in_medium<I: Interior>(
     }
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
     next.path_ray.scatter_towards(direction);
-    next.prev = Some(PrevVertex { p: next.path_ray.ray.origin, hemisphere: None, history: path.history, pdf });
-    next.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
+    next.prev_nee_vertex =
+        Some(PrevVertex { p: next.path_ray.ray.origin, hemisphere: None, history: path.history, pdf });
+    next.history = PathHistory { receivers: path.history.receivers + 1, casters_since_receiver: 0 };
     next.bounce += 1;
     next.sampler = path.sampler.next_vertex_sampler(path.bounce, false);
-    if !next.survives_roulette(path.sampler) {
+    if !next.play_russian_roulette(path.sampler) {
         return false;
     }
     *path = next;

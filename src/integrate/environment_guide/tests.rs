@@ -21,7 +21,7 @@ fn sky() -> EnvironmentLight {
 
 /// A guide made from rays that contribute only if p.x < 1/2 and u.x < 1/4.
 fn half_lit_guide() -> EnvironmentGuide {
-    let mut fit = EnvironmentGuideFit::new(&unit_cube());
+    let mut fit = EnvironmentGuideFitter::new(&unit_cube());
     for i in 0..200_000 {
         let (p, u) = (test_key(i).uniform_2d(Dimension::Film), test_key(i).uniform_2d(Dimension::LightPosition));
         let square = if u.x < 0.25 && p.x < 0.5 { 4.0 } else { 0.0 };
@@ -69,17 +69,17 @@ fn guided_directions_follow_their_pdf() {
 fn guided_samples_lie_where_rays_contributed() {
     let guide = half_lit_guide();
     let share = |p: Vec3| {
-        let lit = |i| guide.guided_sample(p, test_key(i).uniform_2d(Dimension::LightPosition)).0.x < 0.25;
+        let lit = |i| guide.sample_unit_square(p, test_key(i).uniform_2d(Dimension::LightPosition)).0.x < 0.25;
         (0..10_000).filter(|i| lit(*i)).count() as f64 / 10_000.0
     };
     // The quarter gets the guided 4/5 of the samples, and 1/4 of the uniform 1/5.
     assert!((share(Vec3::new(0.1, 0.5, 0.5)) - 0.85).abs() < 0.02);
-    assert!(guide.guided_sample(Vec3::new(0.1, 0.5, 0.5), Vec2::splat(0.99)).1 >= 0.2 - 1e-6);
+    assert!(guide.sample_unit_square(Vec3::new(0.1, 0.5, 0.5), Vec2::splat(0.99)).1 >= 0.2 - 1e-6);
 }
 
 #[test]
 fn guides_need_a_ray_that_contributes() {
-    let mut fit = EnvironmentGuideFit::new(&unit_cube());
+    let mut fit = EnvironmentGuideFitter::new(&unit_cube());
     assert!(fit.fitted_guide().is_none());
     fit.add(Vec3::splat(0.5), Vec2::splat(0.5), 0.0);
     assert!(fit.fitted_guide().is_none());

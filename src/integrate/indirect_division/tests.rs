@@ -2,20 +2,24 @@ use super::*;
 
 const SAMPLES: u32 = 8;
 
-fn division_of_cells(cells: Vec<IndirectErrors>, columns: u32) -> IndirectDivision {
+fn division_of_cells(cells: Vec<RelativeIndirectErrors>, columns: u32) -> IndirectDivision {
     IndirectDivision {
         columns,
         cells,
         cell_size: 10.0,
-        samples: SAMPLES,
+        samples_per_pixel: SAMPLES,
         unaimed_paths: 1000,
         path_price: 1e-3,
-        passes: 1,
+        passes_with_photons: 1,
     }
 }
 
-fn indirect_errors(path_variance: f32, photon_variance: f32, squared_bias: f32) -> IndirectErrors {
-    IndirectErrors { path_variance, photon_variance, squared_bias }
+fn indirect_errors(path_variance: f32, photon_variance: f32, squared_bias: f32) -> RelativeIndirectErrors {
+    RelativeIndirectErrors {
+        single_path_variance: path_variance,
+        single_photon_path_variance: photon_variance,
+        squared_bias,
+    }
 }
 
 /// The total weight of continued camera paths plus the weight of the photon estimate is 1.
@@ -27,9 +31,10 @@ fn weights_of_both_techniques_sum_to_one() {
                 let cell = indirect_errors(path_variance, photon_variance, squared_bias);
                 for pass_count in [1.0, 30.0, 1000.0] {
                     let weights = division_of_cells(vec![cell], 1).technique_weights(Vec2::ZERO, pass_count, 0.5);
-                    let paths = weights.path_weight(SAMPLES) * weights.continued as f32 / SAMPLES as f32;
+                    let paths =
+                        weights.continued_path_factor(SAMPLES) * weights.continued_paths as f32 / SAMPLES as f32;
                     assert!((weights.photon_weight + paths - 1.0).abs() < 1e-6, "{cell:?} {weights:?}");
-                    assert!((0.0..=1.0).contains(&weights.photon_weight) && weights.continued <= SAMPLES);
+                    assert!((0.0..=1.0).contains(&weights.photon_weight) && weights.continued_paths <= SAMPLES);
                 }
             }
         }
@@ -42,10 +47,10 @@ fn weights_of_both_techniques_sum_to_one() {
 /// weight of one continued path among N.
 #[test]
 fn paths_of_pilots_stand_for_all_samples() {
-    let weights = IndirectWeights { photon_weight: 0.25, continued: 3, samples: 12 };
+    let weights = IndirectWeights { photon_weight: 0.25, continued_paths: 3, samples_per_pixel: 12 };
     let continued = (0..1200).filter(|i| weights.continues_at_receiver((0, 1), *i as f32 / 1200.0)).count();
     assert_eq!(continued, 300);
-    assert_eq!(weights.path_weight(1), weights.path_weight(12));
+    assert_eq!(weights.continued_path_factor(1), weights.continued_path_factor(12));
     assert_eq!((0..12).filter(|i| weights.continues_at_receiver((*i, 12), 0.0)).count(), 3);
 }
 
@@ -57,7 +62,7 @@ fn camera_paths_take_over_in_the_long_run() {
     let photons = [1.0, 64.0, 4096.0, 262_144.0, 1e9].map(|pass_count| weights(pass_count).photon_weight);
     assert!(photons.windows(2).all(|pair| pair[1] <= pair[0]), "{photons:?}");
     assert!(photons[0] > 0.9 && photons[4] < 0.05, "{photons:?}");
-    assert_eq!((weights(1.0).continued, weights(1e9).continued), (0, SAMPLES));
+    assert_eq!((weights(1.0).continued_paths, weights(1e9).continued_paths), (0, SAMPLES));
 }
 
 /// If a pilot found no light by one technique in a cell, camera paths carry all indirect light

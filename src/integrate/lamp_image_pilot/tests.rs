@@ -68,7 +68,7 @@ fn flat_mirrors_have_images_in_few_pixels() {
     let pixels: Vec<u32> = in_pixels.iter().map(|image| image.pixel).collect();
     // The image reaches from column 22.01 to 22.61 and from row 18.53 to 19.13.
     assert_eq!(pixels, [18 * SIZE + 22, 19 * SIZE + 22]);
-    let light: f64 = in_pixels.iter().map(|image| image.light).sum();
+    let light: f64 = in_pixels.iter().map(|image| image.pixel_radiance).sum();
     let expected = 10.0 * std::f64::consts::PI * 0.09;
     assert!((light / expected - 1.0).abs() < 0.02, "{light} not {expected}");
 }
@@ -99,14 +99,14 @@ fn images_move_with_the_lens_position() {
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.21, 0.13, -distance), radius)), black, Rgb::splat(10.0));
     let angle = 0.2f64;
     let pinhole = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, angle, SIZE, SIZE).unwrap();
-    let scene = b.build(pinhole.with_lens(Lens { radius: 0.01, focus, blades: 0 })).unwrap();
+    let scene = b.build(pinhole.with_lens(Lens { radius: 0.01, focus_distance: focus, blades: 0 })).unwrap();
     let found = images_in(&scene);
     assert!(!found.is_empty());
     let width = 2.0 * libm::tan(0.5 * angle) / f64::from(SIZE);
     let expected = ((1.0 / focus - 1.0 / distance) / width) as f32;
     let center = Vec2::new((20.0 + 0.21 / distance / width) as f32, (20.0 - 0.13 / distance / width) as f32);
     for FoundLampImage { image, .. } in found {
-        let shift = image.lens_shift;
+        let shift = image.shift_per_lens_position;
         let error = shift - Mat2::from_diagonal(Vec2::new(expected, -expected));
         assert!(error.to_cols_array().iter().all(|e| e.abs() < 0.01 * expected), "{shift}, not {expected}");
         assert!((image.center - center).length() < 0.02, "{}, not {center}", image.center);

@@ -5,15 +5,15 @@ use crate::sampling::{Key, Purpose};
 fn two_images() -> Vec<PixelLampImage> {
     let small = LampImage {
         center: Vec2::new(10.3, 4.6),
-        lens_shift: Mat2::ZERO,
+        shift_per_lens_position: Mat2::ZERO,
         to_disc: Mat2::from_cols(Vec2::new(20.0, 3.0), Vec2::new(-4.0, 12.0)),
     };
     let moving = LampImage {
         center: Vec2::new(10.7, 4.2),
-        lens_shift: Mat2::from_cols(Vec2::new(2.0, 0.5), Vec2::new(-0.25, 3.0)),
+        shift_per_lens_position: Mat2::from_cols(Vec2::new(2.0, 0.5), Vec2::new(-0.25, 3.0)),
         to_disc: small.to_disc * 0.5,
     };
-    vec![PixelLampImage { image: small, share: 0.7 }, PixelLampImage { image: moving, share: 0.3 }]
+    vec![PixelLampImage { image: small, aim_probability: 0.7 }, PixelLampImage { image: moving, aim_probability: 0.3 }]
 }
 
 /// Importance sampling with the pdf integrates a smooth bump around an image exactly.
@@ -48,7 +48,7 @@ fn aimed_points_follow_their_pdf() {
 #[test]
 fn most_aimed_rays_meet_the_image() {
     let images = &two_images()[..1];
-    let images = [PixelLampImage { share: 1.0, ..images[0] }];
+    let images = [PixelLampImage { aim_probability: 1.0, ..images[0] }];
     let key = Key::new(4).purpose_key(Purpose::Test);
     let count = 1 << 12;
     let hits = (0..count).filter(|i| {
@@ -75,7 +75,7 @@ fn pixels_keep_their_images() {
 #[test]
 fn longest_axes_reach_the_rim() {
     for PixelLampImage { image, .. } in two_images() {
-        let axis = image.longest_axis();
+        let axis = image.longest_half_axis();
         let length = |i: usize| {
             let (sin, cos) = libm::sincosf(TAU * i as f32 / 720.0);
             (image.to_disc.inverse() * Vec2::new(cos, sin)).length()

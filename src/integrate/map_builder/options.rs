@@ -42,7 +42,7 @@ pub(in crate::integrate) struct MapBuildOptions {
     pub pass: u32,
     /// Divisor of the number of photon paths: 1 for a pass. It is larger for a pilot, and for a
     /// slice of the shutter interval.
-    pub divisor: u32,
+    pub photon_path_divisor: u32,
     /// Slice of the shutter interval in which photons are traced.
     pub slice: ShutterSlice,
     /// True if density estimates use at most the k nearest photons; false if they use all photons
@@ -59,13 +59,20 @@ impl MapBuildOptions {
     /// the noise and bias of one estimate from the photons of all slices.
     pub fn for_slice(seed: u64, pass: u32, slice: ShutterSlice) -> Self {
         let (key, divisor) = (Key::new(seed), slice.count);
-        Self { key, pass, divisor, slice, has_photon_limit: true, connects_to_camera: true }
+        Self { key, pass, photon_path_divisor: divisor, slice, has_photon_limit: true, connects_to_camera: true }
     }
 
     /// Returns the options of a pilot. It traces 1/`divisor` of the photon paths of the first pass,
     /// without light tracing.
     pub fn for_pilot(key: Key, divisor: u32) -> Self {
-        Self { key, pass: 0, divisor, slice: ShutterSlice::WHOLE, has_photon_limit: true, connects_to_camera: false }
+        Self {
+            key,
+            pass: 0,
+            photon_path_divisor: divisor,
+            slice: ShutterSlice::WHOLE,
+            has_photon_limit: true,
+            connects_to_camera: false,
+        }
     }
 
     /// Returns the random key of the photon paths that are traced for `purpose` in this pass.

@@ -3,7 +3,7 @@
 //! They guide emission, find gather radii, divide caustics between estimates and light tracing, and
 //! predict how many photons a pass stores.
 
-use super::{CAUSTIC_K, GUIDE_PHOTON_DIVISOR, PhotonMapBuilder, VolumeKernelRadiiPerMap};
+use super::{DEFAULT_CAUSTIC_K, GUIDE_PHOTON_DIVISOR, PhotonMapBuilder, VolumeKernelRadiiPerMap};
 use crate::integrate::pass::ExpectedPhotons;
 use crate::integrate::radius_pilot::{
     self, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii, pilot_path_count,
@@ -21,19 +21,19 @@ const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 
 /// Number of photons that most gather discs of the indirect map should hold. In `hybrid`, it
 /// applies to the interreflection map instead.
-const INDIRECT_COUNT: u32 = 100;
+const DEFAULT_INDIRECT_K: u32 = 100;
 
 /// Number of photons that most gather discs of the indirect map of `hybrid` should hold. That map
 /// holds light that receivers scatter after a caustic.
-const AFTER_CAUSTIC_COUNT: u32 = 50;
+const DEFAULT_AFTER_CAUSTIC_K: u32 = 50;
 
 /// Largest distance between a photon and a point that the camera sees at which the photon counts as
 /// visible, divided by the scene radius.
-const VISIBLE_RADIUS: f32 = 0.01;
+const VISIBLE_RELATIVE_RADIUS: f32 = 0.01;
 
 /// Gather radius divided by the scene radius, for a pilot that stores no photon from which it could
 /// find the radius.
-const DEFAULT_RADIUS: f32 = 0.01;
+const DEFAULT_RELATIVE_RADIUS: f32 = 0.01;
 
 /// Largest number of photon paths of the pilot that guides emission for the interreflection map.
 ///
@@ -47,7 +47,7 @@ const MAX_INTERREFLECTION_GUIDING_PATHS: u32 = 1 << 15;
 const MIN_GUIDING_GAIN: f64 = 1.5;
 
 /// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
-const BEAM_SIZE: usize = 4;
+const BEAM_MEMORY_IN_PHOTONS: usize = 4;
 
 /// Largest number of photon paths that are traced per map to predict how many photons a pass
 /// stores.
@@ -64,24 +64,28 @@ impl<'a> PhotonMapBuilder<'a> {
             return;
         }
         let (scene, settings) = (self.scene, &self.settings);
-        let radius = scene.photon_domain().radius * VISIBLE_RADIUS;
+        let radius = scene.photon_domain().radius * VISIBLE_RELATIVE_RADIUS;
         let visible = find_visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
         let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, max_paths: u32| {
             let unguided = source.take()?;
             let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
             let paths = pilot_path_count(paths, max_paths);
-            let pilot = EmissionGuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
+            let pilot = EmissionGuidingPilot { mask, max_bounces, visible_points: &visible, paths, seed };
             let (guided, report) = unguided.clone().with_guided_emission(&pilot);
             *source = Some(if report.variance_gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
-        self.emission_guiding_reports.aimed =
-            guide(&mut self.aimed_source, self.request.aimed, settings.aimed_paths, EmissionGuidingPilot::PATHS);
+        self.emission_guiding_reports.aimed = guide(
+            &mut self.aimed_source,
+            self.request.aimed,
+            settings.aimed_paths,
+            EmissionGuidingPilot::DEFAULT_PATHS,
+        );
         // If gather rays read the indirect map, its photons are needed everywhere, so they are not
         // guided.
         if !self.request.unaimed.direct {
             let max_paths = if self.policy.indirect_photons == IndirectPhotons::Off {
-                EmissionGuidingPilot::PATHS
+                EmissionGuidingPilot::DEFAULT_PATHS
             } else {
                 MAX_INTERREFLECTION_GUIDING_PATHS
             };
@@ -110,23 +114,26 @@ impl<'a> PhotonMapBuilder<'a> {
                 )
             };
             // A pilot may store no photon although passes will, for example if objects move.
-            settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
+            settings
+                .initial_gather_radius
+                .or_else(found)
+                .unwrap_or(self.scene.photon_domain().radius * DEFAULT_RELATIVE_RADIUS)
         };
         let interreflection = if self.may_build_interreflection_map() {
             let paths = (self.settings.unaimed_paths, radius_pilot::MAX_INDIRECT_PATHS);
-            radius(&self.unaimed_source, self.request.unaimed, paths, INDIRECT_COUNT)
+            radius(&self.unaimed_source, self.request.unaimed, paths, DEFAULT_INDIRECT_K)
         } else {
             0.0
         };
         let (source, mask, paths) = self.indirect_map_inputs();
         let (default_k, max_pilot_paths) = if self.request.aimed.separates_after_caustic {
-            (AFTER_CAUSTIC_COUNT, radius_pilot::MAX_INDIRECT_PATHS)
+            (DEFAULT_AFTER_CAUSTIC_K, radius_pilot::MAX_INDIRECT_PATHS)
         } else {
-            (INDIRECT_COUNT, radius_pilot::MAX_PATHS)
+            (DEFAULT_INDIRECT_K, radius_pilot::MAX_PATHS)
         };
         let indirect = radius(source, mask, (paths, max_pilot_paths), default_k);
         let paths = (settings.aimed_paths, radius_pilot::MAX_PATHS);
-        let caustic = radius(&self.aimed_source, StoreMask::CAUSTIC, paths, CAUSTIC_K);
+        let caustic = radius(&self.aimed_source, StoreMask::CAUSTIC, paths, DEFAULT_CAUSTIC_K);
         self.interreflection_radius = interreflection;
         GatherRadii { indirect, caustic }
     }
@@ -142,11 +149,11 @@ impl<'a> PhotonMapBuilder<'a> {
             find_volume_kernel_radii(&self.photon_tracer(source, mask), self.policy.effects, paths, settings)
         };
         let radii = |source, mask, paths| {
-            if let Some(radius) = settings.radius {
+            if let Some(radius) = settings.initial_gather_radius {
                 return VolumeKernelRadii { beams: radius, points: radius, kept_beam_fraction: 1.0 };
             }
-            let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
-            found(source, self.with_beams_if_read(mask), paths).unwrap_or(VolumeKernelRadii {
+            let default = self.scene.photon_domain().radius * DEFAULT_RELATIVE_RADIUS;
+            found(source, self.mask_for_volume_estimator(mask), paths).unwrap_or(VolumeKernelRadii {
                 beams: default,
                 points: default,
                 kept_beam_fraction: 1.0,
@@ -167,7 +174,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// carries the rest.
     ///
     /// The shares depend on the current number of photon paths.
-    pub fn find_density_estimate_shares(&mut self) {
+    pub fn set_density_estimate_shares(&mut self) {
         let size = self.scene.camera().size();
         let Some(source) = self.aimed_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
         let shares = match self.policy.light_tracing {
@@ -191,19 +198,23 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Traces at most 4096 photon paths per map for the estimate.
     pub fn expected_photons(&self) -> ExpectedPhotons {
         let settings = &self.settings;
-        let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
+        let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::RadiusPilot);
         let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return ExpectedPhotons::default() };
             let probe = paths.min(PROBE_PATHS);
             let traced = self.photon_tracer(source, mask).trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
-            let volume_photon_size = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
-            let one = scale(traced.deposits.surface_photons.len() + volume_photon_size(&traced.deposits.volume));
-            let other =
-                scale(traced.deposits.after_caustic.len() + volume_photon_size(&traced.deposits.after_caustic_volume));
-            ExpectedPhotons { paths: paths.into(), stored_photons: one + other, largest_map: one.max(other) }
+            let volume_photon_size =
+                |volume: &VolumePhotons| volume.points.len() + BEAM_MEMORY_IN_PHOTONS * volume.beams.len();
+            let one =
+                scale(traced.deposits.surface_photons.len() + volume_photon_size(&traced.deposits.volume_photons));
+            let other = scale(
+                traced.deposits.after_caustic_surface_photons.len()
+                    + volume_photon_size(&traced.deposits.after_caustic_volume_photons),
+            );
+            ExpectedPhotons { paths: paths.into(), stored_photons: one + other, photons_in_largest_map: one.max(other) }
         };
-        let guides = if self.request.guides { self.counts.unaimed / GUIDE_PHOTON_DIVISOR } else { 0 };
+        let guides = if self.request.builds_guide_map { self.counts.unaimed / GUIDE_PHOTON_DIVISOR } else { 0 };
         let maps = [
             expected(&self.aimed_source, self.request.aimed, self.counts.aimed),
             expected(&self.unaimed_source, self.request.unaimed, self.counts.unaimed),
@@ -212,7 +223,7 @@ impl<'a> PhotonMapBuilder<'a> {
         maps.into_iter().fold(ExpectedPhotons::default(), |all, map| ExpectedPhotons {
             paths: all.paths + map.paths,
             stored_photons: all.stored_photons + map.stored_photons,
-            largest_map: all.largest_map.max(map.largest_map),
+            photons_in_largest_map: all.photons_in_largest_map.max(map.photons_in_largest_map),
         })
     }
 }

@@ -4,7 +4,7 @@
 use super::{CENTER, NextEventEstimator, ScatterPointSampling, ShadowRayScheme, stratified_sample};
 use crate::color::{self, Rgb};
 use crate::integrate::path_task::PathTask;
-use crate::integrate::scatter_point_guide::{GuidedDistances, InScatteringSample};
+use crate::integrate::scatter_point_guide::{GuidedDistanceDistribution, InScatteringSample};
 use crate::integrate::vertex::MediumPathSegment;
 use crate::light::ShadowTarget;
 use crate::math::Ray;
@@ -20,13 +20,14 @@ const DEFENSIVE_FRACTION: f32 = 0.25;
 
 /// Smallest expected number of guided points on a segment, divided by the number of shadow rays
 /// that a surface point would send. Russian roulette decides about numbers below 1.
-const MIN_POINTS: f32 = 0.125;
+const MIN_RELATIVE_POINT_COUNT: f32 = 0.125;
 /// Largest expected number of guided points on a segment, divided by the number of shadow rays that
 /// a surface point would send.
-const MAX_POINTS: f32 = 16.0;
+const MAX_RELATIVE_POINT_COUNT: f32 = 16.0;
 
-/// Number of points on a segment from which a pilot records shadow rays.
-const RECORDED_POINTS: f32 = 12.0;
+/// Number of points on a segment from which a pilot records shadow rays, divided by the number of
+/// shadow rays that a surface point would send.
+const RECORDED_RELATIVE_POINT_COUNT: f32 = 12.0;
 
 /// Sampled scattering point on a segment of a camera path through a medium.
 struct ScatterPoint {
@@ -56,7 +57,7 @@ impl NextEventEstimator<'_> {
         };
         let mut sum = Rgb::ZERO;
         match (self.shadow_ray_scheme(path_segment.history), &self.light_sampler) {
-            (ShadowRayScheme::All(rays), _) => {
+            (ShadowRayScheme::EveryLight(rays), _) => {
                 for (i, light) in self.lights.iter().enumerate() {
                     let rays = if !light.is_delta() && !self.aims_at_centers { rays } else { 1 };
                     let sampler = path_segment.shadow_sampler.nth_shadow_ray_sampler(i);
@@ -86,7 +87,7 @@ impl NextEventEstimator<'_> {
                     }
                 }
             }
-            (ShadowRayScheme::Chosen(rays), Some(light_sampler)) => {
+            (ShadowRayScheme::RandomLights(rays), Some(light_sampler)) => {
                 let Some(point) = path_point() else { return Rgb::ZERO };
                 let start = path_segment.shadow_sampler.get_1d(Dimension::Light);
                 for i in 0..rays {
@@ -105,7 +106,7 @@ impl NextEventEstimator<'_> {
                     );
                 }
             }
-            (ShadowRayScheme::Chosen(_), None) => {}
+            (ShadowRayScheme::RandomLights(_), None) => {}
         }
         sum
     }
@@ -132,12 +133,13 @@ impl NextEventEstimator<'_> {
         // Find how many points the segment needs.
         let (expected_count, records) = match &self.guides.scatter_points {
             ScatterPointSampling::Unguided => return None,
-            ScatterPointSampling::Recorded => (RECORDED_POINTS, true),
+            ScatterPointSampling::Recorded => (RECORDED_RELATIVE_POINT_COUNT, true),
             ScatterPointSampling::Guided { guide, points_per_radiance } => {
                 guide.distances_along(light, ray, color::channel_mean(medium.extinction()), &mut guided);
                 let scattered =
                     color::channel_mean(path_segment.throughput * medium.scattering) * guided.total_weight();
-                let wanted = (scattered * points_per_radiance).clamp(MIN_POINTS, MAX_POINTS);
+                let wanted =
+                    (scattered * points_per_radiance).clamp(MIN_RELATIVE_POINT_COUNT, MAX_RELATIVE_POINT_COUNT);
                 (if wanted > 1.0 { wanted.round() } else { wanted }, false)
             }
         };
@@ -261,7 +263,7 @@ struct ScatterPointDistribution<'a, I> {
     angles: Option<EquiangularDistribution>,
     /// Distribution of distances that most points follow; `None` without a guide, or if the guide
     /// found no light.
-    guided: Option<&'a GuidedDistances>,
+    guided: Option<&'a GuidedDistanceDistribution>,
 }
 
 impl<I: Interior> ScatterPointDistribution<'_, I> {
@@ -292,7 +294,7 @@ impl<I: Interior> ScatterPointDistribution<'_, I> {
 /// such as a point light (Kulla and Fajardo 2012).
 struct EquiangularDistribution {
     /// Distance along the ray from its origin to the position closest to the pivot \[length].
-    closest_distance: f32,
+    closest_point_t: f32,
     /// Smallest distance between the ray's line and the pivot \[length].
     pivot_distance: f32,
     /// Angle from the closest position to the start of the ray, seen from the pivot \[rad].
@@ -310,18 +312,18 @@ impl EquiangularDistribution {
         let pivot_distance =
             (to - ray.direction * closest_distance).length().max(1e-5 * to.length()).max(f32::MIN_POSITIVE);
         let angle = |t: f32| libm::atanf((t - closest_distance) / pivot_distance);
-        Self { closest_distance, pivot_distance, start_angle: angle(0.0), end_angle: angle(ray.t_max) }
+        Self { closest_point_t: closest_distance, pivot_distance, start_angle: angle(0.0), end_angle: angle(ray.t_max) }
     }
 
     /// Returns the distance along the ray for uniform `u` in \[0, 1) \[length].
     fn sample(&self, u: f32) -> f32 {
-        self.closest_distance
+        self.closest_point_t
             + self.pivot_distance * libm::tanf(self.start_angle + (self.end_angle - self.start_angle) * u)
     }
 
     /// Returns the pdf of distance `t` along the ray \[1/length].
     fn pdf(&self, t: f32) -> f32 {
-        let x = (t - self.closest_distance) / self.pivot_distance;
+        let x = (t - self.closest_point_t) / self.pivot_distance;
         let range = self.end_angle - self.start_angle;
         if range > 0.0 { 1.0 / (self.pivot_distance * (1.0 + x * x) * range) } else { 0.0 }
     }

@@ -1,6 +1,6 @@
 use super::super::algorithm::Algorithm;
 use super::super::hybrid;
-use super::super::indirect_division::IndirectErrors;
+use super::super::indirect_division::RelativeIndirectErrors;
 use super::super::settings::CameraPathSettings;
 use super::*;
 use crate::camera::Camera;
@@ -20,7 +20,7 @@ fn white_ball_in_fog() -> Scene {
     let mut builder = SceneBuilder::new();
     let fog = Medium::homogeneous(Rgb::ZERO, Rgb::splat(2.0), Rgb::ZERO, PhaseFunction::Isotropic);
     let fog = builder.add_medium(fog);
-    let air = builder.add_material(Material::smooth_boundary(Body::body_filled_with_medium(fog)));
+    let air = builder.add_material(Material::smooth_boundary(Body::null_interface_with_medium(fog)));
     let white = builder.add_material(Material::diffuse(Rgb::ONE));
     builder.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), air, Rgb::ZERO);
     builder.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.3)), white, Rgb::ZERO);
@@ -38,36 +38,40 @@ fn indirect_light_weights_in_fog_sum_to_one() {
     const SAMPLES: u32 = 8;
     const PHOTONS: u32 = 4000;
     let scene = white_ball_in_fog();
-    let camera_paths = CameraPathSettings { samples: Some(SAMPLES), max_bounces: 1000, ..Default::default() };
+    let camera_paths = CameraPathSettings { samples_per_pixel: Some(SAMPLES), max_bounces: 1000, ..Default::default() };
     let settings = Settings {
         camera_paths,
         unaimed_paths: PHOTONS,
-        allows_balance: false,
-        radius: Some(0.03),
+        allows_ray_photon_balance: false,
+        initial_gather_radius: Some(0.03),
         alpha: 1.0,
         indirect_photons: IndirectPhotons::Full,
         ..Settings::default()
     };
-    let plan = Plan::new(&scene, Algorithm::Hybrid.supported_effects(), EffectOverrides::PLANNED);
+    let plan = Plan::new(&scene, Algorithm::Hybrid.supported_effects(), EffectOverrides::NO_OVERRIDES);
     let mut integrator = PathIntegrator::new(&scene, plan, settings, hybrid::path_policy);
 
     // Two of eight paths continue. Their variance of 1/2 is that of the photon estimate.
-    let errors = IndirectErrors { path_variance: 1.0, photon_variance: 0.5 * PHOTONS as f32, squared_bias: 0.0 };
+    let errors = RelativeIndirectErrors {
+        single_path_variance: 1.0,
+        single_photon_path_variance: 0.5 * PHOTONS as f32,
+        squared_bias: 0.0,
+    };
     let division = IndirectDivision {
         columns: 1,
         cells: vec![errors],
         cell_size: 16.0,
-        samples: SAMPLES,
+        samples_per_pixel: SAMPLES,
         unaimed_paths: PHOTONS,
         path_price: 1.0 / 16.0,
-        passes: u32::MAX,
+        passes_with_photons: u32::MAX,
     };
     let renderer = &mut integrator.renderer;
     renderer.policy.indirect_photons = IndirectPhotons::Weighted;
     renderer.map_builder = renderer.map_builder.with_policy(&renderer.policy);
     renderer.map_builder.set_division(Some(division));
     let weights = renderer.map_builder.technique_of_pass(0).technique_weights(Vec2::ONE);
-    assert_eq!((weights.photon_weight, weights.continued, weights.path_weight(SAMPLES)), (0.5, 2, 2.0));
+    assert_eq!((weights.photon_weight, weights.continued_paths, weights.continued_path_factor(SAMPLES)), (0.5, 2, 2.0));
 
     let mean_of_pass = |pass| {
         let image = integrator.render_pass(pass, &SilentMonitor).image;

@@ -1,38 +1,43 @@
 use super::*;
 
 const SAMPLES: u32 = 4;
-const WORK: PassWork = PassWork { camera: 40.0, photon_work: 10.0, prefix_ray: 2.0, lookup: 6.0 };
+const WORK: PassWork = PassWork {
+    camera_work_per_pixel: 40.0,
+    photon_work_per_pixel: 10.0,
+    work_per_prefix_ray: 2.0,
+    work_per_lookup: 6.0,
+};
 
 /// Variances of `n` ordinary pixels and one with a highlight or a caustic.
-fn one_special_pixel(n: usize, special: PixelVariance) -> Vec<PixelVariance> {
-    let ordinary = PixelVariance {
+fn one_special_pixel(n: usize, special: RelativePixelVariances) -> Vec<RelativePixelVariances> {
+    let ordinary = RelativePixelVariances {
         after_receiver: 0.1,
         up_to_receiver: 0.001,
         photon_estimate: 0.001,
-        ..PixelVariance::default()
+        ..RelativePixelVariances::default()
     };
     let mut variances = vec![ordinary; n];
-    variances.push(PixelVariance { after_receiver: 0.1, ..special });
+    variances.push(RelativePixelVariances { after_receiver: 0.1, ..special });
     variances
 }
 
 #[test]
 fn only_pixels_with_noisy_prefixes_get_prefix_rays() {
-    let highlight = PixelVariance { up_to_receiver: 50.0, ..PixelVariance::default() };
+    let highlight = RelativePixelVariances { up_to_receiver: 50.0, ..RelativePixelVariances::default() };
     let counts = efficient_ray_counts(&one_special_pixel(200, highlight), SAMPLES, &WORK).unwrap();
-    let none = PrefixRayCount::default();
+    let none = PixelPrefixRayCounts::default();
     assert!(counts[..200].iter().all(|count| *count == none));
-    assert!(counts[200].rays > 8 && counts[200].lookups == 0, "{:?}", counts[200]);
+    assert!(counts[200].unaimed > 8 && counts[200].lookups == 0, "{:?}", counts[200]);
 
-    let caustic = PixelVariance { photon_estimate: 50.0, ..PixelVariance::default() };
+    let caustic = RelativePixelVariances { photon_estimate: 50.0, ..RelativePixelVariances::default() };
     let counts = efficient_ray_counts(&one_special_pixel(200, caustic), SAMPLES, &WORK).unwrap();
-    assert!(counts[200].rays > 8 && counts[200].lookups == counts[200].rays, "{:?}", counts[200]);
+    assert!(counts[200].unaimed > 8 && counts[200].lookups == counts[200].unaimed, "{:?}", counts[200]);
 
-    let ordinary = PixelVariance {
+    let ordinary = RelativePixelVariances {
         up_to_receiver: 0.001,
         photon_estimate: 0.001,
         after_receiver: 0.1,
-        ..PixelVariance::default()
+        ..RelativePixelVariances::default()
     };
     assert_eq!(efficient_ray_counts(&[ordinary; 200], SAMPLES, &WORK), None);
 }
@@ -40,20 +45,26 @@ fn only_pixels_with_noisy_prefixes_get_prefix_rays() {
 /// Numbers of rays twice or half as large give a larger product of variance and work.
 #[test]
 fn ray_counts_minimize_variance_times_work() {
-    let special =
-        PixelVariance { up_to_receiver: 20.0, photon_estimate: 2.0, after_receiver: 0.1, ..PixelVariance::default() };
+    let special = RelativePixelVariances {
+        up_to_receiver: 20.0,
+        photon_estimate: 2.0,
+        after_receiver: 0.1,
+        ..RelativePixelVariances::default()
+    };
     let variances = one_special_pixel(800, special);
-    let PrefixRayCount { rays, lookups, .. } = efficient_ray_counts(&variances, SAMPLES, &WORK).unwrap()[800];
+    let PixelPrefixRayCounts { unaimed: rays, lookups, .. } =
+        efficient_ray_counts(&variances, SAMPLES, &WORK).unwrap()[800];
     let product = |factor: f64| {
         let (m, l, n) = (f64::from(rays) * factor, f64::from(lookups) * factor, f64::from(SAMPLES));
-        let rest_work = WORK.camera + WORK.photon_work;
+        let rest_work = WORK.camera_work_per_pixel + WORK.photon_work_per_pixel;
         let v = variances[0];
-        let ordinary = rest_work / WORK.camera * v.after_receiver / n + v.up_to_receiver / n + v.photon_estimate;
+        let ordinary =
+            rest_work / WORK.camera_work_per_pixel * v.after_receiver / n + v.up_to_receiver / n + v.photon_estimate;
         let variance = 800.0 * ordinary
-            + rest_work / WORK.camera * special.after_receiver / n
+            + rest_work / WORK.camera_work_per_pixel * special.after_receiver / n
             + special.up_to_receiver / (n + m)
             + special.photon_estimate / (1.0 + l);
-        variance * (801.0 * rest_work + m * WORK.prefix_ray + l * WORK.lookup)
+        variance * (801.0 * rest_work + m * WORK.work_per_prefix_ray + l * WORK.work_per_lookup)
     };
     let best = product(1.0);
     assert!(product(0.5) > best && product(2.0) > best, "{} {best} {}", product(0.5), product(2.0));
@@ -61,23 +72,29 @@ fn ray_counts_minimize_variance_times_work() {
 
 #[test]
 fn prefix_rays_take_limited_work() {
-    let noisy =
-        PixelVariance { after_receiver: 0.1, up_to_receiver: 1e6, photon_estimate: 1e6, ..PixelVariance::default() };
+    let noisy = RelativePixelVariances {
+        after_receiver: 0.1,
+        up_to_receiver: 1e6,
+        photon_estimate: 1e6,
+        ..RelativePixelVariances::default()
+    };
     let counts = efficient_ray_counts(&[noisy; 100], SAMPLES, &WORK).unwrap();
-    let work: f64 =
-        counts.iter().map(|c| f64::from(c.rays) * WORK.prefix_ray + f64::from(c.lookups) * WORK.lookup).sum();
-    let limit = MAX_WORK * (WORK.camera + WORK.photon_work) * 100.0;
+    let work: f64 = counts
+        .iter()
+        .map(|c| f64::from(c.unaimed) * WORK.work_per_prefix_ray + f64::from(c.lookups) * WORK.work_per_lookup)
+        .sum();
+    let limit = MAX_RELATIVE_WORK * (WORK.camera_work_per_pixel + WORK.photon_work_per_pixel) * 100.0;
     assert!(work > 0.5 * limit && work <= limit, "{work} of {limit}");
 }
 
 #[test]
 fn undefined_variances_give_no_prefix_rays() {
-    let broken = PixelVariance {
+    let broken = RelativePixelVariances {
         after_receiver: 0.1,
         up_to_receiver: f64::NAN,
         photon_estimate: f64::INFINITY,
-        ..PixelVariance::default()
+        ..RelativePixelVariances::default()
     };
     assert_eq!(efficient_ray_counts(&[broken; 4], SAMPLES, &WORK), None);
-    assert_eq!(efficient_ray_counts(&[PixelVariance::default(); 4], SAMPLES, &WORK), None);
+    assert_eq!(efficient_ray_counts(&[RelativePixelVariances::default(); 4], SAMPLES, &WORK), None);
 }

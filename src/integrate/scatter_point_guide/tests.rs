@@ -11,7 +11,7 @@ fn random_point(i: u64) -> Vec3 {
 /// Returns a guide over the box from (0, 0, 0) to (4, 2, 1) whose light falls on x > 3 only.
 fn guide_of_lit_end() -> ScatterPointGuide {
     let size = Vec3::new(4.0, 2.0, 1.0);
-    let mut fit = ScatterPointFit::new([Vec3::ZERO, size].into_iter(), 2).unwrap();
+    let mut fit = ScatterPointGuideFitter::new([Vec3::ZERO, size].into_iter(), 2).unwrap();
     for i in 0..400_000 {
         let p = random_point(i) * size;
         fit.add(&InScatteringSample {
@@ -27,7 +27,7 @@ fn guide_of_lit_end() -> ScatterPointGuide {
 #[test]
 fn guided_distances_cover_the_lit_part() {
     let guide = guide_of_lit_end();
-    let mut distances = GuidedDistances::default();
+    let mut distances = GuidedDistanceDistribution::default();
     let ray = Ray::new(Vec3::new(-1.0, 1.0, 0.5), Vec3::X);
     guide.distances_along(1, &ray, 0.0, &mut distances);
     // A cell is (8 / 24,000)^(1/3) = 0.07 long, and cells next to the light have a share of it.
@@ -49,7 +49,7 @@ fn guided_distances_cover_the_lit_part() {
 #[test]
 fn guided_distances_match_their_pdf() {
     let guide = guide_of_lit_end();
-    let mut distances = GuidedDistances::default();
+    let mut distances = GuidedDistanceDistribution::default();
     let mut checked = 0;
     for i in 0..200 {
         let (from, to) = (random_point(i) * 8.0 - 2.0, random_point(1000 + i) * Vec3::new(4.0, 2.0, 1.0));

@@ -33,7 +33,7 @@ fn signed_filters_are_unbiased_and_noiseless_in_flat_areas() {
         let edge = render_filtered_row(FilterKind::Mitchell, samples, |x| if x < 6.3 { 1.0 } else { 0.0 });
         // The filter's table misplaces at most a thousandth of the weight.
         for (x, (mean, error)) in edge.iter().enumerate() {
-            let weight = |y: f64| FilterKind::Mitchell.unnormalized_value(y);
+            let weight = |y: f64| FilterKind::Mitchell.unnormalized_axis_value(y);
             let (mut left, mut all) = (0.0, 0.0);
             for i in 0..4000 {
                 let y = -2.0 + (f64::from(i) + 0.5) / 1000.0;

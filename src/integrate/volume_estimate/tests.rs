@@ -46,11 +46,11 @@ fn estimates_along_x(
     origin: Vec3,
     estimate: VolumeEstimator,
     photons: impl Fn(u64) -> VolumePhotons,
-) -> [(f64, f64); LEVELS] {
-    let mut samples = [const { Vec::new() }; LEVELS];
+) -> [(f64, f64); NESTED_DISC_COUNT] {
+    let mut samples = [const { Vec::new() }; NESTED_DISC_COUNT];
     for pass in 0..PASSES {
         let maps = BeamAndPointMaps::build(photons(pass), (RADIUS, RADIUS), estimate, 0.0);
-        let mut means = [0.0; LEVELS];
+        let mut means = [0.0; NESTED_DISC_COUNT];
         const RAYS: u32 = 64;
         for i in 0..RAYS {
             let sampler = Sampler::new(test_key(pass, 1 << 40), i, RAYS);

@@ -19,14 +19,16 @@ pub fn three_triangle_mesh(origin: Vec3) -> Arc<Mesh> {
 
 pub fn mesh_light_surface(mesh: Arc<Mesh>) -> LightSurface {
     let choice = DiscreteDistribution::new((0..mesh.triangles.len()).map(|i| mesh.triangle_area(i))).unwrap();
-    LightSurface::Triangles { mesh, first: 0, choice }
+    LightSurface::Triangles { mesh, first_triangle: 0, triangle_distribution: choice }
 }
 
 /// First hit of the ray from `p` along `wi` with a light surface, from either side.
 fn first_hit_on_light_surface(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     let ray = crate::math::Ray::new(p, wi);
     match emitter {
-        LightSurface::Shape(shape) => shape.intersect(&ray).map(|ShapeHit { t, uv }| shape.surface_point(&ray, t, uv)),
+        LightSurface::Shape(shape) => {
+            shape.intersect(&ray).map(|ShapeHit { t, shape_coords: uv }| shape.surface_point(&ray, t, uv))
+        }
         LightSurface::Triangles { mesh, .. } => {
             let cross = |i: usize| {
                 let [a, b, c] = mesh.corners(i).map(|v| v.as_dvec3() - p.as_dvec3());

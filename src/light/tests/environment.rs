@@ -179,7 +179,7 @@ fn invalid_environment_pictures_are_errors() {
     {
         let pixels = vec![Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::new(0.0, bad, 0.0), Rgb::ZERO];
         let refused = EnvironmentLight::new(Image::from_pixels(3, 2, pixels).unwrap(), 0.0, Rgb::splat(scale));
-        assert!(matches!(refused, Err(EmissionPictureError::Value { .. })), "{bad} {scale}");
+        assert!(matches!(refused, Err(EmissionPictureError::InvalidPixel { .. })), "{bad} {scale}");
         if scale == 1.0 {
             assert!(refused.unwrap_err().to_string().contains("column 1, row 1"));
         }

@@ -93,10 +93,10 @@ fn profiles_are_symmetric_about_their_axis() {
 #[test]
 fn invalid_pictures_and_profiles_are_errors() {
     let bad = Image::from_pixels(1, 1, vec![Rgb::NAN]).unwrap();
-    assert!(matches!(ProjectedPicture::new(bad, 1.0), Err(EmissionPictureError::Value { .. })));
+    assert!(matches!(ProjectedPicture::new(bad, 1.0), Err(EmissionPictureError::InvalidPixel { .. })));
     assert!(ProjectedPicture::new(Image::from_pixels(1, 1, vec![Rgb::ZERO]).unwrap(), 1.0).unwrap().is_none());
     assert!(matches!(
         map_from_intensity_profile(&[(0.0, -1.0), (180.0, -1.0)]),
-        Err(EmissionPictureError::Value { .. })
+        Err(EmissionPictureError::InvalidPixel { .. })
     ));
 }

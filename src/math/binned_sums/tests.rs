@@ -21,7 +21,7 @@ fn wide_values(count: u64) -> Vec<[f64; 2]> {
 
 fn sum_of<'a, const N: usize>(values: impl IntoIterator<Item = &'a [f64; N]>) -> BinnedSums<N> {
     let mut sums = BinnedSums::new(1);
-    values.into_iter().for_each(|value| sums.add(|_| *value));
+    values.into_iter().for_each(|value| sums.add_to_all_pixels(|_| *value));
     sums
 }
 
@@ -33,7 +33,7 @@ fn merged_sum<const N: usize>(values: &[[f64; N]], parts: u64, seed: u64) -> Bin
     order.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     for i in order {
         let part = (parts as f64 * uniform(i as u64, seed)) as usize;
-        dealt[part].add(|_| values[i]);
+        dealt[part].add_to_all_pixels(|_| values[i]);
     }
     // Pairs are merged, so that sums of different numbers of values meet.
     while dealt.len() > 1 {
@@ -62,12 +62,12 @@ fn errors_stay_below_quanta() {
         let values: Vec<_> = (0..count).map(|i| [scale * (uniform(i.into(), 7) - 0.3)]).collect();
         let sums = sum_of(&values);
         let largest = values.iter().fold(0.0, |most: f64, v| most.max(v[0].abs()));
-        assert!(sums.quantum(0) <= largest / libm::exp2(30.0), "{scale:e}");
+        assert!(sums.lower_quantum(0) <= largest / libm::exp2(30.0), "{scale:e}");
         let mut exact = CompensatedSum::default();
         values.iter().for_each(|value| exact.add(DVec3::splat(value[0])));
         let exact = exact.value().x;
-        let bound = f64::from(count) * 0.5 * sums.quantum(0) + 2.0 * f64::EPSILON * exact.abs();
-        assert!((sums.value(0)[0] - exact).abs() <= bound, "{scale:e}");
+        let bound = f64::from(count) * 0.5 * sums.lower_quantum(0) + 2.0 * f64::EPSILON * exact.abs();
+        assert!((sums.pixel_sums(0)[0] - exact).abs() <= bound, "{scale:e}");
     }
 }
 
@@ -77,7 +77,7 @@ fn errors_stay_below_quanta() {
 fn common_values_are_summed_exactly() {
     let values: Vec<_> = (0..1000).map(|i| [f64::from((0.5 * uniform(i, 3) + 1e-4) as f32)]).collect();
     let exact: i128 = values.iter().map(|v| (v[0] * libm::exp2(60.0)) as i128).sum();
-    assert_eq!(sum_of(&values).value(0)[0], exact as f64 / libm::exp2(60.0));
+    assert_eq!(sum_of(&values).pixel_sums(0)[0], exact as f64 / libm::exp2(60.0));
 }
 
 /// The smallest f32 is summed exactly. The sum of 2³¹ terms, each three times the
@@ -85,15 +85,15 @@ fn common_values_are_summed_exactly() {
 #[test]
 fn whole_range_of_floats_is_held() {
     let tiny = f64::from(f32::from_bits(1));
-    assert_eq!(sum_of(&[[tiny], [tiny]]).value(0), [2.0 * tiny]);
-    assert_eq!(sum_of(&[[tiny * tiny]]).value(0), [tiny * tiny]);
+    assert_eq!(sum_of(&[[tiny], [tiny]]).pixel_sums(0), [2.0 * tiny]);
+    assert_eq!(sum_of(&[[tiny * tiny]]).pixel_sums(0), [tiny * tiny]);
     let large = 3.0 * f64::from(f32::MAX) * f64::from(f32::MAX);
     let mut sums = sum_of(&[[large, -large]]);
     for _ in 0..31 {
         let same = sums.clone();
         sums.merge(&same);
     }
-    let [sum, negative] = sums.value(0).map(|sum| sum / (large * libm::exp2(31.0)));
+    let [sum, negative] = sums.pixel_sums(0).map(|sum| sum / (large * libm::exp2(31.0)));
     assert!((sum - 1.0).abs() < 1e-9 && sum == -negative, "{sum}");
 }
 
@@ -104,9 +104,9 @@ fn infinite_values_and_nan_stay() {
     for seed in 0..40 {
         let merged = merged_sum(&values, 1 + seed % 3, seed);
         assert_eq!(merged, sum_of(&values));
-        let [a, b, c] = merged.value(0);
+        let [a, b, c] = merged.pixel_sums(0);
         assert!(a == infinity && b.is_nan() && c.is_nan(), "{a} {b} {c}");
     }
-    assert_eq!(sum_of(&[[-infinity, 5.0, libm::exp2(263.0)]]).value(0), [-infinity, 5.0, infinity]);
-    assert_eq!(sum_of(&[[-libm::exp2(263.0), 5.0, 1e79]]).value(0), [-infinity, 0.0, 1e79]);
+    assert_eq!(sum_of(&[[-infinity, 5.0, libm::exp2(263.0)]]).pixel_sums(0), [-infinity, 5.0, infinity]);
+    assert_eq!(sum_of(&[[-libm::exp2(263.0), 5.0, 1e79]]).pixel_sums(0), [-infinity, 0.0, 1e79]);
 }

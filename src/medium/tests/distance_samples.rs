@@ -185,9 +185,9 @@ fn linear_density_matches_its_optical_depth() {
 /// steps gives this depth, with a relative error below 10⁻⁶.
 #[test]
 fn clouds_match_their_optical_depth() {
-    let cloud = Cloud { octaves: 4, scale: 3.0, cover: 0.8, softness: 0.3, seed: 5 };
+    let cloud = Cloud { octaves: 4, frequency: 3.0, cover: 0.8, softness: 0.3, seed: 5 };
     let place = DAffine3::from_scale(DVec3::splat(6.0));
-    let field = GridDensity::from_fn([40, 33, 27], place, |p| 3.0 * cloud.density(0.0)(p)).unwrap();
+    let field = GridDensity::from_fn([40, 33, 27], place, |p| 3.0 * cloud.density_function(0.0)(p)).unwrap();
     let ray = Ray::new(Vec3::new(-1.0, 1.5, 2.0), Vec3::new(6.0, 2.1, 1.3).normalize());
     let (n, distance) = (40_000usize, 8.0f32);
     let step = f64::from(distance) / n as f64;

@@ -11,19 +11,22 @@ const HERE: DAffine3 = DAffine3::IDENTITY;
 fn invalid_grids_are_errors() {
     let refused = |size, values, place| GridDensity::new(size, values, place).unwrap_err();
     assert_eq!(refused([2, 0, 1], vec![], HERE), GridDensityError::Empty(2, 0, 1));
-    assert_eq!(refused([2, 2, 2], vec![1.0; 7], HERE), GridDensityError::Count { expected: 8, found: 7 });
+    assert_eq!(
+        refused([2, 2, 2], vec![1.0; 7], HERE),
+        GridDensityError::DensityCountMismatch { expected: 8, found: 7 }
+    );
     let most = [u32::MAX; 3];
     assert_eq!(refused(most, vec![], HERE), GridDensityError::TooLarge(u32::MAX, u32::MAX, u32::MAX));
     let large = [1 << 20, 1 << 20, 1 << 20];
     assert!(matches!(GridDensity::from_fn(large, HERE, |_| 1.0), Err(GridDensityError::TooLarge(..))));
     let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
-    assert_eq!(refused([1; 3], vec![1.0], flat), GridDensityError::Placement(SingularTransformError));
+    assert_eq!(refused([1; 3], vec![1.0], flat), GridDensityError::SingularPlacement(SingularTransformError));
     for bad in [-1.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
         let mut values = vec![1.0; 24];
         // The value is that of cell (1, 2, 3) in a grid of 2 × 3 × 4 cells.
         values[1 + 2 * (2 + 3 * 3)] = bad;
         let error = refused([2, 3, 4], values, HERE);
-        assert!(matches!(error, GridDensityError::Cell { x: 1, y: 2, z: 3, .. }), "{error}");
+        assert!(matches!(error, GridDensityError::InvalidDensity { x: 1, y: 2, z: 3, .. }), "{error}");
     }
 }
 
@@ -41,7 +44,7 @@ fn grid_values_are_at_cell_centers() {
     assert!((field.density(Vec3::ZERO) - value(0.0, 0.0, 0.0)).abs() < 0.02, "the edge is as its cell");
     assert_eq!(field.density(Vec3::new(0.5, 0.5, 1.001)), 0.0);
     assert_eq!(field.density(Vec3::splat(f32::NAN)), 0.0);
-    assert!(field.max_density() >= value(2.0, 3.0, 4.0) - 0.02 && field.size() == size);
+    assert!(field.max_density() >= value(2.0, 3.0, 4.0) - 0.02 && field.cell_counts() == size);
     assert!(
         (240..1000).contains(&field.memory_bytes()),
         "60 densities of 4 bytes, and a little: {}",
@@ -77,7 +80,7 @@ fn majorants_bound_the_density_along_rays() {
         let [a, b] = [a, b].map(|p| place.transform_point3(p).as_vec3());
         let Some(direction) = (b - a).try_normalize() else { continue };
         let ray = Ray::new(a, direction);
-        let blocks: Vec<_> = field.ray_in_grid(&ray, f32::INFINITY).blocks_along_ray().collect();
+        let blocks: Vec<_> = field.ray_in_grid(&ray, f32::INFINITY).majorant_segments().collect();
         crossed += blocks.len();
         let (start, end) = ray_interval_in_grid_box(&field, &ray);
         assert!((blocks[0].0 - start).abs() < 1e-9 && (blocks.last().unwrap().1 - end).abs() < 1e-9, "{i}");
@@ -91,7 +94,7 @@ fn majorants_bound_the_density_along_rays() {
             }
         }
         let short = 0.3f32;
-        let last = field.ray_in_grid(&ray, short).blocks_along_ray().last().map_or(0.0, |b| b.1);
+        let last = field.ray_in_grid(&ray, short).majorant_segments().last().map_or(0.0, |b| b.1);
         assert!(last <= f64::from(short));
     }
     assert!(crossed > 60_000, "{crossed}");

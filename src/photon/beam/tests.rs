@@ -203,7 +203,7 @@ fn beam_map_is_small_and_thread_independent() {
     for radius in [1e-9, 0.01, 10.0] {
         let beams = random_beams(5000, 1.0, Vec3::ZERO);
         let pieces = split_beams(&beams, optimal_beam_piece_length(&beams, radius)).len();
-        assert!(pieces as f64 <= MAX_PIECES * 5000.0 && pieces >= 5000, "{pieces}");
+        assert!(pieces as f64 <= MAX_MEAN_BEAM_PIECES * 5000.0 && pieces >= 5000, "{pieces}");
     }
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();

@@ -119,7 +119,7 @@ fn nested_discs_are_probed_independently() {
         let key = Key::new(5).purpose_key(Purpose::Test).child_key(i);
         nested_disc_coverage(&square_scene(), p.as_vec3(), Vec3::Y, 0.5, Kernel::Box, key)
     };
-    let all: Vec<[f32; LEVELS]> = (0..500).map(levels).collect();
+    let all: Vec<[f32; NESTED_DISC_COUNT]> = (0..500).map(levels).collect();
     assert!(all.iter().all(|levels| levels[2] == 1.0), "a quarter is nearer than the edge");
     assert!(all.iter().any(|levels| levels[0] < 1.0) && all.iter().any(|levels| levels[1] < 1.0));
     let level_mean = |level: usize| all.iter().map(|l| f64::from(l[level])).sum::<f64>() / 500.0;

@@ -4,7 +4,7 @@ use super::*;
 use crate::camera::Camera;
 use crate::color::{DispersionFormula, Wavelength};
 use crate::photon::{PhotonTracer, StoreMask};
-use crate::scene::{Body, DeltaLightKind, LightStrength, Material, PathEvent, SceneBuilder, SpectralInterior};
+use crate::scene::{Body, LightStrength, Material, PathEvent, SceneBuilder, SpectralInterior, UnscaledDeltaLight};
 use crate::shape::{Plane, Shape, Sphere};
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ fn sun_over_ball_scene(height: f64) -> Scene {
     builder.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.5)), white, Rgb::ZERO);
     builder.add_plane(Plane::new(DVec3::Y * height, DVec3::Y), white, Rgb::ZERO);
     let direction = DVec3::new(0.3, -1.0, 0.1);
-    builder.add_delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
+    builder.add_delta_light(UnscaledDeltaLight::Directional { direction }, LightStrength::Physical(Rgb::ONE));
     let eye = Camera::perspective(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
     builder.build(eye).unwrap()
 }
@@ -28,7 +28,7 @@ fn directional_light_reaches_unbounded_planes() {
     builder.add_plane(Plane::new(DVec3::NEG_Y, DVec3::Y), white, Rgb::ZERO);
     builder.add_plane(Plane::new(DVec3::Z * -3.0, DVec3::Z), white, Rgb::ZERO);
     let direction = DVec3::new(0.1, -1.0, -0.5);
-    builder.add_delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
+    builder.add_delta_light(UnscaledDeltaLight::Directional { direction }, LightStrength::Physical(Rgb::ONE));
     let eye = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
     let scene = builder.build(eye).unwrap();
     // The domain extends at least to the farther plane.
@@ -60,7 +60,7 @@ fn lamps_in_glass_scene() -> Scene {
     let glass = builder.add_material(Material::smooth_boundary(Body { glass: Some(flint), ..Body::new(1.8) }));
     builder.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 2.0)), glass, Rgb::ZERO);
     for (x, power) in [(-1.0, 1.0), (1.0, 3.0)] {
-        let kind = DeltaLightKind::Point { position: DVec3::X * x };
+        let kind = UnscaledDeltaLight::Point { position: DVec3::X * x };
         builder.add_delta_light(kind, LightStrength::Physical(Rgb::splat(power)));
     }
     let eye = Camera::perspective(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
@@ -84,13 +84,13 @@ fn wavelengths_are_stratified_with_directions_and_positions() {
         let key = Key::new(seed);
         let mut counts = [[[[0u32; 16]; 4]; 2]; 2];
         for index in 0..PATHS {
-            let point = source.primary_emission_sample(key, index, PATHS);
+            let point = source.sample_primary_emission(key, index, PATHS);
             let (mut path, _) = source.emit_photon_path::<SpectralInterior>(key, index, PATHS).unwrap();
             let event = path.next_vertex(&scene, key.photon_path_key(index), |_| None);
             assert!(matches!(event, PathEvent::Surface(_)));
             let u = source.wavelength_sample(key, index, PATHS, point.light);
             assert_eq!(path.interior.wavelength(), Some(Wavelength::sample(u)));
-            for (i, square) in [point.direction, point.position].into_iter().enumerate() {
+            for (i, square) in [point.direction_sample, point.position_sample].into_iter().enumerate() {
                 let cell = (square * 4.0).as_uvec2();
                 counts[point.light][i][(u * 4.0) as usize][(cell.y * 4 + cell.x) as usize] += 1;
             }

@@ -12,11 +12,11 @@ pub(super) struct EmissionGuidingSample {
     /// Index of the light that emits the path.
     pub light: usize,
     /// Primary sample in \[0, 1)² that determines the position on the light.
-    pub position: Vec2,
+    pub position_sample: Vec2,
     /// Primary sample in \[0, 1)² that determines the emitted direction.
-    pub direction: Vec2,
-    /// Inverse of the joint pdf of the primary samples `position` and `direction`.
-    pub weight: f64,
+    pub direction_sample: Vec2,
+    /// Inverse of the joint pdf of the primary samples `position_sample` and `direction_sample`.
+    pub inverse_primary_pdf: f64,
     /// Sum of the squared contributions of the path's photons to the picture.
     ///
     /// The path starts with the emitted flux, not divided by the pdf, the probability of the light
@@ -42,21 +42,21 @@ const PARENT_WEIGHT: f64 = 8.0;
 /// the number for that of directions.
 ///
 /// n subdivisions give 2ⁿ cells along each side of a square.
-type CellResolution = (u32, u32);
+type CellSubdivisions = (u32, u32);
 
 /// Grid over \[0, 1)⁴ that holds, for each cell, the mean squared contribution of a photon path to
 /// the picture.
 #[derive(Clone, Debug)]
 struct EmissionGuidingCells {
-    resolution: CellResolution,
+    subdivisions: CellSubdivisions,
     /// Mean squared contribution of a photon path to the picture, in each cell. The cell of the
     /// position is the outer index, the cell of the direction the inner one.
-    squares: Vec<f64>,
+    mean_squared_contributions: Vec<f64>,
 }
 
 impl EmissionGuidingCells {
     fn new<'s>(
-        resolution: CellResolution,
+        resolution: CellSubdivisions,
         samples: impl Iterator<Item = &'s EmissionGuidingSample>,
         parent_cells: Option<&Self>,
     ) -> Self {
@@ -69,22 +69,23 @@ impl EmissionGuidingCells {
         let (positions, directions) = (1usize << resolution.0, 1usize << resolution.1);
         let mut sums = vec![CellSum::default(); (positions * directions) * (positions * directions)];
         for s in samples {
-            let sum = &mut sums[cell_index(resolution, s.position, s.direction)];
+            let sum = &mut sums[cell_index(resolution, s.position_sample, s.direction_sample)];
             sum.count += 1.0;
-            sum.weight += s.weight;
-            sum.square += s.weight * s.squared_contribution;
+            sum.weight += s.inverse_primary_pdf;
+            sum.square += s.inverse_primary_pdf * s.squared_contribution;
         }
         let center = |i: usize, side: usize| (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) / side as f32;
         let square = |(i, sum): (usize, &CellSum)| {
             let inner = directions * directions;
             let parent = parent_cells.map(|p| {
-                p.squares[cell_index(p.resolution, center(i / inner, positions), center(i % inner, directions))]
+                p.mean_squared_contributions
+                    [cell_index(p.subdivisions, center(i / inner, positions), center(i % inner, directions))]
             });
             let own = if sum.count > 0.0 { sum.square / sum.weight } else { 0.0 };
             parent.map_or(own, |parent| (sum.count * own + PARENT_WEIGHT * parent) / (sum.count + PARENT_WEIGHT))
         };
         let squares = sums.iter().enumerate().map(square).collect();
-        Self { resolution, squares }
+        Self { subdivisions: resolution, mean_squared_contributions: squares }
     }
 
     /// Mean over all cells of √(mean squared contribution of a photon path to the picture).
@@ -92,7 +93,8 @@ impl EmissionGuidingCells {
     /// The square of the result is the second moment of a path's contribution if the pdf is ideally
     /// guided.
     fn guided_root_mean_square(&self) -> f64 {
-        self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
+        self.mean_squared_contributions.iter().map(|s| s.sqrt()).sum::<f64>()
+            / self.mean_squared_contributions.len() as f64
     }
 
     /// Returns the guided pdf in each cell: the uniform pdf with weight `uniform` in \[0, 1], plus
@@ -102,7 +104,7 @@ impl EmissionGuidingCells {
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
         let mean = self.guided_root_mean_square();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
-        self.squares.iter().map(pdf).collect()
+        self.mean_squared_contributions.iter().map(pdf).collect()
     }
 
     /// Estimates the second moment of path contributions under the guided pdf of these cells, times
@@ -110,20 +112,21 @@ impl EmissionGuidingCells {
     ///
     /// `uniform` is the weight of the uniform pdf in the guided pdf. The estimate is unbiased only
     /// if the cells were fitted to other samples.
-    fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s EmissionGuidingSample>) -> f64 {
+    fn second_moment_sum<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s EmissionGuidingSample>) -> f64 {
         let cell_pdfs = self.cell_pdfs(uniform);
         samples
             .map(|s| {
-                s.weight * s.squared_contribution / cell_pdfs[cell_index(self.resolution, s.position, s.direction)]
+                s.inverse_primary_pdf * s.squared_contribution
+                    / cell_pdfs[cell_index(self.subdivisions, s.position_sample, s.direction_sample)]
             })
             .sum()
     }
 }
 
-/// Index into [`EmissionGuidingCells::squares`] of the cell that contains the primary sample
-/// (`position`, `direction`) in \[0, 1)⁴.
+/// Index into [`EmissionGuidingCells::mean_squared_contributions`] of the cell that contains the
+/// primary sample (`position`, `direction`) in \[0, 1)⁴.
 #[inline]
-fn cell_index(resolution: CellResolution, position: Vec2, direction: Vec2) -> usize {
+fn cell_index(resolution: CellSubdivisions, position: Vec2, direction: Vec2) -> usize {
     let directions = 1usize << resolution.1;
     SquareGridDistribution::cell_index(1 << resolution.0, position) * directions * directions
         + SquareGridDistribution::cell_index(directions, direction)
@@ -149,7 +152,7 @@ impl EmissionGuidingFit {
             (if uses_position { MAX_SUBDIVISIONS } else { 0 }, if uses_direction { MAX_SUBDIVISIONS } else { 0 });
         let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
         let cost = |halves: &[EmissionGuidingCells; 2]| {
-            halves[0].second_moment(uniform, half(1)) + halves[1].second_moment(uniform, half(0))
+            halves[0].second_moment_sum(uniform, half(1)) + halves[1].second_moment_sum(uniform, half(0))
         };
         let mut cells = EmissionGuidingCells::new((0, 0), samples.iter().copied(), None);
         let mut halves = [0, 1].map(|i| EmissionGuidingCells::new((0, 0), half(i), None));
@@ -158,7 +161,7 @@ impl EmissionGuidingFit {
             if MIN_SAMPLES_PER_CELL << (2 * subdivisions) > samples.len() {
                 break;
             }
-            let (p, d) = cells.resolution;
+            let (p, d) = cells.subdivisions;
             let finer = [(p + 1, d), (p, d + 1)]
                 .into_iter()
                 .filter(|resolution| resolution.0 <= most.0 && resolution.1 <= most.1);
@@ -167,7 +170,7 @@ impl EmissionGuidingFit {
                 (cost(&halves), halves)
             });
             let Some((least, refined)) = refined.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-            cells = EmissionGuidingCells::new(refined[0].resolution, samples.iter().copied(), Some(&cells));
+            cells = EmissionGuidingCells::new(refined[0].subdivisions, samples.iter().copied(), Some(&cells));
             halves = refined;
             if least < best.0 {
                 best = (least, cells.clone());
@@ -185,7 +188,7 @@ impl EmissionGuidingFit {
     /// Returns the guided pdf, in which the uniform pdf has the weight `uniform`; `None` if the
     /// grid has a single cell.
     pub fn to_distribution(&self, uniform: f64) -> Option<EmissionGuidingDistribution> {
-        let (p, d) = self.cells.resolution;
+        let (p, d) = self.cells.subdivisions;
         if (p, d) == (0, 0) {
             return None;
         }

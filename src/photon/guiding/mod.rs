@@ -12,7 +12,7 @@ use super::trace::PhotonTracingTotals;
 use super::{PhotonSearchBuffers, PhotonSource, PhotonTracer, StoreMask, VisiblePointMap};
 use crate::color;
 use crate::sampling::{DiscreteDistribution, Key, Purpose};
-use crate::scene::{Interior, for_interior};
+use crate::scene::{Interior, with_interior_type};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 const ROUNDS: u32 = 2;
 
 /// Number of photon paths that one Rayon task traces in a pilot.
-const CHUNK: u32 = 4096;
+const PATHS_PER_TASK: u32 = 4096;
 
 /// Weight of the unguided pdf in the guided pdf (defensive sampling). The rest of the weight is on
 /// the pdf that was fitted to pilot samples.
@@ -39,9 +39,9 @@ pub struct EmissionGuidingPilot<'a> {
     /// Largest number of scattering events per path.
     pub max_bounces: u32,
     /// Surface points that the camera sees. Their density gives the importance of a photon.
-    pub visible: &'a VisiblePointMap,
-    /// Number of photon paths of the pilot. [`EmissionGuidingPilot::PATHS`] suffices for most
-    /// scenes.
+    pub visible_points: &'a VisiblePointMap,
+    /// Number of photon paths of the pilot. [`EmissionGuidingPilot::DEFAULT_PATHS`] suffices for
+    /// most scenes.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,
@@ -51,7 +51,7 @@ impl EmissionGuidingPilot<'_> {
     /// Default of [`EmissionGuidingPilot::paths`].
     ///
     /// If 1 % of the paths reach a visible point, the pilot has 1300 contributing samples.
-    pub const PATHS: u32 = 1 << 17;
+    pub const DEFAULT_PATHS: u32 = 1 << 17;
 }
 
 /// Work and estimated benefit of the pilot that guides photon emission towards visible points.
@@ -96,9 +96,9 @@ impl PhotonSource<'_> {
             if round == 0 {
                 let contributing = found.samples.iter().filter(|s| s.squared_contribution > 0.0).count();
                 report.contributing_fraction = contributing as f64 / found.samples.len().max(1) as f64;
-                unguided_moment = found.second_moment;
-            } else if found.second_moment > 0.0 && unguided_moment > 0.0 {
-                report.variance_gain = unguided_moment / found.second_moment;
+                unguided_moment = found.second_moment_sum;
+            } else if found.second_moment_sum > 0.0 && unguided_moment > 0.0 {
+                report.variance_gain = unguided_moment / found.second_moment_sum;
             }
             samples.extend(found.samples);
             self.fit_guiding(&samples, &unguided);
@@ -111,17 +111,17 @@ impl PhotonSource<'_> {
     fn trace_pilot_round(&self, pilot: &EmissionGuidingPilot<'_>, round: u32) -> PilotRoundSamples {
         let key = Key::new(pilot.seed).purpose_key(Purpose::EmissionGuiding).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
-        let chunks: Vec<PilotRoundSamples> = (0..paths.div_ceil(CHUNK))
+        let chunks: Vec<PilotRoundSamples> = (0..paths.div_ceil(PATHS_PER_TASK))
             .into_par_iter()
             .map(|chunk| {
-                let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
-                for_interior!(self, <I> self.trace_pilot_chunk::<I>(pilot, key, range, paths))
+                let range = chunk * PATHS_PER_TASK..paths.min((chunk + 1).saturating_mul(PATHS_PER_TASK));
+                with_interior_type!(self, <I> self.trace_pilot_chunk::<I>(pilot, key, range, paths))
             })
             .collect();
         let mut total = PilotRoundSamples::default();
         for chunk in chunks {
             total.samples.extend(chunk.samples);
-            total.second_moment += chunk.second_moment;
+            total.second_moment_sum += chunk.second_moment_sum;
             total.rays += chunk.rays;
         }
         total
@@ -139,7 +139,7 @@ impl PhotonSource<'_> {
         let mut tally = PhotonTracingTotals::default();
         let mut found = PilotRoundSamples::default();
         for index in range {
-            let point = self.primary_emission_sample(key, index, paths);
+            let point = self.sample_primary_emission(key, index, paths);
             let mut squared_contribution = 0.0;
             if let Some((ray, flux)) = self.start_photon_path::<I>(&point) {
                 tracer.follow_photon_path(
@@ -151,8 +151,11 @@ impl PhotonSource<'_> {
                     |deposit: Deposit<'_>| {
                         let DepositPlace::Surface(surface, _) = deposit.place else { return };
                         let flux = f64::from(color::channel_mean(deposit.flux));
-                        let importance =
-                            pilot.visible.photon_importance(surface.point.p, surface.facing_normal(), &mut scratch);
+                        let importance = pilot.visible_points.squared_photon_importance(
+                            surface.point.p,
+                            surface.facing_normal(),
+                            &mut scratch,
+                        );
                         squared_contribution += flux * flux * f64::from(importance);
                     },
                 );
@@ -160,14 +163,14 @@ impl PhotonSource<'_> {
             // An infinite contribution cannot be normalised, so it is ignored.
             let squared_contribution = if squared_contribution.is_finite() { squared_contribution } else { 0.0 };
             let weight = 1.0 / f64::from(point.pdf);
-            let inverse_pdf = weight / f64::from(point.probability);
-            found.second_moment += squared_contribution * inverse_pdf * inverse_pdf;
-            let (position, direction) = (point.position, point.direction);
+            let inverse_pdf = weight / f64::from(point.light_probability);
+            found.second_moment_sum += squared_contribution * inverse_pdf * inverse_pdf;
+            let (position, direction) = (point.position_sample, point.direction_sample);
             found.samples.push(EmissionGuidingSample {
                 light: point.light,
-                position,
-                direction,
-                weight,
+                position_sample: position,
+                direction_sample: direction,
+                inverse_primary_pdf: weight,
                 squared_contribution,
             });
         }
@@ -212,7 +215,7 @@ impl PhotonSource<'_> {
 struct PilotRoundSamples {
     samples: Vec<EmissionGuidingSample>,
     /// Sum over the round's paths of (contribution to the picture / pdf of the path)².
-    second_moment: f64,
+    second_moment_sum: f64,
     /// Number of rays that the round traced.
     rays: u64,
 }

@@ -2,7 +2,7 @@ use super::*;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::photon::{Bandwidth, Kernel, Photon, PhotonMap, VisiblePoint};
-use crate::scene::{DeltaLightKind, InteriorStack, LightStrength, Material, Scene, SceneBuilder};
+use crate::scene::{InteriorStack, LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -20,14 +20,14 @@ fn scene_with_lamps(lamps: impl FnOnce(&mut SceneBuilder)) -> Scene {
 
 const LAMP: DVec3 = DVec3::new(0.0, 6.0, 0.0);
 
-fn delta_light_scene(kind: DeltaLightKind) -> Scene {
+fn delta_light_scene(kind: UnscaledDeltaLight) -> Scene {
     scene_with_lamps(|b| {
         b.add_delta_light(kind, LightStrength::Physical(Rgb::new(1.0, 2.0, 3.0)));
     })
 }
 
 fn spot_light_scene() -> Scene {
-    delta_light_scene(DeltaLightKind::Spot { position: LAMP, axis: DVec3::NEG_Y, inner: 1.1, outer: 1.15 })
+    delta_light_scene(UnscaledDeltaLight::Spot { position: LAMP, axis: DVec3::NEG_Y, inner: 1.1, outer: 1.15 })
 }
 
 fn area_light_scene(shape: Shape) -> Scene {
@@ -44,9 +44,9 @@ fn square_light_scene() -> Scene {
 /// One scene for each kind of light, with the name of the kind.
 fn scenes_by_lamp_kind() -> [(&'static str, Scene); 5] {
     [
-        ("point", delta_light_scene(DeltaLightKind::Point { position: LAMP })),
+        ("point", delta_light_scene(UnscaledDeltaLight::Point { position: LAMP })),
         ("spot", spot_light_scene()),
-        ("directional", delta_light_scene(DeltaLightKind::Directional { direction: DVec3::new(0.3, -1.0, 0.1) })),
+        ("directional", delta_light_scene(UnscaledDeltaLight::Directional { direction: DVec3::new(0.3, -1.0, 0.1) })),
         ("square", square_light_scene()),
         ("ball", area_light_scene(Shape::Sphere(Sphere::new(LAMP, 0.4)))),
     ]
@@ -84,7 +84,8 @@ fn source_guided_to_visible<'a>(
     scene: &'a Scene,
     visible: &VisiblePointMap,
 ) -> (PhotonSource<'a>, EmissionGuidingReport) {
-    let pilot = EmissionGuidingPilot { mask: MASK, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
+    let pilot =
+        EmissionGuidingPilot { mask: MASK, max_bounces: BOUNCES, visible_points: visible, paths: 1 << 16, seed: 11 };
     PhotonSource::emitting_in_all_directions(scene).unwrap().with_guided_emission(&pilot)
 }
 
@@ -135,7 +136,7 @@ fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics
     for i in 0..32 {
         let traced = photon_tracer_of_source(scene, source).trace(pass_key(i), 8192, &|_| {});
         let mut flux = [0.0; 3];
-        for Photon { position: p, data: f } in &traced.deposits.surface_photons {
+        for Photon { position: p, attributes: f } in &traced.deposits.surface_photons {
             let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
             flux[region] += f64::from(color::channel_mean(f.flux()));
         }
@@ -178,11 +179,16 @@ fn aiming_and_guiding_together_are_unbiased() {
         let glass = b.add_material(Material::dielectric(1.5, Rgb::ZERO));
         b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(6.5, 1.2, 6.5), 0.8)), glass, Rgb::ZERO);
         b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(-6.5, 1.2, -5.5), 1.2)), glass, Rgb::ZERO);
-        b.add_delta_light(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
+        b.add_delta_light(UnscaledDeltaLight::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
     let visible = floor_corner_point_map(&scene);
-    let pilot =
-        EmissionGuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
+    let pilot = EmissionGuidingPilot {
+        mask: StoreMask::CAUSTIC,
+        max_bounces: 20,
+        visible_points: &visible,
+        paths: 1 << 15,
+        seed: 1,
+    };
     let plain = PhotonSource::aimed_at_casters(&scene).unwrap();
     let (guided, report) = PhotonSource::aimed_at_casters(&scene).unwrap().with_guided_emission(&pilot);
     let flux = |source: &PhotonSource<'_>| {
@@ -193,7 +199,7 @@ fn aiming_and_guiding_together_are_unbiased() {
             let traced = tracer.trace(pass_key(i), 4096, &|_| {});
             let there =
                 traced.deposits.surface_photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
-            seen.add(there.map(|p| f64::from(color::channel_mean(p.data.flux()))).sum());
+            seen.add(there.map(|p| f64::from(color::channel_mean(p.attributes.flux()))).sum());
             emitted.add(traced.audit.emitted[0]);
         }
         (seen, emitted)
@@ -242,8 +248,8 @@ fn guiding_reduces_visible_variance() {
 fn guiding_prefers_the_visible_lamp() {
     let scene = scene_with_lamps(|b| {
         let strength = LightStrength::Power(Rgb::ONE);
-        b.add_delta_light(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
-        b.add_delta_light(DeltaLightKind::Point { position: LAMP }, strength);
+        b.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
+        b.add_delta_light(UnscaledDeltaLight::Point { position: LAMP }, strength);
     });
     let (guided, _) = source_guided_to_visible(&scene, &floor_corner_point_map(&scene));
     let share = guided.light_distribution.probability(1);
@@ -296,8 +302,13 @@ fn guiding_is_deterministic() {
     let emissions = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let pilot =
-                EmissionGuidingPilot { mask: MASK, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
+            let pilot = EmissionGuidingPilot {
+                mask: MASK,
+                max_bounces: BOUNCES,
+                visible_points: &visible,
+                paths: 1 << 15,
+                seed,
+            };
             let (source, report) =
                 PhotonSource::emitting_in_all_directions(&scene).unwrap().with_guided_emission(&pilot);
             let emit = |i| source.emit_photon_path::<InteriorStack>(pass_key(0), i, 1000).map(|(w, f)| (w.ray, f));

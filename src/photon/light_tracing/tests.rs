@@ -12,7 +12,7 @@ fn splat_image(splats: &[Splat], filter: &Filter) -> Vec<DVec3> {
 }
 
 fn splat_at(x: f32, y: f32) -> Splat {
-    Splat { film_position: Vec2::new(x, y), radiance: Rgb::new(1.0, 2.0, 3.0) }
+    Splat { film_position: Vec2::new(x, y), integrated_radiance: Rgb::new(1.0, 2.0, 3.0) }
 }
 
 /// A splat adds all its light to the image: the filter weights of its pixels sum to 1.
@@ -79,8 +79,8 @@ fn photons_store_their_share() {
     use glam::Vec3;
     let photon = Photon::new(Vec3::ONE, Rgb::new(0.2, 0.5, 0.3), Vec3::Z, Vec3::Z).unwrap();
     for steps in 0..=SHARE_STEPS {
-        let data = photon.with_density_estimate_share(steps).data;
+        let data = photon.with_density_estimate_share(steps).attributes;
         assert!((data.density_estimate_share() - f32::from(steps) / 15.0).abs() < 1e-6);
-        assert!((data.flux() - photon.data.flux()).length() < 2e-6);
+        assert!((data.flux() - photon.attributes.flux()).length() < 2e-6);
     }
 }

@@ -17,7 +17,7 @@ fn visible_floor_map(radius: f32) -> VisiblePointMap {
 fn importance_is_squared_weight_per_visible_area() {
     let visible = visible_floor_map(0.05);
     let at = |x: f32, y: f32, normal: Vec3| {
-        visible.photon_importance(Vec3::new(x, y, 0.5), normal, &mut PhotonSearchBuffers::default())
+        visible.squared_photon_importance(Vec3::new(x, y, 0.5), normal, &mut PhotonSearchBuffers::default())
     };
     // An estimate from 16 neighbours has the relative deviation 1/√16, the mean of 64 estimates
     // 1/32. The tolerance is five standard errors.
@@ -34,7 +34,7 @@ fn radius_grows_to_cover_sparse_points() {
     let visible = visible_floor_map(1e-6);
     for i in 0..64 {
         let p = Vec3::new(0.2 + 0.01 * i as f32, 0.0, 0.5);
-        assert!(visible.photon_importance(p, Vec3::Y, &mut PhotonSearchBuffers::default()) > 0.0);
+        assert!(visible.squared_photon_importance(p, Vec3::Y, &mut PhotonSearchBuffers::default()) > 0.0);
     }
 }
 
@@ -43,5 +43,5 @@ fn invalid_points_have_no_importance() {
     let lost = VisiblePoint { position: Vec3::NAN, position_error: Vec3::ZERO, normal: Vec3::Y, weight: 1.0 };
     let dark = VisiblePoint { position: Vec3::ZERO, position_error: Vec3::ZERO, normal: Vec3::Y, weight: 0.0 };
     let visible = VisiblePointMap::new([lost, dark], 1.0);
-    assert_eq!(visible.photon_importance(Vec3::ZERO, Vec3::Y, &mut PhotonSearchBuffers::default()), 0.0);
+    assert_eq!(visible.squared_photon_importance(Vec3::ZERO, Vec3::Y, &mut PhotonSearchBuffers::default()), 0.0);
 }

@@ -3,7 +3,7 @@ use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::integrate::{Algorithm, PassResult, PassStage, Settings, SilentMonitor};
 use crate::plan::Plan;
-use crate::scene::{DeltaLightKind, Effects, LightStrength, Material, Scene, SceneBuilder};
+use crate::scene::{Effects, LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use crate::shape::{Plane, Shape, Sphere};
 use glam::DVec3;
 use std::sync::atomic::{AtomicU32, AtomicU64};
@@ -26,7 +26,7 @@ impl Integrator for PassNumberIntegrator {
 }
 
 fn stop_criteria(passes: Option<u32>, time: Option<Duration>, interrupted: &AtomicBool) -> StopCriteria<'_> {
-    StopCriteria { passes, time, ..StopCriteria::unlimited(interrupted) }
+    StopCriteria { max_passes: passes, time_limit: time, ..StopCriteria::unlimited(interrupted) }
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn the_image_is_the_mean_of_the_passes() {
         |_| {},
     );
     assert_eq!((rendered.end_reason, rendered.film.passes()), (EndReason::Passes, 4));
-    assert_eq!(rendered.film.mean(), vec![Rgb::splat(1.5); 2]);
+    assert_eq!(rendered.film.mean_picture(), vec![Rgb::splat(1.5); 2]);
 }
 
 /// Monitor that cancels the second pass once a stage of it has reported progress.
@@ -78,7 +78,7 @@ impl ProgressMonitor for CancellingMonitor {
 fn lit_ball() -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.add_material(Material::diffuse(Rgb::splat(0.8)));
-    let (lamp, strength) = (DeltaLightKind::Point { position: 2.0 * DVec3::Y }, LightStrength::Power(Rgb::ONE));
+    let (lamp, strength) = (UnscaledDeltaLight::Point { position: 2.0 * DVec3::Y }, LightStrength::Power(Rgb::ONE));
     let ball = Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.5, 0.0), 0.5));
     builder.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Rgb::ZERO).add_shape(ball, white, Rgb::ZERO);
     builder.add_delta_light(lamp, strength);

@@ -8,14 +8,14 @@
 ///
 /// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
 /// discs.
-const MIN_CORRELATION: f64 = -0.5;
+const MIN_PRODUCT_RATIO: f64 = -0.5;
 
 /// Upper limit of the measured ratio D₀·D₁ / ‖D₀‖²: its value at a straight edge of light, for the
 /// Epanechnikov kernel.
 ///
 /// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
 /// discs.
-pub(super) const EDGE_CORRELATION: f64 = 0.7275;
+pub(super) const PRODUCT_RATIO_AT_LIGHT_EDGE: f64 = 0.7275;
 
 /// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) for light that is not smooth, with the Epanechnikov
 /// kernel.
@@ -25,9 +25,9 @@ pub(super) const EDGE_CORRELATION: f64 = 0.7275;
 /// a fifth of the disc's diameter.
 const NON_SMOOTH_BIAS_RATIOS: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
-/// Upper limit of [`BlurEstimate::ratio`], the blur with half discs divided by the blur with full
-/// discs: its value at a straight edge of light.
-const MAX_RATIO: f64 = 0.841;
+/// Upper limit of [`BlurEstimate::half_disc_ratio`], the blur with half discs divided by the blur
+/// with full discs: its value at a straight edge of light.
+const MAX_HALF_DISC_RATIO: f64 = 0.841;
 
 /// Relative standard deviation of that part of the blur (bias of density estimates) that is
 /// extrapolated instead of measured.
@@ -53,7 +53,7 @@ pub(super) struct NestedDifferenceMoments {
     /// ‖D₁‖²: mean over the picture of the squared difference between half and quarter discs.
     pub d1_squared: f64,
     /// Variance of D₀ in one pass, as a mean over the picture.
-    pub variance: f64,
+    pub d0_variance: f64,
     /// Variance that the noise of the passes causes in the estimate `d0_squared`.
     pub d0_squared_variance: f64,
     /// Relative variance of the squared noise of D₀: 2 / effective sample count. The count is the
@@ -91,9 +91,9 @@ impl NestedDifferenceMoments {
 
     /// Returns the measured ratio D₀·D₁ / ‖D₀‖², limited to the values that light can cause.
     /// `d0_squared` must be positive.
-    pub fn correlation(&self) -> f64 {
+    pub fn product_ratio(&self) -> f64 {
         let limit = (self.d1_squared / self.d0_squared).clamp(0.0, NON_SMOOTH_BIAS_RATIOS[2].0).sqrt();
-        (self.d0_d1 / self.d0_squared).clamp(MIN_CORRELATION, EDGE_CORRELATION).clamp(-limit, limit)
+        (self.d0_d1 / self.d0_squared).clamp(MIN_PRODUCT_RATIO, PRODUCT_RATIO_AT_LIGHT_EDGE).clamp(-limit, limit)
     }
 }
 
@@ -102,14 +102,14 @@ impl NestedDifferenceMoments {
 #[derive(Default)]
 pub(super) struct BlurEstimate {
     /// Mean squared relative blur.
-    pub square: f64,
-    /// Variance of the estimate `square`.
-    pub variance: f64,
+    pub squared_blur: f64,
+    /// Variance of the estimate `squared_blur`.
+    pub squared_blur_variance: f64,
     /// Blur with discs of half the area, divided by the blur with full discs.
-    pub ratio: f64,
+    pub half_disc_ratio: f64,
     /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2). L(r) is the
     /// density estimate with disc radius r.
-    pub extrapolation: f64,
+    pub extrapolation_factor: f64,
 }
 
 impl BlurEstimate {
@@ -124,26 +124,26 @@ impl BlurEstimate {
         let d0_squared = differences.d0_squared.max(0.0);
         if d0_squared <= 0.0 {
             return Self {
-                square: 0.0,
-                variance: 16.0 * differences.d0_squared_variance,
-                ratio: 0.5,
-                extrapolation: 0.0,
+                squared_blur: 0.0,
+                squared_blur_variance: 16.0 * differences.d0_squared_variance,
+                half_disc_ratio: 0.5,
+                extrapolation_factor: 0.0,
             };
         }
         let trust = differences.measurement_weight();
         let squared =
             0.25 + trust * ((differences.d1_squared / d0_squared).clamp(0.0, NON_SMOOTH_BIAS_RATIOS[2].0) - 0.25);
-        let correlation = 0.5 + trust * (differences.correlation() - 0.5);
+        let correlation = 0.5 + trust * (differences.product_ratio() - 0.5);
         let whole = squared_bias_ratio(correlation, squared);
         let measured = 1.0 + 2.0 * correlation + squared;
         let square = d0_squared * whole;
         let extrapolated = square.sqrt() - (d0_squared * measured).sqrt();
         let deviation = 2.0 * square.sqrt() * EXTRAPOLATION_ERROR * extrapolated;
         Self {
-            square,
-            variance: whole * whole * differences.d0_squared_variance + deviation * deviation,
-            ratio: squared.sqrt().clamp(0.5, MAX_RATIO),
-            extrapolation: (whole / measured).sqrt(),
+            squared_blur: square,
+            squared_blur_variance: whole * whole * differences.d0_squared_variance + deviation * deviation,
+            half_disc_ratio: squared.sqrt().clamp(0.5, MAX_HALF_DISC_RATIO),
+            extrapolation_factor: (whole / measured).sqrt(),
         }
     }
 }
@@ -151,7 +151,7 @@ impl BlurEstimate {
 /// Returns ‖bias‖² / ‖D₀‖²: the squared blur, divided by the squared difference of density
 /// estimates with full and half discs.
 ///
-/// `correlation` is D₀·D₁ / ‖D₀‖² = qc and `squared` is ‖D₁‖² / ‖D₀‖² = q² in the model of
+/// `product_ratio` is D₀·D₁ / ‖D₀‖² = qc and `squared` is ‖D₁‖² / ‖D₀‖² = q² in the model of
 /// [`BlurEstimate::from_differences`]. [`NON_SMOOTH_BIAS_RATIOS`] limits the result.
 fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
     let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(NON_SMOOTH_BIAS_RATIOS[0].0)));

@@ -21,17 +21,24 @@ pub(super) struct DiscAreaSums {
     pub passes: u32,
     /// Gather disc area of the next pass, which is not summed yet, divided by that of the first
     /// pass.
-    area: f64,
+    next_relative_area: f64,
     /// Sum over passes of 1/area. The noise of photon estimates is proportional to it.
-    pub inverse_area: f64,
+    pub inverse_area_sum: f64,
     /// Sum over passes of area^`blur_exponent`. Divided by `passes`, it is proportional to the
     /// picture's blur.
-    pub blur: f64,
+    pub area_power_sum: f64,
 }
 
 impl DiscAreaSums {
     pub fn new(alpha: f64, blur_exponent: f64) -> Self {
-        Self { alpha, blur_exponent, passes: 0, area: squared_radius_ratio(alpha, 0), inverse_area: 0.0, blur: 0.0 }
+        Self {
+            alpha,
+            blur_exponent,
+            passes: 0,
+            next_relative_area: squared_radius_ratio(alpha, 0),
+            inverse_area_sum: 0.0,
+            area_power_sum: 0.0,
+        }
     }
 
     /// Returns the sums over the first `passes` passes, with a relative error below 10⁻³.
@@ -60,11 +67,15 @@ impl DiscAreaSums {
     }
 
     fn add_pass(&mut self) {
-        self.inverse_area += 1.0 / self.area;
-        self.blur += if self.blur_exponent == 1.0 { self.area } else { libm::pow(self.area, self.blur_exponent) };
+        self.inverse_area_sum += 1.0 / self.next_relative_area;
+        self.area_power_sum += if self.blur_exponent == 1.0 {
+            self.next_relative_area
+        } else {
+            libm::pow(self.next_relative_area, self.blur_exponent)
+        };
         self.passes += 1;
         let i = f64::from(self.passes);
-        self.area *= (i + self.alpha) / (i + 1.0);
+        self.next_relative_area *= (i + self.alpha) / (i + 1.0);
     }
 
     /// Adds the next `count` passes at once by the midpoint rule.
@@ -73,11 +84,11 @@ impl DiscAreaSums {
     /// the radius law.
     fn add_passes_by_midpoint(&mut self, count: u32) {
         let n = f64::from(self.passes);
-        let at = |i: f64| self.area * libm::pow(i / n, self.alpha - 1.0);
+        let at = |i: f64| self.next_relative_area * libm::pow(i / n, self.alpha - 1.0);
         let middle = at(n + 0.5 * f64::from(count));
-        self.area = at(n + f64::from(count));
-        self.inverse_area += f64::from(count) / middle;
-        self.blur += f64::from(count) * libm::pow(middle, self.blur_exponent);
+        self.next_relative_area = at(n + f64::from(count));
+        self.inverse_area_sum += f64::from(count) / middle;
+        self.area_power_sum += f64::from(count) * libm::pow(middle, self.blur_exponent);
         self.passes += count;
     }
 }

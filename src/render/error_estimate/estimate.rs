@@ -33,11 +33,11 @@ pub struct ErrorEstimate {
     /// Blur with discs of half the area, divided by the blur with full discs: ½ in smooth light,
     /// larger at edges.
     #[serde(skip)]
-    pub(super) blur_ratio: f64,
+    pub(super) half_disc_blur_ratio: f64,
     /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2). L(r) is the
     /// density estimate with disc radius r.
     #[serde(skip)]
-    pub(super) extrapolation: f64,
+    pub(super) blur_extrapolation_factor: f64,
     /// Parts of the squared error, with their variances.
     #[serde(skip)]
     pub(super) parts: SquaredErrorParts,

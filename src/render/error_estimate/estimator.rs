@@ -1,7 +1,7 @@
 //! The error estimator: accumulates passes and estimates the error of their mean.
 
 use super::blur::{BlurEstimate, NestedDifferenceMoments};
-use super::clamped_light::ClampedLightSums;
+use super::clamping_loss::ClampingLossSums;
 use super::confidence::Confidence;
 use super::estimate::ErrorEstimate;
 use super::fireflies::FireflyHistogram;
@@ -20,7 +20,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Smallest number of passes for which the error is estimated.
-pub const MIN_PASSES: u32 = 4;
+pub const MIN_ERROR_ESTIMATE_PASSES: u32 = 4;
 
 /// Number of passes from which [`LeadingPasses`] measures the effective sample count of the noise:
 /// those with the lowest pass numbers.
@@ -34,11 +34,11 @@ const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 #[derive(Default)]
 struct NoiseSums {
     /// Sum of the squared relative noise c, which is clamped to 1.
-    squares: f64,
+    squared_noise: f64,
     /// Sum of c².
-    fourth: f64,
+    fourth_power_noise: f64,
     /// Sum of c² times (kurtosis − 1).
-    tails: f64,
+    kurtosis_weighted_noise: f64,
     /// Pixels with c > 1 before it is clamped.
     fireflies: FireflyHistogram,
 }
@@ -58,7 +58,7 @@ pub struct ErrorEstimator {
     nested_differences: Option<NestedDifferenceSums>,
     shared_paths: SharedPathErrorSums,
     /// Light that clamping removed; `None` if no pass was clamped.
-    clamped_light: Option<ClampedLightSums>,
+    clamping_loss: Option<ClampingLossSums>,
     leading: LeadingPasses,
 }
 
@@ -98,7 +98,7 @@ pub struct ErrorMaps {
     pub noise: Vec<Vec3>,
     /// Estimated blur of the mean of the passes, by channel \[W/(m² sr)]. It is positive where the
     /// picture is too bright. The estimate is noisy.
-    pub bias: Vec<Vec3>,
+    pub blur: Vec<Vec3>,
     /// Mean radius and photon count of each pixel's density estimates from the caustic map.
     pub caustic_discs: Vec<MeanGatherDisc>,
     /// Mean radius and photon count of each pixel's density estimates from the indirect map, and
@@ -119,7 +119,7 @@ impl ErrorEstimator {
             variances: PixelVarianceSums::default(),
             nested_differences: None,
             shared_paths: SharedPathErrorSums::default(),
-            clamped_light: None,
+            clamping_loss: None,
             leading: LeadingPasses::default(),
         }
     }
@@ -133,9 +133,9 @@ impl ErrorEstimator {
             sums.add(number, &pass.nested);
         }
         self.shared_paths.add(pass);
-        if !pass.clamped.is_empty() {
-            let sums = self.clamped_light.get_or_insert_with(|| ClampedLightSums::new(pass.clamped.len()));
-            sums.add(&pass.clamped);
+        if !pass.removed_by_clamp.is_empty() {
+            let sums = self.clamping_loss.get_or_insert_with(|| ClampingLossSums::new(pass.removed_by_clamp.len()));
+            sums.add(&pass.removed_by_clamp);
         }
         self.passes += 1;
     }
@@ -148,18 +148,18 @@ impl ErrorEstimator {
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
         let passes = total_pass_count(self.passes, other.passes)?;
         if self.radius_law != other.radius_law {
-            return Err(MergeError::Estimator);
+            return Err(MergeError::EstimatorMismatch);
         }
         if self.passes == 0 {
             self.clone_from(other);
         } else if other.passes > 0 {
             if !self.has_same_pixels(other) {
-                return Err(MergeError::Estimator);
+                return Err(MergeError::EstimatorMismatch);
             }
             if let (Some(own), Some(other)) = (&mut self.nested_differences, &other.nested_differences) {
                 own.merge(other);
             }
-            if let (Some(own), Some(other)) = (&mut self.clamped_light, &other.clamped_light) {
+            if let (Some(own), Some(other)) = (&mut self.clamping_loss, &other.clamping_loss) {
                 own.merge(other);
             }
             self.shared_paths.merge(&other.shared_paths);
@@ -177,31 +177,32 @@ impl ErrorEstimator {
         let fits = |count: usize| count == pixels;
         let nested_differences = self.nested_differences.as_ref();
         self.passes == passes
-            && (passes == 0 || self.variances.has_pixels(pixels) && self.leading.has_pixels(pixels, LEADING_PASSES))
+            && (passes == 0
+                || self.variances.is_consistent(pixels) && self.leading.is_consistent(pixels, LEADING_PASSES))
             && self.shared_paths.is_consistent(pixels)
-            && self.clamped_light.as_ref().is_none_or(|sums| sums.pixels() == Some(pixels))
+            && self.clamping_loss.as_ref().is_none_or(|sums| sums.pixel_count() == Some(pixels))
             && nested_differences.is_none_or(|sums| {
-                sums.differences.iter().all(|sums| fits(sums.len()))
-                    && fits(sums.products.len())
+                sums.differences.iter().all(|sums| fits(sums.pixel_count()))
+                    && fits(sums.products.pixel_count())
                     && fits(sums.discs.len())
-                    && sums.leading.has_pixels(pixels, LEADING_PASSES_OF_DIFFERENCES)
+                    && sums.leading.is_consistent(pixels, LEADING_PASSES_OF_DIFFERENCES)
             })
     }
 
     /// True if both estimators hold sums of the same kinds for the same number of pixels.
     fn has_same_pixels(&self, other: &Self) -> bool {
         let photon_pixels = |estimator: &Self| estimator.nested_differences.as_ref().map(|sums| sums.discs.len());
-        self.variances.pixels() == other.variances.pixels()
+        self.variances.pixel_count() == other.variances.pixel_count()
             && photon_pixels(self) == photon_pixels(other)
-            && self.shared_paths.pixels() == other.shared_paths.pixels()
-            && self.clamped_light.as_ref().map(ClampedLightSums::pixels)
-                == other.clamped_light.as_ref().map(ClampedLightSums::pixels)
+            && self.shared_paths.pixel_indices() == other.shared_paths.pixel_indices()
+            && self.clamping_loss.as_ref().map(ClampingLossSums::pixel_count)
+                == other.clamping_loss.as_ref().map(ClampingLossSums::pixel_count)
     }
 
     /// Estimates the error of the mean of the passes, with an interval of 90 % confidence.
     ///
     /// `film` must hold exactly the passes added so far. The error is infinite before
-    /// [`MIN_PASSES`] passes.
+    /// [`MIN_ERROR_ESTIMATE_PASSES`] passes.
     #[must_use]
     pub fn estimate(&self, film: &Film) -> ErrorEstimate {
         self.estimate_with_confidence(film, Confidence::default())
@@ -210,18 +211,18 @@ impl ErrorEstimator {
     /// Estimates the error of the mean of the passes, with an interval of the given `confidence`.
     ///
     /// `film` must hold exactly the passes added so far. The error is infinite before
-    /// [`MIN_PASSES`] passes.
+    /// [`MIN_ERROR_ESTIMATE_PASSES`] passes.
     #[must_use]
     pub fn estimate_with_confidence(&self, film: &Film, confidence: Confidence) -> ErrorEstimate {
         let passes = self.passes;
-        if passes < MIN_PASSES {
+        if passes < MIN_ERROR_ESTIMATE_PASSES {
             let unknown = f64::INFINITY;
             let (error, low, high, noise, bias) = (unknown, 0.0, unknown, unknown, unknown);
             return ErrorEstimate { passes, error, low, high, noise, bias, ..ErrorEstimate::default() };
         }
         let n = f64::from(passes);
-        let error_weights = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
-        let pixels = self.variances.pixels();
+        let error_weights = RelativeErrorWeights::from_pixels(film.size(), &film.mean_picture());
+        let pixels = self.variances.pixel_count();
         let fraction = 1.0 / error_weights.pixel_weights().len() as f64;
         let add_pixel = |sums: &mut NoiseSums, i: usize| {
             let spread = self.variances.spread(film, i);
@@ -230,12 +231,13 @@ impl ErrorEstimator {
                 sums.fireflies.add(square, fraction);
             }
             let square = square.min(1.0);
-            sums.squares += square;
-            sums.fourth += square * square;
-            sums.tails += square * square * (spread.kurtosis.min(n) - 1.0);
+            sums.squared_noise += square;
+            sums.fourth_power_noise += square * square;
+            sums.kurtosis_weighted_noise += square * square * (spread.kurtosis.min(n) - 1.0);
         };
         let sums = sum_over_pixels(pixels, add_pixel, NoiseSums::add_sums);
-        let NoiseSums { squares: noise2, fourth, tails, fireflies } = sums;
+        let NoiseSums { squared_noise: noise2, fourth_power_noise: fourth, kurtosis_weighted_noise: tails, fireflies } =
+            sums;
         // Relative variance of the estimated noise variance, if pixels are independent.
         let independent = if noise2 > 0.0 { tails / (n * noise2 * noise2) } else { 0.0 };
         let noise2 = noise2 * fraction;
@@ -243,7 +245,7 @@ impl ErrorEstimator {
             self.nested_differences.as_ref().map(|sums| sums.nested_difference_moments(&error_weights, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&error_weights, film.size().0, n);
-        let clamping = self.clamped_light.as_ref().map(|sums| sums.squared_bias(&error_weights, n));
+        let clamping = self.clamping_loss.as_ref().map(|sums| sums.squared_bias(&error_weights, n));
         let (clamping2, clamping_variance) = clamping.unwrap_or_default();
         // The squared error of this one picture varies about its expectation. The estimate
         // varies too.
@@ -255,8 +257,8 @@ impl ErrorEstimator {
             noise: noise2,
             realised_noise_relative_variance: relative_variance,
             noise_estimate_relative_variance: independent.max(tail_factor * relative_variance / (n - 1.0)),
-            blur: blur.square,
-            blur_variance: blur.variance,
+            blur: blur.squared_blur,
+            blur_variance: blur.squared_blur_variance,
             shared_paths: shared2,
             shared_paths_variance: shared_variance,
             clamping: clamping2,
@@ -269,12 +271,12 @@ impl ErrorEstimator {
             low,
             high,
             noise: noise2.sqrt(),
-            bias: (blur.square + shared2 + clamping2).sqrt(),
-            blur: blur.square.sqrt(),
+            bias: (blur.squared_blur + shared2 + clamping2).sqrt(),
+            blur: blur.squared_blur.sqrt(),
             shared_paths: shared2.sqrt(),
             clamping: clamping2.sqrt(),
-            blur_ratio: blur.ratio,
-            extrapolation: blur.extrapolation,
+            half_disc_blur_ratio: blur.half_disc_ratio,
+            blur_extrapolation_factor: blur.extrapolation_factor,
             parts,
             differences: differences.unwrap_or_default(),
             fireflies,
@@ -282,10 +284,10 @@ impl ErrorEstimator {
     }
 
     /// Returns the forecast of the error after more passes than those of `estimate`; `None` before
-    /// [`MIN_PASSES`] passes.
+    /// [`MIN_ERROR_ESTIMATE_PASSES`] passes.
     #[must_use]
     pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<ErrorForecast> {
-        let law = self.radius_law.map(|law| (law.alpha, law.kernel.nested_difference_variance()));
+        let law = self.radius_law.map(|law| (law.alpha, law.kernel.nested_difference_variance_ratio()));
         estimate.error.is_finite().then(|| ErrorForecast::new(*estimate, law))
     }
 
@@ -294,27 +296,27 @@ impl ErrorEstimator {
     pub fn error_maps(&self, film: &Film) -> ErrorMaps {
         let n = f64::from(self.passes.max(1));
         let over = (n * (n - 1.0)).max(1.0);
-        let pixels = (0..self.variances.pixels()).into_par_iter().with_min_len(MIN_PIXELS_PER_TASK);
+        let pixels = (0..self.variances.pixel_count()).into_par_iter().with_min_len(MIN_PIXELS_PER_TASK);
         let spreads = pixels.map(|i| self.variances.spread(film, i));
         let noise = spreads.map(|pixel| (pixel.squared_deviations / over).map(f64::sqrt).as_vec3()).collect();
         let Some(sums) = &self.nested_differences else { return ErrorMaps { noise, ..ErrorMaps::default() } };
-        let factor = self.estimate(film).extrapolation / n;
+        let factor = self.estimate(film).blur_extrapolation_factor / n;
         let bias = (0..sums.discs.len()).map(|i| {
             let [d0, d1] = sums.difference_sums(i);
             ((d0 + d1) * factor).as_vec3()
         });
         let bias = bias.collect();
         let discs = |map: usize| sums.discs.iter().map(|d| d[map].mean()).collect();
-        ErrorMaps { noise, bias, caustic_discs: discs(0), indirect_discs: discs(1) }
+        ErrorMaps { noise, blur: bias, caustic_discs: discs(0), indirect_discs: discs(1) }
     }
 }
 
 impl NoiseSums {
     /// Adds the sums of other pixels.
     fn add_sums(&mut self, other: Self) {
-        self.squares += other.squares;
-        self.fourth += other.fourth;
-        self.tails += other.tails;
+        self.squared_noise += other.squared_noise;
+        self.fourth_power_noise += other.fourth_power_noise;
+        self.kurtosis_weighted_noise += other.kurtosis_weighted_noise;
         self.fireflies.merge(&other.fireflies);
     }
 }
@@ -331,9 +333,9 @@ impl NestedDifferenceSums {
 
     fn add(&mut self, number: u32, pixels: &[NestedDifferences]) {
         for (step, sums) in self.differences.iter_mut().enumerate() {
-            sums.add(|i| pixels[i].differences[step].as_dvec3().to_array());
+            sums.add_to_all_pixels(|i| pixels[i].differences[step].as_dvec3().to_array());
         }
-        self.products.add(|i| {
+        self.products.add_to_all_pixels(|i| {
             let [a, b] = pixels[i].differences.map(|difference| difference.as_dvec3());
             [a.dot(a), a.dot(b), b.dot(b)]
         });
@@ -360,7 +362,7 @@ impl NestedDifferenceSums {
     /// Returns the sums over passes of both differences at pixel `i`: D₀ between density estimates
     /// with full and half discs, and D₁ between half and quarter discs.
     fn difference_sums(&self, i: usize) -> [DVec3; 2] {
-        self.differences.each_ref().map(|sums| DVec3::from_array(sums.value(i)))
+        self.differences.each_ref().map(|sums| DVec3::from_array(sums.pixel_sums(i)))
     }
 
     /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, with their
@@ -372,11 +374,12 @@ impl NestedDifferenceSums {
         let pixels = error_weights.pixel_weights().len();
         let sums = sums_of_values(pixels, |i| {
             let [a, b] = self.difference_sums(i);
-            let same_pass = self.products.value(i);
+            let same_pass = self.products.pixel_sums(i);
             let product = |all: f64, same_pass: f64| {
-                error_weights.clamped_relative_product(i, (all - same_pass) / (n * (n - 1.0)))
+                error_weights.clamped_relative_squared_error(i, (all - same_pass) / (n * (n - 1.0)))
             };
-            let variance = error_weights.clamped_relative_product(i, (same_pass[0] - a.dot(a) / n) / (n * (n - 1.0)));
+            let variance =
+                error_weights.clamped_relative_squared_error(i, (same_pass[0] - a.dot(a) / n) / (n * (n - 1.0)));
             let [d0_d0, d0_d1, d1_d1] = same_pass;
             [product(a.dot(a), d0_d0), product(a.dot(b), d0_d1), product(b.dot(b), d1_d1), variance]
         });
@@ -390,7 +393,7 @@ impl NestedDifferenceSums {
             d0_squared,
             d0_d1,
             d1_squared,
-            variance,
+            d0_variance: variance,
             d0_squared_variance,
             squared_noise_relative_variance,
         }

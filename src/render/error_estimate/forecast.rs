@@ -4,7 +4,7 @@ use super::disc_area_sums::DiscAreaSums;
 use super::estimate::ErrorEstimate;
 
 /// Largest number of passes that a forecast considers.
-pub(super) const MAX_PASSES: u32 = 10_000_000;
+pub(super) const MAX_FORECAST_PASSES: u32 = 10_000_000;
 
 /// Predicted error of a picture as a function of the number of passes n.
 ///
@@ -24,9 +24,9 @@ pub struct ErrorForecast {
     /// of fireflies.
     path_variance: f64,
     /// Relative variance that photon estimates cause in the picture of the first pass.
-    photon_variance: f64,
+    first_pass_photon_variance: f64,
     /// Relative blur (bias of photon density estimates) of the picture of the first pass.
-    blur: f64,
+    first_pass_blur: f64,
     /// Exponent p: the blur of a pass is proportional to the p-th power of its gather disc area.
     blur_exponent: f64,
 }
@@ -35,26 +35,33 @@ impl ErrorForecast {
     /// Creates the forecast from an error estimate.
     ///
     /// `law` holds two numbers: the exponent α by which gather radii shrink, and the kernel's
-    /// [`nested_difference_variance`](crate::photon::Kernel::nested_difference_variance). `law` is
-    /// `None` without photon estimates.
+    /// [`Kernel::nested_difference_variance_ratio`](crate::photon::Kernel).
+    /// `law` is `None` without photon estimates.
     pub(super) fn new(estimate: ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
         let fireflies = n * estimate.fireflies.squared_error_of_fireflies();
         let variance = (estimate.parts.noise * n - fireflies).max(0.0);
         let Some((alpha, kernel_difference_variance)) = law else {
             let (alpha, blur_exponent) = (1.0, 1.0);
-            return Self { estimate, alpha, path_variance: variance, photon_variance: 0.0, blur: 0.0, blur_exponent };
+            return Self {
+                estimate,
+                alpha,
+                path_variance: variance,
+                first_pass_photon_variance: 0.0,
+                first_pass_blur: 0.0,
+                blur_exponent,
+            };
         };
-        let blur_exponent = (-libm::log2(estimate.blur_ratio)).max(0.0);
+        let blur_exponent = (-libm::log2(estimate.half_disc_blur_ratio)).max(0.0);
         let sums = DiscAreaSums::of_passes(alpha, blur_exponent, estimate.passes);
-        let photon_variance = estimate.differences.variance / f64::from(kernel_difference_variance);
+        let photon_variance = estimate.differences.d0_variance / f64::from(kernel_difference_variance);
         let photon_variance = photon_variance.min(variance);
         Self {
             estimate,
             alpha,
             path_variance: variance - photon_variance,
-            photon_variance: photon_variance * n / sums.inverse_area,
-            blur: estimate.blur * n / sums.blur,
+            first_pass_photon_variance: photon_variance * n / sums.inverse_area_sum,
+            first_pass_blur: estimate.blur * n / sums.area_power_sum,
             blur_exponent,
         }
     }
@@ -74,7 +81,7 @@ impl ErrorForecast {
     #[must_use]
     pub fn bias_floor(&self) -> Option<f64> {
         let constant = self.constant_bias();
-        let floor = if self.alpha < 1.0 { constant } else { self.blur.hypot(constant) };
+        let floor = if self.alpha < 1.0 { constant } else { self.first_pass_blur.hypot(constant) };
         (floor > 0.0).then_some(floor)
     }
 
@@ -91,7 +98,7 @@ impl ErrorForecast {
     pub(super) fn squared_noise(&self, sums: &DiscAreaSums) -> f64 {
         let n = f64::from(sums.passes);
         let fireflies = self.estimate.fireflies.firefly_squared_error_after(n / f64::from(self.estimate.passes));
-        (self.path_variance * n + self.photon_variance * sums.inverse_area) / (n * n) + fireflies
+        (self.path_variance * n + self.first_pass_photon_variance * sums.inverse_area_sum) / (n * n) + fireflies
     }
 
     /// Predicts the noise and the bias of the picture after its first `sums.passes` passes,
@@ -99,7 +106,7 @@ impl ErrorForecast {
     ///
     /// `sums` supplies the disc areas of these passes. Its exponent must be that of this forecast.
     fn noise_and_bias(&self, sums: &DiscAreaSums) -> (f64, f64) {
-        let blur = self.blur * sums.blur / f64::from(sums.passes);
+        let blur = self.first_pass_blur * sums.area_power_sum / f64::from(sums.passes);
         (self.squared_noise(sums).sqrt(), blur.hypot(self.constant_bias()))
     }
 
@@ -110,7 +117,7 @@ impl ErrorForecast {
     #[must_use]
     pub fn passes_to_reach_noise(&self, target: f64) -> Option<u32> {
         let mut sums = DiscAreaSums::new(self.alpha, self.blur_exponent);
-        while sums.passes < MAX_PASSES {
+        while sums.passes < MAX_FORECAST_PASSES {
             sums.add_group();
             if self.noise_and_bias(&sums).0 <= target {
                 return Some(sums.passes);

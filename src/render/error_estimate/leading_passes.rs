@@ -22,25 +22,25 @@ pub(super) struct LeadingPasses {
 }
 
 /// Largest number of leading passes: the passes with the lowest numbers.
-const MAX_PASSES: usize = 8;
+const MAX_LEADING_PASSES: usize = 8;
 
 /// Scalar products of pictures: one for each pair of leading passes.
-type Products = [[f64; MAX_PASSES]; MAX_PASSES];
+type DeviationProducts = [[f64; MAX_LEADING_PASSES]; MAX_LEADING_PASSES];
 
 /// Effective sample count of the noise that is assumed before measurement: the number of
 /// independent values that vary as much as the noise.
-const PRIOR_SAMPLES: f64 = 100.0;
+const PRIOR_EFFECTIVE_SAMPLE_COUNT: f64 = 100.0;
 
-/// Weight of [`PRIOR_SAMPLES`] against measured scalar products of pass differences: it counts as
-/// much as this number of products.
-const PRIOR_PRODUCTS: f64 = 2.0;
+/// Weight of [`PRIOR_EFFECTIVE_SAMPLE_COUNT`] against measured scalar products of pass differences:
+/// it counts as much as this number of products.
+const PRIOR_WEIGHT_IN_PRODUCTS: f64 = 2.0;
 
 impl LeadingPasses {
     /// Adds the picture of pass `number`, if the pass is one of the `most` passes with the lowest
     /// numbers.
     pub fn add(&mut self, number: u32, most: usize, picture: impl IndexedParallelIterator<Item = Rgb>) {
         let at = self.pictures.partition_point(|(other, _)| *other < number);
-        if at < most.min(MAX_PASSES) {
+        if at < most.min(MAX_LEADING_PASSES) {
             let grey = |value: Rgb| Some((value / 3.0).element_sum()).filter(|grey| grey.is_finite()).unwrap_or(0.0);
             self.pictures.insert(at, (number, picture.with_min_len(MIN_PIXELS_PER_TASK).map(grey).collect()));
             self.pictures.truncate(most);
@@ -56,7 +56,7 @@ impl LeadingPasses {
 
     /// True if there are at most `most` pictures, each of `pixels` pixels, in ascending order of
     /// pass numbers. False for some pictures that were read from damaged film files.
-    pub fn has_pixels(&self, pixels: usize, most: usize) -> bool {
+    pub fn is_consistent(&self, pixels: usize, most: usize) -> bool {
         let ordered = self.pictures.windows(2).all(|pair| pair[0].0 < pair[1].0);
         ordered && self.pictures.len() <= most && self.pictures.iter().all(|(_, picture)| picture.len() == pixels)
     }
@@ -64,21 +64,23 @@ impl LeadingPasses {
     /// Returns the relative variance of the squared error of a picture: 2 / effective sample count.
     /// The count is the number of independent values that vary as much as the noise.
     ///
-    /// Few passes measure the count badly, so [`PRIOR_SAMPLES`] has a weight against the
-    /// measurement. The formula holds for Gaussian noise. `weights` holds a factor for each pixel,
-    /// for the square of its deviation from the mean of the leading passes. The weighted square is
-    /// clamped to `max`.
+    /// Few passes measure the count badly, so [`PRIOR_EFFECTIVE_SAMPLE_COUNT`] has a weight against
+    /// the measurement. The formula holds for Gaussian noise. `weights` holds a factor for each
+    /// pixel, for the square of its deviation from the mean of the leading passes. The weighted
+    /// square is clamped to `max`.
     pub fn squared_error_relative_variance(&self, weights: &[f64], max: f64) -> f64 {
         let n = self.pictures.len();
         if n < 2 {
-            return 2.0 / PRIOR_SAMPLES;
+            return 2.0 / PRIOR_EFFECTIVE_SAMPLE_COUNT;
         }
         let (variance, square, count) = self.variance_and_squared_product(weights, max);
         if variance <= 0.0 {
             return 0.0;
         }
         let relative = square / (variance * variance);
-        2.0 * ((relative * count + PRIOR_PRODUCTS / PRIOR_SAMPLES) / (count + PRIOR_PRODUCTS)).min(1.0)
+        2.0 * ((relative * count + PRIOR_WEIGHT_IN_PRODUCTS / PRIOR_EFFECTIVE_SAMPLE_COUNT)
+            / (count + PRIOR_WEIGHT_IN_PRODUCTS))
+            .min(1.0)
     }
 
     /// Returns three values for the differences of two leading passes, divided by √2: their mean
@@ -118,10 +120,10 @@ impl LeadingPasses {
     ///
     /// `weights` holds a factor on the square of each pixel's deviation. The weighted square is
     /// clamped to `max`.
-    fn deviation_products(&self, weights: &[f64], max: f64) -> Products {
+    fn deviation_products(&self, weights: &[f64], max: f64) -> DeviationProducts {
         let share = 1.0 / self.pictures.len() as f64;
-        let add_pixel = |products: &mut Products, pixel: usize| {
-            let mut deviations = [0.0; MAX_PASSES];
+        let add_pixel = |products: &mut DeviationProducts, pixel: usize| {
+            let mut deviations = [0.0; MAX_LEADING_PASSES];
             let mut mean = 0.0;
             for (value, (_, picture)) in deviations.iter_mut().zip(&self.pictures) {
                 *value = f64::from(picture[pixel]);
@@ -141,7 +143,7 @@ impl LeadingPasses {
                 row.iter_mut().zip(deviations).for_each(|(product, other)| *product += weighted * other);
             }
         };
-        let join = |products: &mut Products, others: Products| {
+        let join = |products: &mut DeviationProducts, others: DeviationProducts| {
             let pairs = products.iter_mut().flatten().zip(others.iter().flatten());
             pairs.for_each(|(product, other)| *product += other);
         };

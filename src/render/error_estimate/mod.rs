@@ -12,7 +12,7 @@
 //!   its bias, up to the sign.
 
 mod blur;
-mod clamped_light;
+mod clamping_loss;
 mod confidence;
 mod disc_area_sums;
 mod estimate;
@@ -29,7 +29,7 @@ mod stop_forecast;
 
 pub use confidence::Confidence;
 pub use estimate::ErrorEstimate;
-pub use estimator::{ErrorEstimator, ErrorMaps, MIN_PASSES};
+pub use estimator::{ErrorEstimator, ErrorMaps, MIN_ERROR_ESTIMATE_PASSES};
 pub use forecast::ErrorForecast;
 pub use schedule::EstimateSchedule;
 pub use stop_forecast::{PassRange, RANGE_PROBABILITY, StopForecast};

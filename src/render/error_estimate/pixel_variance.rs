@@ -32,11 +32,11 @@ pub(super) struct PixelSpread {
 impl PixelVarianceSums {
     /// Adds the image of a pass.
     pub fn add(&mut self, image: &[Rgb]) {
-        if self.squares.is_empty() {
+        if self.squares.has_no_pixels() {
             *self = Self { squares: BinnedSums::new(image.len()), peaks: vec![0.0; image.len()] };
         }
         let square = |value: Rgb| value.as_dvec3() * value.as_dvec3();
-        self.squares.add(|i| square(image[i]).to_array());
+        self.squares.add_to_all_pixels(|i| square(image[i]).to_array());
         let peaks = self.peaks.par_iter_mut().zip(image).with_min_len(MIN_PIXELS_PER_TASK);
         peaks.for_each(|(peak, value)| *peak = peak.max(value.abs().max_element()));
     }
@@ -50,12 +50,12 @@ impl PixelVarianceSums {
     }
 
     /// True if the sums belong to `pixels` pixels.
-    pub fn has_pixels(&self, pixels: usize) -> bool {
-        self.squares.len() == pixels && self.peaks.len() == pixels
+    pub fn is_consistent(&self, pixels: usize) -> bool {
+        self.squares.pixel_count() == pixels && self.peaks.len() == pixels
     }
 
     /// Returns the number of pixels; 0 without passes.
-    pub fn pixels(&self) -> usize {
+    pub fn pixel_count(&self) -> usize {
         self.peaks.len()
     }
 
@@ -64,12 +64,12 @@ impl PixelVarianceSums {
     /// `film` must hold the same passes as these sums.
     pub fn spread(&self, film: &Film, i: usize) -> PixelSpread {
         let n = f64::from(film.passes());
-        let sum = DVec3::from_array(film.radiance_sums().value(i));
-        let squares = DVec3::from_array(self.squares.value(i));
+        let sum = DVec3::from_array(film.radiance_sums().pixel_sums(i));
+        let squares = DVec3::from_array(self.squares.pixel_sums(i));
         let mean = sum / n;
         // Errors of the sum of squares, of the mean and of f64 numbers.
-        let rounding = 0.5 * n * self.squares.quantum(i)
-            + sum.abs() * film.radiance_sums().quantum(i)
+        let rounding = 0.5 * n * self.squares.lower_quantum(i)
+            + sum.abs() * film.radiance_sums().lower_quantum(i)
             + squares * (4.0 * f64::EPSILON);
         let squared_deviations = squares - sum * mean;
         let squared_deviations = DVec3::select(squared_deviations.cmple(rounding), DVec3::ZERO, squared_deviations);

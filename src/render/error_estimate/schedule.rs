@@ -15,7 +15,7 @@ pub struct EstimateSchedule {
 impl EstimateSchedule {
     /// True if an error estimate is due after `passes` passes. `passes` must ascend from call to
     /// call.
-    pub fn is_due(&mut self, passes: u32) -> bool {
+    pub fn advance_if_due(&mut self, passes: u32) -> bool {
         let due = f64::from(passes) >= self.next;
         if due {
             self.next = INTERVAL_FACTOR * f64::from(passes);
@@ -37,7 +37,7 @@ mod tests {
     #[test]
     fn due_passes_are_those_of_the_schedule() {
         let mut schedule = EstimateSchedule::default();
-        let due: Vec<u32> = (1..=2000).filter(|passes| schedule.is_due(*passes)).collect();
+        let due: Vec<u32> = (1..=2000).filter(|passes| schedule.advance_if_due(*passes)).collect();
         assert_eq!(due, EstimateSchedule::due_passes().take_while(|passes| *passes <= 2000).collect::<Vec<_>>());
         assert_eq!(due[..5], [1, 2, 3, 4, 5]);
         assert!(due.len() < 120, "{}", due.len());

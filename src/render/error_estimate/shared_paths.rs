@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// Edge length of square blocks of pixels \[pixels]. Errors of neighbouring pixels correlate, so
 /// each block counts as one independent sample.
-const BLOCK: u32 = 16;
+const BLOCK_SIDE: u32 = 16;
 
 /// Sums over passes from which the error of shared camera paths is estimated, for a few pixels.
 ///
@@ -17,10 +17,10 @@ const BLOCK: u32 = 16;
 pub(super) struct SharedPathErrorSums {
     /// Indices of the pixels that each pass renders a second time, with camera paths of its own
     /// instead of those that all passes share. Pixels are counted in rows from the top.
-    pixels: Vec<u32>,
+    pixel_indices: Vec<u32>,
     /// Sum over passes of radiance by shared paths minus radiance by unshared paths, for each pixel
     /// and channel.
-    sums: BinnedSums<3>,
+    difference_sums: BinnedSums<3>,
     /// Sum over passes and channels of the squared difference between radiance by shared and by
     /// unshared paths, for each pixel.
     squares: BinnedSums<1>,
@@ -28,60 +28,60 @@ pub(super) struct SharedPathErrorSums {
 
 impl SharedPathErrorSums {
     pub(super) fn add(&mut self, pass: &PassResult) {
-        if self.pixels.is_empty() {
-            self.pixels = pass.unshared_path_pixels.iter().map(|(i, _)| *i).collect();
-            self.sums = BinnedSums::new(self.pixels.len());
-            self.squares = BinnedSums::new(self.pixels.len());
+        if self.pixel_indices.is_empty() {
+            self.pixel_indices = pass.unshared_path_pixels.iter().map(|(i, _)| *i).collect();
+            self.difference_sums = BinnedSums::new(self.pixel_indices.len());
+            self.squares = BinnedSums::new(self.pixel_indices.len());
         }
         let difference = |i: usize| {
             let (at, unshared) = pass.unshared_path_pixels[i];
             pass.image[at as usize].as_dvec3() - unshared.as_dvec3()
         };
-        self.sums.add(|i| difference(i).to_array());
-        self.squares.add(|i| [difference(i).length_squared()]);
+        self.difference_sums.add_to_all_pixels(|i| difference(i).to_array());
+        self.squares.add_to_all_pixels(|i| [difference(i).length_squared()]);
     }
 
     /// Adds the passes of `other`, which must belong to the same pixels.
     pub(super) fn merge(&mut self, other: &Self) {
-        self.sums.merge(&other.sums);
+        self.difference_sums.merge(&other.difference_sums);
         self.squares.merge(&other.squares);
     }
 
     /// True if there is a sum for each recorded pixel, and if each pixel index is below `pixels`,
     /// the number of pixels of the picture.
     pub(super) fn is_consistent(&self, pixels: usize) -> bool {
-        let count = self.pixels.len();
-        let are_pixels = self.pixels.iter().all(|pixel| (*pixel as usize) < pixels);
-        are_pixels && self.sums.len() == count && self.squares.len() == count
+        let count = self.pixel_indices.len();
+        let are_pixels = self.pixel_indices.iter().all(|pixel| (*pixel as usize) < pixels);
+        are_pixels && self.difference_sums.pixel_count() == count && self.squares.pixel_count() == count
     }
 
     /// Returns the indices of the pixels that each pass also renders with unshared camera paths, by
     /// rows from the top.
-    pub(super) fn pixels(&self) -> &[u32] {
-        &self.pixels
+    pub(super) fn pixel_indices(&self) -> &[u32] {
+        &self.pixel_indices
     }
 
     /// Returns the squared relative error of the camera paths that all passes share, as a mean over
     /// pixels, and the variance of this estimate. Both are 0 without shared paths.
     ///
     /// `columns` is the width of the picture \[pixels], and `n` the number of passes. The variance
-    /// is measured between blocks of [`BLOCK`] × [`BLOCK`] pixels.
+    /// is measured between blocks of [`BLOCK_SIDE`] × [`BLOCK_SIDE`] pixels.
     pub(super) fn shared_path_squared_error(
         &self,
         error_weights: &RelativeErrorWeights,
         columns: u32,
         n: f64,
     ) -> (f64, f64) {
-        if self.pixels.is_empty() {
+        if self.pixel_indices.is_empty() {
             return (0.0, 0.0);
         }
-        let block = |at: u32| (at % columns / BLOCK, at / columns / BLOCK);
+        let block = |at: u32| (at % columns / BLOCK_SIDE, at / columns / BLOCK_SIDE);
         let one = |(i, at): (usize, &u32)| {
-            let (sum, [square]) = (DVec3::from_array(self.sums.value(i)), self.squares.value(i));
+            let (sum, [square]) = (DVec3::from_array(self.difference_sums.pixel_sums(i)), self.squares.pixel_sums(i));
             let product = (sum.length_squared() - square) / (n * (n - 1.0));
-            (block(*at), error_weights.clamped_relative_product(*at as usize, product))
+            (block(*at), error_weights.clamped_relative_squared_error(*at as usize, product))
         };
-        let values: Vec<_> = self.pixels.iter().enumerate().map(one).collect();
+        let values: Vec<_> = self.pixel_indices.iter().enumerate().map(one).collect();
         let mean = values.iter().map(|(_, value)| value).sum::<f64>() / values.len() as f64;
         // Blocks at the border have fewer pixels, so the variance is measured between sums instead
         // of means.

@@ -11,11 +11,11 @@
 //! full and half discs, and D₁ with half and quarter discs. ‖D₀‖² and ‖D₁‖² are their mean squares
 //! over the picture. The blur is extrapolated from them, see [`NestedDifferenceMoments`].
 
-use super::blur::{BlurEstimate, EDGE_CORRELATION, NestedDifferenceMoments};
+use super::blur::{BlurEstimate, NestedDifferenceMoments, PRODUCT_RATIO_AT_LIGHT_EDGE};
 use super::confidence::Confidence;
 use super::disc_area_sums::DiscAreaSums;
-use super::estimator::MIN_PASSES;
-use super::forecast::{ErrorForecast, MAX_PASSES};
+use super::estimator::MIN_ERROR_ESTIMATE_PASSES;
+use super::forecast::{ErrorForecast, MAX_FORECAST_PASSES};
 use super::schedule::EstimateSchedule;
 use super::squared_error::SquaredErrorParts;
 use std::sync::LazyLock;
@@ -80,13 +80,13 @@ pub struct PassRange {
 /// Random variates for one imagined render of a forecast, one for each unknown quantity.
 struct ForecastDraw {
     /// Standard normal variate that determines the expected noise of the picture.
-    noise: f64,
+    noise_variate: f64,
     /// Uniform variate that determines the exponent of [`BLUR_EXPONENTS`] by which blur decays.
-    exponent_choice: f64,
+    exponent_variate: f64,
     /// Uniform variate that determines the expected blur of the picture.
-    blur: f64,
+    blur_variate: f64,
     /// Standard normal variate that determines the noise of blur estimates after later passes.
-    later_blur: f64,
+    later_blur_variate: f64,
 }
 
 /// Unknown quantities of the blur (bias of photon density estimates) in one imagined render.
@@ -99,9 +99,9 @@ struct DrawnBlur {
     d0_squared: f64,
 }
 
-/// The [`DRAWS`] draws of every forecast. Their `noise` is stratified. Their other quantities
-/// follow an additive recurrence (Roberts 2018, "The unreasonable effectiveness of quasirandom
-/// sequences").
+/// The [`DRAWS`] draws of every forecast. Their `noise_variate` is stratified. Their other
+/// quantities follow an additive recurrence (Roberts 2018, "The unreasonable effectiveness of
+/// quasirandom sequences").
 static ALL_DRAWS: LazyLock<Vec<ForecastDraw>> = LazyLock::new(|| {
     // Positive root of x⁴ = x + 1.
     let root: f64 = 1.220_744_084_605_759_5;
@@ -109,7 +109,12 @@ static ALL_DRAWS: LazyLock<Vec<ForecastDraw>> = LazyLock::new(|| {
     let draw = |i: usize| {
         let [exponent_choice, blur, later_blur] = steps.map(|step| (0.5 + i as f64 * step).fract());
         let noise = (i as f64 + 0.5) / DRAWS as f64;
-        ForecastDraw { noise: normal_quantile(noise), exponent_choice, blur, later_blur: normal_quantile(later_blur) }
+        ForecastDraw {
+            noise_variate: normal_quantile(noise),
+            exponent_variate: exponent_choice,
+            blur_variate: blur,
+            later_blur_variate: normal_quantile(later_blur),
+        }
     };
     (0..DRAWS).map(draw).collect()
 });
@@ -145,7 +150,7 @@ impl ErrorForecast {
 
     /// Returns the largest number of passes that a forecast from this estimate considers.
     fn max_imagined_passes(&self) -> u32 {
-        self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_PASSES)
+        self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_FORECAST_PASSES)
     }
 
     /// Returns the numbers of passes after which the imagined renders end, one for each draw of the
@@ -158,13 +163,13 @@ impl ErrorForecast {
     fn ends_of_draws(&self, target: f64, half_width: f64) -> Vec<Option<u32>> {
         let made = self.estimate.passes;
         let ended = self.estimate.parts.error_interval(half_width).1 <= target;
-        let possible = if ended { MIN_PASSES..=made } else { made + 1..=self.max_imagined_passes() };
-        let (weights, densities) = (self.exponent_weights(), self.blur_quantiles());
+        let possible = if ended { MIN_ERROR_ESTIMATE_PASSES..=made } else { made + 1..=self.max_imagined_passes() };
+        let (weights, densities) = (self.cumulative_exponent_weights(), self.d0_squared_distribution());
         let mut sums = BLUR_EXPONENTS.map(|exponent| DiscAreaSums::new(self.alpha, exponent));
         let sums_so_far = BLUR_EXPONENTS.map(|exponent| DiscAreaSums::of_passes(self.alpha, exponent, made));
         let blurs = ALL_DRAWS.iter().map(|draw| DrawnBlur {
-            exponent_index: cumulative_index(&weights, draw.exponent_choice),
-            d0_squared: quantile_at(&densities, draw.blur),
+            exponent_index: cumulative_index(&weights, draw.exponent_variate),
+            d0_squared: quantile_at(&densities, draw.blur_variate),
         });
         let blurs: Vec<DrawnBlur> = blurs.collect();
         let mut ends = vec![None; DRAWS];
@@ -208,13 +213,13 @@ impl ErrorForecast {
         let distance = 1.0 - n.min(made) / n.max(made);
         let deviation =
             (parts.noise_estimate_relative_variance + MODEL_DEVIATION * MODEL_DEVIATION * distance * distance).sqrt();
-        let noise = self.squared_noise(sums) * libm::exp(draw.noise * deviation);
+        let noise = self.squared_noise(sums) * libm::exp(draw.noise_variate * deviation);
         let blur = self.imagined_blur(draw, blur, sums, sums_so_far);
         SquaredErrorParts {
             noise,
             noise_estimate_relative_variance: parts.noise_estimate_relative_variance * made / n,
-            blur: blur.square,
-            blur_variance: blur.variance,
+            blur: blur.squared_blur,
+            blur_variance: blur.squared_blur_variance,
             shared_paths_variance: parts.shared_paths_variance * made / n,
             clamping_variance: parts.clamping_variance * made / n,
             ..*parts
@@ -236,31 +241,31 @@ impl ErrorForecast {
         sums_so_far: &DiscAreaSums,
     ) -> BlurEstimate {
         let measured = &self.estimate.differences;
-        if measured.variance <= 0.0 && blur.d0_squared <= 0.0 {
+        if measured.d0_variance <= 0.0 && blur.d0_squared <= 0.0 {
             return BlurEstimate::default();
         }
         let n = f64::from(sums.passes);
-        let decay = (sums.blur / n) / (sums_so_far.blur / f64::from(sums_so_far.passes));
-        let growth = (sums.inverse_area / n) / (sums_so_far.inverse_area / f64::from(sums_so_far.passes));
-        let (expected, variance) = (blur.d0_squared * decay * decay, measured.variance * growth);
+        let decay = (sums.area_power_sum / n) / (sums_so_far.area_power_sum / f64::from(sums_so_far.passes));
+        let growth = (sums.inverse_area_sum / n) / (sums_so_far.inverse_area_sum / f64::from(sums_so_far.passes));
+        let (expected, variance) = (blur.d0_squared * decay * decay, measured.d0_variance * growth);
         let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(
             expected,
             variance,
             measured.squared_noise_relative_variance,
             n,
         );
-        let d0_squared = expected + draw.later_blur * d0_squared_variance.sqrt();
+        let d0_squared = expected + draw.later_blur_variate * d0_squared_variance.sqrt();
         let squared = squared_difference_ratio(BLUR_EXPONENTS[blur.exponent_index]);
         let smooth_to_edge = (squared - 0.25) / (squared_difference_ratio(BLUR_EXPONENTS[0]) - 0.25);
-        let correlation = 0.5 + (EDGE_CORRELATION - 0.5) * smooth_to_edge;
+        let correlation = 0.5 + (PRODUCT_RATIO_AT_LIGHT_EDGE - 0.5) * smooth_to_edge;
         let trust = measured.measurement_weight();
         let correlation =
-            if trust > 0.0 { correlation + trust * (measured.correlation() - correlation) } else { correlation };
+            if trust > 0.0 { correlation + trust * (measured.product_ratio() - correlation) } else { correlation };
         BlurEstimate::from_differences(&NestedDifferenceMoments {
             d0_squared,
             d0_d1: correlation * d0_squared,
             d1_squared: squared * d0_squared,
-            variance,
+            d0_variance: variance,
             d0_squared_variance,
             squared_noise_relative_variance: measured.squared_noise_relative_variance,
         })
@@ -273,7 +278,7 @@ impl ErrorForecast {
     /// discs. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖². The difference between this prediction
     /// and the measured ‖D₁‖² gives the likelihood of p. The estimates of ‖D₁‖² and ‖D₀‖² have
     /// about the same variance.
-    fn exponent_weights(&self) -> [f64; BLUR_EXPONENTS.len()] {
+    fn cumulative_exponent_weights(&self) -> [f64; BLUR_EXPONENTS.len()] {
         let measured = &self.estimate.differences;
         // Least variance of the difference. If a measured ratio without noise lies between those of
         // two neighbouring exponents, both exponents then fit it.
@@ -298,7 +303,7 @@ impl ErrorForecast {
     ///
     /// D₀ is the difference of density estimates with full and half discs. The measured ‖D₀‖² has
     /// Gaussian noise. Its prior density is a power law ([`PRIOR_EXPONENT`]).
-    fn blur_quantiles(&self) -> Vec<(f64, f64)> {
+    fn d0_squared_distribution(&self) -> Vec<(f64, f64)> {
         const VALUES: i32 = 80;
         const LEAST: f64 = 1e-3;
         let measured = &self.estimate.differences;

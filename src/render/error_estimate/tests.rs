@@ -1,6 +1,6 @@
 //! Error estimates of synthetic passes whose error is known.
 
-use super::{ErrorEstimator, MIN_PASSES};
+use super::{ErrorEstimator, MIN_ERROR_ESTIMATE_PASSES};
 use crate::color::Rgb;
 use crate::image::RelativeErrorWeights;
 use crate::integrate::{NestedDifferences, PassResult, RadiusLaw};
@@ -42,7 +42,7 @@ fn render_noisy_passes(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorE
 
 #[test]
 fn three_passes_give_no_estimate() {
-    let (estimator, film) = render_noisy_passes(MIN_PASSES - 1, 1, 0.1, 0.0);
+    let (estimator, film) = render_noisy_passes(MIN_ERROR_ESTIMATE_PASSES - 1, 1, 0.1, 0.0);
     let estimate = estimator.estimate(&film);
     assert!(estimate.error.is_infinite() && estimate.high.is_infinite() && estimate.low == 0.0);
     assert!(estimator.forecast(&estimate).is_none());
@@ -79,8 +79,10 @@ fn intervals_contain_the_true_error() {
         let (estimator, film) = render_noisy_passes(8, 100 + seed, 0.3, 0.0);
         let estimate = estimator.estimate(&film);
         let error_weights = RelativeErrorWeights::from_pixels(film.size(), &[Rgb::ONE; PIXELS]);
-        let mean = film.mean();
-        let error = error_weights.mean(|i| (mean[i] - Rgb::ONE).as_dvec3() * (mean[i] - Rgb::ONE).as_dvec3()).sqrt();
+        let mean = film.mean_picture();
+        let error = error_weights
+            .mean_relative_squared_error(|i| (mean[i] - Rgb::ONE).as_dvec3() * (mean[i] - Rgb::ONE).as_dvec3())
+            .sqrt();
         held += i32::from(estimate.low <= error && error <= estimate.high);
     }
     // 90 % of 200 less three standard deviations of the binomial distribution.
@@ -144,11 +146,16 @@ fn edges_are_not_extrapolated_as_smooth() {
         film.add(&pass.image);
     }
     let estimate = estimator.estimate(&film);
-    let error_weights = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
-    let error = error_weights.mean(|i| DVec3::splat((row[i][0] - row[i][3]) * (row[i][0] - row[i][3]))).sqrt();
+    let error_weights = RelativeErrorWeights::from_pixels(film.size(), &film.mean_picture());
+    let error = error_weights
+        .mean_relative_squared_error(|i| DVec3::splat((row[i][0] - row[i][3]) * (row[i][0] - row[i][3])))
+        .sqrt();
     assert!(estimate.low <= error && error <= estimate.high, "{estimate:?} {error}");
     assert!((estimate.blur / error - 1.0).abs() < 0.25, "{} {error}", estimate.blur);
     // The law of smooth light would give 2 ‖D₀‖.
-    let smooth = 2.0 * error_weights.mean(|i| DVec3::splat((row[i][0] - row[i][1]) * (row[i][0] - row[i][1]))).sqrt();
+    let smooth = 2.0
+        * error_weights
+            .mean_relative_squared_error(|i| DVec3::splat((row[i][0] - row[i][1]) * (row[i][0] - row[i][1])))
+            .sqrt();
     assert!(smooth < 0.75 * error, "{smooth} {error}");
 }

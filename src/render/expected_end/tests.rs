@@ -11,7 +11,7 @@ const NOISY: NoisyIntegrator = NoisyIntegrator { sigma: 0.3, bias: 0.0, estimate
 fn ends(limits: RenderLimits, integrator: &NoisyIntegrator, pass_seconds: f64) -> (ExpectedEnd, (EndReason, u32)) {
     let interrupted = AtomicBool::new(false);
     let stop = limits.stop_criteria(Algorithm::Pm, integrator, &interrupted);
-    let eight = StopCriteria { passes: Some(8), ..StopCriteria::unlimited(&interrupted) };
+    let eight = StopCriteria { max_passes: Some(8), ..StopCriteria::unlimited(&interrupted) };
     let start = || RenderResult::without_passes(integrator, SIZE);
     let pilot = render(start(), 0..u32::MAX, integrator, &eight, &SilentMonitor, |_| {});
     let estimator = pilot.estimator.unwrap();

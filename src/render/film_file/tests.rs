@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 fn header() -> FilmHeader {
     FilmHeader {
-        version: "1.2.3".to_owned(),
+        program_version: "1.2.3".to_owned(),
         scene: "a/ring.txt".to_owned(),
         inputs: vec![InputDigest { name: "ring.txt".to_owned(), digest: "12ab".to_owned() }],
         width: SIZE.0,
@@ -37,15 +37,15 @@ fn films_are_read_as_they_were_written() {
     let film = FilmFile::read(&bytes(&rendered)[..]).unwrap();
     assert_eq!(film.header, header());
     assert_eq!(film.rendered.film, rendered.film);
-    assert_eq!(film.rendered.numbers, rendered.numbers);
-    assert_eq!(read_pass_numbers(&bytes(&rendered)[..]).unwrap(), rendered.numbers);
+    assert_eq!(film.rendered.pass_numbers, rendered.pass_numbers);
+    assert_eq!(read_pass_numbers(&bytes(&rendered)[..]).unwrap(), rendered.pass_numbers);
     assert_eq!(film.rendered.counters, rendered.counters);
     let [read, written] = [&film.rendered, &rendered].map(|rendered| {
         let estimator = rendered.estimator.as_ref().unwrap();
         (format!("{:?}", estimator.estimate(&rendered.film)), estimator.error_maps(&rendered.film).noise)
     });
     assert_eq!(read, written);
-    assert_eq!(film.header.missing_passes(&film.rendered.numbers).to_string(), "1–3, 10–12");
+    assert_eq!(film.header.missing_passes(&film.rendered.pass_numbers).to_string(), "1–3, 10–12");
 }
 
 /// Any byte with one flipped bit, and any shorter file, is refused.
@@ -67,7 +67,7 @@ fn contradicting_films_are_refused() {
     let refused = |rendered: &RenderResult| FilmFile::read(&bytes(rendered)[..]).is_err();
     assert!(!refused(&rendered(0..5)));
     let mut other_passes = rendered(0..5);
-    other_passes.numbers.insert(7..8);
+    other_passes.pass_numbers.insert(7..8);
     assert!(refused(&other_passes));
     let mut other_estimator = rendered(0..5);
     other_estimator.estimator = rendered(0..6).estimator;

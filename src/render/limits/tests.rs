@@ -25,21 +25,21 @@ fn limits() -> RenderLimits {
 fn default_render_ends_at_default_error() {
     let interrupted = AtomicBool::new(false);
     let stop = limits().stop_criteria(Algorithm::Hybrid, &NOISY, &interrupted);
-    assert_eq!((stop.passes, stop.time), (None, Some(DEFAULT_TIME)));
+    assert_eq!((stop.max_passes, stop.time_limit), (None, Some(DEFAULT_TIME_LIMIT)));
     let made = rendered(&NOISY, &stop);
     let confidence = stop.target.unwrap().interval_confidence();
     let estimate = made.estimator.as_ref().unwrap().estimate_with_confidence(&made.film, confidence);
     assert_eq!(made.end_reason, EndReason::Target);
-    assert!(estimate.high <= DEFAULT_ERROR && estimate.high > 0.95 * DEFAULT_ERROR, "{estimate:?}");
+    assert!(estimate.high <= DEFAULT_TARGET_ERROR && estimate.high > 0.95 * DEFAULT_TARGET_ERROR, "{estimate:?}");
 }
 
 #[test]
 fn default_render_ends_when_time_is_up() {
     let interrupted = AtomicBool::new(false);
     let stop = limits().stop_criteria(Algorithm::Hybrid, &NOISY, &interrupted);
-    let made = rendered(&NOISY, &StopCriteria { time: Some(Duration::from_nanos(1)), ..stop });
+    let made = rendered(&NOISY, &StopCriteria { time_limit: Some(Duration::from_nanos(1)), ..stop });
     assert_eq!((made.end_reason, made.film.passes()), (EndReason::Time, 1));
-    let short = RenderLimits { time: Some(Duration::ZERO), ..limits() };
+    let short = RenderLimits { time_limit: Some(Duration::ZERO), ..limits() };
     assert_eq!(end(short, Algorithm::Hybrid, &NOISY), (EndReason::Time, 1));
 }
 
@@ -49,21 +49,21 @@ fn preview_ends_at_preview_error() {
     let (end_reason, passes) = end(preview, Algorithm::Hybrid, &NOISY);
     assert_eq!(end_reason, EndReason::Target);
     assert!((5..8).contains(&passes), "{passes}");
-    let short = RenderLimits { passes: Some(2), ..preview };
+    let short = RenderLimits { max_passes: Some(2), ..preview };
     assert_eq!(end(short, Algorithm::Hybrid, &NOISY), (EndReason::Passes, 2));
-    let long = RenderLimits { passes: Some(99), ..preview };
+    let long = RenderLimits { max_passes: Some(99), ..preview };
     assert_eq!(end(long, Algorithm::Hybrid, &NOISY), (EndReason::Target, passes));
 }
 
 #[test]
 fn given_limits_replace_defaults() {
-    let many = RenderLimits { passes: Some(99), ..limits() };
+    let many = RenderLimits { max_passes: Some(99), ..limits() };
     assert_eq!(end(many, Algorithm::Hybrid, &NOISY), (EndReason::Passes, 99));
     let interrupted = AtomicBool::new(false);
     let coarse = RenderLimits { target_error: Some(0.2), ..limits() };
     let stop = coarse.stop_criteria(Algorithm::Hybrid, &NOISY, &interrupted);
-    assert_eq!((stop.passes, stop.time, stop.target.map(|t| t.error)), (None, None, Some(0.2)));
-    let timed = RenderLimits { time: Some(Duration::from_secs(9)), ..limits() };
+    assert_eq!((stop.max_passes, stop.time_limit, stop.target.map(|t| t.error)), (None, None, Some(0.2)));
+    let timed = RenderLimits { time_limit: Some(Duration::from_secs(9)), ..limits() };
     assert_eq!(timed.stop_criteria(Algorithm::Hybrid, &NOISY, &interrupted).target, None);
 }
 
@@ -75,7 +75,7 @@ fn render_without_error_estimates_makes_default_passes() {
         assert_eq!(end(limits(), algorithm, &blind), (EndReason::Passes, passes));
         assert_eq!(end(RenderLimits { preview: true, ..limits() }, algorithm, &blind), (EndReason::Passes, passes));
     }
-    let long = RenderLimits { time: Some(Duration::from_secs(3600)), ..limits() };
+    let long = RenderLimits { time_limit: Some(Duration::from_secs(3600)), ..limits() };
     assert_eq!(end(long, Algorithm::Raycast, &blind), (EndReason::Passes, 1));
 }
 
@@ -87,8 +87,8 @@ fn render_without_error_estimates_makes_default_passes() {
 fn default_render_ends_when_only_bias_is_left() {
     let biased = NoisyIntegrator { sigma: 0.24, bias: 0.2, ..NOISY };
     let (end_reason, passes) = end(limits(), Algorithm::Pm, &biased);
-    assert_eq!(end_reason, EndReason::Floor);
+    assert_eq!(end_reason, EndReason::BiasFloor);
     assert!((22..25).contains(&passes), "{passes}");
-    let given = RenderLimits { target_error: Some(0.03), passes: Some(40), ..limits() };
+    let given = RenderLimits { target_error: Some(0.03), max_passes: Some(40), ..limits() };
     assert_eq!(end(given, Algorithm::Pm, &biased), (EndReason::Passes, 40));
 }

@@ -70,7 +70,7 @@ fn grid_pdf_is_proportional_to_weights() {
         let middle = (Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5) / SIDE as f32;
         let p = f64::from(histogram.pdf(middle)) / (SIDE * SIDE) as f64;
         assert_eq!(p > 0.0, *w > 0.0);
-        let kept = 64.0 * (SIDE + 1) as f64 / STEPS;
+        let kept = 64.0 * (SIDE + 1) as f64 / PROBABILITY_STEPS;
         assert!((p - w / total).abs() <= 2.0 * kept, "{p} {}", w / total);
         integral += p;
     }

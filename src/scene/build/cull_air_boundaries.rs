@@ -1,6 +1,6 @@
 //! Removal of objects that bound dielectric bodies without any effect on light.
 
-use super::object::{Extent, MergedMeshes, ObjectGeometry, SceneObject};
+use super::object::{BoundsF64, MergedMeshes, ObjectGeometry, SceneObject};
 use crate::scene::Material;
 
 /// Removes objects that bound a [`Body`](crate::scene::Body) of refractive index 1 without
@@ -20,10 +20,10 @@ pub(super) fn cull_air_boundaries(
         return (objects, mesh);
     }
     let substances = objects.iter().filter(|object| may_bound_visible_body(materials, object.material));
-    let substances: Vec<Option<Extent>> = substances.map(|object| object.extent(&mesh)).collect();
+    let substances: Vec<Option<BoundsF64>> = substances.map(|object| object.resting_bounds(&mesh)).collect();
     let is_culled = |object: &SceneObject| {
-        let extent = object.extent(&mesh);
-        let overlaps = |other: &Option<Extent>| match (extent, other) {
+        let extent = object.resting_bounds(&mesh);
+        let overlaps = |other: &Option<BoundsF64>| match (extent, other) {
             (Some((min, max)), Some((lo, hi))) => min.cmple(*hi).all() && lo.cmple(max).all(),
             // Planes and moving objects have no box here, so they count as overlapping.
             _ => true,

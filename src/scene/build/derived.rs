@@ -15,15 +15,15 @@ const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 ///
 /// d is the greatest distance from the center of the photon domain to a light, the camera or the
 /// domain's edge. An unbounded medium would scatter most photons far away from the objects.
-const AMBIENT_EXTENT_FACTOR: f32 = 2.0;
+const AMBIENT_RADIUS_FACTOR: f32 = 2.0;
 
 /// Scene data that is computed from the placement of objects, lights and camera at one time.
 #[derive(Clone, Debug)]
 pub(in crate::scene) struct DerivedSceneData {
     /// The ball onto which lights at infinity emit photons: see [`Scene::photon_domain`].
-    pub domain: BoundingSphere,
+    pub photon_domain: BoundingSphere,
     /// The ball that the [ambient medium](Scene::ambient_medium) fills.
-    pub ambient_extent: BoundingSphere,
+    pub ambient_medium_sphere: BoundingSphere,
     /// The dielectric bodies that contain the camera.
     pub camera_interior: InteriorStack,
     /// The dielectric bodies that contain each light, by light index.
@@ -37,8 +37,8 @@ impl Default for DerivedSceneData {
     fn default() -> Self {
         let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
         Self {
-            domain: nowhere,
-            ambient_extent: nowhere,
+            photon_domain: nowhere,
+            ambient_medium_sphere: nowhere,
             camera_interior: InteriorStack::EMPTY,
             light_interiors: Vec::new(),
             light_contact_distance: Vec::new(),
@@ -62,8 +62,8 @@ pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
         light_interiors = scene.lights.iter().map(start).collect();
     }
     DerivedSceneData {
-        domain,
-        ambient_extent: BoundingSphere { center: domain.center, radius: farthest * AMBIENT_EXTENT_FACTOR },
+        photon_domain: domain,
+        ambient_medium_sphere: BoundingSphere { center: domain.center, radius: farthest * AMBIENT_RADIUS_FACTOR },
         camera_interior,
         light_interiors,
         light_contact_distance: scene.lights.iter().map(|light| light_contact_distance(scene, domain, light)).collect(),

@@ -7,7 +7,7 @@ use crate::math::Motion;
 use crate::sampling::DiscreteDistribution;
 use crate::scene::animation::{MID_SHUTTER, delta_light_at_time, physical_light_strength_at_mid_shutter};
 use crate::scene::delta_light::{legacy_area_light, place_delta_light};
-use crate::scene::{BuildError, DeltaLightKind, LegacyLight, LightStrength};
+use crate::scene::{BuildError, LegacyLight, LightStrength, UnscaledDeltaLight};
 use crate::texture::Texture;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// A delta light with its strength and motion, in world coordinates.
 #[derive(Debug)]
 pub(super) struct DeltaLight {
-    pub kind: DeltaLightKind,
+    pub kind: UnscaledDeltaLight,
     pub strength: LightStrength,
     /// Motion of the light in world coordinates; `None` if it rests.
     pub motion: Option<Motion>,
@@ -30,15 +30,15 @@ pub(super) struct CollectedLights {
     pub legacy_lights: Vec<LegacyLight>,
     /// Moving delta lights: index in `lights`, light before its motion is applied, strength and
     /// motion.
-    pub moving: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
+    pub moving: Vec<(usize, UnscaledDeltaLight, LightStrength, Motion)>,
     /// Index of the area light of each object; `None` if the object does not emit light.
-    pub of_object: Vec<Option<u32>>,
+    pub area_light_of_object: Vec<Option<u32>>,
 }
 
 /// Collects delta lights, area lights of emissive objects, and the environment light.
 ///
 /// Lights are in coordinates relative to `origin`, at mid-shutter. A singular motion is the error
-/// [`BuildError::Flattened`].
+/// [`BuildError::SingularMotion`].
 pub(super) fn collect_lights(
     delta_lights: &[DeltaLight],
     objects: &[SceneObject],
@@ -53,7 +53,7 @@ pub(super) fn collect_lights(
         environment_light_index: None,
         legacy_lights: Vec::new(),
         moving: Vec::new(),
-        of_object: Vec::new(),
+        area_light_of_object: Vec::new(),
     };
     for source in delta_lights.iter().filter(|source| source.motion.is_none()) {
         found.add_light(place_delta_light(&source.kind, source.strength, origin));
@@ -62,12 +62,12 @@ pub(super) fn collect_lights(
         let Some(motion) = &source.motion else { continue };
         let motion = motion.followed_by_map(DAffine3::from_translation(-origin));
         let strength = physical_light_strength_at_mid_shutter(&source.kind, source.strength, &motion);
-        let placed = delta_light_at_time(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
+        let placed = delta_light_at_time(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::SingularMotion)?;
         found.moving.push((found.lights.len(), source.kind.clone(), strength, motion));
         found.add_light(place_delta_light(&placed, strength, DVec3::ZERO));
     }
     let mut shapes = geometry.shapes.iter();
-    for (object, mapping) in objects.iter().zip(&mappings.of_object) {
+    for (object, mapping) in objects.iter().zip(&mappings.mapping_of_object) {
         let surface = match &object.geometry {
             ObjectGeometry::Shape(_) => {
                 let placed = shapes.next();
@@ -78,14 +78,14 @@ pub(super) fn collect_lights(
                 let mesh = geometry.mesh.clone();
                 DiscreteDistribution::new(areas).map(|choice| LightSurface::Triangles {
                     mesh,
-                    first: range.start,
-                    choice,
+                    first_triangle: range.start,
+                    triangle_distribution: choice,
                 })
             }
             ObjectGeometry::Mesh(_) | ObjectGeometry::Plane(_) => None,
         };
         let light = surface.map(|surface| {
-            let mapping = mappings.list[*mapping as usize];
+            let mapping = mappings.texture_mappings[*mapping as usize];
             let texture = object.emission_texture.map(|(texture, scale)| {
                 Arc::new(EmissionTexture { texture: textures[texture as usize].clone(), mapping, scale })
             });
@@ -93,7 +93,7 @@ pub(super) fn collect_lights(
             let legacy = legacy_area_light(&light);
             found.add_light((light, legacy))
         });
-        found.of_object.push(light);
+        found.area_light_of_object.push(light);
     }
     // The environment light comes last: [`LegacyLight`] has no counterpart of it, and the order of
     // the others is that of the legacy lights.

@@ -13,14 +13,14 @@ mod validate;
 pub(super) use derived::{DerivedSceneData, derive_scene_data};
 pub(super) use lights::mean_emission_lights;
 
-use super::interiors::{CoincidentFlags, find_coincident_flags};
-use super::{BuildError, DeltaLightKind, LightStrength, Material, Scene};
+use super::interiors::{CoincidentFlags, flag_coincident_primitives};
+use super::{BuildError, LightStrength, Material, Scene, UnscaledDeltaLight};
 use crate::camera::Camera;
 use crate::color::{DispersionFormula, Rgb};
 use crate::light::EnvironmentLight;
 use crate::math::Motion;
 use crate::medium::Medium;
-use crate::shape::{Plane, Shape, TextureMappingKind, Triangle};
+use crate::shape::{Plane, Shape, TextureMappingKind, TriangleIndices};
 use crate::texture::Texture;
 use cull_air_boundaries::{cull_air_boundaries, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
@@ -70,7 +70,7 @@ impl SceneBuilder {
 
     /// Adds a material and returns its index.
     pub fn add_material(&mut self, material: Material) -> u32 {
-        self.materials.push(material.with_mix_components(&self.materials));
+        self.materials.push(material.with_mix_photon_storage(&self.materials));
         self.materials.len() as u32 - 1
     }
 
@@ -118,7 +118,7 @@ impl SceneBuilder {
         &mut self,
         positions: &[DVec3],
         normals: &[Vec3],
-        triangles: &[Triangle],
+        triangles: &[TriangleIndices],
         material: u32,
         emission: Rgb,
     ) -> &mut Self {
@@ -152,7 +152,7 @@ impl SceneBuilder {
     ///
     /// Without this call, texture coordinates are the surface parameters of the object, and solid
     /// textures are evaluated in world space.
-    pub fn set_texture_mapping(&mut self, kind: TextureMappingKind, to_world: &Motion) -> &mut Self {
+    pub fn set_last_texture_mapping(&mut self, kind: TextureMappingKind, to_world: &Motion) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.mapping = Some((kind, to_world.clone()));
         }
@@ -162,7 +162,7 @@ impl SceneBuilder {
     /// Sets the radiance emitted by the object added last to `texture` times `scale` \[W/(m² sr)].
     ///
     /// The mean of this product must equal the emission with which the object was added.
-    pub fn set_emission_texture(&mut self, texture: u32, scale: Rgb) -> &mut Self {
+    pub fn set_last_emission_texture(&mut self, texture: u32, scale: Rgb) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.emission_texture = Some((texture, scale));
         }
@@ -170,13 +170,13 @@ impl SceneBuilder {
     }
 
     /// Sets the texture coordinates of the mesh added last, one per vertex.
-    pub fn set_texcoords(&mut self, texcoords: &[DVec2]) -> &mut Self {
+    pub fn set_last_mesh_texcoords(&mut self, texcoords: &[DVec2]) -> &mut Self {
         self.mesh.add_texcoords(texcoords);
         self
     }
 
     /// Adds a light that emits from one point or from one direction.
-    pub fn add_delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength) -> &mut Self {
+    pub fn add_delta_light(&mut self, kind: UnscaledDeltaLight, strength: LightStrength) -> &mut Self {
         self.delta_lights.push(DeltaLight { kind, strength, motion: None });
         self
     }
@@ -185,7 +185,7 @@ impl SceneBuilder {
     /// own position.
     pub fn add_moving_delta_light(
         &mut self,
-        kind: DeltaLightKind,
+        kind: UnscaledDeltaLight,
         strength: LightStrength,
         motion: &Motion,
     ) -> &mut Self {
@@ -206,7 +206,7 @@ impl SceneBuilder {
     ///
     /// [`BuildError`] if the parts cannot be rendered.
     pub fn build(self, camera: Camera) -> Result<Scene, BuildError> {
-        self.build_after(None, camera)
+        self.build_reusing_hierarchy(None, camera)
     }
 
     /// Builds the scene as [`SceneBuilder::build`] does, and shares the hierarchy of an `earlier`
@@ -215,7 +215,7 @@ impl SceneBuilder {
     /// # Errors
     ///
     /// [`BuildError`] if the parts cannot be rendered.
-    pub fn build_after(self, earlier: Option<&Scene>, camera: Camera) -> Result<Scene, BuildError> {
+    pub fn build_reusing_hierarchy(self, earlier: Option<&Scene>, camera: Camera) -> Result<Scene, BuildError> {
         validate_objects(&self.objects, &self.mesh)?;
         let (objects, mesh) =
             cull_air_boundaries(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
@@ -223,15 +223,16 @@ impl SceneBuilder {
         let PlacedObjects { objects, geometry, mappings, mut animation } =
             sort_and_place_objects(objects, mesh, origin)?;
         validate_coordinate_range(&geometry, &animation)?;
-        let CollectedLights { lights, environment_light_index, legacy_lights, moving, of_object } = collect_lights(
-            &self.delta_lights,
-            &objects,
-            &geometry,
-            &mappings,
-            &self.textures,
-            self.environment,
-            origin,
-        )?;
+        let CollectedLights { lights, environment_light_index, legacy_lights, moving, area_light_of_object: of_object } =
+            collect_lights(
+                &self.delta_lights,
+                &objects,
+                &geometry,
+                &mappings,
+                &self.textures,
+                self.environment,
+                origin,
+            )?;
         animation.lights = moving;
         let camera = place_camera(&camera, self.camera_motion, origin, &mut animation)?;
         let media = place_media(&self.media, &objects, &self.materials, origin, &mut animation);
@@ -246,7 +247,7 @@ impl SceneBuilder {
             media,
             ambient_medium: self.ambient_medium,
             textures: self.textures,
-            mappings: mappings.list,
+            mappings: mappings.texture_mappings,
             mean_emission_lights: mean_emission_lights(&lights),
             lights,
             environment_light_index,
@@ -257,7 +258,7 @@ impl SceneBuilder {
             derived: DerivedSceneData::default(),
         };
         scene.coincident =
-            find_coincident_flags(&scene.geometry, |material| may_bound_body(&scene.materials, material));
+            flag_coincident_primitives(&scene.geometry, |material| may_bound_body(&scene.materials, material));
         scene.derived = derive_scene_data(&scene);
         validate_light_power(&scene)?;
         Ok(scene)

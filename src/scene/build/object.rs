@@ -2,12 +2,12 @@
 
 use crate::color::Rgb;
 use crate::math::Motion;
-use crate::shape::{Mesh, Plane, Shape, TextureMappingKind, Triangle};
+use crate::shape::{Mesh, Plane, Shape, TextureMappingKind, TriangleIndices};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::ops::Range;
 
-/// Minimum and maximum corner of an axis-aligned box, in double precision.
-pub(super) type Extent = (DVec3, DVec3);
+/// Minimum and maximum corner of a bounding box, in double precision.
+pub(super) type BoundsF64 = (DVec3, DVec3);
 
 /// A shape, mesh or plane with its material, in world coordinates. A moving object is stored before
 /// its motion is applied.
@@ -41,10 +41,10 @@ pub(super) enum ObjectGeometry {
 impl SceneObject {
     /// Bounding box of an object at rest; `None` for planes, moving objects, and meshes without
     /// triangles.
-    pub fn extent(&self, mesh: &MergedMeshes) -> Option<Extent> {
+    pub fn resting_bounds(&self, mesh: &MergedMeshes) -> Option<BoundsF64> {
         match &self.geometry {
             ObjectGeometry::Shape(shape) if self.motion.is_none() => Some(shape.bounds_f64()),
-            ObjectGeometry::Mesh(range) => mesh.extent(range.clone()),
+            ObjectGeometry::Mesh(range) => mesh.triangle_bounds(range.clone()),
             ObjectGeometry::Shape(_) | ObjectGeometry::Plane(_) => None,
         }
     }
@@ -81,19 +81,19 @@ pub(super) struct MergedMeshes {
     /// Texture coordinates by vertex; zero for a mesh without any. Shorter than `positions` if the
     /// meshes added last have none.
     texcoords: Vec<Vec2>,
-    pub triangles: Vec<Triangle>,
+    pub triangles: Vec<TriangleIndices>,
 }
 
 impl MergedMeshes {
     /// Adds a mesh, and returns the range of its triangles. Triangles of zero area are dropped.
-    pub fn add_mesh(&mut self, positions: &[DVec3], normals: &[Vec3], triangles: &[Triangle]) -> Range<u32> {
+    pub fn add_mesh(&mut self, positions: &[DVec3], normals: &[Vec3], triangles: &[TriangleIndices]) -> Range<u32> {
         let (base, first) = (self.positions.len() as u32, self.triangles.len() as u32);
         self.positions.extend_from_slice(positions);
         if !normals.is_empty() {
             self.normals.resize(base as usize, Vec3::ZERO);
             self.normals.extend_from_slice(normals);
         }
-        let area = |t: &Triangle| {
+        let area = |t: &TriangleIndices| {
             let [a, b, c] = t.map(|v| positions[v as usize]);
             (b - a).cross(c - a).length_squared()
         };
@@ -109,7 +109,7 @@ impl MergedMeshes {
     }
 
     /// Bounding box of a range of triangles; `None` if it is empty.
-    fn extent(&self, triangles: Range<u32>) -> Option<Extent> {
+    fn triangle_bounds(&self, triangles: Range<u32>) -> Option<BoundsF64> {
         let vertices = self.triangles[triangles.start as usize..triangles.end as usize].iter().flatten();
         let points = vertices.map(|v| self.positions[*v as usize]).map(|p| (p, p));
         points.reduce(|(a, b), (c, d)| (a.min(c), b.max(d)))

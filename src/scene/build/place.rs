@@ -29,7 +29,7 @@ pub(super) struct PlacedObjects {
 pub(super) struct PlacedGeometry {
     /// All analytic shapes: shapes at rest, then moving shapes.
     pub shapes: Vec<Shape>,
-    pub first_moving: u32,
+    pub first_moving_shape_index: u32,
     pub planes: Vec<Plane>,
     pub mesh: Arc<Mesh>,
     /// Range of triangle indices of each mesh object.
@@ -39,9 +39,9 @@ pub(super) struct PlacedGeometry {
 /// Texture mappings in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
 pub(super) struct PlacedTextureMappings {
     /// All texture mappings. Objects that define none use the first one.
-    pub list: Vec<TextureMapping>,
-    /// Index in `list` of each object's texture mapping.
-    pub of_object: Vec<u32>,
+    pub texture_mappings: Vec<TextureMapping>,
+    /// Index in `texture_mappings` of each object's texture mapping.
+    pub mapping_of_object: Vec<u32>,
 }
 
 /// Sorts the objects by [`SceneObject::object_sort_key`], and converts them to coordinates relative
@@ -60,13 +60,13 @@ pub(super) fn sort_and_place_objects(
         match (&object.geometry, motion) {
             (ObjectGeometry::Shape(shape), None) => shapes.push(shape.translated(-origin)),
             (ObjectGeometry::Shape(shape), Some(motion)) => {
-                shapes.push(shape_at_time(shape, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?);
+                shapes.push(shape_at_time(shape, &motion, MID_SHUTTER).ok_or(BuildError::SingularMotion)?);
                 animation.shapes.push((shape.clone(), motion));
             }
             (ObjectGeometry::Mesh(range), _) => mesh_ranges.push(range.clone()),
             (ObjectGeometry::Plane(plane), None) => planes.push(plane.translated(-origin)),
             (ObjectGeometry::Plane(plane), Some(motion)) => {
-                planes.push(plane_at_time(plane, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?);
+                planes.push(plane_at_time(plane, &motion, MID_SHUTTER).ok_or(BuildError::SingularMotion)?);
                 animation.planes.push((*plane, motion));
             }
         }
@@ -74,7 +74,7 @@ pub(super) fn sort_and_place_objects(
     let first_moving = (shapes.len() - animation.shapes.len()) as u32;
     let mappings = place_texture_mappings(&objects, origin, &mut animation)?;
     let mesh = Arc::new(mesh.recentered(origin));
-    let geometry = PlacedGeometry { shapes, first_moving, planes, mesh, mesh_ranges };
+    let geometry = PlacedGeometry { shapes, first_moving_shape_index: first_moving, planes, mesh, mesh_ranges };
     Ok(PlacedObjects { objects, geometry, mappings, animation })
 }
 
@@ -84,16 +84,20 @@ fn place_texture_mappings(
     animation: &mut Animation,
 ) -> Result<PlacedTextureMappings, BuildError> {
     let recenter = DAffine3::from_translation(-origin);
-    let mut mappings =
-        PlacedTextureMappings { list: vec![TextureMapping::default().translated(-origin)], of_object: Vec::new() };
+    let mut mappings = PlacedTextureMappings {
+        texture_mappings: vec![TextureMapping::default().translated(-origin)],
+        mapping_of_object: Vec::new(),
+    };
     for object in objects {
         let Some((kind, motion)) = &object.mapping else {
-            mappings.of_object.push(0);
+            mappings.mapping_of_object.push(0);
             continue;
         };
-        let (index, placed) = (mappings.list.len(), motion.followed_by_map(recenter));
-        mappings.list.push(texture_mapping_at_time(*kind, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
-        mappings.of_object.push(index as u32);
+        let (index, placed) = (mappings.texture_mappings.len(), motion.followed_by_map(recenter));
+        mappings
+            .texture_mappings
+            .push(texture_mapping_at_time(*kind, &placed, MID_SHUTTER).ok_or(BuildError::SingularMotion)?);
+        mappings.mapping_of_object.push(index as u32);
         if !motion.is_constant() {
             animation.mappings.push((index, *kind, placed));
         }
@@ -113,7 +117,7 @@ pub(super) fn place_camera(
     let camera = camera.translated(-origin);
     let Some(motion) = motion else { return Ok(camera) };
     let motion = motion.pivoted_at_point(camera.center());
-    let placed = camera_at_time(&camera, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
+    let placed = camera_at_time(&camera, &motion, MID_SHUTTER).ok_or(BuildError::SingularMotion)?;
     animation.camera = Some((camera, motion));
     Ok(placed)
 }
@@ -129,13 +133,13 @@ impl PlacedGeometry {
         light_of_object: &[Option<u32>],
         earlier: Option<&geometry::Geometry>,
     ) -> geometry::Geometry {
-        let attributes = objects.iter().zip(light_of_object).zip(&mappings.of_object);
+        let attributes = objects.iter().zip(light_of_object).zip(&mappings.mapping_of_object);
         let attributes = attributes.map(|((object, light), mapping)| ObjectAttributes {
             material: object.material,
             light: *light,
             mapping: *mapping,
         });
-        let Self { shapes, first_moving, planes, mesh, mesh_ranges } = self;
+        let Self { shapes, first_moving_shape_index: first_moving, planes, mesh, mesh_ranges } = self;
         geometry::Geometry::new(attributes.collect(), shapes, first_moving, planes, mesh, mesh_ranges, earlier)
     }
 }

@@ -1,6 +1,6 @@
 //! Choosing the origin of scene coordinates.
 
-use super::object::{Extent, MergedMeshes, ObjectGeometry, SceneObject};
+use super::object::{BoundsF64, MergedMeshes, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
 use crate::scene::BuildError;
 use crate::scene::animation::{MID_SHUTTER, shape_at_time};
@@ -45,19 +45,19 @@ pub(super) fn choose_scene_origin(
             }
             (ObjectGeometry::Shape(shape), Some(motion)) => {
                 let at = |time| {
-                    shape_at_time(shape, motion, time).map(|shape| shape.bounds_f64()).ok_or(BuildError::Flattened)
+                    shape_at_time(shape, motion, time).map(|shape| shape.bounds_f64()).ok_or(BuildError::SingularMotion)
                 };
-                moving.push(union_of_extents(union_of_extents(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
+                moving.push(union_of_bounds(union_of_bounds(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
             }
-            (ObjectGeometry::Mesh(_), _) => meshes.extend(object.extent(mesh)),
+            (ObjectGeometry::Mesh(_), _) => meshes.extend(object.resting_bounds(mesh)),
             (ObjectGeometry::Plane(_), _) => {}
         }
     }
     let boxes = [resting, moving, meshes].concat();
-    Ok(origin_for_extents(&boxes, camera_and_nearest_distance(camera, &shapes)).unwrap_or(camera.center()))
+    Ok(origin_for_bounds(&boxes, camera_and_nearest_distance(camera, &shapes)).unwrap_or(camera.center()))
 }
 
-fn union_of_extents((a, b): Extent, (c, d): Extent) -> Extent {
+fn union_of_bounds((a, b): BoundsF64, (c, d): BoundsF64) -> BoundsF64 {
     (a.min(c), b.max(d))
 }
 
@@ -66,11 +66,13 @@ fn union_of_extents((a, b): Extent, (c, d): Extent) -> Extent {
 /// The origin is the center of all boxes, if no object is farther from it than
 /// [`MAX_DISTANCE_IN_SIZES`] times its own size. Otherwise, as for small objects on a huge sphere,
 /// the origin minimizes the greatest distance of an object divided by its size.
-fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec3> {
-    let (min, max) = boxes.iter().copied().reduce(union_of_extents)?;
+fn origin_for_bounds(boxes: &[BoundsF64], view: Option<CameraView>) -> Option<DVec3> {
+    let (min, max) = boxes.iter().copied().reduce(union_of_bounds)?;
     let center = min * 0.5 + max * 0.5;
-    let target =
-        |(min, max): &Extent| FineDetailRegion { center: *min * 0.5 + *max * 0.5, size: (*max - *min).max_element() };
+    let target = |(min, max): &BoundsF64| FineDetailRegion {
+        center: *min * 0.5 + *max * 0.5,
+        size: (*max - *min).max_element(),
+    };
     // The camera may be outside of the box, but the origin must not.
     let view = view.map(|(center, size)| FineDetailRegion { center: center.clamp(min, max), size });
     let targets: Vec<FineDetailRegion> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
@@ -125,16 +127,16 @@ fn minimax_coordinate(targets: &[FineDetailRegion], axis: usize, most: f64) -> f
 mod tests {
     use super::*;
 
-    fn bounding_box_of_ball(center: DVec3, radius: f64) -> Extent {
+    fn bounding_box_of_ball(center: DVec3, radius: f64) -> BoundsF64 {
         (center - radius, center + radius)
     }
 
     #[test]
     fn objects_of_similar_size_lie_around_the_box_center() {
         let boxes = [bounding_box_of_ball(DVec3::ZERO, 1.0), bounding_box_of_ball(DVec3::new(100.0, 0.0, 3.0), 0.1)];
-        let off = origin_for_extents(&boxes, None).unwrap() - DVec3::new(49.55, 0.0, 1.05);
+        let off = origin_for_bounds(&boxes, None).unwrap() - DVec3::new(49.55, 0.0, 1.05);
         assert!(off.length() < 1e-12, "{off}");
-        assert_eq!(origin_for_extents(&[], Some((DVec3::ONE, 1.0))), None);
+        assert_eq!(origin_for_bounds(&[], Some((DVec3::ONE, 1.0))), None);
     }
 
     #[test]
@@ -145,11 +147,11 @@ mod tests {
             bounding_box_of_ball(DVec3::new(2.0, 0.5, 0.0), 0.5),
             bounding_box_of_ball(DVec3::new(-2.0, 0.5, 0.0), 0.25),
         ];
-        let found = origin_for_extents(&boxes, None).unwrap();
+        let found = origin_for_bounds(&boxes, None).unwrap();
         // The origin lies between the balls at x = 2 and x = −2. Its distances from them are in the
         // ratio of their radii, 0.5 : 0.25.
         assert!((found.x - (2.0 - 4.0 / 1.5)).abs() < 1e-9 && (found.y - 0.5).abs() < 1.0, "{found}");
-        assert!((origin_for_extents(&[floor], Some((DVec3::Y, 1.0))).unwrap().y).abs() < 2.0);
-        assert_eq!(origin_for_extents(&[floor], None), Some(DVec3::Y * -1e5));
+        assert!((origin_for_bounds(&[floor], Some((DVec3::Y, 1.0))).unwrap().y).abs() < 2.0);
+        assert_eq!(origin_for_bounds(&[floor], None), Some(DVec3::Y * -1e5));
     }
 }

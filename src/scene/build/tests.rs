@@ -17,12 +17,12 @@ fn scenes_beyond_single_precision_are_refused() {
     let mut far = SceneBuilder::new();
     add_emissive_sphere(&mut far, DVec3::ZERO, Rgb::ZERO);
     add_emissive_sphere(&mut far, DVec3::new(1e15, 0.0, 0.0), Rgb::ZERO);
-    assert!(matches!(far.build(perspective_camera()), Err(BuildError::TooLarge(_))));
+    assert!(matches!(far.build(perspective_camera()), Err(BuildError::ExtentTooLarge(_))));
     let mut bright = SceneBuilder::new();
     add_emissive_sphere(&mut bright, DVec3::ZERO, Rgb::splat(f32::MAX));
     assert_eq!(bright.build(perspective_camera()).err(), Some(BuildError::TooBright(0)));
     let mut source = SceneBuilder::new();
-    source.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::INFINITY));
+    source.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::INFINITY));
     assert_eq!(source.build(perspective_camera()).err(), Some(BuildError::TooBright(0)));
 }
 
@@ -72,7 +72,7 @@ fn another_camera_gives_the_scene_built_with_it() {
     assert_eq!(moved.camera(), built.camera());
     assert_eq!(format!("{:?}", moved.derived), format!("{:?}", built.derived));
     assert_ne!(format!("{:?}", moved.derived), format!("{:?}", outside.derived), "the camera is inside of glass");
-    assert!(Arc::ptr_eq(&moved.geometry.hierarchy, &outside.geometry.hierarchy));
+    assert!(Arc::ptr_eq(&moved.geometry.resting_hierarchy, &outside.geometry.resting_hierarchy));
     assert!(outside.has_motion() && !moved.has_motion());
     let there = moved.camera_in_description().center();
     assert!(there.distance(inside.center()) < 1e-12);
@@ -88,10 +88,10 @@ fn equal_geometry_shares_its_hierarchy() {
         builder.add_shape(Shape::Sphere(Ball::new(DVec3::Y * 2.0, radius)), white, Rgb::ZERO);
         let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.0, height, 0.0)];
         builder.add_mesh(&corners, &[], &[[0, 1, 2]], white, Rgb::ZERO);
-        builder.build_after(earlier, perspective_camera()).unwrap()
+        builder.build_reusing_hierarchy(earlier, perspective_camera()).unwrap()
     };
     let first = scene(None, 0.5, 1.0, 0.5);
-    let shares = |next: &Scene| Arc::ptr_eq(&next.geometry.hierarchy, &first.geometry.hierarchy);
+    let shares = |next: &Scene| Arc::ptr_eq(&next.geometry.resting_hierarchy, &first.geometry.resting_hierarchy);
     let recolored = scene(Some(&first), 0.7, 1.0, 0.5);
     assert!(shares(&recolored) && recolored.geometry.bounds() == first.geometry.bounds());
     assert!(!shares(&scene(None, 0.5, 1.0, 0.5)));

@@ -15,7 +15,7 @@ const MAX_COORDINATE: f32 = 1e12;
 ///
 /// The rounding error of this coordinate is 2⁻⁶³, and the square of the error, 2⁻¹²⁶, is the least
 /// normal f32.
-const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
+const MIN_FARTHEST_COORDINATE: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks that no unbounded plane emits, and that triangle indices fit 31 bits. Else the error is
 /// [`BuildError::EmissivePlane`] or [`BuildError::TooManyTriangles`].
@@ -28,9 +28,9 @@ pub(super) fn validate_objects(objects: &[SceneObject], mesh: &MergedMeshes) -> 
     if triangles > i32::MAX as usize { Err(BuildError::TooManyTriangles(triangles)) } else { Ok(()) }
 }
 
-/// Checks that the farthest coordinate lies between [`MIN_EXTENT`] and [`MAX_COORDINATE`], at
-/// mid-shutter and at both ends of the shutter interval. Else the error is [`BuildError::TooSmall`]
-/// or [`BuildError::TooLarge`].
+/// Checks that the farthest coordinate lies between [`MIN_FARTHEST_COORDINATE`] and
+/// [`MAX_COORDINATE`], at mid-shutter and at both ends of the shutter interval. Else the error is
+/// [`BuildError::ExtentTooSmall`] or [`BuildError::ExtentTooLarge`].
 pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
     let at = |time| {
         animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at_time(shape, motion, time)?.bounds()))
@@ -43,9 +43,9 @@ pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &A
         // A coordinate that is NaN counts as the farthest.
         .max_by(f32::total_cmp);
     match farthest {
-        Some(far) if !far.is_finite() => Err(BuildError::TooLarge(f64::INFINITY)),
-        Some(far) if far > MAX_COORDINATE => Err(BuildError::TooLarge(f64::from(far))),
-        Some(far) if far < MIN_EXTENT => Err(BuildError::TooSmall(f64::from(far))),
+        Some(far) if !far.is_finite() => Err(BuildError::ExtentTooLarge(f64::INFINITY)),
+        Some(far) if far > MAX_COORDINATE => Err(BuildError::ExtentTooLarge(f64::from(far))),
+        Some(far) if far < MIN_FARTHEST_COORDINATE => Err(BuildError::ExtentTooSmall(f64::from(far))),
         _ => Ok(()),
     }
 }

@@ -34,7 +34,7 @@ impl Body {
 
     /// A region filled with `medium`, bounded by a null interface.
     #[must_use]
-    pub fn body_filled_with_medium(medium: u32) -> Self {
+    pub fn null_interface_with_medium(medium: u32) -> Self {
         Self { medium: Some(medium), is_null_interface: true, ..Self::new(1.0) }
     }
 

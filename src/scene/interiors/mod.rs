@@ -2,20 +2,20 @@
 
 mod body;
 mod coincident;
-mod for_interior;
 mod locate;
 mod spectral;
 mod stack;
+mod with_interior_type;
 
 pub use body::Body;
 pub(super) use coincident::{
-    CoincidentFace, CoincidentFaces, CoincidentFlags, coincident_faces_at, find_coincident_flags,
+    CoincidentFace, CoincidentFaces, CoincidentFlags, coincident_faces_at, flag_coincident_primitives,
 };
-pub(crate) use for_interior::for_interior;
 pub(super) use locate::interior_stack_at;
 pub use spectral::SpectralInterior;
 pub(super) use stack::BodyInterface;
 pub use stack::InteriorStack;
+pub(crate) use with_interior_type::with_interior_type;
 
 use super::{Effects, Scene, SurfaceInteraction};
 use crate::bsdf::Bsdf;
@@ -92,13 +92,13 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
 
     /// Optical depth of the absorption in the current dielectric body over `distance` \[length];
     /// media are not included.
-    fn optical_depth(&self, scene: &Scene, distance: f32) -> Rgb;
+    fn absorption_optical_depth(&self, scene: &Scene, distance: f32) -> Rgb;
 
     /// Transmittance due to absorption in the current dielectric body over `distance` \[length];
     /// media are not included.
     #[inline]
-    fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
-        exp_neg(self.optical_depth(scene, distance))
+    fn absorption_transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
+        exp_neg(self.absorption_optical_depth(scene, distance))
     }
 
     /// Adds the dielectric body that `surface` bounds, if the path leaves this body without having
@@ -159,7 +159,7 @@ impl Interior for NoInterior {
     }
 
     #[inline]
-    fn optical_depth(&self, _: &Scene, _: f32) -> Rgb {
+    fn absorption_optical_depth(&self, _: &Scene, _: f32) -> Rgb {
         Rgb::ZERO
     }
 
@@ -191,8 +191,8 @@ impl Interior for InteriorStack {
     }
 
     #[inline]
-    fn optical_depth(&self, scene: &Scene, distance: f32) -> Rgb {
-        match self.top_body(&scene.materials) {
+    fn absorption_optical_depth(&self, scene: &Scene, distance: f32) -> Rgb {
+        match self.dominant_body(&scene.materials) {
             Some((_, body)) if body.absorption != Rgb::ZERO => body.absorption * distance,
             _ => Rgb::ZERO,
         }
@@ -212,7 +212,8 @@ impl Interior for InteriorStack {
         let (event, body, interface) = resolve_interface(self, scene, surface, *body);
         if event != BoundaryEvent::NullInterface {
             let eta = interface.relative_eta(&body, |body| body.eta);
-            surface.bsdf = Bsdf::dielectric(eta, surface.roughness, surface.material.boundary_scattering());
+            surface.bsdf =
+                Bsdf::dielectric(eta, surface.boundary_roughness, surface.material.boundary_microfacet_scattering());
         }
         event
     }
@@ -249,7 +250,7 @@ fn resolve_interface(
     if !surface.coincident.is_empty() {
         let BoundarySides { near, far, is_null_interface, roughness } =
             boundary_sides(stack, scene, surface, &body, entering);
-        surface.roughness = roughness;
+        surface.boundary_roughness = roughness;
         let (inner, outer) = if entering { (far, near) } else { (near, far) };
         let is_hidden = inner.map(|(material, _)| material) == outer.map(|(material, _)| material);
         let interface = BodyInterface { is_hidden, outside: outer.map(|(_, body)| *body) };

@@ -33,13 +33,13 @@ pub struct SpectralInterior {
     /// the d line.
     ///
     /// `None` if no wavelength was sampled, or once its weight has been applied to the throughput.
-    sampled_at: Option<Dielectric>,
+    wavelength_sampling_dielectric: Option<Dielectric>,
     effects: Effects,
 }
 
 impl SpectralInterior {
     fn new(stack: InteriorStack, effects: Effects) -> Self {
-        Self { stack, wavelength: None, wavelength_sample: None, sampled_at: None, effects }
+        Self { stack, wavelength: None, wavelength_sample: None, wavelength_sampling_dielectric: None, effects }
     }
 }
 
@@ -66,7 +66,7 @@ impl Interior for SpectralInterior {
         if !self.effects.has(Effect::Media) {
             return None;
         }
-        let (medium, ambient) = match self.stack.top_body(&scene.materials) {
+        let (medium, ambient) = match self.stack.dominant_body(&scene.materials) {
             Some((_, body)) => (body.medium, false),
             None => (scene.ambient_medium, true),
         };
@@ -79,8 +79,8 @@ impl Interior for SpectralInterior {
     }
 
     #[inline]
-    fn optical_depth(&self, scene: &Scene, distance: f32) -> Rgb {
-        self.stack.optical_depth(scene, distance)
+    fn absorption_optical_depth(&self, scene: &Scene, distance: f32) -> Rgb {
+        self.stack.absorption_optical_depth(scene, distance)
     }
 
     #[inline]
@@ -104,14 +104,15 @@ impl Interior for SpectralInterior {
             // `take`: a second wavelength of this path needs a new random number.
             let u = self.wavelength_sample.take().unwrap_or_else(|| key.uniform_1d(Dimension::Wavelength));
             self.wavelength = Some(Wavelength::sample(u));
-            self.sampled_at = Some(Dielectric { eta: interface.relative_eta(&body, |body| body.eta) });
+            self.wavelength_sampling_dielectric =
+                Some(Dielectric { eta: interface.relative_eta(&body, |body| body.eta) });
         }
         let eta = |body: &Body| match (body.glass, self.wavelength) {
             (Some(glass), Some(wavelength)) => scene.glasses[glass as usize].refractive_index(wavelength.nanometres()),
             _ => body.eta,
         };
-        let scattering = surface.material.boundary_scattering();
-        surface.bsdf = Bsdf::dielectric(interface.relative_eta(&body, eta), surface.roughness, scattering);
+        let scattering = surface.material.boundary_microfacet_scattering();
+        surface.bsdf = Bsdf::dielectric(interface.relative_eta(&body, eta), surface.boundary_roughness, scattering);
         event
     }
 
@@ -124,7 +125,7 @@ impl Interior for SpectralInterior {
     fn wavelength_weight_before_scattering(&mut self, surface: &SurfaceInteraction<'_>) -> Rgb {
         // At a surface that is not specular, next-event estimation needs the weight too, so this
         // function applies it.
-        if surface.bsdf.is_specular() || self.sampled_at.take().is_none() {
+        if surface.bsdf.is_specular() || self.wavelength_sampling_dielectric.take().is_none() {
             return Rgb::ONE;
         }
         self.wavelength.map_or(Rgb::ONE, Wavelength::weight)
@@ -132,7 +133,9 @@ impl Interior for SpectralInterior {
 
     #[inline]
     fn wavelength_weight_after_scattering(&mut self, surface: &SurfaceInteraction<'_>, transmitted: bool) -> Rgb {
-        let (Some(plain), Some(wavelength)) = (self.sampled_at.take(), self.wavelength) else { return Rgb::ONE };
+        let (Some(plain), Some(wavelength)) = (self.wavelength_sampling_dielectric.take(), self.wavelength) else {
+            return Rgb::ONE;
+        };
         let weight = wavelength.weight();
         let (wo, ns, ng) = (surface.wo, surface.point.ns, surface.point.ng);
         if !transmitted && let Some(own) = surface.bsdf.reflect_and_refract(wo, ns, ng, TransportMode::Importance) {

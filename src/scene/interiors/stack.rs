@@ -13,7 +13,7 @@ const MAX_BODIES: usize = 12;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InteriorStack {
     /// Material indices of the bodies; only the first `count` are valid.
-    bodies: [u32; MAX_BODIES],
+    body_materials: [u32; MAX_BODIES],
     count: u8,
 }
 
@@ -45,22 +45,22 @@ impl BodyInterface {
 
 impl InteriorStack {
     /// The empty stack: a point in air.
-    pub const EMPTY: Self = Self { bodies: [0; MAX_BODIES], count: 0 };
+    pub const EMPTY: Self = Self { body_materials: [0; MAX_BODIES], count: 0 };
 
     /// Material indices of the dielectric bodies, in the order of entry.
     #[must_use]
-    pub fn bodies(&self) -> &[u32] {
-        &self.bodies[..usize::from(self.count)]
+    pub fn body_materials(&self) -> &[u32] {
+        &self.body_materials[..usize::from(self.count)]
     }
 
     /// Pushes the dielectric body of `material`, which the path enters, onto the stack.
     #[inline]
     pub(in crate::scene) fn push_body(&mut self, material: u32) {
         if usize::from(self.count) == MAX_BODIES {
-            self.bodies.copy_within(1.., 0);
+            self.body_materials.copy_within(1.., 0);
             self.count -= 1;
         }
-        self.bodies[usize::from(self.count)] = material;
+        self.body_materials[usize::from(self.count)] = material;
         self.count += 1;
     }
 
@@ -68,8 +68,8 @@ impl InteriorStack {
     #[inline]
     pub(in crate::scene) fn remove_body(&mut self, material: u32) {
         let end = usize::from(self.count);
-        if let Some(at) = self.bodies().iter().rposition(|m| *m == material) {
-            self.bodies.copy_within(at + 1..end, at);
+        if let Some(at) = self.body_materials().iter().rposition(|m| *m == material) {
+            self.body_materials.copy_within(at + 1..end, at);
             self.count -= 1;
         }
     }
@@ -78,28 +78,28 @@ impl InteriorStack {
     /// inside it. Does nothing if the stack is full.
     pub(in crate::scene) fn insert_outermost_body(&mut self, material: u32) {
         if usize::from(self.count) < MAX_BODIES {
-            self.bodies.copy_within(0..usize::from(self.count), 1);
-            self.bodies[0] = material;
+            self.body_materials.copy_within(0..usize::from(self.count), 1);
+            self.body_materials[0] = material;
             self.count += 1;
         }
     }
 
     #[inline]
     pub(in crate::scene) fn contains(&self, material: u32) -> bool {
-        self.bodies().contains(&material)
+        self.body_materials().contains(&material)
     }
 
     /// The dielectric body of highest priority, which determines absorption and medium, with its
     /// material index; `None` in air.
     #[inline]
-    pub(in crate::scene) fn top_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
+    pub(in crate::scene) fn dominant_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
         self.highest_priority_body(materials, |_| true)
     }
 
     /// The dielectric body of highest priority without a null interface, which determines the
     /// refractive index, with its material index; `None` in air.
     #[inline]
-    pub(in crate::scene) fn top_refracting_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
+    pub(in crate::scene) fn dominant_refracting_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
         self.highest_priority_body(materials, |body| !body.is_null_interface)
     }
 
@@ -110,7 +110,7 @@ impl InteriorStack {
         counts: impl Fn(&Body) -> bool,
     ) -> Option<(u32, &'a Body)> {
         let mut top: Option<(u32, &Body)> = None;
-        for index in self.bodies() {
+        for index in self.body_materials() {
             if let Some(body) = materials[*index as usize].bounded_body()
                 && counts(body)
                 && top.is_none_or(|(_, t)| body.overlap_priority() >= t.overlap_priority())
@@ -136,15 +136,15 @@ impl InteriorStack {
     ) -> BodyInterface {
         let mut around = *self;
         let is_hidden = if entering {
-            self.top_refracting_body(materials).is_some_and(|(_, top)| body.priority < top.priority)
+            self.dominant_refracting_body(materials).is_some_and(|(_, top)| body.priority < top.priority)
         } else {
             // Among bodies of equal priority, the one entered last fills the space before the
             // boundary.
-            let lies_below_top = self.top_refracting_body(materials).is_some_and(|(index, _)| index != material);
+            let lies_below_top = self.dominant_refracting_body(materials).is_some_and(|(index, _)| index != material);
             around.remove_body(material);
             lies_below_top
         };
-        BodyInterface { is_hidden, outside: around.top_refracting_body(materials).map(|(_, body)| *body) }
+        BodyInterface { is_hidden, outside: around.dominant_refracting_body(materials).map(|(_, body)| *body) }
     }
 
     /// Pushes or removes the dielectric body of `material`, depending on the unit `direction` of

@@ -29,7 +29,7 @@ fn index_of_kind(kind: &MaterialKind) -> usize {
         MaterialKind::Phong { .. } => 2,
         MaterialKind::Mirror { .. } => 3,
         MaterialKind::Conductor { .. } => 4,
-        MaterialKind::Thin { .. } => 5,
+        MaterialKind::ThinDielectric { .. } => 5,
         MaterialKind::Dielectric { .. } => 6,
         MaterialKind::CoatedDiffuse { .. } => 7,
         MaterialKind::Mix { .. } => 8,
@@ -52,7 +52,7 @@ fn materials_with_a_separate_coat_are_chosen_by_chance() {
         let mut has_separate_coat = false;
         material.visit_bsdf_variants(&[], |bsdf| has_separate_coat |= bsdf.separate_coat().is_some());
         coats += u32::from(has_separate_coat);
-        assert!(material.is_chosen_by_chance() || !has_separate_coat, "{:?}", material.kind());
+        assert!(material.chooses_bsdf_randomly() || !has_separate_coat, "{:?}", material.kind());
     }
     assert_eq!(coats, 3);
 }

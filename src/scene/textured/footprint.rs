@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, Vec3};
 
 /// Lower bound of the cosine between ray and normal, which limits the length of footprints at
 /// grazing angles.
-const MIN_COS: f64 = 1e-3;
+const MIN_INCIDENCE_COSINE: f64 = 1e-3;
 
 /// The footprint of a ray cone on a surface, with derivatives of the texture coordinates.
 pub(in crate::scene) struct TextureFootprint<'a> {
@@ -41,11 +41,11 @@ impl<'a> TextureFootprint<'a> {
             let along = wo - n * wo.dot(n);
             // At normal incidence, any direction along the surface will do.
             let along = along.try_normalize().unwrap_or_else(|| n.any_orthonormal_vector());
-            let long = along * (width / wo.dot(n).abs().max(MIN_COS));
+            let long = along * (width / wo.dot(n).abs().max(MIN_INCIDENCE_COSINE));
             let across = n.cross(along) * width;
-            context.axes = [across, long].map(|x| DVec2::new(coords.du.dot(x), coords.dv.dot(x)));
+            context.footprint_axes = [across, long].map(|x| DVec2::new(coords.grad_u.dot(x), coords.grad_v.dot(x)));
             let [a, b] = [across, long].map(|x| mapping.vector_to_object_space(x).length());
-            context.width = (a * b).sqrt();
+            context.footprint_width = (a * b).sqrt();
         }
         Self { context, coords, mapping }
     }
@@ -54,8 +54,12 @@ impl<'a> TextureFootprint<'a> {
     ///
     /// `step` is a world-space vector \[length].
     pub fn displaced_texture_context(&self, step: DVec3) -> TextureEvalContext {
-        let uv = self.context.uv + DVec2::new(self.coords.du.dot(step), self.coords.dv.dot(step));
-        TextureEvalContext { uv, p: self.context.p + self.mapping.vector_to_object_space(step), ..self.context }
+        let uv = self.context.uv + DVec2::new(self.coords.grad_u.dot(step), self.coords.grad_v.dot(step));
+        TextureEvalContext {
+            uv,
+            object_p: self.context.object_p + self.mapping.vector_to_object_space(step),
+            ..self.context
+        }
     }
 
     /// Length of the finite-difference step of a bump map along unit `direction` \[length].
@@ -66,7 +70,7 @@ impl<'a> TextureFootprint<'a> {
         let change = if texture.is_solid_texture() {
             self.mapping.vector_to_object_space(direction).length()
         } else {
-            libm::hypot(self.coords.du.dot(direction), self.coords.dv.dot(direction))
+            libm::hypot(self.coords.grad_u.dot(direction), self.coords.grad_v.dot(direction))
         };
         let detail = if change > 0.0 { texture.finest_bump_step() / change } else { 0.0 };
         detail.max(0.5 * width)

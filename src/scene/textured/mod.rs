@@ -7,7 +7,7 @@ pub(super) use footprint::TextureFootprint;
 pub use normals::NormalPerturbation;
 pub(super) use normals::perturbed_normal;
 
-use crate::bsdf::PHOTON_STORAGE_ALPHA;
+use crate::bsdf::MIN_PHOTON_STORAGE_ALPHA;
 use crate::color::Rgb;
 use crate::texture::{Texture, TextureEvalContext};
 use std::sync::Arc;
@@ -65,7 +65,7 @@ pub trait ParameterEvaluator {
     fn evaluate_scalar(&self, parameter: &MaterialParameter<f32>) -> f32;
 
     /// Evaluates the roughness α of a BSDF that stores photons only if α exceeds
-    /// [`PHOTON_STORAGE_ALPHA`].
+    /// [`MIN_PHOTON_STORAGE_ALPHA`].
     ///
     /// Camera paths and photon paths have different filter footprints, but must agree on whether α
     /// exceeds this threshold. The filtered result is therefore kept on the side of the unfiltered
@@ -97,7 +97,7 @@ pub struct TextureEvaluator<'a> {
     /// The textures of the scene.
     pub textures: &'a [Arc<Texture>],
     /// The point at which textures are evaluated, with the footprint to filter over.
-    pub at: TextureEvalContext,
+    pub context: TextureEvalContext,
 }
 
 impl ParameterEvaluator for TextureEvaluator<'_> {
@@ -105,7 +105,7 @@ impl ParameterEvaluator for TextureEvaluator<'_> {
         match *parameter {
             MaterialParameter::Constant(value) => value,
             MaterialParameter::Texture { texture, factor, .. } => {
-                factor * self.textures[texture as usize].evaluate_color(&self.at)
+                factor * self.textures[texture as usize].evaluate_color(&self.context)
             }
         }
     }
@@ -114,7 +114,7 @@ impl ParameterEvaluator for TextureEvaluator<'_> {
         match *parameter {
             MaterialParameter::Constant(value) => value,
             MaterialParameter::Texture { texture, factor, .. } => {
-                factor * self.textures[texture as usize].evaluate_scalar(&self.at)
+                factor * self.textures[texture as usize].evaluate_scalar(&self.context)
             }
         }
     }
@@ -123,12 +123,13 @@ impl ParameterEvaluator for TextureEvaluator<'_> {
         if !parameter.is_textured() {
             return parameter.mean();
         }
-        let unfiltered = Self { at: TextureEvalContext::unfiltered(self.at.uv, self.at.p), ..*self };
+        let unfiltered =
+            Self { context: TextureEvalContext::unfiltered(self.context.uv, self.context.object_p), ..*self };
         let alpha = self.evaluate_scalar(parameter);
-        if unfiltered.evaluate_scalar(parameter) > PHOTON_STORAGE_ALPHA {
-            alpha.max(PHOTON_STORAGE_ALPHA.next_up())
+        if unfiltered.evaluate_scalar(parameter) > MIN_PHOTON_STORAGE_ALPHA {
+            alpha.max(MIN_PHOTON_STORAGE_ALPHA.next_up())
         } else {
-            alpha.min(PHOTON_STORAGE_ALPHA)
+            alpha.min(MIN_PHOTON_STORAGE_ALPHA)
         }
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// Least cosine between shading normal and geometric normal. A perturbed normal that tilts farther
 /// is turned back to it.
-const MIN_COS: f32 = 0.05;
+const MIN_SHADING_NORMAL_COSINE: f32 = 0.05;
 
 /// The way in which a material perturbs shading normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,12 +70,13 @@ pub(in crate::scene) fn perturbed_normal(
     };
     let (ns, ng) = (perturbed.try_normalize().unwrap_or(n).as_vec3(), point.ng);
     let cos = ns.dot(ng);
-    if cos >= MIN_COS {
+    if cos >= MIN_SHADING_NORMAL_COSINE {
         return ns;
     }
     // Keep the direction in which `ns` is tilted, and limit the tilt.
     let along = (ns - ng * cos).normalize_or_zero();
-    (along * (1.0 - MIN_COS * MIN_COS).sqrt() + ng * MIN_COS).normalize()
+    (along * (1.0 - MIN_SHADING_NORMAL_COSINE * MIN_SHADING_NORMAL_COSINE).sqrt() + ng * MIN_SHADING_NORMAL_COSINE)
+        .normalize()
 }
 
 /// Returns two unit tangents of the texture coordinates (u, v), perpendicular to `n` and to each
@@ -84,8 +85,8 @@ pub(in crate::scene) fn perturbed_normal(
 /// The first points along increasing u at constant v. The second points towards increasing v.
 /// Returns `None` if v is constant along the surface.
 fn texture_tangents(coords: &TexCoord, n: DVec3) -> Option<[DVec3; 2]> {
-    let across = coords.dv.cross(n).try_normalize()?;
-    let u = if across.dot(coords.du) < 0.0 { -across } else { across };
+    let across = coords.grad_v.cross(n).try_normalize()?;
+    let u = if across.dot(coords.grad_u) < 0.0 { -across } else { across };
     let v = n.cross(u);
-    Some([u, if v.dot(coords.dv) < 0.0 { -v } else { v }])
+    Some([u, if v.dot(coords.grad_v) < 0.0 { -v } else { v }])
 }

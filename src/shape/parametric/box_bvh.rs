@@ -28,14 +28,14 @@ pub struct Line {
     /// Unit direction.
     pub direction: DVec3,
     /// Reciprocal of each component of the direction; 10³⁰⁰ for a component within ±10⁻³⁰⁰.
-    pub inverse: DVec3,
+    pub reciprocal_direction: DVec3,
 }
 
 impl Line {
     /// Line along the unit vector `direction`, with τ = 0 at its point `base`.
     pub fn new(base: DVec3, direction: DVec3) -> Self {
         let inverse = direction.map(|d| if d.abs() < 1e-300 { 1e300 } else { 1.0 / d });
-        Self { base, direction, inverse }
+        Self { base, direction, reciprocal_direction: inverse }
     }
 }
 
@@ -50,7 +50,7 @@ impl BoxBvh {
     pub fn new(boxes: &[BoxCorners], margin: f64) -> Self {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut tree = Self { nodes: Vec::new() };
-        tree.build_node(boxes, &mut order, margin);
+        tree.build_subtree(boxes, &mut order, margin);
         tree
     }
 
@@ -58,7 +58,7 @@ impl BoxBvh {
     /// index.
     ///
     /// Every box is expanded by `margin`. Reorders `order`.
-    fn build_node(&mut self, boxes: &[BoxCorners], order: &mut [u32], margin: f64) -> u32 {
+    fn build_subtree(&mut self, boxes: &[BoxCorners], order: &mut [u32], margin: f64) -> u32 {
         let index = self.nodes.len();
         // Unused slots keep this inverted box, which no line hits.
         let empty = [[f64::INFINITY; ARITY], [f64::NEG_INFINITY; ARITY]];
@@ -79,7 +79,7 @@ impl BoxBvh {
         }
         for (i, part) in parts.into_iter().enumerate() {
             let [min, max] = enclosing_box(boxes, part);
-            let child = if let [leaf] = part { *leaf | LEAF_BIT } else { self.build_node(boxes, part, margin) };
+            let child = if let [leaf] = part { *leaf | LEAF_BIT } else { self.build_subtree(boxes, part, margin) };
             let node = &mut self.nodes[index];
             for axis in 0..3 {
                 node.bounds[axis][0][i] = min[axis] - margin;
@@ -113,7 +113,7 @@ impl BoxBvh {
             let node = &self.nodes[child as usize];
             let (mut lo, mut hi) = ([range[0]; ARITY], [range[1]; ARITY]);
             for axis in 0..3 {
-                let (base, inverse) = (line.base[axis], line.inverse[axis]);
+                let (base, inverse) = (line.base[axis], line.reciprocal_direction[axis]);
                 let [min, max] = &node.bounds[axis];
                 for i in 0..ARITY {
                     let (a, b) = ((min[i] - base) * inverse, (max[i] - base) * inverse);

@@ -11,12 +11,12 @@ const MIN_SLANT2: f64 = 1e-2;
 
 /// Interval of the arc length τ along a ray; empty unless `lo <= hi`.
 #[derive(Clone, Copy, Debug)]
-pub struct Interval {
+pub struct ArcLengthInterval {
     pub lo: f64,
     pub hi: f64,
 }
 
-impl Interval {
+impl ArcLengthInterval {
     /// True if no arc length lies in the interval, also if an end is NaN.
     pub fn is_empty(self) -> bool {
         self.lo.is_nan() || self.hi.is_nan() || self.lo > self.hi
@@ -33,11 +33,11 @@ pub struct CylindricalRay {
     pub base: DVec3,
     /// Unit direction.
     pub direction: DVec3,
-    /// Coefficients c of ρ² = c[0] + 2·c[1]·τ + c[2]·τ².
+    /// Coefficients c of ρ² = c₀ + 2·c₁·τ + c₂·τ².
     pub radius2_coefficients: [f64; 3],
     /// Arc length τ of the point nearest to the y axis; not finite for rays along the axis.
-    pub nearest_tau: f64,
-    /// Minimum of ρ², at τ = `nearest_tau`.
+    pub tau_nearest_axis: f64,
+    /// Minimum of ρ², at τ = `tau_nearest_axis`.
     pub min_radius2: f64,
 }
 
@@ -52,7 +52,7 @@ impl CylindricalRay {
             base,
             direction,
             radius2_coefficients: [x * x + z * z, along, slant2],
-            nearest_tau: -along / slant2,
+            tau_nearest_axis: -along / slant2,
             min_radius2: across * across / slant2,
         }
     }
@@ -79,9 +79,9 @@ impl CylindricalRay {
     /// `y`, both widened by `margin`. There are at most two intervals, since ρ(τ) is convex.
     /// Missing intervals are empty.
     #[inline]
-    pub fn clip_to_ring(&self, x: [f64; 2], y: [f64; 2], t: Interval, margin: f64) -> [Interval; 2] {
-        const NOWHERE: Interval = Interval { lo: 1.0, hi: 0.0 };
-        let Interval { mut lo, mut hi } = t;
+    pub fn clip_to_ring(&self, x: [f64; 2], y: [f64; 2], t: ArcLengthInterval, margin: f64) -> [ArcLengthInterval; 2] {
+        const NOWHERE: ArcLengthInterval = ArcLengthInterval { lo: 1.0, hi: 0.0 };
+        let ArcLengthInterval { mut lo, mut hi } = t;
         let (below, above) = (y[0] - margin - self.base.y, y[1] + margin - self.base.y);
         if self.direction.y == 0.0 {
             if below > 0.0 || above < 0.0 {
@@ -101,20 +101,23 @@ impl CylindricalRay {
             let radius = self.radius_and_slope(middle).0;
             let reach = half * slant2.sqrt() + margin;
             let away = radius - reach > outer || radius + reach < inner;
-            return [if away { NOWHERE } else { Interval { lo, hi } }, NOWHERE];
+            return [if away { NOWHERE } else { ArcLengthInterval { lo, hi } }, NOWHERE];
         }
         let shell = outer * outer - self.min_radius2;
         if shell < 0.0 || outer < 0.0 {
             return [NOWHERE; 2];
         }
         let reach = (shell / slant2).sqrt() + margin;
-        (lo, hi) = (lo.max(self.nearest_tau - reach), hi.min(self.nearest_tau + reach));
+        (lo, hi) = (lo.max(self.tau_nearest_axis - reach), hi.min(self.tau_nearest_axis + reach));
         let core = inner * inner - self.min_radius2;
         if inner <= 0.0 || core <= 0.0 {
-            return [Interval { lo, hi }, NOWHERE];
+            return [ArcLengthInterval { lo, hi }, NOWHERE];
         }
         let gap = (core / slant2).sqrt() - margin;
-        [Interval { lo, hi: hi.min(self.nearest_tau - gap) }, Interval { lo: lo.max(self.nearest_tau + gap), hi }]
+        [
+            ArcLengthInterval { lo, hi: hi.min(self.tau_nearest_axis - gap) },
+            ArcLengthInterval { lo: lo.max(self.tau_nearest_axis + gap), hi },
+        ]
     }
 }
 

@@ -10,7 +10,6 @@
 
 mod box_bvh;
 mod cylindrical_ray;
-mod numeric;
 mod patch;
 mod patch_build;
 mod patch_piece;
@@ -19,6 +18,7 @@ mod profile;
 mod revolution;
 mod revolution_build;
 mod ring_bvh;
+mod root_finding;
 mod spline;
 
 pub use patch::Patch;

@@ -1,15 +1,15 @@
 //! Tensor-product surfaces: Bézier patches, B-splines and NURBS.
 
 use super::box_bvh::{BoxBvh, Line};
-use super::numeric::{GAUSS_LEGENDRE, PARAMETRIC_ERROR_FACTOR};
 use super::patch_build::{PatchBuilder, PatchLeaf, SubdivisionCut, SubdivisionNode};
 use super::patch_piece::PatchPiece;
-use super::polynomial::Coefficients;
+use super::polynomial::Coefficient;
+use super::root_finding::{GAUSS_LEGENDRE, PARAMETRIC_ERROR_FACTOR};
 use super::spline::{SplineBasis, SplineError};
 use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
-use crate::shape::analytic::AnalyticShape;
+use crate::shape::bounded_shape::BoundedShape;
 use crate::shape::hit::round_t_if_in_range;
 use crate::shape::object_ray::{ObjectRay, world_coordinate_bound};
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
@@ -44,27 +44,27 @@ struct SubdividedPatch {
     degree: [usize; 2],
     leaves: Vec<PatchLeaf>,
     /// Polynomial coefficients of all leaves, one leaf after another; [`PatchPiece`] defines them.
-    powers: Vec<Coefficients<4>>,
+    coefficients: Vec<Coefficient<4>>,
     /// Parameter at the start of each knot span, along u and along v.
-    breaks: [Vec<f64>; 2],
+    knot_span_starts: [Vec<f64>; 2],
     /// Root of the subdivision tree of each Bézier patch.
     ///
     /// There is one Bézier patch per pair of knot spans; v varies fastest.
-    roots: Vec<SubdivisionNode>,
+    subdivision_roots: Vec<SubdivisionNode>,
     /// Inner nodes of all subdivision trees.
     cuts: Vec<SubdivisionCut>,
-    tree: BoxBvh,
+    leaf_bvh: BoxBvh,
     /// Distribution that selects a leaf (a nearly flat piece) in proportion to its object-space
     /// area.
     leaf_distribution: DiscreteDistribution,
     /// Half the edge lengths of the object-space bounding box, whose centre is the origin.
-    half: DVec3,
+    half_extent: DVec3,
     /// Radius of the bounding sphere around the object-space origin.
-    size: f64,
+    bounding_radius: f64,
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
-    noise: f64,
+    point_error_bound: f64,
     /// Upper bound of the memory that the patch takes \[bytes].
-    bytes: u64,
+    memory_bytes: u64,
 }
 
 impl Patch {
@@ -83,7 +83,8 @@ impl Patch {
     ///
     /// # Errors
     ///
-    /// Those of [`Patch::new`], and [`SplineError::Memory`] if the limit does not suffice.
+    /// Those of [`Patch::new`], and [`SplineError::MemoryLimitExceeded`] if the limit does not
+    /// suffice.
     pub fn with_memory_limit(
         bases: [&SplineBasis; 2],
         controls: &[DVec4],
@@ -91,10 +92,10 @@ impl Patch {
     ) -> Result<Self, SplineError> {
         let [rows, columns] = bases.map(SplineBasis::control_count);
         if controls.len() != rows * columns {
-            return Err(SplineError::Net { controls: controls.len(), rows, columns });
+            return Err(SplineError::WrongNetSize { controls: controls.len(), rows, columns });
         }
         if let Some(i) = controls.iter().position(|c| c.w.is_nan() || c.w <= 0.0) {
-            return Err(SplineError::Weight(i));
+            return Err(SplineError::NonPositiveWeight(i));
         }
         let points: Vec<DVec3> = controls.iter().map(|c| c.truncate()).collect();
         if !points.iter().all(|p| p.abs().max_element() < 1e100) || !controls.iter().all(|c| c.w < 1e100) {
@@ -105,19 +106,19 @@ impl Patch {
         let max_weight = controls.iter().fold(0.0, |m: f64, c| m.max(c.w));
         let to_homogeneous =
             |(p, c): (&DVec3, &DVec4)| ((*p - center) * (c.w / max_weight)).extend(c.w / max_weight).to_array();
-        let homogeneous: Vec<Coefficients<4>> = points.iter().zip(controls).map(to_homogeneous).collect();
+        let homogeneous: Vec<Coefficient<4>> = points.iter().zip(controls).map(to_homogeneous).collect();
 
         let mut builder = PatchBuilder::new(bases.map(SplineBasis::degree), free);
         for u in bases[0].knot_spans() {
             // Bézier pieces along u are computed first, for each column of the control net. Their
             // rows are then divided along v.
-            let columns: Vec<Vec<Coefficients<4>>> =
-                (0..columns).map(|j| bases[0].bezier_piece(u, &homogeneous, (j, columns))).collect();
+            let columns: Vec<Vec<Coefficient<4>>> =
+                (0..columns).map(|j| bases[0].bezier_control_points(u, &homogeneous, (j, columns))).collect();
             for v in bases[1].knot_spans() {
                 let mut piece = Vec::new();
                 for i in 0..=bases[0].degree() {
-                    let row: Vec<Coefficients<4>> = columns.iter().map(|c| c[i]).collect();
-                    piece.extend(bases[1].bezier_piece(v, &row, (0, 1)));
+                    let row: Vec<Coefficient<4>> = columns.iter().map(|c| c[i]).collect();
+                    piece.extend(bases[1].bezier_control_points(v, &row, (0, 1)));
                 }
                 builder.add_bezier_patch(&piece, [u.range, v.range])?;
             }
@@ -130,21 +131,21 @@ impl Patch {
         let [p, q] = bases.map(SplineBasis::degree);
         let noise = size * f64::EPSILON * (64 + 4 * (p * p + q * q)) as f64;
         let bytes = builder.memory_bytes();
-        let PatchBuilder { leaves, powers, roots, cuts, boxes, .. } = builder;
+        let PatchBuilder { leaves, coefficients: powers, subdivision_roots: roots, cuts, boxes, .. } = builder;
         let placeholder = DiscreteDistribution::new([1.0]).ok_or(SplineError::NoArea)?;
         let mut subdivided = SubdividedPatch {
             degree: [p, q],
-            tree: BoxBvh::new(&boxes, 4.0 * noise),
+            leaf_bvh: BoxBvh::new(&boxes, 4.0 * noise),
             leaf_distribution: placeholder,
             leaves,
-            powers,
-            breaks: bases.map(|b| b.knot_spans().map(|s| s.range[0]).collect()),
-            roots,
+            coefficients: powers,
+            knot_span_starts: bases.map(|b| b.knot_spans().map(|s| s.range[0]).collect()),
+            subdivision_roots: roots,
             cuts,
-            half,
-            size,
-            noise,
-            bytes,
+            half_extent: half,
+            bounding_radius: size,
+            point_error_bound: noise,
+            memory_bytes: bytes,
         };
         let areas = (0..subdivided.leaves.len())
             .map(|i| leaf_area(&subdivided.polynomial_piece_of_leaf(i), &Transform::IDENTITY));
@@ -155,15 +156,16 @@ impl Patch {
 
     /// Upper bound of the memory that the patch takes \[bytes].
     pub(crate) fn memory_bytes(&self) -> u64 {
-        self.subdivided.bytes
+        self.subdivided.memory_bytes
     }
 
     /// The line of `ray` in object space, followed by `start` and `length` of its [`ObjectRay`].
     ///
     /// `None` if the line misses the bounding sphere of the patch.
     fn object_line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
-        let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
-        let size = self.subdivided.size * (1.0 + 1e-9);
+        let ObjectRay { base, direction, distance_to_base: start, direction_length: length } =
+            ObjectRay::new(ray, &self.to_world);
+        let size = self.subdivided.bounding_radius * (1.0 + 1e-9);
         (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start, length))
     }
 
@@ -175,15 +177,15 @@ impl Patch {
         let [p, ..] = subdivided.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
         // The inverse transpose keeps the outer side of a mirror image.
         let normal = self.to_world.transform_normal(subdivided.leaf_normal(leaf, at)).normalize();
-        let scale = world_coordinate_bound(&self.to_world, subdivided.size);
+        let scale = world_coordinate_bound(&self.to_world, subdivided.bounding_radius);
         SurfacePoint {
-            uv,
+            shape_coords: uv,
             ..SurfacePoint::from_f64(self.to_world.transform_point(p), normal, scale * PARAMETRIC_ERROR_FACTOR)
         }
     }
 }
 
-impl AnalyticShape for Patch {
+impl BoundedShape for Patch {
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         let subdivided = &self.subdivided;
@@ -200,17 +202,19 @@ impl AnalyticShape for Patch {
         let (line, start, length) = self.object_line(ray)?;
         let subdivided = &*self.subdivided;
         let end = f64::from(ray.t_max) * length - start;
-        let size = subdivided.size * (1.0 + 1e-9);
+        let size = subdivided.bounding_radius * (1.0 + 1e-9);
         let mut found: Option<(usize, DVec2, f64)> = None;
-        subdivided.tree.visit_hit_leaves(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
-            if let Some(at) = subdivided.polynomial_piece_of_leaf(leaf).nearest_hit(&line, range, subdivided.size) {
+        subdivided.leaf_bvh.visit_hit_leaves(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
+            if let Some(at) =
+                subdivided.polynomial_piece_of_leaf(leaf).nearest_hit(&line, range, subdivided.bounding_radius)
+            {
                 found = Some((leaf, at, range[1]));
             }
         });
         let (leaf, at, t) = found?;
         let t = round_t_if_in_range(ray, (start + t) / length)?;
         let uv = subdivided.leaves[leaf].leaf_to_surface_uv(at);
-        Some(ShapeHit { t, uv })
+        Some(ShapeHit { t, shape_coords: uv })
     }
 
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
@@ -218,7 +222,7 @@ impl AnalyticShape for Patch {
         if let Some((line, ..)) = self.object_line(ray) {
             // `uv` is rounded to f32, so the point may lie beside the ray. Newton steps move it
             // back onto the ray. `most` is the longest step that this rounding explains.
-            let most = 2.0 * f64::from(f32::EPSILON) / self.subdivided.leaves[leaf].half;
+            let most = 2.0 * f64::from(f32::EPSILON) / self.subdivided.leaves[leaf].parameter_half_widths;
             for _ in 0..2 {
                 let step = self.subdivided.polynomial_piece_of_leaf(leaf).newton_step_at(&line, at);
                 if step.abs().cmple(most).all() {
@@ -233,7 +237,8 @@ impl AnalyticShape for Patch {
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for i in 0..8 {
             let side = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
-            let corner = self.to_world.transform_point(self.subdivided.half * DVec3::new(side(0), side(1), side(2)));
+            let corner =
+                self.to_world.transform_point(self.subdivided.half_extent * DVec3::new(side(0), side(1), side(2)));
             (min, max) = (min.min(corner), max.max(corner));
         }
         (min, max)
@@ -255,12 +260,12 @@ impl AnalyticShape for Patch {
             DVec2::new(f64::from(subdivided.leaf_distribution.remapped_sample(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
         let uv = subdivided.leaves[leaf].leaf_to_surface_uv(at);
         let point = self.surface_at(leaf, at, uv);
-        ShapeSample { pdf: self.pdf(&point), point, uv }
+        ShapeSample { pdf: self.pdf(&point), point, shape_coords: uv }
     }
 
     fn pdf(&self, seen: &SurfacePoint) -> f32 {
         let subdivided = &*self.subdivided;
-        let (leaf, at) = subdivided.find_leaf(seen.uv);
+        let (leaf, at) = subdivided.find_leaf(seen.shape_coords);
         let [_, along_x, along_y] = subdivided.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
         let element = self.to_world.transform_vector(along_x).cross(self.to_world.transform_vector(along_y)).length();
         (f64::from(subdivided.leaf_distribution.probability(leaf)) / (4.0 * element)) as f32
@@ -269,7 +274,7 @@ impl AnalyticShape for Patch {
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         let (leaf, at) = self.subdivided.find_leaf(uv);
         let [_, along_x, along_y] = self.subdivided.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
-        let half = self.subdivided.leaves[leaf].half;
+        let half = self.subdivided.leaves[leaf].parameter_half_widths;
         TexCoord::from_derivatives(
             uv,
             self.to_world.transform_vector(along_x / half.x),
@@ -292,9 +297,15 @@ impl SubdividedPatch {
     fn polynomial_piece_of_leaf(&self, leaf: usize) -> PatchPiece<'_> {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);
-        let powers = &self.powers[leaf * room..(leaf + 1) * room];
-        let PatchLeaf { point, bounds, .. } = self.leaves[leaf];
-        PatchPiece { powers, middle: point, columns: q + 1, bounds, noise: self.noise }
+        let powers = &self.coefficients[leaf * room..(leaf + 1) * room];
+        let PatchLeaf { center_point: point, linear_terms: bounds, .. } = self.leaves[leaf];
+        PatchPiece {
+            coefficients: powers,
+            center_point: point,
+            columns: q + 1,
+            linear_terms: bounds,
+            point_error_bound: self.point_error_bound,
+        }
     }
 
     /// Index of the leaf (nearly flat piece) that contains the surface parameters `uv`.
@@ -302,17 +313,20 @@ impl SubdividedPatch {
     /// Also returns the position of `uv` within the leaf, in \[−1, 1]².
     fn find_leaf(&self, uv: Vec2) -> (usize, DVec2) {
         let uv = uv.as_dvec2();
-        let span = |axis: usize| self.breaks[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
-        let mut branch = self.roots[span(0) * self.breaks[1].len() + span(1)];
+        let span = |axis: usize| self.knot_span_starts[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
+        let mut branch = self.subdivision_roots[span(0) * self.knot_span_starts[1].len() + span(1)];
         loop {
             match branch {
                 SubdivisionNode::Cut(cut) => {
                     let cut = &self.cuts[cut as usize];
-                    branch = cut.parts[usize::from(uv[cut.axis] >= cut.at)];
+                    branch = cut.children[usize::from(uv[cut.axis] >= cut.split_value)];
                 }
                 SubdivisionNode::Leaf(leaf) => {
                     let l = &self.leaves[leaf as usize];
-                    return (leaf as usize, ((uv - l.middle) / l.half).clamp(DVec2::NEG_ONE, DVec2::ONE));
+                    return (
+                        leaf as usize,
+                        ((uv - l.parameter_center) / l.parameter_half_widths).clamp(DVec2::NEG_ONE, DVec2::ONE),
+                    );
                 }
             }
         }

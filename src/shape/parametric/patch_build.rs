@@ -2,8 +2,8 @@
 
 use super::box_bvh::BoxCorners;
 use super::patch_piece::LinearTermsWithBounds;
-use super::polynomial::{Coefficients, bernstein_to_powers, split_bezier};
-use super::spline::{MIN_SPAN, SplineError};
+use super::polynomial::{Coefficient, bernstein_to_power_basis, split_bezier};
+use super::spline::{MIN_RELATIVE_KNOT_SPAN, SplineError};
 use glam::{DVec2, DVec3, Vec2};
 
 /// Largest relative change of the derivatives over a piece that counts as nearly flat.
@@ -28,13 +28,13 @@ const BYTES_PER_LEAF: u64 = 512;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PatchLeaf {
     /// Centre of the parameter rectangle, as (u, v).
-    pub middle: DVec2,
+    pub parameter_center: DVec2,
     /// Half the widths of the parameter rectangle along u and v.
-    pub half: DVec2,
+    pub parameter_half_widths: DVec2,
     /// Position of the surface at the centre of the rectangle, in object space.
-    pub point: DVec3,
+    pub center_point: DVec3,
     /// Constant and linear terms of the leaf's polynomial, and bounds on its higher terms.
-    pub bounds: LinearTermsWithBounds,
+    pub linear_terms: LinearTermsWithBounds,
 }
 
 /// Node of the subdivision tree of a patch, which finds the leaf that contains given parameters.
@@ -52,9 +52,9 @@ pub(super) struct SubdivisionCut {
     /// Parameter that is divided: 0 for u, 1 for v.
     pub axis: usize,
     /// Value of the parameter at which the piece is divided.
-    pub at: f64,
-    /// Subtrees for parameter values below `at`, and for values from `at` on.
-    pub parts: [SubdivisionNode; 2],
+    pub split_value: f64,
+    /// Subtrees for parameter values below `split_value`, and for values from `split_value` on.
+    pub children: [SubdivisionNode; 2],
 }
 
 impl PatchLeaf {
@@ -62,7 +62,8 @@ impl PatchLeaf {
     ///
     /// The rounded result is never in a neighbouring leaf.
     pub fn leaf_to_surface_uv(&self, at: DVec2) -> Vec2 {
-        let (low, high) = (self.middle - self.half, self.middle + self.half);
+        let (low, high) =
+            (self.parameter_center - self.parameter_half_widths, self.parameter_center + self.parameter_half_widths);
         let round = |x: f64, low: f64, high: f64| {
             let x = x as f32;
             if f64::from(x) < low {
@@ -73,7 +74,7 @@ impl PatchLeaf {
                 x
             }
         };
-        let p = self.middle + self.half * at;
+        let p = self.parameter_center + self.parameter_half_widths * at;
         Vec2::new(round(p.x, low.x, high.x), round(p.y, low.y, high.y))
     }
 }
@@ -83,14 +84,14 @@ pub(super) struct PatchBuilder {
     /// Degrees along u and v.
     degree: [usize; 2],
     /// Memory limit of the surface \[bytes]; `None` is no limit.
-    free: Option<u64>,
+    memory_limit: Option<u64>,
     pub leaves: Vec<PatchLeaf>,
     /// Polynomial coefficients of all leaves, one leaf after another; `PatchPiece` defines them.
-    pub powers: Vec<Coefficients<4>>,
+    pub coefficients: Vec<Coefficient<4>>,
     /// Bounding box of each leaf in object space.
     pub boxes: Vec<BoxCorners>,
     /// Root of the subdivision tree of each Bézier patch.
-    pub roots: Vec<SubdivisionNode>,
+    pub subdivision_roots: Vec<SubdivisionNode>,
     /// Inner nodes of all subdivision trees.
     pub cuts: Vec<SubdivisionCut>,
 }
@@ -100,7 +101,15 @@ impl PatchBuilder {
     /// \[bytes].
     pub fn new(degree: [usize; 2], free: Option<u64>) -> Self {
         let (leaves, powers, boxes) = (Vec::new(), Vec::new(), Vec::new());
-        Self { degree, free, leaves, powers, boxes, roots: Vec::new(), cuts: Vec::new() }
+        Self {
+            degree,
+            memory_limit: free,
+            leaves,
+            coefficients: powers,
+            boxes,
+            subdivision_roots: Vec::new(),
+            cuts: Vec::new(),
+        }
     }
 
     /// Divides a Bézier patch into leaves (nearly flat pieces), and adds them to the builder.
@@ -109,19 +118,20 @@ impl PatchBuilder {
     ///
     /// # Errors
     ///
-    /// [`SplineError::Memory`] if the leaves exceed the memory limit.
-    pub fn add_bezier_patch(&mut self, controls: &[Coefficients<4>], ranges: [[f64; 2]; 2]) -> Result<(), SplineError> {
+    /// [`SplineError::MemoryLimitExceeded`] if the leaves exceed the memory limit.
+    pub fn add_bezier_patch(&mut self, controls: &[Coefficient<4>], ranges: [[f64; 2]; 2]) -> Result<(), SplineError> {
         let [min, max] = control_point_bounds(controls);
         let root =
             self.subdivide_bezier_patch(controls, ranges, MIN_RELATIVE_SIZE * (max - min).length(), MAX_HALVINGS)?;
-        self.roots.push(root);
+        self.subdivision_roots.push(root);
         Ok(())
     }
 
     /// Upper bound on the memory of all leaves \[bytes]. A quarter is added for unused capacity of
     /// lists.
     pub fn memory_bytes(&self) -> u64 {
-        let own = BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficients<4>>() * self.powers.len()) as u64;
+        let own =
+            BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficient<4>>() * self.coefficients.len()) as u64;
         own + own / 4
     }
 
@@ -131,7 +141,7 @@ impl PatchBuilder {
     /// than `small` \[object-space length], or after `depth` halvings.
     fn subdivide_bezier_patch(
         &mut self,
-        controls: &[Coefficients<4>],
+        controls: &[Coefficient<4>],
         ranges: [[f64; 2]; 2],
         small: f64,
         depth: u32,
@@ -139,8 +149,8 @@ impl PatchBuilder {
         let [p, q] = self.degree;
         let columns = q + 1;
         let mut powers = controls.to_vec();
-        (0..=p).for_each(|i| bernstein_to_powers(&mut powers, i * columns, 1, q));
-        (0..=q).for_each(|j| bernstein_to_powers(&mut powers, j, columns, p));
+        (0..=p).for_each(|i| bernstein_to_power_basis(&mut powers, i * columns, 1, q));
+        (0..=q).for_each(|j| bernstein_to_power_basis(&mut powers, j, columns, p));
         let weight = powers[0][3];
         powers.iter_mut().flatten().for_each(|x| *x /= weight);
         let point = homogeneous_xyz(&powers[0]);
@@ -153,7 +163,7 @@ impl PatchBuilder {
         if depth > 0
             && !tiny
             && let Some(axis) = axis_to_halve(&powers, columns)
-            && ranges[axis][1] - ranges[axis][0] >= 2.0 * MIN_SPAN
+            && ranges[axis][1] - ranges[axis][0] >= 2.0 * MIN_RELATIVE_KNOT_SPAN
         {
             let [start, end] = ranges[axis];
             let at = 0.5 * (start + end);
@@ -165,38 +175,38 @@ impl PatchBuilder {
             };
             let index = self.cuts.len();
             let placeholder = SubdivisionNode::Leaf(0);
-            self.cuts.push(SubdivisionCut { axis, at, parts: [placeholder; 2] });
+            self.cuts.push(SubdivisionCut { axis, split_value: at, children: [placeholder; 2] });
             let parts = [
                 self.subdivide_bezier_patch(&first, part([start, at]), small, depth - 1)?,
                 self.subdivide_bezier_patch(&last, part([at, end]), small, depth - 1)?,
             ];
-            self.cuts[index].parts = parts;
+            self.cuts[index].children = parts;
             return Ok(SubdivisionNode::Cut(index as u32));
         }
         let [[u0, u1], [v0, v1]] = ranges;
         self.leaves.push(PatchLeaf {
-            middle: 0.5 * DVec2::new(u0 + u1, v0 + v1),
-            half: 0.5 * DVec2::new(u1 - u0, v1 - v0),
-            point,
-            bounds: LinearTermsWithBounds::from_powers(&powers, columns),
+            parameter_center: 0.5 * DVec2::new(u0 + u1, v0 + v1),
+            parameter_half_widths: 0.5 * DVec2::new(u1 - u0, v1 - v0),
+            center_point: point,
+            linear_terms: LinearTermsWithBounds::from_coefficients(&powers, columns),
         });
-        self.powers.extend(powers);
+        self.coefficients.extend(powers);
         self.boxes.push(corners);
         let needed = self.memory_bytes();
-        match self.free {
-            Some(free) if needed > free => Err(SplineError::Memory { needed, free }),
+        match self.memory_limit {
+            Some(free) if needed > free => Err(SplineError::MemoryLimitExceeded { needed, free }),
             _ => Ok(SubdivisionNode::Leaf(self.leaves.len() as u32 - 1)),
         }
     }
 }
 
 /// First three components w·(x, y, z) of a homogeneous coefficient (w·x, w·y, w·z, w).
-fn homogeneous_xyz(c: &Coefficients<4>) -> DVec3 {
+fn homogeneous_xyz(c: &Coefficient<4>) -> DVec3 {
     DVec3::new(c[0], c[1], c[2])
 }
 
 /// Axis-aligned bounding box of the control points.
-fn control_point_bounds(controls: &[Coefficients<4>]) -> BoxCorners {
+fn control_point_bounds(controls: &[Coefficient<4>]) -> BoxCorners {
     let points = controls.iter().map(|c| homogeneous_xyz(c) / c[3]);
     points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], p| [min.min(p), max.max(p)])
 }
@@ -205,7 +215,7 @@ fn control_point_bounds(controls: &[Coefficients<4>]) -> BoxCorners {
 ///
 /// `a` are the polynomial coefficients of the piece, `columns` for each power of its first
 /// parameter.
-fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
+fn axis_to_halve(a: &[Coefficient<4>], columns: usize) -> Option<usize> {
     let (along_x, along_y) = (homogeneous_xyz(&a[columns]), homogeneous_xyz(&a[1]));
     let normal = along_x.cross(along_y);
     let mut turns = [DVec3::ZERO; 2];
@@ -237,17 +247,17 @@ fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
 
 /// Divides a Bézier patch at the middle of u (`axis` 0) or v (`axis` 1); returns both control nets.
 fn halve_control_net(
-    controls: &[Coefficients<4>],
+    controls: &[Coefficient<4>],
     columns: usize,
     axis: usize,
-) -> (Vec<Coefficients<4>>, Vec<Coefficients<4>>) {
+) -> (Vec<Coefficient<4>>, Vec<Coefficient<4>>) {
     let (mut first, mut last) = (controls.to_vec(), controls.to_vec());
     let rows = controls.len() / columns;
     let (lines, stride) = if axis == 0 { (columns, columns) } else { (rows, 1) };
     for i in 0..lines {
         let start = if axis == 0 { i } else { i * columns };
         let count = if axis == 0 { rows } else { columns };
-        let line: Vec<Coefficients<4>> = (0..count).map(|k| controls[start + k * stride]).collect();
+        let line: Vec<Coefficient<4>> = (0..count).map(|k| controls[start + k * stride]).collect();
         let (a, b) = split_bezier(&line, 0.5);
         for (k, (a, b)) in a.into_iter().zip(b).enumerate() {
             (first[start + k * stride], last[start + k * stride]) = (a, b);

@@ -1,10 +1,11 @@
 //! Nearly flat pieces of rational surfaces, and their intersection with lines.
 
 use super::box_bvh::Line;
-use super::numeric::{
-    MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, POINT_SIZE, RootClassification,
+use super::polynomial::{Coefficient, MAX_DEGREE, evaluate_2d_with_derivatives, reparametrize, reparametrize_rows};
+use super::root_finding::{
+    MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, RootClassification,
+    TANGENT_HIT_RELATIVE_SIZE,
 };
-use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_2d_with_derivatives, reparametrize, reparametrize_rows};
 use glam::{DVec2, DVec3};
 
 /// Nearly flat piece of a rational surface, with parameters x and y in \[−1, 1].
@@ -14,33 +15,33 @@ use glam::{DVec2, DVec3};
 #[derive(Clone, Copy, Debug)]
 pub struct PatchPiece<'a> {
     /// Coefficients of xⁱyʲ for the four components of (w·(p − c), w); j varies fastest.
-    pub powers: &'a [Coefficients<4>],
+    pub coefficients: &'a [Coefficient<4>],
     /// Object-space position of the piece's centre.
-    pub middle: DVec3,
+    pub center_point: DVec3,
     /// Number of coefficients per power of x: the degree in y plus 1.
     pub columns: usize,
-    /// Constant and linear terms of `powers`, and bounds on the higher terms.
-    pub bounds: LinearTermsWithBounds,
+    /// Constant and linear terms of `coefficients`, and bounds on the higher terms.
+    pub linear_terms: LinearTermsWithBounds,
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
-    pub noise: f64,
+    pub point_error_bound: f64,
 }
 
 /// Constant and linear terms of a polynomial, and bounds on its higher terms.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearTermsWithBounds {
     /// Coefficients of the constant term, the term in y, and the term in x.
-    linear: [Coefficients<4>; 3],
+    linear: [Coefficient<4>; 3],
     /// Bound on the sum of the terms aᵢⱼ xⁱ yʲ of degree 2 and above over the piece: Σ |aᵢⱼ|.
-    higher_term_bounds: Coefficients<4>,
+    higher_term_bounds: Coefficient<4>,
     /// Bound on the change of the first derivatives over the piece: Σ (i + j)|aᵢⱼ|.
-    derivative_change_bounds: Coefficients<4>,
+    derivative_change_bounds: Coefficient<4>,
 }
 
 impl LinearTermsWithBounds {
     /// Collects the terms and bounds of the polynomial `a` with `columns` coefficients per power of
     /// x.
     #[inline]
-    pub fn from_powers(a: &[Coefficients<4>], columns: usize) -> Self {
+    pub fn from_coefficients(a: &[Coefficient<4>], columns: usize) -> Self {
         let mut bounds =
             Self { linear: [a[0], a[1], a[columns]], higher_term_bounds: [0.0; 4], derivative_change_bounds: [0.0; 4] };
         for (i, row) in a.chunks_exact(columns).enumerate() {
@@ -58,20 +59,20 @@ impl LinearTermsWithBounds {
     ///
     /// w is the weight of a surface point p.
     #[inline]
-    fn offset_bound_from_base(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
+    fn weighted_offset_bound(sums: &Coefficient<4>, base: DVec3) -> DVec3 {
         split_homogeneous(sums).0 + base.abs() * sums[3]
     }
 }
 
 /// Splits homogeneous coordinates (w·p, w) into w·p and w.
 #[inline]
-fn split_homogeneous(a: &Coefficients<4>) -> (DVec3, f64) {
+fn split_homogeneous(a: &Coefficient<4>) -> (DVec3, f64) {
     (DVec3::new(a[0], a[1], a[2]), a[3])
 }
 
 /// Converts homogeneous coordinates (w·p, w) to w·(p − base). Derivatives are converted equally.
 #[inline]
-fn offset_from_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
+fn weighted_offset_from_base(a: &Coefficient<4>, base: DVec3) -> DVec3 {
     let (p, w) = split_homogeneous(a);
     p - base * w
 }
@@ -87,18 +88,21 @@ impl PatchPiece<'_> {
         // moved near the piece.
         let (near, start) = self.line_relative_to_center(line);
         let mut own = range.map(|t| t - start);
-        let found = match classify_roots(self.powers, self.columns, &self.bounds, &near, self.noise) {
-            RootClassification::NoRoot => None,
-            RootClassification::Root(at, t) => (own[0] <= t && t <= own[1]).then(|| {
-                own[1] = t;
-                at
-            }),
-            _ => match self.powers.len() {
-                ..=16 => self.nearest_hit_by_bisection::<16>(&near, &mut own, size),
-                17..=64 => self.nearest_hit_by_bisection::<64>(&near, &mut own, size),
-                _ => self.nearest_hit_by_bisection::<{ (MAX_DEGREE + 1) * (MAX_DEGREE + 1) }>(&near, &mut own, size),
-            },
-        }?;
+        let found =
+            match classify_roots(self.coefficients, self.columns, &self.linear_terms, &near, self.point_error_bound) {
+                RootClassification::NoRoot => None,
+                RootClassification::Root(at, t) => (own[0] <= t && t <= own[1]).then(|| {
+                    own[1] = t;
+                    at
+                }),
+                _ => match self.coefficients.len() {
+                    ..=16 => self.nearest_hit_by_bisection::<16>(&near, &mut own, size),
+                    17..=64 => self.nearest_hit_by_bisection::<64>(&near, &mut own, size),
+                    _ => {
+                        self.nearest_hit_by_bisection::<{ (MAX_DEGREE + 1) * (MAX_DEGREE + 1) }>(&near, &mut own, size)
+                    }
+                },
+            }?;
         range[1] = own[1] + start;
         Some(found)
     }
@@ -109,23 +113,23 @@ impl PatchPiece<'_> {
     /// Also returns the arc length τ of the new base on the given line.
     #[inline]
     fn line_relative_to_center(&self, line: &Line) -> (Line, f64) {
-        let start = (self.middle - line.base).dot(line.direction);
-        (Line { base: line.base + line.direction * start - self.middle, ..*line }, start)
+        let start = (self.center_point - line.base).dot(line.direction);
+        (Line { base: line.base + line.direction * start - self.center_point, ..*line }, start)
     }
 
     /// Change of the parameters `at` = (x, y) by one Newton step towards the intersection with
     /// `line`.
     pub fn newton_step_at(&self, line: &Line, at: DVec2) -> DVec2 {
-        newton_step(self.powers, self.columns, &self.line_relative_to_center(line).0, at).0
+        newton_step(self.coefficients, self.columns, &self.line_relative_to_center(line).0, at).0
     }
 
     /// Object-space point at the parameters `at`, and its derivatives with respect to x and y.
     #[inline]
     pub fn point_and_derivatives(&self, at: DVec2) -> [DVec3; 3] {
-        let [value, along_x, along_y] = evaluate_2d_with_derivatives(self.powers, self.columns, at.x, at.y);
+        let [value, along_x, along_y] = evaluate_2d_with_derivatives(self.coefficients, self.columns, at.x, at.y);
         let (p, w) = split_homogeneous(&value);
         let p = p / w;
-        [p + self.middle, offset_from_base(&along_x, p) / w, offset_from_base(&along_y, p) / w]
+        [p + self.center_point, weighted_offset_from_base(&along_x, p) / w, weighted_offset_from_base(&along_y, p) / w]
     }
 
     /// Parameters (x, y) of the nearest hit within `range`, by recursive halving of the parameter
@@ -148,28 +152,30 @@ impl PatchPiece<'_> {
         let mut count = 1;
         let mut found = None;
         let mut own = [[0.0; 4]; ROOM];
-        let a = &mut own[..self.powers.len()];
+        let a = &mut own[..self.coefficients.len()];
         while count > 0 {
             count -= 1;
             let (middle, half) = boxes[count];
-            a.copy_from_slice(self.powers);
+            a.copy_from_slice(self.coefficients);
             if half.x < 1.0 {
                 reparametrize_rows(a, columns, middle.x, half.x);
             }
             if half.y < 1.0 {
                 a.chunks_exact_mut(columns).for_each(|row| reparametrize(row, middle.y, half.y));
             }
-            let bounds = LinearTermsWithBounds::from_powers(a, columns);
+            let bounds = LinearTermsWithBounds::from_coefficients(a, columns);
             let Some(reach) = self.half_extent_if_hit(&bounds, line, *range) else { continue };
             let point = || DVec2::new(middle.x, middle.y);
-            let touched = match classify_roots(a, columns, &bounds, line, self.noise) {
+            let touched = match classify_roots(a, columns, &bounds, line, self.point_error_bound) {
                 RootClassification::NoRoot => None,
                 RootClassification::Root(at, t) => Some((middle + half * at, t)),
-                _ if reach.max_element() <= 4.0 * self.noise => Some((point(), project_center_to_line(a, line))),
-                RootClassification::Inside if reach.max_element() <= POINT_SIZE * size => {
-                    Some((point(), project_center_to_line(a, line)))
+                _ if reach.max_element() <= 4.0 * self.point_error_bound => {
+                    Some((point(), tau_nearest_to_center(a, line)))
                 }
-                RootClassification::Inside => None,
+                RootClassification::LineInSurface if reach.max_element() <= TANGENT_HIT_RELATIVE_SIZE * size => {
+                    Some((point(), tau_nearest_to_center(a, line)))
+                }
+                RootClassification::LineInSurface => None,
                 // A hundred halvings shrink a box to the size of rounding errors, and the stack has
                 // room for them. If the stack is full, the box counts as missed.
                 RootClassification::Unclear if count + 2 <= boxes.len() => {
@@ -198,12 +204,12 @@ impl PatchPiece<'_> {
     /// `bounds` are those of the piece's polynomial. `range` is the interval of arc length τ on
     /// `line` in which hits count.
     fn half_extent_if_hit(&self, bounds: &LinearTermsWithBounds, line: &Line, range: [f64; 2]) -> Option<DVec3> {
-        let [middle, along_y, along_x] = bounds.linear.map(|a| offset_from_base(&a, line.base));
+        let [middle, along_y, along_x] = bounds.linear.map(|a| weighted_offset_from_base(&a, line.base));
         let reach = along_x.abs()
             + along_y.abs()
-            + LinearTermsWithBounds::offset_bound_from_base(&bounds.higher_term_bounds, line.base)
-            + self.noise;
-        let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
+            + LinearTermsWithBounds::weighted_offset_bound(&bounds.higher_term_bounds, line.base)
+            + self.point_error_bound;
+        let (a1, a2) = ((middle - reach) * line.reciprocal_direction, (middle + reach) * line.reciprocal_direction);
         let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
         // `lo` and `hi` bound w·τ, where w is the weight, which is positive and close to its value
         // at the centre. They are divided by the largest or smallest w to bound τ.
@@ -217,12 +223,12 @@ impl PatchPiece<'_> {
 }
 
 /// Arc length τ of the point of `line` that is nearest to the centre of the piece `a`.
-fn project_center_to_line(a: &[Coefficients<4>], line: &Line) -> f64 {
-    offset_from_base(&a[0], line.base).dot(line.direction) / a[0][3]
+fn tau_nearest_to_center(a: &[Coefficient<4>], line: &Line) -> f64 {
+    weighted_offset_from_base(&a[0], line.base).dot(line.direction) / a[0][3]
 }
 
 /// True if the piece extends farther along its parameter x than along y.
-fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
+fn is_longer_in_x(a: &[Coefficient<4>], columns: usize) -> bool {
     let (mut x, mut y) = (DVec3::ZERO, DVec3::ZERO);
     for (i, row) in a.chunks_exact(columns).enumerate() {
         for (j, c) in row.iter().enumerate() {
@@ -240,14 +246,14 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
 /// computed from `a`.
 #[inline]
 fn classify_roots(
-    a: &[Coefficients<4>],
+    a: &[Coefficient<4>],
     columns: usize,
     bounds: &LinearTermsWithBounds,
     line: &Line,
     noise: f64,
 ) -> RootClassification<DVec2> {
     let d = line.direction;
-    let [miss, along_y, along_x] = bounds.linear.map(|a| offset_from_base(&a, line.base));
+    let [miss, along_y, along_x] = bounds.linear.map(|a| weighted_offset_from_base(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));
     let least = determinant.abs();
     // The dot products of these vectors with a miss distance are the changes of x and y, times the
@@ -255,11 +261,11 @@ fn classify_roots(
     let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
     let (size_x, size_y) = (for_x.abs(), for_y.abs());
     let (x, y) = (for_x.dot(miss), for_y.dot(miss));
-    let error = LinearTermsWithBounds::offset_bound_from_base(&bounds.higher_term_bounds, line.base) + noise;
+    let error = LinearTermsWithBounds::weighted_offset_bound(&bounds.higher_term_bounds, line.base) + noise;
     if x.abs() > least + size_x.dot(error) || y.abs() > least + size_y.dot(error) {
         return RootClassification::NoRoot;
     }
-    let turn = LinearTermsWithBounds::offset_bound_from_base(&bounds.derivative_change_bounds, line.base);
+    let turn = LinearTermsWithBounds::weighted_offset_bound(&bounds.derivative_change_bounds, line.base);
     let (turn_x, turn_y) = (size_x.dot(turn), size_y.dot(turn));
     if turn_x.max(turn_y) < MAX_DERIVATIVE_CHANGE * least {
         let blur = noise * size_x.element_sum().max(size_y.element_sum()) / least;
@@ -268,16 +274,16 @@ fn classify_roots(
             .map_or(RootClassification::NoRoot, |(at, t)| RootClassification::Root(at, t));
     }
     let blur = (size_x.element_sum() + size_y.element_sum()) * noise;
-    if least + turn_x + turn_y <= blur { RootClassification::Inside } else { RootClassification::Unclear }
+    if least + turn_x + turn_y <= blur { RootClassification::LineInSurface } else { RootClassification::Unclear }
 }
 
 /// Newton step from the parameters `at` towards the intersection of the piece `a` with `line`.
 ///
 /// Also returns the arc length τ on the line after the step.
 #[inline]
-fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) -> (DVec2, f64) {
+fn newton_step(a: &[Coefficient<4>], columns: usize, line: &Line, at: DVec2) -> (DVec2, f64) {
     let values = evaluate_2d_with_derivatives(a, columns, at.x, at.y);
-    let [miss, along_x, along_y] = values.map(|v| offset_from_base(&v, line.base));
+    let [miss, along_x, along_y] = values.map(|v| weighted_offset_from_base(&v, line.base));
     let d = line.direction;
     let determinant = d.dot(along_x.cross(along_y));
     let step = DVec2::new(d.cross(along_y).dot(miss), along_x.cross(d).dot(miss)) / determinant;
@@ -290,7 +296,7 @@ fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) ->
 /// `None` if there is no hit. The iteration then converges more slowly than
 /// [`NEWTON_CONVERGENCE_RATE`], which it reaches if there is a root.
 fn newton_root(
-    a: &[Coefficients<4>],
+    a: &[Coefficient<4>],
     columns: usize,
     line: &Line,
     start: DVec2,

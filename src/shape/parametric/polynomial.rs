@@ -7,21 +7,18 @@
 pub const MAX_DEGREE: usize = 24;
 
 /// One polynomial coefficient with `N` components.
-pub type Coefficients<const N: usize> = [f64; N];
+pub type Coefficient<const N: usize> = [f64; N];
 
 /// The sum a + s·b of two coefficients, component by component.
 #[inline]
-fn add_scaled<const N: usize>(a: Coefficients<N>, b: Coefficients<N>, s: f64) -> Coefficients<N> {
+fn add_scaled<const N: usize>(a: Coefficient<N>, b: Coefficient<N>, s: f64) -> Coefficient<N> {
     std::array::from_fn(|i| a[i] + s * b[i])
 }
 
 /// Control points of the two curves into which a Bézier curve is divided at the parameter `s`.
 ///
 /// `s` is in \[0, 1]. The algorithm is de Casteljau's.
-pub fn split_bezier<const N: usize>(
-    controls: &[Coefficients<N>],
-    s: f64,
-) -> (Vec<Coefficients<N>>, Vec<Coefficients<N>>) {
+pub fn split_bezier<const N: usize>(controls: &[Coefficient<N>], s: f64) -> (Vec<Coefficient<N>>, Vec<Coefficient<N>>) {
     let mut points = controls.to_vec();
     let (mut first, mut last) = (Vec::new(), Vec::new());
     while let (Some(a), Some(b)) = (points.first(), points.last()) {
@@ -38,7 +35,7 @@ pub fn split_bezier<const N: usize>(
 ///
 /// The coefficients b₀, b₁, … are `c[first]`, `c[first + stride]`, … For the degree n, the
 /// coefficient of xᵏ is 2⁻ⁿ C(n, k) Σᵢ C(n − k, i) Δᵏbᵢ, where Δᵏ is the k-th forward difference.
-pub fn bernstein_to_powers<const N: usize>(c: &mut [Coefficients<N>], first: usize, stride: usize, degree: usize) {
+pub fn bernstein_to_power_basis<const N: usize>(c: &mut [Coefficient<N>], first: usize, stride: usize, degree: usize) {
     let mut differences = [[0.0; N]; MAX_DEGREE + 1];
     for (i, d) in differences[..=degree].iter_mut().enumerate() {
         *d = c[first + i * stride];
@@ -64,7 +61,7 @@ fn binomial_coefficient(n: usize, k: usize) -> f64 {
 
 /// Replaces the polynomial a(x) by a(`middle` + `half`·x), with the algorithm of Shaw and Traub.
 #[inline]
-pub fn reparametrize<const N: usize>(a: &mut [Coefficients<N>], middle: f64, half: f64) {
+pub fn reparametrize<const N: usize>(a: &mut [Coefficient<N>], middle: f64, half: f64) {
     let mut scale = 1.0;
     for i in 0..a.len() {
         let mut above = [0.0; N];
@@ -81,7 +78,7 @@ pub fn reparametrize<const N: usize>(a: &mut [Coefficients<N>], middle: f64, hal
 ///
 /// Each row of `columns` coefficients holds the powers of y for one power of x.
 #[inline]
-pub fn reparametrize_rows<const N: usize>(a: &mut [Coefficients<N>], columns: usize, middle: f64, half: f64) {
+pub fn reparametrize_rows<const N: usize>(a: &mut [Coefficient<N>], columns: usize, middle: f64, half: f64) {
     let rows = a.len() / columns;
     let mut scale = 1.0;
     for i in 0..rows {
@@ -98,7 +95,7 @@ pub fn reparametrize_rows<const N: usize>(a: &mut [Coefficients<N>], columns: us
 
 /// Value and derivative of a polynomial at `x`, by Horner's scheme.
 #[inline]
-pub fn evaluate_with_derivative<const N: usize>(a: &[Coefficients<N>], x: f64) -> (Coefficients<N>, Coefficients<N>) {
+pub fn evaluate_with_derivative<const N: usize>(a: &[Coefficient<N>], x: f64) -> (Coefficient<N>, Coefficient<N>) {
     let (mut value, mut slope) = ([0.0; N], [0.0; N]);
     for c in a.iter().rev() {
         slope = add_scaled(value, slope, x);
@@ -112,11 +109,11 @@ pub fn evaluate_with_derivative<const N: usize>(a: &[Coefficients<N>], x: f64) -
 /// Each row of `columns` coefficients holds the powers of y for one power of x.
 #[inline]
 pub fn evaluate_2d_with_derivatives<const N: usize>(
-    a: &[Coefficients<N>],
+    a: &[Coefficient<N>],
     columns: usize,
     x: f64,
     y: f64,
-) -> [Coefficients<N>; 3] {
+) -> [Coefficient<N>; 3] {
     let (mut value, mut along_x, mut along_y) = ([0.0; N], [0.0; N], [0.0; N]);
     for row in a.chunks_exact(columns).rev() {
         let (v, slope) = evaluate_with_derivative(row, y);

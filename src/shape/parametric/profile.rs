@@ -1,18 +1,19 @@
 //! Pieces of profile curves in the plane of radius and height, and their intersection with rays.
 
-use super::cylindrical_ray::{CylindricalRay, Interval};
-use super::numeric::{
-    MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, POINT_SIZE, RootClassification,
+use super::cylindrical_ray::{ArcLengthInterval, CylindricalRay};
+use super::polynomial::{Coefficient, MAX_DEGREE, evaluate_with_derivative, reparametrize};
+use super::root_finding::{
+    MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, RootClassification,
+    TANGENT_HIT_RELATIVE_SIZE,
 };
-use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_with_derivative, reparametrize};
 
 /// Polynomial piece of a profile: radius and height (ρ, y) as functions of x in \[−1, 1].
 #[derive(Clone, Copy, Debug)]
 pub struct ProfilePiece<'a> {
     /// Coefficients (ρ, y) of the powers of x, from degree 0.
-    pub powers: &'a [Coefficients<2>],
+    pub coefficients: &'a [Coefficient<2>],
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
-    pub noise: f64,
+    pub point_error_bound: f64,
 }
 
 /// Bounds on the terms aₖ xᵏ with k ≥ 2 of a polynomial over \[−1, 1], for each component.
@@ -20,7 +21,7 @@ pub struct ProfilePiece<'a> {
 /// The first result bounds the sum of these terms: Σ |aₖ|. The second bounds the change of their
 /// derivative: Σ k|aₖ|.
 #[inline]
-fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2>) {
+fn higher_term_and_derivative_bounds(a: &[Coefficient<2>]) -> (Coefficient<2>, Coefficient<2>) {
     let (mut rest, mut turn) = ([0.0; 2], [0.0; 2]);
     for (k, c) in a.iter().enumerate().skip(2) {
         for i in 0..2 {
@@ -38,8 +39,8 @@ impl ProfilePiece<'_> {
     /// Only hits within `t`, an interval of τ, count. Moves the end of `t` to the hit. `size` is
     /// the size of the whole surface \[object-space length]. Intervals of x are halved until each
     /// has no root, one root, or the size of a rounding error.
-    pub fn nearest_hit(&self, ray: &CylindricalRay, t: &mut Interval, size: f64) -> Option<(f64, f64)> {
-        let degree = self.powers.len() - 1;
+    pub fn nearest_hit(&self, ray: &CylindricalRay, t: &mut ArcLengthInterval, size: f64) -> Option<(f64, f64)> {
+        let degree = self.coefficients.len() - 1;
         let mut boxes = [(0.0, 0.0); 64];
         boxes[0] = (0.0, 1.0);
         let mut count = 1;
@@ -49,29 +50,29 @@ impl ProfilePiece<'_> {
             count -= 1;
             let (middle, half) = boxes[count];
             let a = if half == 1.0 {
-                self.powers
+                self.coefficients
             } else {
-                own[..=degree].copy_from_slice(self.powers);
+                own[..=degree].copy_from_slice(self.coefficients);
                 reparametrize(&mut own[..=degree], middle, half);
                 &own[..=degree]
             };
-            let (rest, turn) = higher_term_bounds(a);
+            let (rest, turn) = higher_term_and_derivative_bounds(a);
             let reach = [a[1][0].abs() + rest[0], a[1][1].abs() + rest[1]];
             let range = |i: usize| [a[0][i] - reach[i], a[0][i] + reach[i]];
             let mut cut = false;
-            for interval in ray.clip_to_ring(range(0), range(1), *t, self.noise) {
+            for interval in ray.clip_to_ring(range(0), range(1), *t, self.point_error_bound) {
                 if interval.is_empty() {
                     continue;
                 }
                 let extent = reach[0].max(reach[1]);
-                let touched = match classify_roots(a, (rest, turn), ray, interval, self.noise) {
+                let touched = match classify_roots(a, (rest, turn), ray, interval, self.point_error_bound) {
                     RootClassification::NoRoot => None,
                     RootClassification::Root(x, at) => Some((middle + half * x, at)),
-                    _ if extent <= 4.0 * self.noise => Some((middle, 0.5 * (interval.lo + interval.hi))),
-                    RootClassification::Inside if extent <= POINT_SIZE * size => {
+                    _ if extent <= 4.0 * self.point_error_bound => Some((middle, 0.5 * (interval.lo + interval.hi))),
+                    RootClassification::LineInSurface if extent <= TANGENT_HIT_RELATIVE_SIZE * size => {
                         Some((middle, 0.5 * (interval.lo + interval.hi)))
                     }
-                    RootClassification::Inside => None,
+                    RootClassification::LineInSurface => None,
                     RootClassification::Unclear => {
                         cut = true;
                         None
@@ -102,14 +103,14 @@ impl ProfilePiece<'_> {
 /// `a`.
 ///
 /// A hit is an x in \[−1, 1] and a τ in `t` at which profile and ray have equal radius and height.
-/// `rest` and `turn` are the [`higher_term_bounds`] of `a`. `noise` bounds the rounding error of
-/// points computed from `a`.
+/// `rest` and `turn` are the [`higher_term_and_derivative_bounds`] of `a`. `noise` bounds the
+/// rounding error of points computed from `a`.
 #[inline]
 fn classify_roots(
-    a: &[Coefficients<2>],
-    (rest, turn): (Coefficients<2>, Coefficients<2>),
+    a: &[Coefficient<2>],
+    (rest, turn): (Coefficient<2>, Coefficient<2>),
     ray: &CylindricalRay,
-    t: Interval,
+    t: ArcLengthInterval,
     noise: f64,
 ) -> RootClassification<f64> {
     let dy = ray.direction.y;
@@ -148,7 +149,7 @@ fn classify_roots(
     }
     let blur = (dy.abs() + slope.abs() + bend) * noise;
     let most = least + dh.abs() * bend + dy.abs() * turn[0] + (slope.abs() + bend) * turn[1];
-    if most <= blur { RootClassification::Inside } else { RootClassification::Unclear }
+    if most <= blur { RootClassification::LineInSurface } else { RootClassification::Unclear }
 }
 
 /// Curve parameter x and arc length τ of the only possible hit, by Newton's method.
@@ -157,7 +158,7 @@ fn classify_roots(
 /// (x, τ − `at`). A hit counts if it is at most `tolerance` half widths outside of this box. `None`
 /// if there is no hit.
 fn newton_root(
-    a: &[Coefficients<2>],
+    a: &[Coefficient<2>],
     ray: &CylindricalRay,
     at: f64,
     half: f64,

@@ -1,18 +1,18 @@
 //! Surfaces of revolution, intersected in the plane of their profiles.
 
-use super::cylindrical_ray::{CylindricalRay, Interval, polar_radius_and_direction};
-use super::numeric::{GAUSS_LEGENDRE, PARAMETRIC_ERROR_FACTOR};
-use super::polynomial::{Coefficients, evaluate_with_derivative};
+use super::cylindrical_ray::{ArcLengthInterval, CylindricalRay, polar_radius_and_direction};
+use super::polynomial::{Coefficient, evaluate_with_derivative};
 use super::profile::ProfilePiece;
 use super::revolution_build::{MAX_HALVINGS, ProfileBuilder, ProfileLeaf};
 use super::ring_bvh::{RingBounds, RingBvh};
+use super::root_finding::{GAUSS_LEGENDRE, PARAMETRIC_ERROR_FACTOR};
 use super::spline::{SplineBasis, SplineError};
 use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
-use crate::shape::analytic::AnalyticShape;
+use crate::shape::bounded_shape::BoundedShape;
 use crate::shape::hit::round_t_if_in_range;
-use crate::shape::object_ray::{ObjectRay, object_ray, world_coordinate_bound};
+use crate::shape::object_ray::{ObjectRay, ray_to_object_space, world_coordinate_bound};
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -26,7 +26,7 @@ use std::sync::Arc;
 const MAX_RELATIVE_STEP: f64 = 1e-4;
 
 /// Number of azimuth steps of the sum that integrates the area of a surface of revolution.
-const AREA_ANGLES: u32 = 64;
+const AREA_AZIMUTH_STEPS: u32 = 64;
 
 /// Surface of revolution: the points (X cos θ, Y, X sin θ) of a profile curve (X, Y), affinely
 /// mapped.
@@ -49,12 +49,12 @@ pub struct Revolution {
 struct RevolutionProfile {
     leaves: Vec<ProfileLeaf>,
     /// Polynomial coefficients (radius, height) of all leaves, one leaf after another.
-    powers: Vec<Coefficients<2>>,
-    tree: RingBvh,
+    coefficients: Vec<Coefficient<2>>,
+    leaf_bvh: RingBvh,
     /// Largest object-space distance of the surface from the origin.
-    size: f64,
+    bounding_radius: f64,
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
-    noise: f64,
+    point_error_bound: f64,
     /// Distribution that selects a leaf (a piece of the profile) in proportion to its object-space
     /// area.
     leaf_distribution: DiscreteDistribution,
@@ -76,10 +76,11 @@ impl Revolution {
     ///
     /// # Errors
     ///
-    /// Those of [`Revolution::new`], and [`SplineError::Memory`] if the limit does not suffice.
+    /// Those of [`Revolution::new`], and [`SplineError::MemoryLimitExceeded`] if the limit does not
+    /// suffice.
     pub fn with_memory_limit(basis: &SplineBasis, controls: &[DVec2], free: Option<u64>) -> Result<Self, SplineError> {
         if controls.len() != basis.control_count() {
-            return Err(SplineError::Controls { controls: controls.len(), degree: basis.degree() });
+            return Err(SplineError::TooFewControlPoints { controls: controls.len(), degree: basis.degree() });
         }
         if !controls.iter().all(|c| c.abs().max_element() < 1e100) {
             return Err(SplineError::TooLarge);
@@ -87,12 +88,16 @@ impl Revolution {
         let (low, high) =
             controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c.y), h.max(c.y)));
         let middle = 0.5 * low + 0.5 * high;
-        let points: Vec<Coefficients<2>> = controls.iter().map(|c| [c.x, c.y - middle]).collect();
-        let mut builder = ProfileBuilder { leaves: Vec::new(), powers: Vec::new(), free };
+        let points: Vec<Coefficient<2>> = controls.iter().map(|c| [c.x, c.y - middle]).collect();
+        let mut builder = ProfileBuilder { leaves: Vec::new(), coefficients: Vec::new(), memory_limit: free };
         for span in basis.knot_spans() {
-            builder.subdivide_bezier_curve(&basis.bezier_piece(span, &points, (0, 1)), span.range, MAX_HALVINGS)?;
+            builder.subdivide_bezier_curve(
+                &basis.bezier_control_points(span, &points, (0, 1)),
+                span.range,
+                MAX_HALVINGS,
+            )?;
         }
-        let ProfileBuilder { leaves, powers, .. } = builder;
+        let ProfileBuilder { leaves, coefficients: powers, .. } = builder;
         let rings: Vec<RingBounds> = leaves.iter().map(|l| l.ring).collect();
         let reach = |r: &RingBounds| hypot(r.radius[1], r.height[0].abs().max(r.height[1].abs()));
         let size = rings.iter().map(reach).fold(0.0, f64::max);
@@ -103,7 +108,14 @@ impl Revolution {
         let degree = basis.degree();
         let noise = size * f64::EPSILON * (64 + 4 * degree * degree) as f64;
         let placeholder = DiscreteDistribution::new([1.0]).ok_or(SplineError::NoArea)?;
-        let mut profile = RevolutionProfile { leaves, powers, tree, size, noise, leaf_distribution: placeholder };
+        let mut profile = RevolutionProfile {
+            leaves,
+            coefficients: powers,
+            leaf_bvh: tree,
+            bounding_radius: size,
+            point_error_bound: noise,
+            leaf_distribution: placeholder,
+        };
         let areas = (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &Transform::IDENTITY));
         profile.leaf_distribution = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
         let to_world = Transform::IDENTITY.translated(DVec3::new(0.0, middle, 0.0));
@@ -111,12 +123,14 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// Line of `ray` in object space, followed by [`ObjectRay::start`] and [`ObjectRay::length`].
+    /// Line of `ray` in object space, followed by [`ObjectRay::distance_to_base`] and
+    /// [`ObjectRay::direction_length`].
     ///
     /// `None` if the line misses the bounding sphere of the surface.
     fn cylindrical_object_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
-        let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
-        let size = self.profile.size * (1.0 + 1e-9);
+        let ObjectRay { base, direction, distance_to_base: start, direction_length: length } =
+            ObjectRay::new(ray, &self.to_world);
+        let size = self.profile.bounding_radius * (1.0 + 1e-9);
         (base.length_squared() <= size * size).then(|| (CylindricalRay::new(base, direction), start, length))
     }
 
@@ -124,7 +138,7 @@ impl Revolution {
     ///
     /// θ depends on the side of the axis on which the leaf's profile lies.
     fn angle_in_turns(&self, p: DVec3, leaf: usize) -> f64 {
-        let side = self.profile.leaves[leaf].side;
+        let side = self.profile.leaves[leaf].side_sign;
         let turn = atan2(side * p.z, side * p.x) / TAU;
         if turn < 0.0 { turn + 1.0 } else { turn }
     }
@@ -136,13 +150,13 @@ impl Revolution {
     fn surface_at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
         let profile = &self.profile;
         let p = self.to_world.transform_point(profile.leaf_point(leaf, x, radial));
-        let scale = world_coordinate_bound(&self.to_world, profile.size);
+        let scale = world_coordinate_bound(&self.to_world, profile.bounding_radius);
         let normal = self.to_world.transform_normal(profile.leaf_normal(leaf, x, radial)).normalize();
-        SurfacePoint { uv, ..SurfacePoint::from_f64(p, normal, scale * PARAMETRIC_ERROR_FACTOR) }
+        SurfacePoint { shape_coords: uv, ..SurfacePoint::from_f64(p, normal, scale * PARAMETRIC_ERROR_FACTOR) }
     }
 }
 
-impl AnalyticShape for Revolution {
+impl BoundedShape for Revolution {
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         let profile = &self.profile;
@@ -155,13 +169,15 @@ impl AnalyticShape for Revolution {
 
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (line, start, length) = self.cylindrical_object_ray(ray)?;
-        let size = self.profile.size;
+        let size = self.profile.bounding_radius;
         let end = f64::from(ray.t_max) * length - start;
-        let t = Interval { lo: (-start).max(-size), hi: end.min(size) };
+        let t = ArcLengthInterval { lo: (-start).max(-size), hi: end.min(size) };
         let mut found: Option<(usize, f64, f64)> = None;
-        self.profile.tree.visit_hit_leaves(&line, t, |leaf, t| {
-            let piece =
-                ProfilePiece { powers: self.profile.leaf_polynomial_coefficients(leaf), noise: self.profile.noise };
+        self.profile.leaf_bvh.visit_hit_leaves(&line, t, |leaf, t| {
+            let piece = ProfilePiece {
+                coefficients: self.profile.leaf_polynomial_coefficients(leaf),
+                point_error_bound: self.profile.point_error_bound,
+            };
             if let Some((x, at)) = piece.nearest_hit(&line, t, size) {
                 found = Some((leaf, x, at));
             }
@@ -170,11 +186,11 @@ impl AnalyticShape for Revolution {
         let t = round_t_if_in_range(ray, (start + at) / length)?;
         let p = line.base + line.direction * at;
         let (u, v) = (self.profile.leaf_to_profile_parameter(leaf, x), self.angle_in_turns(p, leaf));
-        Some(ShapeHit { t, uv: Vec2::new(u as f32, v as f32) })
+        Some(ShapeHit { t, shape_coords: Vec2::new(u as f32, v as f32) })
     }
 
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
-        let (o, d) = object_ray(ray, &self.to_world);
+        let (o, d) = ray_to_object_space(ray, &self.to_world);
         let (leaf, mut x) = self.profile.find_leaf(f64::from(uv.x));
         // `uv` is rounded to f32, so its point may lie beside the ray. Newton steps move it back
         // onto the ray. They start from `uv`, since the rounding error of the distance t may be
@@ -183,8 +199,8 @@ impl AnalyticShape for Revolution {
             * ((self.profile.leaf_point(leaf, x, self.profile.radial_direction(leaf, uv.y)) - o).dot(d)
                 / d.length_squared());
         let most = DVec2::new(
-            4.0 * f64::from(f32::EPSILON) / self.profile.leaves[leaf].half,
-            MAX_RELATIVE_STEP * self.profile.size,
+            4.0 * f64::from(f32::EPSILON) / self.profile.leaves[leaf].parameter_half_width,
+            MAX_RELATIVE_STEP * self.profile.bounding_radius,
         );
         for _ in 0..2 {
             let (radius, radial) = polar_radius_and_direction(p);
@@ -228,21 +244,21 @@ impl AnalyticShape for Revolution {
         let x = f64::from(self.profile.leaf_distribution.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
         let uv = Vec2::new(self.profile.leaf_to_profile_parameter(leaf, x) as f32, u.y);
         let point = self.surface_at(leaf, x, self.profile.radial_direction(leaf, u.y), uv);
-        ShapeSample { pdf: self.pdf(&point), point, uv }
+        ShapeSample { pdf: self.pdf(&point), point, shape_coords: uv }
     }
 
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let (leaf, x) = self.profile.find_leaf(f64::from(uv.x));
         let (_, radial) = polar_radius_and_direction(self.to_world.inverse().transform_point3(p.as_dvec3()));
         let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.profile.leaf_polynomial_coefficients(leaf), x);
-        let half = self.profile.leaves[leaf].half;
+        let half = self.profile.leaves[leaf].parameter_half_width;
         let along = DVec3::new(dx * radial.x, dh, dx * radial.y) / half;
         let around = DVec3::new(-radial.y, 0.0, radial.x) * (TAU * radius);
         TexCoord::from_derivatives(uv, self.to_world.transform_vector(along), self.to_world.transform_vector(around))
     }
 
     fn pdf(&self, point: &SurfacePoint) -> f32 {
-        let (leaf, x) = self.profile.find_leaf(f64::from(point.uv.x));
+        let (leaf, x) = self.profile.find_leaf(f64::from(point.shape_coords.x));
         let m = self.to_world.forward().matrix3;
         let stretch = self.to_world.determinant().abs() / (m.transpose() * point.ng.as_dvec3()).length();
         let element = self.profile.area_element(leaf, x) * stretch;
@@ -261,9 +277,9 @@ impl Revolution {
 
 impl RevolutionProfile {
     /// Coefficients (radius, height) of the powers of the leaf's parameter x.
-    fn leaf_polynomial_coefficients(&self, leaf: usize) -> &[Coefficients<2>] {
-        let end = self.leaves.get(leaf + 1).map_or(self.powers.len(), |l| l.first as usize);
-        &self.powers[self.leaves[leaf].first as usize..end]
+    fn leaf_polynomial_coefficients(&self, leaf: usize) -> &[Coefficient<2>] {
+        let end = self.leaves.get(leaf + 1).map_or(self.coefficients.len(), |l| l.first_coefficient as usize);
+        &self.coefficients[self.leaves[leaf].first_coefficient as usize..end]
     }
 
     /// Object-space point at the parameter x in \[−1, 1] of a leaf.
@@ -277,12 +293,12 @@ impl RevolutionProfile {
     /// Unit direction (x, z) from the axis to the points of a leaf at the azimuth 2π·`turns`.
     fn radial_direction(&self, leaf: usize, turns: f32) -> DVec2 {
         let (sin, cos) = sincos(f64::from(turns) * TAU);
-        DVec2::new(cos, sin) * self.leaves[leaf].side
+        DVec2::new(cos, sin) * self.leaves[leaf].side_sign
     }
 
     /// Converts the parameter x in \[−1, 1] of a leaf to the profile's curve parameter in \[0, 1].
     fn leaf_to_profile_parameter(&self, leaf: usize, x: f64) -> f64 {
-        let ProfileLeaf { middle, half, .. } = self.leaves[leaf];
+        let ProfileLeaf { parameter_center: middle, parameter_half_width: half, .. } = self.leaves[leaf];
         middle + half * x
     }
 
@@ -290,9 +306,9 @@ impl RevolutionProfile {
     ///
     /// Also returns the parameter x in \[−1, 1] within that leaf.
     fn find_leaf(&self, parameter: f64) -> (usize, f64) {
-        let after = self.leaves.partition_point(|l| l.middle - l.half <= parameter);
+        let after = self.leaves.partition_point(|l| l.parameter_center - l.parameter_half_width <= parameter);
         let leaf = after.saturating_sub(1);
-        let ProfileLeaf { middle, half, .. } = self.leaves[leaf];
+        let ProfileLeaf { parameter_center: middle, parameter_half_width: half, .. } = self.leaves[leaf];
         (leaf, ((parameter - middle) / half).clamp(-1.0, 1.0))
     }
 
@@ -310,7 +326,7 @@ impl RevolutionProfile {
             }
             away = if away == 0.0 { 1e-5 } else { 10.0 * away };
         };
-        let side = self.leaves[leaf].side;
+        let side = self.leaves[leaf].side_sign;
         DVec3::new(dh * radial.x, -dx, dh * radial.y) * side
     }
 
@@ -325,9 +341,9 @@ impl RevolutionProfile {
         let determinant = to_world.determinant().abs();
         let mut sum = 0.0;
         for (x, weight) in GAUSS_LEGENDRE {
-            let ring = self.area_element(leaf, x) * weight * TAU / f64::from(AREA_ANGLES);
-            for i in 0..AREA_ANGLES {
-                let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AREA_ANGLES));
+            let ring = self.area_element(leaf, x) * weight * TAU / f64::from(AREA_AZIMUTH_STEPS);
+            for i in 0..AREA_AZIMUTH_STEPS {
+                let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AREA_AZIMUTH_STEPS));
                 let normal = self.leaf_normal(leaf, x, DVec2::new(cos, sin)).normalize_or_zero();
                 sum += ring * determinant * to_world.transform_normal(normal).length();
             }

@@ -1,8 +1,8 @@
 //! Subdivision of profile curves into nearly straight pieces, each on one side of the axis.
 
-use super::polynomial::{Coefficients, bernstein_to_powers, split_bezier};
+use super::polynomial::{Coefficient, bernstein_to_power_basis, split_bezier};
 use super::ring_bvh::RingBounds;
-use super::spline::{MIN_SPAN, SplineError};
+use super::spline::{MIN_RELATIVE_KNOT_SPAN, SplineError};
 use libm::hypot;
 
 /// Largest relative change of the derivative over a piece that counts as nearly straight.
@@ -24,13 +24,13 @@ const BYTES_PER_LEAF: u64 = 256;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ProfileLeaf {
     /// Index of the leaf's first coefficient in the list of all polynomial coefficients.
-    pub first: u32,
+    pub first_coefficient: u32,
     /// Sign of x on this piece, 1 or −1: the side of the axis on which the piece lies.
-    pub side: f64,
+    pub side_sign: f64,
     /// Centre of the leaf's interval of the profile parameter.
-    pub middle: f64,
+    pub parameter_center: f64,
     /// Half the width of the leaf's interval of the profile parameter.
-    pub half: f64,
+    pub parameter_half_width: f64,
     /// Ring around the y axis that contains the leaf.
     pub ring: RingBounds,
 }
@@ -40,9 +40,9 @@ pub(super) struct ProfileBuilder {
     /// Leaves in the order of the profile parameter.
     pub leaves: Vec<ProfileLeaf>,
     /// Polynomial coefficients (radius, height) of all leaves, one leaf after another.
-    pub powers: Vec<Coefficients<2>>,
+    pub coefficients: Vec<Coefficient<2>>,
     /// Memory limit of the surface \[bytes]; `None` is no limit.
-    pub free: Option<u64>,
+    pub memory_limit: Option<u64>,
 }
 
 impl ProfileBuilder {
@@ -54,10 +54,10 @@ impl ProfileBuilder {
     ///
     /// # Errors
     ///
-    /// [`SplineError::Memory`] if the leaves exceed the memory limit.
+    /// [`SplineError::MemoryLimitExceeded`] if the leaves exceed the memory limit.
     pub fn subdivide_bezier_curve(
         &mut self,
-        controls: &[Coefficients<2>],
+        controls: &[Coefficient<2>],
         [start, end]: [f64; 2],
         depth: u32,
     ) -> Result<(), SplineError> {
@@ -70,11 +70,11 @@ impl ProfileBuilder {
         }
         let side = if -left > right { -1.0 } else { 1.0 };
         let degree = controls.len() - 1;
-        let mut powers: Vec<Coefficients<2>> = controls.iter().map(|c| [side * c[0], c[1]]).collect();
-        bernstein_to_powers(&mut powers, 0, 1, degree);
+        let mut powers: Vec<Coefficient<2>> = controls.iter().map(|c| [side * c[0], c[1]]).collect();
+        bernstein_to_power_basis(&mut powers, 0, 1, degree);
         let crosses = left < 0.0 && right > 0.0;
         let bends = powers.iter().enumerate().skip(2).fold(0.0, |s, (k, c)| s + k as f64 * hypot(c[0], c[1]));
-        let wide = end - start >= 2.0 * MIN_SPAN;
+        let wide = end - start >= 2.0 * MIN_RELATIVE_KNOT_SPAN;
         if depth > 0 && wide && (crosses || bends > MAX_RELATIVE_BEND * hypot(powers[1][0], powers[1][1])) {
             let at = axis_crossing_parameter(controls).filter(|_| crosses).unwrap_or(0.5);
             let (mut first, mut last) = split_bezier(controls, at);
@@ -89,18 +89,19 @@ impl ProfileBuilder {
         }
         let radius = if side < 0.0 { [-right, -left] } else { [left, right] };
         self.leaves.push(ProfileLeaf {
-            first: self.powers.len() as u32,
-            side,
-            middle: 0.5 * (start + end),
-            half: 0.5 * (end - start),
+            first_coefficient: self.coefficients.len() as u32,
+            side_sign: side,
+            parameter_center: 0.5 * (start + end),
+            parameter_half_width: 0.5 * (end - start),
             ring: RingBounds { radius, height: [low, high] },
         });
-        self.powers.extend(powers);
+        self.coefficients.extend(powers);
         // The factor 2 covers the unused capacity of growing lists.
-        let needed =
-            2 * (BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficients<2>>() * self.powers.len()) as u64);
-        match self.free {
-            Some(free) if needed > free => Err(SplineError::Memory { needed, free }),
+        let needed = 2
+            * (BYTES_PER_LEAF * self.leaves.len() as u64
+                + (size_of::<Coefficient<2>>() * self.coefficients.len()) as u64);
+        match self.memory_limit {
+            Some(free) if needed > free => Err(SplineError::MemoryLimitExceeded { needed, free }),
             _ => Ok(()),
         }
     }
@@ -109,7 +110,7 @@ impl ProfileBuilder {
 /// Parameter in (0, 1) at which a Bézier curve crosses the axis x = 0.
 ///
 /// `None` unless the x coordinates of the curve's control points change sign exactly once.
-fn axis_crossing_parameter(controls: &[Coefficients<2>]) -> Option<f64> {
+fn axis_crossing_parameter(controls: &[Coefficient<2>]) -> Option<f64> {
     let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
     let [first, .., _] = sides[..] else { return None };
     if sides.windows(2).filter(|w| w[0] != w[1]).count() != 1 || controls[0][0] == 0.0 {

@@ -1,6 +1,6 @@
 //! Bounding volume hierarchy of rings around the y axis, with eight children per node.
 
-use super::cylindrical_ray::{CylindricalRay, Interval};
+use super::cylindrical_ray::{ArcLengthInterval, CylindricalRay};
 
 /// Number of children of a node.
 const ARITY: usize = 8;
@@ -14,10 +14,10 @@ const LEAF_BIT: u32 = 1 << 31;
 /// error of the intersection test.
 #[derive(Debug)]
 struct RingBvhNode {
-    inner2: [f64; ARITY],
-    outer2: [f64; ARITY],
-    below: [f64; ARITY],
-    above: [f64; ARITY],
+    inner_radius2: [f64; ARITY],
+    outer_radius2: [f64; ARITY],
+    min_height: [f64; ARITY],
+    max_height: [f64; ARITY],
     children: [u32; ARITY],
 }
 
@@ -47,31 +47,37 @@ impl RingBvh {
     /// the origin.
     pub fn new(rings: &[RingBounds], size: f64) -> Self {
         let mut tree = Self { nodes: Vec::new() };
-        tree.build_node(rings, 0, 1e-12 * size);
+        tree.build_subtree(rings, 0, 1e-12 * size);
         tree
     }
 
     /// Appends the node over `rings`, and all nodes below it; returns its index.
     ///
     /// `first` is the index of `rings[0]` among all rings. Every ring is expanded by `margin`.
-    fn build_node(&mut self, rings: &[RingBounds], first: usize, margin: f64) -> u32 {
+    fn build_subtree(&mut self, rings: &[RingBounds], first: usize, margin: f64) -> u32 {
         let index = self.nodes.len();
         let nowhere = [f64::INFINITY; ARITY];
         let (below, above) = (nowhere, nowhere.map(|x| -x));
-        self.nodes.push(RingBvhNode { inner2: nowhere, outer2: above, below, above, children: [0; ARITY] });
+        self.nodes.push(RingBvhNode {
+            inner_radius2: nowhere,
+            outer_radius2: above,
+            min_height: below,
+            max_height: above,
+            children: [0; ARITY],
+        });
         let share = rings.len().div_ceil(ARITY).max(1);
         for (i, part) in rings.chunks(share).enumerate() {
             let ring = part[1..].iter().fold(part[0], |a, b| a.union(*b));
             let start = first + i * share;
-            let child = if part.len() == 1 { start as u32 | LEAF_BIT } else { self.build_node(part, start, margin) };
+            let child = if part.len() == 1 { start as u32 | LEAF_BIT } else { self.build_subtree(part, start, margin) };
             let inner = (ring.radius[0] - margin).max(0.0);
             let outer = ring.radius[1] + margin;
             let node = &mut self.nodes[index];
             // The intersection test compares squared distances. Their rounding error is
             // proportional to the squared size of the surface.
-            node.inner2[i] = inner * inner - margin * margin * 1e6;
-            node.outer2[i] = outer * outer + margin * margin * 1e6;
-            (node.below[i], node.above[i]) = (ring.height[0] - margin, ring.height[1] + margin);
+            node.inner_radius2[i] = inner * inner - margin * margin * 1e6;
+            node.outer_radius2[i] = outer * outer + margin * margin * 1e6;
+            (node.min_height[i], node.max_height[i]) = (ring.height[0] - margin, ring.height[1] + margin);
             node.children[i] = child;
         }
         index as u32
@@ -83,7 +89,12 @@ impl RingBvh {
     /// `t` is an interval of arc length τ. If `visit` finds a hit, it moves the end of the interval
     /// to that hit.
     #[inline]
-    pub fn visit_hit_leaves(&self, ray: &CylindricalRay, mut t: Interval, mut visit: impl FnMut(usize, &mut Interval)) {
+    pub fn visit_hit_leaves(
+        &self,
+        ray: &CylindricalRay,
+        mut t: ArcLengthInterval,
+        mut visit: impl FnMut(usize, &mut ArcLengthInterval),
+    ) {
         let dy = ray.direction.y;
         let inverse = if dy.abs() < 1e-300 { 1e300 } else { 1.0 / dy };
         let mut stack = [(0u32, 0.0); 8 * ARITY];
@@ -103,12 +114,13 @@ impl RingBvh {
             let mut entries = [f64::INFINITY; ARITY];
             let [c0, c1, c2] = ray.radius2_coefficients;
             for (i, entry) in entries.iter_mut().enumerate() {
-                let a = (node.below[i] - ray.base.y) * inverse;
-                let b = (node.above[i] - ray.base.y) * inverse;
+                let a = (node.min_height[i] - ray.base.y) * inverse;
+                let b = (node.max_height[i] - ray.base.y) * inverse;
                 let (lo, hi) = (t.lo.max(a.min(b)), t.hi.min(a.max(b)));
                 let [p, q] = [lo, hi].map(|t| c0 + t * (2.0 * c1 + t * c2));
-                let least = if lo <= ray.nearest_tau && ray.nearest_tau <= hi { ray.min_radius2 } else { p.min(q) };
-                let meets = lo <= hi && p.max(q) >= node.inner2[i] && least <= node.outer2[i];
+                let least =
+                    if lo <= ray.tau_nearest_axis && ray.tau_nearest_axis <= hi { ray.min_radius2 } else { p.min(q) };
+                let meets = lo <= hi && p.max(q) >= node.inner_radius2[i] && least <= node.outer_radius2[i];
                 *entry = if meets { lo } else { f64::INFINITY };
             }
             // Pushes the children that the ray may hit, so that the nearest child is on top of the

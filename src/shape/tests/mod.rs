@@ -74,7 +74,7 @@ fn sampled_points_have_their_stated_density() {
             if i < 1000 {
                 let above = s.point.p + s.point.ng * 0.1;
                 let ray = Ray::new(above, -s.point.ng);
-                let ShapeHit { t, uv } = shape.intersect(&ray).expect("a ray at a sampled point hits");
+                let ShapeHit { t, shape_coords: uv } = shape.intersect(&ray).expect("a ray at a sampled point hits");
                 assert!((t - 0.1).abs() < 1e-5, "{shape:?} {t}");
                 let back = shape.surface_point(&ray, t, uv);
                 assert!((back.p - s.point.p).length() < 1e-5 && back.ng.dot(s.point.ng) > 1.0 - 1e-4);

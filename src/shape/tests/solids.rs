@@ -182,7 +182,7 @@ fn hits_agree_with_bisection() {
                 let found = shape.intersect(&ray);
                 assert_eq!(found.is_some(), expected.is_some(), "{solid:?} {m} {i} {ray:?} {found:?} {expected:?}");
                 compared += 1;
-                let (Some(ShapeHit { t, uv }), Some(expected)) = (found, expected) else { continue };
+                let (Some(ShapeHit { t, shape_coords: uv }), Some(expected)) = (found, expected) else { continue };
                 hits += 1;
                 assert!((f64::from(t) / expected - 1.0).abs() < 1e-6, "{solid:?} {m} {i}: {t} {expected}");
                 let point = shape.surface_point(&ray, t, uv);
@@ -241,14 +241,14 @@ fn offset_origins_prevent_self_intersection_of_solids() {
                 };
                 let inner = map.transform_point(solid.center() + 0.1 * random_direction(i + 7)).as_vec3();
                 let ray = Ray::new(inner, map.transform_point(target).as_vec3() - inner);
-                let ShapeHit { t, uv } = shape.intersect(&ray).expect("inner rays hit");
+                let ShapeHit { t, shape_coords: uv } = shape.intersect(&ray).expect("inner rays hit");
                 let s = shape.surface_point(&ray, t, uv);
                 let d = warp::square_to_cosine_hemisphere(random_key(i).uniform_2d(Dimension::LightPosition));
                 let d = crate::math::Frame::from_normal(s.ng).to_world(d);
                 let out = Ray::new(offset_ray_origin(s.p, s.position_error, s.ng, d), d);
                 assert!(shape.intersect(&out).is_none(), "{solid:?} {scale} {i} {out:?}");
                 let back = Ray::new(offset_ray_origin(s.p, s.position_error, s.ng, -d), -d);
-                let ShapeHit { t, uv } = shape.intersect(&back).expect("an inward ray hits the far side");
+                let ShapeHit { t, shape_coords: uv } = shape.intersect(&back).expect("an inward ray hits the far side");
                 let far = shape.surface_point(&back, t, uv);
                 assert!(far.ng.dot(back.direction) > 0.0, "{solid:?} {scale} {i} {back:?}");
             }
@@ -344,7 +344,7 @@ fn samples_are_uniform_by_area() {
         for i in 0..n {
             let sample = shape.sample(random_key(i).uniform_2d(Dimension::LightPosition));
             let p = map.inverse().transform_point3(sample.point.p.as_dvec3());
-            let part = sample.uv.y as usize;
+            let part = sample.shape_coords.y as usize;
             let quarter = |x: f64| ((x * 4.0) as usize).min(3);
             let bin = match solid {
                 TestSolid::Cube => {
@@ -414,7 +414,7 @@ fn texture_gradients_match_differences() {
         let shape = solid.to_transformed_shape(map);
         for i in 0..2000 {
             let s = shape.sample(random_key(i).uniform_2d(Dimension::LightPosition));
-            let at = |p: DVec3| shape.tex_coord(p.as_vec3(), s.uv);
+            let at = |p: DVec3| shape.tex_coord(p.as_vec3(), s.shape_coords);
             let p = s.point.p.as_dvec3();
             let own = map.inverse().transform_point3(p);
             // Near the axis, gradients of the azimuth have no bound.
@@ -433,7 +433,7 @@ fn texture_gradients_match_differences() {
                 if change.length() > 20.0 {
                     continue;
                 }
-                let expected = glam::DVec2::new(here.du.dot(step), here.dv.dot(step));
+                let expected = glam::DVec2::new(here.grad_u.dot(step), here.grad_v.dot(step));
                 assert!((change - expected).length() < 2e-3, "{solid:?} {i} {change} {expected}");
             }
         }
@@ -455,7 +455,7 @@ fn mirrored_solids_face_outward() {
     for solid in SOLIDS {
         let shape = solid.to_transformed_shape(&mirror);
         let ray = Ray::new(Vec3::new(9.0, 0.8, 0.0), Vec3::NEG_X);
-        let ShapeHit { t, uv } = shape.intersect(&ray).unwrap();
+        let ShapeHit { t, shape_coords: uv } = shape.intersect(&ray).unwrap();
         assert!(shape.surface_point(&ray, t, uv).ng.x > 0.5, "{solid:?}");
     }
 }

@@ -23,7 +23,7 @@ fn texture_gradients_match_coordinate_differences() {
         for step in [DVec3::X, DVec3::Y, DVec3::Z] {
             let change = (at(p + step * 1e-6).uv - at(p).uv) * 1e6;
             let here = at(p);
-            let expected = DVec2::new(here.du.dot(step), here.dv.dot(step));
+            let expected = DVec2::new(here.grad_u.dot(step), here.grad_v.dot(step));
             assert!((change - expected).length() < 1e-4, "{kind:?} {change} {expected}");
         }
     }

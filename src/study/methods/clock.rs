@@ -8,23 +8,23 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CpuWallTime {
     /// Processor time of all threads \[s]; wall time if the system does not report it.
-    pub processor: f64,
+    pub cpu_seconds: f64,
     /// Wall-clock time \[s].
-    pub wall: f64,
+    pub wall_seconds: f64,
 }
 
 impl Sub for CpuWallTime {
     type Output = Self;
 
     fn sub(self, o: Self) -> Self {
-        Self { processor: self.processor - o.processor, wall: self.wall - o.wall }
+        Self { cpu_seconds: self.cpu_seconds - o.cpu_seconds, wall_seconds: self.wall_seconds - o.wall_seconds }
     }
 }
 
 impl AddAssign for CpuWallTime {
     fn add_assign(&mut self, o: Self) {
-        self.processor += o.processor;
-        self.wall += o.wall;
+        self.cpu_seconds += o.cpu_seconds;
+        self.wall_seconds += o.wall_seconds;
     }
 }
 
@@ -36,7 +36,7 @@ pub(super) fn system_clock() -> ClockFn<'static> {
     let start = Instant::now();
     Box::new(move || {
         let wall = start.elapsed().as_secs_f64();
-        CpuWallTime { processor: cpu_seconds().unwrap_or(wall), wall }
+        CpuWallTime { cpu_seconds: cpu_seconds().unwrap_or(wall), wall_seconds: wall }
     })
 }
 

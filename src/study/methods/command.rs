@@ -6,12 +6,12 @@ use super::MethodVariant;
 #[derive(Clone, Debug, Default)]
 pub struct StudiedScene {
     /// Path of the studied scene file.
-    pub scene: String,
+    pub scene_path: String,
     /// Width and height of the study's pictures \[pixels]; `None` for the size that the scene
     /// defines.
     pub size: Option<(u32, u32)>,
     /// Shell command that repeats the study.
-    pub command: String,
+    pub study_command: String,
 }
 
 impl StudiedScene {
@@ -20,7 +20,11 @@ impl StudiedScene {
     pub(super) fn render_command_line(&self, variant: &MethodVariant, passes: u32) -> String {
         let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
         // A path that begins with a dash would be read as a flag.
-        words.push(if self.scene.starts_with('-') { format!("./{}", self.scene) } else { self.scene.clone() });
+        words.push(if self.scene_path.starts_with('-') {
+            format!("./{}", self.scene_path)
+        } else {
+            self.scene_path.clone()
+        });
         if let Some((width, height)) = self.size {
             words.extend(["--size".to_owned(), format!("{width}x{height}")]);
         }
@@ -28,7 +32,7 @@ impl StudiedScene {
         words.extend(["--seed".to_owned(), variant.settings.camera_paths.seed.to_string()]);
         words.extend(["--passes".to_owned(), passes.to_string()]);
         words.extend(["-o".to_owned(), format!("{}.exr", label_to_file_name(&variant.label))]);
-        shell_quoted(&words)
+        shell_command_line(&words)
     }
 }
 
@@ -41,7 +45,7 @@ fn label_to_file_name(label: &str) -> String {
 
 /// Joins `words` to a command line, with quotes for a POSIX shell where necessary.
 #[must_use]
-pub fn shell_quoted(words: &[String]) -> String {
+pub fn shell_command_line(words: &[String]) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_@%+=:,./-".contains(c);
     let quoted = |word: &String| {
         if !word.is_empty() && word.chars().all(plain) {
@@ -64,7 +68,8 @@ mod tests {
         settings.camera_paths.seed = 7;
         let flags = ["--integrator", "sppm", "--gather-k", "20"].map(str::to_owned).to_vec();
         let variant = MethodVariant { label: "sppm --gather-k 20".into(), algorithm: Algorithm::Sppm, settings, flags };
-        let subject = |scene: &str| StudiedScene { scene: scene.into(), size: Some((4, 3)), command: String::new() };
+        let subject =
+            |scene: &str| StudiedScene { scene_path: scene.into(), size: Some((4, 3)), study_command: String::new() };
         let rest = "--size 4x3 --integrator sppm --gather-k 20 --seed 7 --passes 5 -o sppm-gather-k-20.exr";
         assert_eq!(subject("a/b.txt").render_command_line(&variant, 5), format!("caustica render a/b.txt {rest}"));
         assert_eq!(
@@ -72,6 +77,6 @@ mod tests {
             format!(r"caustica render 'it'\''s $1.txt' {rest}")
         );
         assert_eq!(subject("-x.txt").render_command_line(&variant, 5), format!("caustica render ./-x.txt {rest}"));
-        assert_eq!(shell_quoted(&[String::new()]), "''");
+        assert_eq!(shell_command_line(&[String::new()]), "''");
     }
 }

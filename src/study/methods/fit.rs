@@ -13,10 +13,10 @@ mod verdict;
 pub use slopes::{ConvergenceFit, ConvergenceSlopes, SlopeEstimate, fit_convergence, mean_confidence_interval};
 pub use theory::{ErrorComponent, SlopeRange, predicted_convergence_slopes};
 pub use time_to_error::{
-    MAX_EXTRAPOLATION, MethodRecommendation, ParetoPoint, RenderEffort, TimeToError, error_after_seconds, pareto_front,
-    recommend_method, time_to_error, time_to_tenth_of_error,
+    MAX_EXTRAPOLATION_FACTOR, MethodRecommendation, ParetoPoint, RenderEffort, TimeToError, error_after_cpu_seconds,
+    pareto_front, recommend_method, time_to_error, time_to_tenth_of_error,
 };
-pub use verdict::{BIAS_DOMINATED_SHARE, BiasCause, ConvergenceVerdict, judge_convergence};
+pub use verdict::{BiasCause, ConvergenceVerdict, DOMINANT_SQUARED_BIAS_SHARE, judge_convergence};
 
 #[cfg(test)]
 mod tests;

@@ -3,16 +3,16 @@
 mod clock;
 mod command;
 pub mod fit;
+mod noise_and_bias;
 mod references;
 mod result;
 mod run;
-mod split;
 #[cfg(test)]
 mod tests;
 mod variant;
 
 pub use clock::CpuWallTime;
-pub use command::{StudiedScene, shell_quoted};
+pub use command::{StudiedScene, shell_command_line};
 pub use references::{ReferenceError, ReferencePictures, reference_algorithm};
 pub use result::{ConvergenceCheckpoint, MIN_THREAD_TIME_SHARE, MethodResult, MethodStudyResult, Reference};
 pub use run::{MethodStudy, MethodStudyEvent, StudyLimits};

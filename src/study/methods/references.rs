@@ -27,7 +27,7 @@ pub enum ReferenceError {
     Read(#[from] crate::image::ReadError),
     /// The two reference files hold the same picture.
     #[error("`{}` equals the other reference, so its noise would count as bias: render it with another seed", path.display())]
-    Same {
+    EqualPictures {
         /// Path of the second reference file.
         path: PathBuf,
     },
@@ -42,7 +42,7 @@ pub enum ReferenceError {
         "`{}` has {} × {} pixels, but the study {} × {}: give --size {}x{}, or a reference of the study's size",
         path.display(), found.0, found.1, wanted.0, wanted.1, found.0, found.1
     )]
-    Size {
+    SizeMismatch {
         /// Path of the reference file.
         path: PathBuf,
         /// Width and height of the reference \[pixels].
@@ -55,7 +55,7 @@ pub enum ReferenceError {
     Metric(#[from] MetricError),
     /// The size of the picture is not allowed.
     #[error(transparent)]
-    Extent(#[from] PictureSizeError),
+    InvalidSize(#[from] PictureSizeError),
 }
 
 /// Two reference pictures of equal size with finite pixels.
@@ -65,7 +65,7 @@ pub struct ReferencePictures {
     error: Option<f64>,
     pair: [Image; 2],
     mean: Image,
-    scale: RelativeErrorWeights,
+    relative_error_weights: RelativeErrorWeights,
 }
 
 impl ReferencePictures {
@@ -84,8 +84,8 @@ impl ReferencePictures {
         let mean = Image::from_pixels(a.width(), a.height(), halves.collect())?;
         let scale = RelativeErrorWeights::from_image(&mean);
         let apart = |i: usize| (a.pixels()[i].as_dvec3() - b.pixels()[i].as_dvec3()).map(|d| d * d);
-        let error = (!exact).then(|| 0.5 * scale.mean(apart).sqrt());
-        Ok(Self { source, error, pair: [a, b], mean, scale })
+        let error = (!exact).then(|| 0.5 * scale.mean_relative_squared_error(apart).sqrt());
+        Ok(Self { source, error, pair: [a, b], mean, relative_error_weights: scale })
     }
 
     /// Reads one or two reference pictures, whose width and height must be `size` \[pixels].
@@ -100,7 +100,7 @@ impl ReferencePictures {
         };
         let (a, b) = (read_reference(first, size)?, second.map(|path| read_reference(path, size)).transpose()?);
         match second {
-            Some(second) if b.as_ref() == Some(&a) => Err(ReferenceError::Same { path: second.to_owned() }),
+            Some(second) if b.as_ref() == Some(&a) => Err(ReferenceError::EqualPictures { path: second.to_owned() }),
             _ => Self::new(source, a, b),
         }
     }
@@ -128,7 +128,7 @@ impl ReferencePictures {
         let prepare = |far| {
             let camera_paths = CameraPathSettings {
                 seed: like.seed.wrapping_add(far),
-                samples: None,
+                samples_per_pixel: None,
                 adaptive: false,
                 ..like.clone()
             };
@@ -146,13 +146,13 @@ impl ReferencePictures {
                     film.add(&integrator.render_pass(film.passes(), monitor).image);
                 }
             });
-            spent += time.processor;
+            spent += time.cpu_seconds;
             after(films[0].passes(), spent / (2.0 * seconds));
         }
         let n = films[0].passes();
         let passes = if n == 1 { "pass" } else { "passes" };
         let source = format!("auto: {n} {passes} of {}, twice: {why}", algorithm.name());
-        let [a, b] = films.map(|film| Image::from_pixels(width, height, film.mean()));
+        let [a, b] = films.map(|film| Image::from_pixels(width, height, film.mean_picture()));
         Self::new(source, a?, Some(b?)).map(Some)
     }
 
@@ -179,7 +179,7 @@ impl ReferencePictures {
 
     /// Returns the pixel weights of relative errors, made from the mean of both references.
     pub(super) fn relative_error_weights(&self) -> &RelativeErrorWeights {
-        &self.scale
+        &self.relative_error_weights
     }
 
     /// Returns an unbiased estimate of the squared error of pixel `i` with radiance `value`.
@@ -199,7 +199,7 @@ fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceErr
     let image = crate::image::read(path)?;
     let found = (image.width(), image.height());
     if found != wanted {
-        return Err(ReferenceError::Size { path: path.to_owned(), found, wanted });
+        return Err(ReferenceError::SizeMismatch { path: path.to_owned(), found, wanted });
     }
     Ok(image)
 }

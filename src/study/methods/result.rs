@@ -10,9 +10,11 @@ pub struct ConvergenceCheckpoint {
     /// Number of passes that each seed has made.
     pub passes: u32,
     /// Processor time of all passes so far, without setup, mean over seeds \[s].
-    pub seconds: f64,
+    #[serde(rename = "seconds")]
+    pub cpu_seconds: f64,
     /// Wall time of all passes so far, without setup, mean over seeds \[s].
-    pub wall: f64,
+    #[serde(rename = "wall")]
+    pub wall_seconds: f64,
     /// Number of rays of all kinds so far, mean over seeds.
     pub rays: f64,
     /// Number of photon paths emitted so far, mean over seeds.
@@ -27,20 +29,22 @@ pub struct ConvergenceCheckpoint {
     pub squared_errors: Vec<f64>,
     /// Relative squared noise: variance between the seeds' pictures, relative as in
     /// `squared_errors`.
-    pub noise2: f64,
-    /// Estimates of the relative squared noise, one from each seed; their mean is `noise2`.
+    #[serde(rename = "noise2")]
+    pub squared_noise: f64,
+    /// Estimates of the relative squared noise, one from each seed; their mean is `squared_noise`.
     ///
     /// With S seeds, the value is S/(S − 1) times the relative squared difference between the
     /// seed's picture and the mean over seeds. The list is empty with one seed.
     #[serde(rename = "noises")]
     pub squared_noises: Vec<f64>,
-    /// Relative squared bias: mean of `squared_errors` minus `noise2`. The estimate may be
+    /// Relative squared bias: mean of `squared_errors` minus `squared_noise`. The estimate may be
     /// negative.
-    pub bias2: f64,
+    #[serde(rename = "bias2")]
+    pub squared_bias: f64,
     /// Square of the relative error that the renderer itself estimates, for each seed with a finite
     /// estimate.
     #[serde(rename = "estimated")]
-    pub squared_error_estimates: Vec<f64>,
+    pub squared_estimated_errors: Vec<f64>,
     /// Root mean square error over pixels, channels and seeds \[W/(m² sr)], without the noise of
     /// the references; 0 if noise makes the estimated square negative.
     pub rmse: f64,
@@ -59,8 +63,8 @@ impl ConvergenceCheckpoint {
     /// the seeds with an estimate; `None` if no seed has one.
     #[must_use]
     pub fn mean_square_of_estimated_error(&self) -> Option<f64> {
-        let n = self.squared_error_estimates.len() as f64;
-        (n > 0.0).then(|| self.squared_error_estimates.iter().sum::<f64>() / n)
+        let n = self.squared_estimated_errors.len() as f64;
+        (n > 0.0).then(|| self.squared_estimated_errors.iter().sum::<f64>() / n)
     }
 }
 
@@ -72,9 +76,9 @@ pub struct MethodResult {
     /// Rendering algorithm.
     pub algorithm: Algorithm,
     /// Shell command that renders the first seed's picture at the last checkpoint.
-    pub command: String,
+    pub render_command: String,
     /// Processor time of preparing the integrator of the first seed, with pilots \[s].
-    pub setup: f64,
+    pub setup_seconds: f64,
     /// Exponent α by which gather radii shrink from pass to pass (radius law of Knaus and Zwicker
     /// 2011); 1 for fixed radii.
     pub alpha: f64,
@@ -82,14 +86,14 @@ pub struct MethodResult {
     /// \[length].
     ///
     /// `None` if the algorithm has no photons.
-    pub radii: Option<[f32; 2]>,
+    pub gather_radii: Option<[f32; 2]>,
     /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass.
     pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
     pub first_seed_picture: Image,
     /// Relative error of each pixel at the last checkpoint, as a root mean square over seeds; in
     /// rows from the top.
-    pub pixel_errors: Vec<f32>,
+    pub relative_pixel_errors: Vec<f32>,
     /// Mean over seeds of the pictures at the last checkpoint, minus the reference \[W/(m² sr)].
     pub mean_difference: Image,
 }
@@ -115,9 +119,9 @@ pub const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 #[derive(Clone, Debug)]
 pub struct MethodStudyResult {
     /// Path of the scene file.
-    pub scene: String,
+    pub scene_path: String,
     /// Shell command that repeats the study.
-    pub command: String,
+    pub study_command: String,
     /// Name and version of this program.
     pub program: String,
     /// Description of the processor, and number of threads.
@@ -125,7 +129,7 @@ pub struct MethodStudyResult {
     /// Number of seeds of each method.
     pub seeds: u32,
     /// Limit of processor time for each seed of a method \[s].
-    pub budget: f64,
+    pub cpu_seconds_per_seed: f64,
     /// Share of the threads' time that the program got: processor time divided by the product of
     /// wall time and threads. It is the minimum over methods.
     ///

@@ -1,7 +1,7 @@
 //! Runs the methods of a study in turns, one pass at a time.
 
 use super::clock::{ClockFn, measure_time, system_clock};
-use super::split::{mean_pixel_over_pictures, pixel_errors, separate_noise_and_bias};
+use super::noise_and_bias::{mean_pixel_over_pictures, relative_pixel_errors, separate_noise_and_bias};
 use super::variant::{MethodVariantError, check_method_variants};
 use super::{
     ConvergenceCheckpoint, CpuWallTime, MethodResult, MethodStudyResult, MethodVariant, ReferencePictures, StudiedScene,
@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Smallest ratio of the numbers of passes at a method's last two checkpoints. The earlier
 /// checkpoint is dropped if the ratio is smaller.
-const MIN_CHECKPOINT_RATIO: f64 = 1.3;
+const MIN_CHECKPOINT_PASS_RATIO: f64 = 1.3;
 
 /// Memory of a film and of its error estimator \[bytes per pixel].
 const BYTES_PER_FILM_PIXEL: u64 = 50 + 284;
@@ -31,9 +31,9 @@ const BYTES_PER_PICTURE_PIXEL: u64 = 12;
 /// Limits at which the methods of a study stop. Each method makes at least one pass.
 #[derive(Clone, Copy, Debug)]
 pub struct StudyLimits {
-    /// Processor time per seed \[s]. A method stops after the pass in which its processor time,
-    /// averaged over seeds, reaches this limit.
-    pub budget: f64,
+    /// Largest processor time per seed \[s]. A method stops after the pass in which its processor
+    /// time, averaged over seeds, reaches this limit.
+    pub cpu_seconds_per_seed: f64,
     /// Largest number of passes that a method makes; `None` without a limit.
     pub passes: Option<u32>,
 }
@@ -43,7 +43,7 @@ pub struct StudyLimits {
 pub enum MethodStudyEvent<'s> {
     /// Each method that has not reached a limit has made one more pass with each seed. Holds the
     /// number of passes that each seed of these methods has made.
-    Round(u32),
+    PassFinished(u32),
     /// A method was measured at a checkpoint. Holds the method's label and the checkpoint.
     Checkpoint(&'s str, &'s ConvergenceCheckpoint),
 }
@@ -65,18 +65,18 @@ pub struct MethodStudy<'a> {
 /// State of one rendering method while a study runs: its seeds, times and checkpoints.
 struct MethodRun<'a> {
     variant: MethodVariant,
-    make: IntegratorFactory<'a>,
-    setup: f64,
-    radii: Option<GatherRadii>,
-    expected: ExpectedPhotons,
+    make_integrator: IntegratorFactory<'a>,
+    setup_seconds: f64,
+    gather_radii: Option<GatherRadii>,
+    expected_photons: ExpectedPhotons,
     alpha: f64,
     seeds: Vec<SeedRun<'a>>,
-    time: CpuWallTime,
+    total_pass_time: CpuWallTime,
     rays: u64,
     photon_paths: u64,
     checkpoints: Vec<ConvergenceCheckpoint>,
     /// Pictures of the last checkpoint; `None` while the method runs.
-    last: Option<FinalPictures>,
+    final_pictures: Option<FinalPictures>,
 }
 
 /// State of one seed of a rendering method: integrator, film and error estimator.
@@ -92,7 +92,7 @@ struct SeedRun<'a> {
 struct FinalPictures {
     passes: u32,
     first_seed_picture: Image,
-    pixel_errors: Vec<f32>,
+    relative_pixel_errors: Vec<f32>,
     mean_difference: Image,
 }
 
@@ -127,23 +127,23 @@ impl<'a> MethodStudy<'a> {
         check_method_variants(&named, seeds)?;
         let runs = named.into_iter().zip(makers).map(|(variant, make)| {
             let (first, setup) = measure_time(&clock, || make(variant.settings.camera_paths.seed));
-            let (radii, expected) = (first.gather_radii(), first.expected_photons());
+            let (radii, expected) = (first.initial_gather_radii(), first.expected_photons());
             let alpha = first.radius_law().map_or(1.0, |law| law.alpha);
             let none = (1..seeds).map(|_| None);
             let film = |integrator| SeedRun { integrator, film: Film::new(size.0, size.1), estimator: None };
             MethodRun {
                 variant,
-                make,
-                setup: setup.processor,
-                radii,
-                expected,
+                make_integrator: make,
+                setup_seconds: setup.cpu_seconds,
+                gather_radii: radii,
+                expected_photons: expected,
                 alpha,
                 seeds: std::iter::once(Some(first)).chain(none).map(film).collect(),
-                time: CpuWallTime::default(),
+                total_pass_time: CpuWallTime::default(),
                 rays: 0,
                 photon_paths: 0,
                 checkpoints: Vec::new(),
-                last: None,
+                final_pictures: None,
             }
         });
         let runs = runs.collect();
@@ -154,10 +154,10 @@ impl<'a> MethodStudy<'a> {
     /// methods of the study.
     #[must_use]
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
-        self.runs.iter().map(|run| run.expected).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
+        self.runs.iter().map(|run| run.expected_photons).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             stored_photons: a.stored_photons.max(b.stored_photons),
-            largest_map: a.largest_map.max(b.largest_map),
+            photons_in_largest_map: a.photons_in_largest_map.max(b.photons_in_largest_map),
         })
     }
 
@@ -194,13 +194,13 @@ impl<'a> MethodStudy<'a> {
         mut after: impl FnMut(MethodStudyEvent<'_>),
     ) -> Result<MethodStudyResult, StudyError> {
         let (mut round, mut cut) = (0u32, false);
-        while self.runs.iter().any(|run| run.last.is_none()) {
+        while self.runs.iter().any(|run| run.final_pictures.is_none()) {
             self.run_one_pass_per_seed(round, monitor);
             round += 1;
-            after(MethodStudyEvent::Round(round));
+            after(MethodStudyEvent::PassFinished(round));
             let asked = interrupted.load(Ordering::Relaxed);
-            for run in self.runs.iter_mut().filter(|run| run.last.is_none()) {
-                let spent = run.time.processor / f64::from(self.seeds) >= limits.budget;
+            for run in self.runs.iter_mut().filter(|run| run.final_pictures.is_none()) {
+                let spent = run.total_pass_time.cpu_seconds / f64::from(self.seeds) >= limits.cpu_seconds_per_seed;
                 let done = spent || limits.passes.is_some_and(|most| round >= most) || round == u32::MAX;
                 cut |= asked && !done;
                 if done || asked || round.is_power_of_two() {
@@ -218,7 +218,7 @@ impl<'a> MethodStudy<'a> {
     /// all methods equally.
     fn run_one_pass_per_seed(&mut self, pass: u32, monitor: &dyn ProgressMonitor) {
         let seeds = self.seeds as usize;
-        let running = (0..self.runs.len()).filter(|i| self.runs[*i].last.is_none());
+        let running = (0..self.runs.len()).filter(|i| self.runs[*i].final_pictures.is_none());
         let turns: Vec<(usize, usize)> = running.flat_map(|run| (0..seeds).map(move |seed| (run, seed))).collect();
         let (late, early) = turns.split_at(pass as usize % turns.len());
         for (run, seed) in early.iter().chain(late) {
@@ -234,17 +234,18 @@ impl<'a> MethodStudy<'a> {
         interrupted: bool,
     ) -> MethodStudyResult {
         let threads = rayon::current_num_threads();
-        let share = |run: &MethodRun<'_>| run.time.processor / (run.time.wall * threads as f64);
+        let share =
+            |run: &MethodRun<'_>| run.total_pass_time.cpu_seconds / (run.total_pass_time.wall_seconds * threads as f64);
         // The share of the threads' time is unknown if the system does not report processor time.
         let is_known = |share: &f64| share.is_finite() && cpu_seconds().is_some();
         let shares = self.runs.iter().map(share).filter(is_known);
         MethodStudyResult {
-            scene: subject.scene.clone(),
-            command: subject.command.clone(),
+            scene_path: subject.scene_path.clone(),
+            study_command: subject.study_command.clone(),
             program: format!("caustica {}", env!("CARGO_PKG_VERSION")),
             machine: super::clock::machine_description(threads),
             seeds: self.seeds,
-            budget: limits.budget,
+            cpu_seconds_per_seed: limits.cpu_seconds_per_seed,
             thread_time_share: shares.fold(1.0, f64::min),
             reference: references.mean_reference(),
             methods: self.runs.into_iter().filter_map(|run| run.into_result(subject)).collect(),
@@ -263,11 +264,11 @@ impl MethodRun<'_> {
     ) {
         let SeedRun { integrator, film, estimator } = &mut self.seeds[seed];
         let first = self.variant.settings.camera_paths.seed;
-        let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
+        let integrator = integrator.get_or_insert_with(|| (self.make_integrator)(first.wrapping_add(seed as u64)));
         let (pass, time) = measure_time(clock, || integrator.render_pass(number, monitor));
         estimator.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(number, &pass);
         film.add(&pass.image);
-        self.time += time;
+        self.total_pass_time += time;
         self.rays += pass.counters.total_rays();
         self.photon_paths += pass.unaimed.emitted_paths + pass.aimed.emitted_paths;
     }
@@ -275,7 +276,7 @@ impl MethodRun<'_> {
     /// Measures the pictures of all seeds after `passes` passes. Adds a checkpoint and returns it.
     ///
     /// `last` is true when the method ends. The previous checkpoint is then dropped if it has
-    /// almost as many passes ([`MIN_CHECKPOINT_RATIO`]).
+    /// almost as many passes ([`MIN_CHECKPOINT_PASS_RATIO`]).
     fn add_checkpoint(
         &mut self,
         passes: u32,
@@ -283,7 +284,7 @@ impl MethodRun<'_> {
         size: (u32, u32),
         references: &ReferencePictures,
     ) -> Result<ConvergenceCheckpoint, StudyError> {
-        let pictures: Vec<Vec<Rgb>> = self.seeds.iter().map(|seed| seed.film.mean()).collect();
+        let pictures: Vec<Vec<Rgb>> = self.seeds.iter().map(|seed| seed.film.mean_picture()).collect();
         let image = |pixels: Vec<Rgb>| Image::from_pixels(size.0, size.1, pixels);
         for picture in &pictures {
             // `rmse` is called because it fails if a pixel is not finite. Its value is not used.
@@ -296,29 +297,34 @@ impl MethodRun<'_> {
         let seeds = pictures.len() as f64;
         let checkpoint = ConvergenceCheckpoint {
             passes,
-            seconds: self.time.processor / seeds,
-            wall: self.time.wall / seeds,
+            cpu_seconds: self.total_pass_time.cpu_seconds / seeds,
+            wall_seconds: self.total_pass_time.wall_seconds / seeds,
             rays: self.rays as f64 / seeds,
             photon_paths: self.photon_paths as f64 / seeds,
             squared_errors: measured.squared_errors,
             squared_noises: measured.squared_noises,
-            noise2: measured.noise2,
-            bias2: measured.bias2,
-            squared_error_estimates,
+            squared_noise: measured.squared_noise,
+            squared_bias: measured.squared_bias,
+            squared_estimated_errors: squared_error_estimates,
             rmse: measured.rmse,
             flip: flip_metric(references.mean(), &image(pictures[0].clone())?, &FlipMetricOptions::default())?.mean,
         };
         if last {
-            self.checkpoints.pop_if(|before| f64::from(passes) < MIN_CHECKPOINT_RATIO * f64::from(before.passes));
+            self.checkpoints.pop_if(|before| f64::from(passes) < MIN_CHECKPOINT_PASS_RATIO * f64::from(before.passes));
             let reference = references.mean().pixels();
             let differences = reference
                 .iter()
                 .enumerate()
                 .map(|(i, t)| (mean_pixel_over_pictures(&pictures, i) - t.as_dvec3()).as_vec3());
             let mean_difference = image(differences.collect())?;
-            let pixel_errors = pixel_errors(references, &pictures);
+            let pixel_errors = relative_pixel_errors(references, &pictures);
             let first_seed_picture = image(pictures.into_iter().next().unwrap_or_default())?;
-            self.last = Some(FinalPictures { passes, first_seed_picture, pixel_errors, mean_difference });
+            self.final_pictures = Some(FinalPictures {
+                passes,
+                first_seed_picture,
+                relative_pixel_errors: pixel_errors,
+                mean_difference,
+            });
             self.seeds.clear();
         }
         self.checkpoints.push(checkpoint.clone());
@@ -326,17 +332,18 @@ impl MethodRun<'_> {
     }
 
     fn into_result(self, subject: &StudiedScene) -> Option<MethodResult> {
-        let FinalPictures { passes, first_seed_picture, pixel_errors, mean_difference } = self.last?;
+        let FinalPictures { passes, first_seed_picture, relative_pixel_errors: pixel_errors, mean_difference } =
+            self.final_pictures?;
         Some(MethodResult {
-            command: subject.render_command_line(&self.variant, passes),
+            render_command: subject.render_command_line(&self.variant, passes),
             label: self.variant.label,
             algorithm: self.variant.algorithm,
-            setup: self.setup,
+            setup_seconds: self.setup_seconds,
             alpha: self.alpha,
-            radii: self.radii.map(|r| [r.indirect, r.caustic]),
+            gather_radii: self.gather_radii.map(|r| [r.indirect, r.caustic]),
             checkpoints: self.checkpoints,
             first_seed_picture,
-            pixel_errors,
+            relative_pixel_errors: pixel_errors,
             mean_difference,
         })
     }

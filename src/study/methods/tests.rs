@@ -1,8 +1,8 @@
 //! Tests of studies, on synthetic methods with known noise, bias and cost.
 
 use super::clock::ClockFn;
+use super::noise_and_bias::{relative_pixel_errors, separate_noise_and_bias};
 use super::run::IntegratorFactory;
-use super::split::{pixel_errors, separate_noise_and_bias};
 use super::{
     CpuWallTime, MethodStudy, MethodStudyEvent, MethodStudyResult, MethodVariant, ReferenceError, ReferencePictures,
     StudiedScene, StudyLimits, reference_algorithm,
@@ -71,10 +71,10 @@ fn noise_and_bias_are_separated() {
     }
     // A variance that is estimated from n channels, with three degrees of freedom each, has the
     // relative standard deviation √(2/(3n)).
-    assert_near(found.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / (3.0 * CHANNELS)).sqrt());
-    assert_near(found.bias2, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + reference2));
+    assert_near(found.squared_noise, 0.5 * noise2, 0.5 * noise2 * (2.0 / (3.0 * CHANNELS)).sqrt());
+    assert_near(found.squared_bias, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + reference2));
     let mean: f64 = found.squared_errors.iter().sum::<f64>() / 4.0;
-    assert!((mean - found.noise2 - found.bias2).abs() < 1e-12, "the parts make the whole");
+    assert!((mean - found.squared_noise - found.squared_bias).abs() < 1e-12, "the parts make the whole");
     assert_near(found.rmse * found.rmse, bias2 + noise2, 2.0 * of_mean(bias2 + noise2 + reference2));
 }
 
@@ -82,7 +82,7 @@ fn noise_and_bias_are_separated() {
 fn unbiased_pictures_have_no_bias() {
     let pictures: Vec<_> = (0..4).map(|seed| noisy_picture(0.0, 0.2, seed)).collect();
     let found = separate_noise_and_bias(&references_with_noise(0.2), &pictures);
-    assert_near(found.bias2, 0.0, 0.5 * (0.01 + 0.04) / CHANNELS.sqrt());
+    assert_near(found.squared_bias, 0.0, 0.5 * (0.01 + 0.04) / CHANNELS.sqrt());
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn error_map_has_the_mean_error() {
     let references =
         ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
     let pictures = [noisy_picture(0.1, 0.0, 0), noisy_picture(-0.3, 0.0, 0)];
-    let map = pixel_errors(&references, &pictures);
+    let map = relative_pixel_errors(&references, &pictures);
     // The squared errors are 0.01 and 0.09, and their mean is halved to make it relative. Pixels
     // near 1 are rounded by 6e-8, so errors near 0.1 are rounded by 6e-7 of their value.
     assert!(map.iter().all(|e| (f64::from(*e) - 0.025f64.sqrt()).abs() < 1e-6), "{}", map[0]);
@@ -132,7 +132,7 @@ impl Integrator for SyntheticIntegrator<'_> {
         let processor = cost * (1.0 + 0.5 * self.seed as f64);
         // Other programs use the processor for a fifth of the time.
         let wall = processor / (0.8 * rayon::current_num_threads() as f64);
-        *self.world.time.lock().unwrap() += CpuWallTime { processor, wall };
+        *self.world.time.lock().unwrap() += CpuWallTime { cpu_seconds: processor, wall_seconds: wall };
         self.world.log.lock().unwrap().push((cost, self.seed, pass));
         self.world.interrupted.fetch_or(interrupts && pass == 2 && self.seed == 0, Ordering::Relaxed);
         let name = (f64::to_bits(cost) >> 40) + 1000 * u64::from(pass) + self.seed;
@@ -167,7 +167,7 @@ fn run_synthetic_study<'w>(
     };
     let clock: ClockFn<'w> = Box::new(|| *world.time.lock().unwrap());
     let study = MethodStudy::new(SIZE, fakes.iter().map(|f| variant(*f)).collect(), 2, clock).unwrap();
-    let subject = StudiedScene { scene: "a.txt".into(), ..StudiedScene::default() };
+    let subject = StudiedScene { scene_path: "a.txt".into(), ..StudiedScene::default() };
     let mut reported = Vec::new();
     let found = study.run(&subject, limits, &references_with_noise(0.0), &world.interrupted, &SilentMonitor, |step| {
         if let MethodStudyEvent::Checkpoint(label, checkpoint) = step {
@@ -194,17 +194,22 @@ fn checkpoint_pass_counts(found: &MethodStudyResult, method: usize) -> Vec<u32> 
 #[test]
 fn methods_run_until_their_budget() {
     let world = SyntheticStudyState::default();
-    let found =
-        run_synthetic_study(&world, &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 6.0 - 1e-9, passes: None });
+    let found = run_synthetic_study(
+        &world,
+        &[SLOW_METHOD, FAST_METHOD],
+        StudyLimits { cpu_seconds_per_seed: 6.0 - 1e-9, passes: None },
+    );
     assert_eq!(checkpoint_pass_counts(&found, 0), [1, 2, 4, 6]);
     assert_eq!(checkpoint_pass_counts(&found, 1), [1, 2, 4, 8, 16, 24]);
     let last = found.methods[0].checkpoints.last().unwrap();
-    assert!((last.seconds - 6.0).abs() < 1e-9 && (last.rays - 6.0 * 15.5).abs() < 1e-9 && last.photon_paths == 900.0);
-    assert!((last.wall * 0.8 * rayon::current_num_threads() as f64 - 6.0).abs() < 1e-9);
+    assert!(
+        (last.cpu_seconds - 6.0).abs() < 1e-9 && (last.rays - 6.0 * 15.5).abs() < 1e-9 && last.photon_paths == 900.0
+    );
+    assert!((last.wall_seconds * 0.8 * rayon::current_num_threads() as f64 - 6.0).abs() < 1e-9);
     assert!(
         !found.interrupted && (found.thread_time_share - if cpu_seconds().is_some() { 0.8 } else { 1.0 }).abs() < 1e-9
     );
-    assert!(found.methods[1].command.ends_with(" --spp 3 --seed 0 --passes 24 -o of-0.2-s.exr"));
+    assert!(found.methods[1].render_command.ends_with(" --spp 3 --seed 0 --passes 24 -o of-0.2-s.exr"));
 }
 
 #[test]
@@ -212,7 +217,7 @@ fn close_last_checkpoints_are_merged() {
     let found = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SLOW_METHOD, FAST_METHOD],
-        StudyLimits { budget: 5.0 - 1e-9, passes: None },
+        StudyLimits { cpu_seconds_per_seed: 5.0 - 1e-9, passes: None },
     );
     assert_eq!(
         (checkpoint_pass_counts(&found, 0), checkpoint_pass_counts(&found, 1)),
@@ -221,7 +226,7 @@ fn close_last_checkpoints_are_merged() {
     let capped = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SLOW_METHOD, FAST_METHOD],
-        StudyLimits { budget: 5.0 - 1e-9, passes: Some(6) },
+        StudyLimits { cpu_seconds_per_seed: 5.0 - 1e-9, passes: Some(6) },
     );
     assert_eq!(
         (checkpoint_pass_counts(&capped, 0), checkpoint_pass_counts(&capped, 1)),
@@ -230,7 +235,7 @@ fn close_last_checkpoints_are_merged() {
     let least = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SLOW_METHOD, FAST_METHOD],
-        StudyLimits { budget: 0.0, passes: None },
+        StudyLimits { cpu_seconds_per_seed: 0.0, passes: None },
     );
     assert_eq!((checkpoint_pass_counts(&least, 0), checkpoint_pass_counts(&least, 1)), (vec![1], vec![1]));
 }
@@ -238,7 +243,11 @@ fn close_last_checkpoints_are_merged() {
 #[test]
 fn rounds_start_at_different_methods() {
     let world = SyntheticStudyState::default();
-    run_synthetic_study(&world, &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 1e9, passes: Some(3) });
+    run_synthetic_study(
+        &world,
+        &[SLOW_METHOD, FAST_METHOD],
+        StudyLimits { cpu_seconds_per_seed: 1e9, passes: Some(3) },
+    );
     let round = [(0.8, 0), (0.8, 1), (0.2, 0), (0.2, 1)];
     let expected = (0..3).flat_map(|r| (0..4).map(move |i| (round[(i + r) % 4].0, round[(i + r) % 4].1, r as u32)));
     assert_eq!(*world.log.lock().unwrap(), expected.collect::<Vec<_>>());
@@ -250,7 +259,7 @@ fn interrupted_method_studies_finish_their_round() {
     let found = run_synthetic_study(
         &world,
         &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }, FAST_METHOD],
-        StudyLimits { budget: 100.0, passes: None },
+        StudyLimits { cpu_seconds_per_seed: 100.0, passes: None },
     );
     assert!(found.interrupted);
     assert_eq!((checkpoint_pass_counts(&found, 0), checkpoint_pass_counts(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
@@ -258,7 +267,7 @@ fn interrupted_method_studies_finish_their_round() {
     let whole = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }],
-        StudyLimits { budget: 100.0, passes: Some(3) },
+        StudyLimits { cpu_seconds_per_seed: 100.0, passes: Some(3) },
     );
     assert!(!whole.interrupted);
 }
@@ -268,19 +277,20 @@ fn measured_errors_match_synthetic_methods() {
     let found = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SLOW_METHOD, FAST_METHOD],
-        StudyLimits { budget: 100.0, passes: Some(16) },
+        StudyLimits { cpu_seconds_per_seed: 100.0, passes: Some(16) },
     );
     for (method, SyntheticMethod { bias, sigma, .. }) in found.methods.iter().zip([SLOW_METHOD, FAST_METHOD]) {
         for checkpoint in &method.checkpoints {
             let noise2 = sigma * sigma / f64::from(checkpoint.passes);
             // A variance that is estimated from n channels, with one degree of freedom each, has
             // the relative standard deviation √(2/n). Means near 1 are rounded at 6e-8.
-            assert_near(checkpoint.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
+            assert_near(checkpoint.squared_noise, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
             let v = bias * bias + noise2;
             assert_near(checkpoint.mean_squared_error(), 0.5 * v, v / CHANNELS.sqrt());
-            assert_near(checkpoint.bias2, 0.5 * bias * bias, v / CHANNELS.sqrt());
+            assert_near(checkpoint.squared_bias, 0.5 * bias * bias, v / CHANNELS.sqrt());
         }
-        let error = method.pixel_errors.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
+        let error =
+            method.relative_pixel_errors.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
         assert!((error - method.checkpoints.last().unwrap().mean_squared_error()).abs() < 1e-6, "{error}");
         // `mean` is taken over all channels. Each channel has the standard deviation σ/√(16 passes
         // · 2 seeds).
@@ -306,10 +316,10 @@ fn references_estimate_their_noise() {
 #[test]
 fn reference_algorithm_depends_on_caustics() {
     let (diffuse_sphere_on_floor, glass) = (diffuse_sphere_on_floor(8, 6), glass_sphere_on_floor(8, 6));
-    assert_eq!(reference_algorithm(&diffuse_sphere_on_floor, EffectOverrides::PLANNED).0, Algorithm::Path);
-    assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
+    assert_eq!(reference_algorithm(&diffuse_sphere_on_floor, EffectOverrides::NO_OVERRIDES).0, Algorithm::Path);
+    assert_eq!(reference_algorithm(&glass, EffectOverrides::NO_OVERRIDES).0, Algorithm::Hybrid);
     assert_eq!(
-        reference_algorithm(&glass, EffectOverrides::PLANNED.without_effect(Effect::Caustics)).0,
+        reference_algorithm(&glass, EffectOverrides::NO_OVERRIDES.with_forced_off(Effect::Caustics)).0,
         Algorithm::Path
     );
     let render = |seed, interrupted| {

@@ -26,7 +26,7 @@ pub enum MethodVariantError {
     NoMethod,
     /// Two methods have the same label.
     #[error("`{0}` is given twice")]
-    Twice(String),
+    DuplicateLabel(String),
     /// There is only one seed per method. Noise and bias can be separated only with two or more.
     #[error("one seed cannot separate noise from bias: use at least two")]
     OneSeed,
@@ -40,7 +40,7 @@ pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> R
         return Err(MethodVariantError::OneSeed);
     }
     let twice = variants.iter().enumerate().find(|(i, v)| variants[..*i].iter().any(|before| before.label == v.label));
-    twice.map_or(Ok(()), |(_, v)| Err(MethodVariantError::Twice(v.label.clone())))
+    twice.map_or(Ok(()), |(_, v)| Err(MethodVariantError::DuplicateLabel(v.label.clone())))
 }
 
 /// Returns the global illumination algorithms that give different pictures of `scene`.
@@ -83,7 +83,7 @@ mod tests {
         assert_eq!(check_method_variants(&[variant_with_label("a"), variant_with_label("b")], 2), Ok(()));
         assert_eq!(
             check_method_variants(&[variant_with_label("a"), variant_with_label("b"), variant_with_label("a")], 2),
-            Err(MethodVariantError::Twice("a".into()))
+            Err(MethodVariantError::DuplicateLabel("a".into()))
         );
         assert_eq!(
             (check_method_variants(&[], 2), check_method_variants(&[variant_with_label("a")], 1)),
@@ -95,11 +95,14 @@ mod tests {
     fn applicable_methods_depend_on_caustics() {
         use Algorithm::{Hybrid, Path, Pm, Ppm, Sppm};
         assert_eq!(
-            applicable_methods(&glass_sphere_on_floor(4, 3), EffectOverrides::PLANNED),
+            applicable_methods(&glass_sphere_on_floor(4, 3), EffectOverrides::NO_OVERRIDES),
             [Path, Pm, Ppm, Sppm, Hybrid]
         );
-        assert_eq!(applicable_methods(&diffuse_sphere_on_floor(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm]);
-        let without = EffectOverrides::PLANNED.without_effect(Effect::Caustics);
+        assert_eq!(
+            applicable_methods(&diffuse_sphere_on_floor(4, 3), EffectOverrides::NO_OVERRIDES),
+            [Path, Pm, Ppm, Sppm]
+        );
+        let without = EffectOverrides::NO_OVERRIDES.with_forced_off(Effect::Caustics);
         assert_eq!(applicable_methods(&glass_sphere_on_floor(4, 3), without), [Path, Pm, Ppm, Sppm]);
     }
 }

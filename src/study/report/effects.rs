@@ -1,8 +1,8 @@
-//! HTML report of a study of effects; submodule `data` has CSV and Markdown.
+//! HTML report of a study of effects; submodule `text_reports` has CSV and Markdown.
 
-mod data;
+mod text_reports;
 
-pub use data::{csv_report, markdown_report};
+pub use text_reports::{csv_report, markdown_report};
 
 use super::html::{escape_html, inline_png, number_cells_html};
 use super::picture::{auto_exposure_stops, encode_png, exposure_text, negative_part, positive_part};
@@ -15,7 +15,7 @@ use std::fmt::Write;
 /// report of an effect shows pictures of both.
 ///
 /// Below this ratio, the smaller amount is mostly noise.
-const MIN_SHOWN_PART: f64 = 0.1;
+const MIN_SHOWN_RATIO: f64 = 0.1;
 
 const STYLE: &str = "\
 :root { color-scheme: light dark; }
@@ -34,9 +34,9 @@ p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1
 
 /// Scene and settings that the report of a study of effects shows at its top.
 #[derive(Clone, Debug)]
-pub struct ReportContext {
+pub struct EffectReportHeader {
     /// Name of the scene, shown in the report.
-    pub scene: String,
+    pub scene_name: String,
     /// Name of the rendering algorithm.
     pub integrator: &'static str,
     /// Seed of all pictures.
@@ -49,15 +49,15 @@ pub struct ReportContext {
 ///
 /// # Errors
 /// [`StudyError`] if a picture cannot be encoded.
-pub fn effects_html_page(about: &ReportContext, findings: &EffectStudyResult) -> Result<String, StudyError> {
-    let scene = escape_html(&about.scene);
+pub fn effects_html_page(about: &EffectReportHeader, findings: &EffectStudyResult) -> Result<String, StudyError> {
+    let scene = escape_html(&about.scene_name);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <title>Effects of {scene}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
          <h1>Cost and contribution of effects: {scene}</h1>\n"
     );
-    let passes = findings.whole.passes.len();
+    let passes = findings.full_picture_cost.pass_seconds.len();
     let _ = writeln!(
         page,
         "<p>Rendered by Caustica {} with <code>{}</code>, {passes} {}, seed {}. Each effect in use was left out \
@@ -120,29 +120,29 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
     heads.iter().for_each(|head| table += &format!("<th scope=\"col\" class=\"n\">{head}</th>"));
     table += "</tr></thead>\n<tbody>\n";
     for EffectResult { decision, cost, contribution, .. } in &findings.effects {
-        let error = cost.seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
+        let error = cost.seconds_standard_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         let cells = [
-            signed_milliseconds_text(cost.seconds) + &error,
-            format!("{:.2}", cost.ratio),
-            signed_milliseconds_text(cost.setup),
+            signed_milliseconds_text(cost.seconds_per_pass) + &error,
+            format!("{:.2}", cost.time_ratio),
+            signed_milliseconds_text(cost.setup_seconds),
             signed_count_text(cost.rays),
             signed_count_text(cost.gathered_photons),
             three_digit_text(contribution.rmse),
             contribution.relative_rmse.map_or("–".to_owned(), percent_text),
-            percent_of_mean_text(contribution.adds, findings.mean),
-            percent_of_mean_text(contribution.removes, findings.mean),
+            percent_of_mean_text(contribution.added_radiance, findings.mean_radiance),
+            percent_of_mean_text(contribution.removed_radiance, findings.mean_radiance),
         ];
         let _ = write!(table, "<tr><th scope=\"row\"><a href=\"#{0}\">{0}</a></th>", decision.effect);
         table += &number_cells_html(&cells);
         table += "</tr>\n";
     }
-    let whole = &findings.whole;
-    let passes = whole.passes.len() as f64;
+    let whole = &findings.full_picture_cost;
+    let passes = whole.pass_seconds.len() as f64;
     let a_pass = |n: u64| count_text(n as f64 / passes);
     let cells = [
         format!("{:.1}", 1e3 * whole.total_pass_seconds() / passes),
         String::new(),
-        format!("{:.1}", 1e3 * whole.setup),
+        format!("{:.1}", 1e3 * whole.setup_seconds),
         a_pass(whole.counters.total_rays()),
         a_pass(whole.counters.gathered_photons),
     ];
@@ -151,10 +151,10 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
     let _ = write!(
         table,
         "<td colspan=\"4\">mean radiance {} W/(m² sr)</td></tr></tfoot>\n</table></div>\n",
-        three_digit_text(findings.mean)
+        three_digit_text(findings.mean_radiance)
     );
     let mut notes = "<p>Costs do not add up: effects share work, and some depend on others. ± is the standard error over passes.</p>\n";
-    if findings.whole.passes.len() == 1 {
+    if findings.full_picture_cost.pass_seconds.len() == 1 {
         notes = "<p>Costs do not add up: effects share work, and some depend on others.</p>\n";
     }
     table + notes
@@ -164,7 +164,7 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
     let EffectResult { decision, cost, contribution, difference, .. } = finding;
     let effect = decision.effect;
     let mut article = format!("<article id=\"{effect}\">\n<h3>{effect}</h3>\n<dl>\n");
-    let because = if decision.is_forced_by_user() {
+    let because = if decision.is_forced_against_need() {
         format!("forced; the scene does not need it: {}", decision.reason)
     } else {
         decision.reason.to_string()
@@ -178,8 +178,8 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
     };
     let costs = format!(
         "{} ms per pass, {:.2} times the time without it; {} rays and {} gathered photons per pass",
-        signed_milliseconds_text(cost.seconds),
-        cost.ratio,
+        signed_milliseconds_text(cost.seconds_per_pass),
+        cost.time_ratio,
         signed_count_text(cost.rays),
         signed_count_text(cost.gathered_photons),
     );
@@ -192,14 +192,14 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
         let _ = writeln!(article, "<dt>{term}</dt><dd>{}</dd>", escape_html(text));
     }
     article += "</dl>\n";
-    let most = contribution.adds.max(contribution.removes);
+    let most = contribution.added_radiance.max(contribution.removed_radiance);
     let parts = [
-        ("added", contribution.adds, positive_part(difference)?),
-        ("removed", contribution.removes, negative_part(difference)?),
+        ("added", contribution.added_radiance, positive_part(difference)?),
+        ("removed", contribution.removed_radiance, negative_part(difference)?),
     ];
     article += "<div class=\"pictures\">\n";
     for (how, mean, image) in parts {
-        let Some(exposure) = auto_exposure_stops(&image).filter(|_| mean >= MIN_SHOWN_PART * most) else { continue };
+        let Some(exposure) = auto_exposure_stops(&image).filter(|_| mean >= MIN_SHOWN_RATIO * most) else { continue };
         let caption = format!("Light {how} by {effect}: exposure {}.", exposure_text(exposure));
         article += &picture_figure_html(&image, exposure, &format!("light {how} by {effect}"), &caption)?;
     }
@@ -215,7 +215,7 @@ fn omitted_effects_html(findings: &EffectStudyResult) -> String {
     let mut list = "<h2>Not simulated</h2>\n<dl>\n".to_owned();
     for decision in off {
         let reason = escape_html(&decision.reason.to_string());
-        let text = if decision.is_forced_by_user() {
+        let text = if decision.is_forced_against_need() {
             format!("forced off, though {reason}: {}", decision.effect.symptom_if_missing())
         } else {
             reason

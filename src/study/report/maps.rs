@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 /// Relative error at the dark end of a logarithmic colour ramp, divided by the error at its bright
 /// end.
-pub(super) const MIN_RAMP_FRACTION: f64 = 0.01;
+pub(super) const RAMP_END_ERROR_RATIO: f64 = 0.01;
 
 /// Quantile of the pixel errors at the upper end of a colour scale. Larger errors are clamped.
 const SCALE_QUANTILE: f64 = 0.99;
@@ -71,13 +71,13 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, Pictu
     let colour = |e: &f32| {
         let e = f64::from(*e);
         if e > 0.0 {
-            error_color_ramp(1.0 - libm::log(e / most) / libm::log(MIN_RAMP_FRACTION))
+            error_color_ramp(1.0 - libm::log(e / most) / libm::log(RAMP_END_ERROR_RATIO))
         } else {
             error_color_ramp(0.0)
         }
     };
     let picture = &method.first_seed_picture;
-    Image::from_pixels(picture.width(), picture.height(), method.pixel_errors.iter().map(colour).collect())
+    Image::from_pixels(picture.width(), picture.height(), method.relative_pixel_errors.iter().map(colour).collect())
 }
 
 /// Returns the relative difference of each pixel from the reference: the mean of `difference` over
@@ -134,9 +134,9 @@ pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> V
     let mut sum = vec![0.0; w * h];
     for method in methods {
         let square = |e: &f32| Some(f64::from(*e)).filter(|e| e.is_finite()).map_or(0.0, |e| e * e);
-        let mean = method.pixel_errors.iter().map(square).sum::<f64>() / (w * h) as f64;
+        let mean = method.relative_pixel_errors.iter().map(square).sum::<f64>() / (w * h) as f64;
         if mean > 0.0 {
-            sum.iter_mut().zip(&method.pixel_errors).for_each(|(sum, e)| *sum += square(e) / mean);
+            sum.iter_mut().zip(&method.relative_pixel_errors).for_each(|(sum, e)| *sum += square(e) / mean);
         }
     }
     // Summed-area table (Crow 1984): each entry is the sum over all pixels left and above.

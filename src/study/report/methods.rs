@@ -1,12 +1,12 @@
-//! HTML report of a study of methods; submodule `data` has CSV, JSON and Markdown.
+//! HTML report of a study of methods; submodule `text_reports` has CSV, JSON and Markdown.
 
 mod analysis;
-mod data;
 mod figures;
 mod tables;
+mod text_reports;
 mod warnings;
 
-pub use data::{csv_report, markdown_report, method_study_json};
+pub use text_reports::{csv_report, markdown_report, method_study_json};
 
 use super::html::escape_html;
 use super::text::{duration_text, error_percent_text};
@@ -28,7 +28,7 @@ const SCRIPT: &str = include_str!("methods/flip.js");
 /// [`StudyError`] if a picture cannot be encoded, or differs in size from the reference.
 pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError> {
     let analysis = MethodStudyAnalysis::new(found);
-    let scene = escape_html(&found.scene);
+    let scene = escape_html(&found.scene_path);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
@@ -82,10 +82,14 @@ fn study_summary_html(found: &MethodStudyResult) -> String {
     let own_error =
         found.reference.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
     let size = format!("{} × {} pixels", found.reference.picture.width(), found.reference.picture.height());
-    let seeds = format!("{} of each method, up to {} of processor time each", found.seeds, duration_text(found.budget));
+    let seeds = format!(
+        "{} of each method, up to {} of processor time each",
+        found.seeds,
+        duration_text(found.cpu_seconds_per_seed)
+    );
     let mut list = "<dl>\n".to_owned();
     for (term, text) in [
-        ("Scene", format!("{}, {size}", found.scene)),
+        ("Scene", format!("{}, {size}", found.scene_path)),
         ("Seeds", seeds),
         ("Reference", format!("{}{own_error}", found.reference.source)),
         ("Program", found.program.clone()),
@@ -93,5 +97,5 @@ fn study_summary_html(found: &MethodStudyResult) -> String {
     ] {
         let _ = writeln!(list, "<dt>{term}</dt><dd>{}</dd>", escape_html(&text));
     }
-    list + "</dl>\n<p class=\"again\">Command:</p>\n" + &command_block_html(&found.command)
+    list + "</dl>\n<p class=\"again\">Command:</p>\n" + &command_block_html(&found.study_command)
 }

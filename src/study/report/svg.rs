@@ -33,11 +33,11 @@ pub(super) enum LineStyle {
 pub(super) struct PlotSeries {
     pub(super) label: String,
     /// Index of the series, which selects its colour and marker.
-    pub(super) style: usize,
+    pub(super) series_index: usize,
     pub(super) stroke: LineStyle,
     pub(super) points: Vec<(f64, f64)>,
     /// Confidence interval of each point; `None` if unknown. The list may be shorter than `points`.
-    pub(super) bars: Vec<Option<[f64; 2]>>,
+    pub(super) confidence_intervals: Vec<Option<[f64; 2]>>,
 }
 
 /// Straight guide line in a log-log plot, with a given slope and through a given point.
@@ -57,7 +57,7 @@ pub(super) struct LogLogPlot<'a> {
     pub(super) id: &'a str,
     pub(super) title: &'a str,
     /// Alternative text of the plot, for readers who do not see it.
-    pub(super) words: &'a str,
+    pub(super) alt_text: &'a str,
     pub(super) size: (f64, f64),
     pub(super) series: Vec<PlotSeries>,
     pub(super) guides: Vec<SlopeGuideLine>,
@@ -69,9 +69,9 @@ struct LogAxis {
     least: f64,
     most: f64,
     /// Position of the value `least` on the page \[px].
-    from: f64,
+    least_position: f64,
     /// Position of the value `most` on the page \[px].
-    to: f64,
+    most_position: f64,
 }
 
 impl LogAxis {
@@ -86,12 +86,12 @@ impl LogAxis {
         }
         // The axis spans at least a factor of four, so a single point has ticks around it.
         let space = f64::max(1.12, (4.0 * least / most).sqrt());
-        Some(Self { least: least / space, most: most * space, from, to })
+        Some(Self { least: least / space, most: most * space, least_position: from, most_position: to })
     }
 
     fn position_on_axis(&self, value: f64) -> f64 {
         let part = libm::log(value / self.least) / libm::log(self.most / self.least);
-        self.from + part * (self.to - self.from)
+        self.least_position + part * (self.most_position - self.least_position)
     }
 
     /// Returns the values of the ticks at 1, 2 and 5 times powers of ten. The flag of a tick is
@@ -167,17 +167,17 @@ pub(super) fn plot_svg(plot: &LogLogPlot<'_>) -> Option<String> {
         "<svg id=\"{id}\" role=\"img\" aria-labelledby=\"{id}-title {id}-desc\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
          height=\"{height}\">\n<title id=\"{id}-title\">{}</title>\n<desc id=\"{id}-desc\">{}</desc>\n",
         escape_html(plot.title),
-        escape_html(plot.words)
+        escape_html(plot.alt_text)
     );
     draw_axes(&mut svg, &x, &y, plot.size);
     plot.guides.iter().for_each(|guide| draw_slope_guide(&mut svg, guide, &x, &y));
     let _ = writeln!(
         svg,
         "<clipPath id=\"{id}-clip\"><rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
-        x.from - 6.0,
-        y.to - 6.0,
-        x.to - x.from + 12.0,
-        y.from - y.to + 12.0
+        x.least_position - 6.0,
+        y.most_position - 6.0,
+        x.most_position - x.least_position + 12.0,
+        y.least_position - y.most_position + 12.0
     );
     let mut ends = Vec::new();
     for series in &plot.series {
@@ -195,13 +195,13 @@ fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)
         let _ = writeln!(
             svg,
             "<line class=\"{class}\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/>",
-            y.from, y.to
+            y.least_position, y.most_position
         );
         if has_label {
             let _ = writeln!(
                 svg,
                 "<text class=\"tick\" text-anchor=\"middle\" x=\"{at:.1}\" y=\"{:.1}\">{} s</text>",
-                y.from + 18.0,
+                y.least_position + 18.0,
                 tick_text(value)
             );
         }
@@ -212,13 +212,13 @@ fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)
         let _ = writeln!(
             svg,
             "<line class=\"{class}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>",
-            x.from, x.to
+            x.least_position, x.most_position
         );
         if has_label {
             let _ = writeln!(
                 svg,
                 "<text class=\"tick\" text-anchor=\"end\" x=\"{:.1}\" y=\"{:.1}\">{} %</text>",
-                x.from - 6.0,
+                x.least_position - 6.0,
                 at + 4.0,
                 tick_text(100.0 * value)
             );
@@ -227,7 +227,7 @@ fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)
     let _ = writeln!(
         svg,
         "<text class=\"tick\" text-anchor=\"middle\" x=\"{:.1}\" y=\"{:.1}\">processor time</text>",
-        0.5 * (x.from + x.to),
+        0.5 * (x.least_position + x.most_position),
         height - 8.0
     );
 }
@@ -269,7 +269,7 @@ fn draw_slope_guide(svg: &mut String, guide: &SlopeGuideLine, x: &LogAxis, y: &L
 
 /// Draws a series. Returns the position of its last point on the page \[px]; `None` without points.
 fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: &LogAxis) -> Option<(f64, f64)> {
-    let colour = series_color(series.style);
+    let colour = series_color(series.series_index);
     let mut ends = Vec::new();
     let mut markers = String::new();
     for (i, (time, error)) in series.points.iter().enumerate() {
@@ -278,13 +278,13 @@ fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: 
         }
         let (px, py) = (x.position_on_axis(*time), y.position_on_axis(*error));
         ends.push((px, py));
-        if let Some([low, high]) = series.bars.get(i).copied().flatten() {
+        if let Some([low, high]) = series.confidence_intervals.get(i).copied().flatten() {
             let [y1, y2] = [high, low].map(|v| y.position_on_axis(v.clamp(0.5 * y.least, 2.0 * y.most)));
             let _ =
                 write!(markers, "<line class=\"bar\" x1=\"{px:.1}\" x2=\"{px:.1}\" y1=\"{y1:.1}\" y2=\"{y2:.1}\"/>");
         }
         if series.stroke == LineStyle::Solid {
-            markers += &marker_svg(series.style, px, py);
+            markers += &marker_svg(series.series_index, px, py);
         }
     }
     let dash = match series.stroke {
@@ -306,10 +306,13 @@ fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: 
 /// Labels do not overlap if there is room for all.
 fn draw_series_labels(svg: &mut String, mut ends: Vec<((f64, f64), &PlotSeries)>, x: &LogAxis, y: &LogAxis) {
     ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
-    let heights = spread_label_heights(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
+    let heights = spread_label_positions(
+        &ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(),
+        (y.most_position + 4.0, y.least_position),
+    );
     for (((end_x, end_y), series), at) in ends.into_iter().zip(heights) {
-        let colour = series_color(series.style);
-        let label_x = x.to + 14.0;
+        let colour = series_color(series.series_index);
+        let label_x = x.most_position + 14.0;
         let _ = writeln!(
             svg,
             "<polyline class=\"lead\" stroke=\"{colour}\" points=\"{:.1},{end_y:.1} {:.1},{at:.1}\"/><text class=\"label\" x=\"{label_x:.1}\" y=\"{:.1}\">{}<title>{}</title></text>",
@@ -334,7 +337,7 @@ fn shortened_label(label: &str) -> String {
 ///
 /// Labels are first moved down until they are below `top` and apart from each other. Then they are
 /// moved up until none is below `bottom`. If there is too little room, some labels end above `top`.
-fn spread_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
+fn spread_label_positions(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
     for &height in heights {
         let least = placed.last().map_or(top, |last| last + LABEL_HEIGHT);
@@ -350,47 +353,4 @@ fn spread_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> 
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn series_with_points(label: &str, style: usize, points: &[(f64, f64)]) -> PlotSeries {
-        PlotSeries { label: label.into(), style, stroke: LineStyle::Solid, points: points.to_vec(), bars: Vec::new() }
-    }
-
-    #[test]
-    fn series_labels_do_not_overlap() {
-        let placed = spread_label_heights(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
-        assert!(placed.windows(2).all(|pair| pair[1] - pair[0] >= LABEL_HEIGHT - 1e-9), "{placed:?}");
-        assert!(placed[0] >= 10.0 - 1e-9 && placed[5] <= 100.0 && placed[1] == 26.0);
-    }
-
-    #[test]
-    fn log_axis_decades_have_equal_length() {
-        let axis = LogAxis::axis_around_values([0.01, 10.0].into_iter(), (0.0, 300.0)).unwrap();
-        assert!(
-            (axis.position_on_axis(1.0)
-                - axis.position_on_axis(0.1)
-                - (axis.position_on_axis(0.1) - axis.position_on_axis(0.01)))
-            .abs()
-                < 1e-9
-        );
-        let labelled: Vec<f64> = axis.tick_values().into_iter().filter(|t| t.1).map(|t| t.0).collect();
-        let expected = [0.01, 0.1, 1.0, 10.0];
-        assert!(labelled.len() == 4 && labelled.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
-        assert_eq!([0.05, 0.5, 2.0, 100.0, 0.01].map(tick_text), ["0.05", "0.5", "2", "100", "0.01"]);
-        // A single point has ticks around it.
-        assert!(LogAxis::axis_around_values([3.0].into_iter(), (0.0, 1.0)).unwrap().tick_values().len() >= 2);
-    }
-
-    #[test]
-    fn plots_skip_values_without_logarithm() {
-        let draw = |points: &[(f64, f64)]| {
-            let all = vec![series_with_points("a<b", 0, points)];
-            plot_svg(&LogLogPlot { id: "p", title: "t", words: "w", size: (400.0, 300.0), series: all, guides: vec![] })
-        };
-        assert!(draw(&[(0.0, 1.0), (1.0, -1.0), (1.0, f64::NAN)]).is_none());
-        let svg = draw(&[(1.0, 0.5), (2.0, 0.0), (4.0, 0.25)]).unwrap();
-        assert_eq!(svg.matches("<circle").count(), 2);
-        assert!(svg.contains("a&lt;b") && !svg.contains("NaN") && !svg.contains("inf"));
-    }
-}
+mod tests;

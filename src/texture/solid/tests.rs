@@ -3,7 +3,14 @@ use glam::DQuat;
 
 /// Texture that blends black and white, with three octaves of noise and two waves per length.
 fn solid_texture_of_pattern(kind: SolidPattern, amplitude: f64, to_pattern: DAffine3) -> SolidTexture {
-    SolidTexture { kind, colors: [Rgb::ZERO, Rgb::ONE], octaves: 3, frequency: 2.0, amplitude, to_pattern }
+    SolidTexture {
+        kind,
+        colors: [Rgb::ZERO, Rgb::ONE],
+        octaves: 3,
+        frequency: 2.0,
+        amplitude,
+        object_to_pattern: to_pattern,
+    }
 }
 
 #[test]

@@ -78,9 +78,9 @@ fn rough_materials_lose_only_stated_energy() {
     let frosted = |alpha| Material::rough_boundary(Body::new(1.5), alpha);
     let metal = |alpha| Material::conductor(Vec3::ZERO, Vec3::splat(2.0), alpha);
     for (name, ball, least, most) in [
-        ("metal", metal(0.1).with_single_scattering(), 0.96, 1.0),
-        ("frosted glass", frosted(0.1).with_single_scattering(), 0.95, 1.0),
-        ("rough metal", metal(0.5).with_single_scattering(), 0.6, 1.0),
+        ("metal", metal(0.1).with_single_microfacet_scattering(), 0.96, 1.0),
+        ("frosted glass", frosted(0.1).with_single_microfacet_scattering(), 0.95, 1.0),
+        ("rough metal", metal(0.5).with_single_microfacet_scattering(), 0.6, 1.0),
         ("metal with multiple scattering", metal(0.1), 0.99, 1.01),
         ("rough metal with multiple scattering", metal(0.8), 0.99, 1.01),
         ("frosted glass with multiple scattering", frosted(0.3), 0.98, 1.02),

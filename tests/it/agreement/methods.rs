@@ -3,7 +3,7 @@
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::integrate::{
-    ALPHA, Algorithm, CameraPathSettings, FinalGathering, IndirectPhotons, Integrator, LightTracing, Settings,
+    Algorithm, CameraPathSettings, DEFAULT_ALPHA, FinalGathering, IndirectPhotons, Integrator, LightTracing, Settings,
     SilentMonitor, VolumeEstimator,
 };
 use caustica::photon::Kernel;
@@ -64,7 +64,7 @@ fn image(method: Method, prepared: &dyn Integrator, i: u32) -> Vec<Rgb> {
 
 fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<dyn Integrator + 'a> {
     let camera_paths = CameraPathSettings {
-        samples: Some(effort.samples),
+        samples_per_pixel: Some(effort.samples),
         max_bounces: 1000,
         seed: 1000 + u64::from(i),
         filter: Filter::new(FilterKind::Box),
@@ -72,12 +72,12 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
     };
     let settings = Settings {
         camera_paths,
-        allows_balance: false,
+        allows_ray_photon_balance: false,
         unaimed_paths: effort.photons,
         aimed_paths: effort.caustic,
         gather_k: Some(0),
-        radius: Some(effort.radius as f32),
-        alpha: ALPHA,
+        initial_gather_radius: Some(effort.radius as f32),
+        alpha: DEFAULT_ALPHA,
         kernel: Kernel::Epanechnikov,
         allows_prefix_rays: true,
         allows_environment_guiding: true,

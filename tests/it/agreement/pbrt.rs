@@ -105,7 +105,7 @@ fn our_passes(path: &Path, max_bounces: u32) -> Vec<Vec<Rgb>> {
     let file = SceneFile::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let scene = file.resolve().unwrap();
     let camera_paths = CameraPathSettings {
-        samples: Some(SAMPLES),
+        samples_per_pixel: Some(SAMPLES),
         max_bounces,
         filter: Filter::new(FilterKind::Box),
         ..CameraPathSettings::default()

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use caustica::photon::{StoreMask, TracedPhotons};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Shape, Sphere};
 use glam::{DVec3, Vec3};
 
@@ -24,7 +24,10 @@ fn scene_of_all_kinds() -> Scene {
     ball(dvec3(0.5, -0.5, 0.0), glass, Vec3::ZERO);
     ball(dvec3(0.0, 0.5, -0.5), mirror, Vec3::ZERO);
     ball(dvec3(-0.6, 0.6, 0.6), walls, Vec3::new(3.0, 2.0, 1.0));
-    b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::new(5.0, 6.0, 7.0)));
+    b.add_delta_light(
+        UnscaledDeltaLight::Point { position: DVec3::ZERO },
+        LightStrength::Power(Vec3::new(5.0, 6.0, 7.0)),
+    );
     photon_only_scene(b)
 }
 
@@ -45,7 +48,7 @@ fn flux_is_conserved_up_to_rounding() {
             let mean = audit.emitted.iter().sum::<f64>() / 3.0;
             let bound = 12.0 * mean * rays as f64 / paths as f64 / 16_777_216.0;
             for c in 0..3 {
-                let gone = audit.absorbed[c] + audit.escaped[c] + audit.stopped[c] + audit.roulette[c];
+                let gone = audit.absorbed[c] + audit.escaped[c] + audit.stopped[c] + audit.net_roulette_loss[c];
                 assert!((audit.emitted[c] - gone).abs() <= bound, "{mask:?} {c}: {audit:?}");
             }
         }
@@ -60,7 +63,7 @@ fn flux_is_conserved_up_to_rounding() {
 fn roulette_is_unbiased() {
     let passes = trace_photon_passes(&scene_of_all_kinds(), StoreMask::ALL, 1000, 64, 1 << 13);
     for c in 0..3 {
-        let share: Vec<f64> = passes.iter().map(|t| 1.0 + t.audit.roulette[c] / t.audit.emitted[c]).collect();
+        let share: Vec<f64> = passes.iter().map(|t| 1.0 + t.audit.net_roulette_loss[c] / t.audit.emitted[c]).collect();
         assert_mean(&format!("roulette's share, channel {c}"), &share, 1.0, 0.0, 2e-3);
     }
 }
@@ -80,14 +83,14 @@ fn path_lengths_in_grey_room_are_geometric() {
         for face in box_faces(-DVec3::ONE, DVec3::ONE, true) {
             b.add_shape(face, wall, Vec3::ZERO);
         }
-        b.add_delta_light(DeltaLightKind::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
+        b.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
         let passes = trace_photon_passes(&photon_only_scene(b), StoreMask::ALL, 10_000, 20_000, N as u32);
         let landed: Vec<f64> = passes.iter().map(|t| t.deposits.surface_photons.len() as f64).collect();
         assert_mean(&format!("photons a path, ρ = {albedo}"), &landed, N / (1.0 - albedo), 0.0, 2e-3);
         let variance = N * albedo / ((1.0 - albedo) * (1.0 - albedo));
         let squares: Vec<f64> = landed.iter().map(|n| n - N / (1.0 - albedo)).map(|d| d * d).collect();
         assert_mean(&format!("their variance, ρ = {albedo}"), &squares, variance, 0.0, 0.015);
-        let roulette: Vec<f64> = passes.iter().map(|t| t.audit.roulette[0]).map(|r| r * r).collect();
+        let roulette: Vec<f64> = passes.iter().map(|t| t.audit.net_roulette_loss[0]).map(|r| r * r).collect();
         assert_mean(&format!("variance of roulette, ρ = {albedo}"), &roulette, N * albedo, 1e-5, 0.015);
         assert!(
             passes.iter().all(|t| t.rays == t.deposits.surface_photons.len() as u64),

@@ -6,7 +6,7 @@
 
 use crate::support::*;
 use caustica::photon::{Bandwidth, Kernel, PhotonMap, StoreMask};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
+use caustica::scene::{LightStrength, Material, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Shape, Sphere};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -31,7 +31,7 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
     let mut b = SceneBuilder::new();
     let wall = b.add_material(Material::diffuse(grey(0.5)));
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
-    b.add_delta_light(DeltaLightKind::Point { position: dvec3(0.4, 0.1, -0.3) }, LightStrength::Power(grey(1.0)));
+    b.add_delta_light(UnscaledDeltaLight::Point { position: dvec3(0.4, 0.1, -0.3) }, LightStrength::Power(grey(1.0)));
     let scene = photon_only_scene(b);
     let mut moments = Moments { mean: vec![], variance: vec![], expected: vec![] };
     for traced in trace_photon_passes(&scene, StoreMask::INDIRECT, 1000, 48, 1 << 15) {

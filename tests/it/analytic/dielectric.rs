@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use caustica::photon::StoreMask;
-use caustica::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
+use caustica::scene::{LightStrength, Material, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Plane, Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -65,7 +65,7 @@ fn photons_pass_slab_by_its_transmittance() {
             b.add_shape(Shape::Sphere(Sphere::new(dvec3(x, 5.0, 0.0), 1e-3)), white, Vec3::ZERO);
         }
         b.add_delta_light(
-            DeltaLightKind::Directional { direction: beam_direction(angle) },
+            UnscaledDeltaLight::Directional { direction: beam_direction(angle) },
             LightStrength::Physical(Vec3::ONE),
         );
         let scene = photon_only_scene(b);
@@ -128,7 +128,7 @@ fn total_reflection_traps_light_in_cube() {
     for face in box_faces(-DVec3::ONE, DVec3::ONE, false) {
         b.add_shape(face, glass, Vec3::ZERO);
     }
-    b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    b.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = photon_only_scene(b);
     let escaped = |bounces, paths| {
         let passes = trace_photon_passes(&scene, StoreMask::CAUSTIC, bounces, PASSES, paths);

@@ -32,7 +32,7 @@ fn prism_deviation(angle: f64, n: f64) -> f64 {
 }
 
 fn middle_wavelength(photon: &Photon) -> Option<f64> {
-    Wavelength::from_byte_code(photon.data.wavelength_code()).map(|w| f64::from(w.nanometres()))
+    Wavelength::from_byte_code(photon.attributes.wavelength_code()).map(|w| f64::from(w.nanometres()))
 }
 
 /// Photons of narrow bands around the spectral lines F, d and C land far behind a prism, each at
@@ -104,7 +104,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
                     .deposits
                     .surface_photons
                     .iter()
-                    .filter(|p| codes.contains(&p.data.wavelength_code()) && photon_position(&scene, p).x > 0.0)
+                    .filter(|p| codes.contains(&p.attributes.wavelength_code()) && photon_position(&scene, p).x > 0.0)
                     .map(|p| {
                         let own = prism_deviation(angle, bk7(middle_wavelength(p).unwrap()))
                             - prism_deviation(angle, bk7(nm));
@@ -158,7 +158,7 @@ fn dispersed_beam_sums_to_white() {
             let source = PhotonSource::emitting_in_all_directions(&scene).unwrap().with_effects(effects);
             let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
             let with_wavelength =
-                passes[0].deposits.surface_photons.iter().filter(|p| p.data.wavelength_code() != 0).count();
+                passes[0].deposits.surface_photons.iter().filter(|p| p.attributes.wavelength_code() != 0).count();
             assert_eq!(
                 with_wavelength > passes[0].deposits.surface_photons.len() / 2,
                 dispersion,
@@ -166,7 +166,7 @@ fn dispersed_beam_sums_to_white() {
             );
             let sums: Vec<DVec3> = passes
                 .iter()
-                .map(|t| t.deposits.surface_photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
+                .map(|t| t.deposits.surface_photons.iter().map(|p| p.attributes.flux().as_dvec3()).sum())
                 .collect();
             // Each photon of one wavelength has its own hue, which is rounded. One ray in 10⁵
             // passes between two faces at an edge of the prism.
@@ -191,7 +191,7 @@ fn mean_over_wavelengths(index: impl Fn(f64) -> f64, part: impl Fn(f64) -> f64) 
 /// Renders pass `pass` by path tracing with `samples` camera paths per pixel.
 fn render_pass(scene: &Scene, effects: EffectOverrides, samples: u32, pass: u32) -> Vec<DVec3> {
     let mut settings = Settings::default();
-    settings.camera_paths.samples = Some(samples);
+    settings.camera_paths.samples_per_pixel = Some(samples);
     settings.camera_paths.effects = effects;
     let pass = Algorithm::Path.prepare(scene, settings).render_pass(pass, &SilentMonitor);
     assert_eq!(pass.counters.rejected_samples, 0);
@@ -228,7 +228,7 @@ fn stratified_wavelengths_keep_pixels_white() {
          }",
     );
     for samples in [1, 3] {
-        let means = mean_pictures(&scene, EffectOverrides::PLANNED, samples);
+        let means = mean_pictures(&scene, EffectOverrides::NO_OVERRIDES, samples);
         // The weights of independent wavelengths have a standard deviation of about 1.2.
         assert_mean_rgb(&format!("{samples} paths per pixel"), &means, DVec3::ONE, 0.025);
     }
@@ -236,7 +236,7 @@ fn stratified_wavelengths_keep_pixels_white() {
     const STEPS: u32 = 1 << 18;
     let weight = |i: u32| Wavelength::sample((i as f32 + 0.5) / STEPS as f32).weight().as_dvec3();
     let variation: DVec3 = (1..STEPS).map(|i| (weight(i) - weight(i - 1)).abs()).sum();
-    let pixels = render_pass(&scene, EffectOverrides::PLANNED, PATHS, 0);
+    let pixels = render_pass(&scene, EffectOverrides::NO_OVERRIDES, PATHS, 0);
     let worst = pixels.iter().map(|v| (v - DVec3::ONE).abs()).fold(DVec3::ZERO, DVec3::max);
     let bound = variation / f64::from(PATHS);
     eprintln!("off by {worst}, bound {bound}");
@@ -283,8 +283,8 @@ fn white_light_through_slab_stays_white() {
             };
             let (parted, plain) = (mean_over_wavelengths(cauchy, part), DVec3::splat(part(cauchy(587.56))));
             for (effects, expected) in [
-                (EffectOverrides::PLANNED, parted),
-                (EffectOverrides::PLANNED.without_effect(Effect::Dispersion), plain),
+                (EffectOverrides::NO_OVERRIDES, parted),
+                (EffectOverrides::NO_OVERRIDES.with_forced_off(Effect::Dispersion), plain),
             ] {
                 let what =
                     format!("slab at {degrees}°, behind {behind}, {:?}", effects.effect_override(Effect::Dispersion));
@@ -404,7 +404,9 @@ fn rainbow_stands_at_42_degrees() {
         let within = |p: &Photon| bow_angle(&scene, p).is_some_and(|a| a >= edges[i] && a < edges[i + 1]);
         let samples: Vec<f64> = passes
             .iter()
-            .map(|t| t.deposits.surface_photons.iter().filter(|p| within(p)).map(|p| p.data.flux().as_dvec3().x).sum())
+            .map(|t| {
+                t.deposits.surface_photons.iter().filter(|p| within(p)).map(|p| p.attributes.flux().as_dvec3().x).sum()
+            })
             .collect();
         // Limits of rings have the rounding error of 10⁻⁴ degrees. Midpoints of rays are accurate
         // to 10⁻⁵ of the ball's radius.
@@ -447,7 +449,7 @@ fn rainbow_is_red_outside() {
                 let (mut sum, mut weight) = (0.0, 0.0);
                 for p in t.deposits.surface_photons.iter().filter(|p| of_band(p)) {
                     if let Some(angle) = bow_angle(&scene, p).filter(|a| *a >= edges[0] && *a < edges[1]) {
-                        let power = p.data.flux().as_dvec3().element_sum();
+                        let power = p.attributes.flux().as_dvec3().element_sum();
                         sum += power * angle;
                         weight += power;
                     }

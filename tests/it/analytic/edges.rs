@@ -3,7 +3,7 @@
 
 use crate::support::*;
 use caustica::photon::{Kernel, PhotonMap, StoreMask};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
+use caustica::scene::{LightStrength, Material, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -23,7 +23,10 @@ fn floor_photon_maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
         let corner = dvec3(-0.5, 0.3, -0.5);
         b.add_shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 2.0, DVec3::X)), black, grey(0.0));
     }
-    b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.add_delta_light(
+        UnscaledDeltaLight::Directional { direction: -DVec3::Y },
+        LightStrength::Physical(grey(IRRADIANCE)),
+    );
     let scene = photon_only_scene(b);
     let passes = trace_photon_passes(&scene, StoreMask::ALL, 0, PASSES, 1 << 16);
     let maps = passes.into_iter().map(|t| PhotonMap::build(t.deposits.surface_photons)).collect();
@@ -94,7 +97,10 @@ fn estimates_do_not_leak_between_surfaces() {
     b.add_shape(sheet(-0.06), white, grey(0.0));
     let wall = Rectangle::new(DVec3::ZERO, DVec3::Y, DVec3::Z);
     b.add_shape(Shape::Rectangle(wall), white, grey(0.0));
-    b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.add_delta_light(
+        UnscaledDeltaLight::Directional { direction: -DVec3::Y },
+        LightStrength::Physical(grey(IRRADIANCE)),
+    );
     let scene = photon_only_scene(b);
     let photons = trace_photon_passes(&scene, StoreMask::ALL, 0, 1, 1 << 14).remove(0).deposits.surface_photons;
     let map = PhotonMap::build(photons);

@@ -61,7 +61,7 @@ fn means_and_variance(scene: &Scene, algorithm: Algorithm, guided: bool, passes:
         allows_environment_guiding: guided,
         allows_scatter_point_guiding: false,
         indirect_photons: IndirectPhotons::Off,
-        allows_balance: false,
+        allows_ray_photon_balance: false,
         ..camera_ray_settings(4, 20)
     };
     let integrator = algorithm.prepare(scene, settings);
@@ -146,7 +146,7 @@ fn open_scenes_guide_no_shadow_rays() {
     let picture = |guides_environment| {
         let settings = Settings {
             allows_environment_guiding: guides_environment,
-            allows_balance: false,
+            allows_ray_photon_balance: false,
             ..camera_ray_settings(2, 10)
         };
         let integrator = Algorithm::Hybrid.prepare(&scene, settings);

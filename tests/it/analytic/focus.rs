@@ -5,7 +5,7 @@
 
 use crate::support::*;
 use caustica::photon::{PhotonMap, PhotonSource, StoreMask, TracedPhotons};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -22,7 +22,10 @@ fn lens_scene(z: f64) -> Scene {
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, grey(0.0));
     let corner = dvec3(-1.5, -z, -1.5);
     b.add_shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 3.0, DVec3::X * 3.0)), white, grey(0.0));
-    b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.add_delta_light(
+        UnscaledDeltaLight::Directional { direction: -DVec3::Y },
+        LightStrength::Physical(grey(IRRADIANCE)),
+    );
     photon_only_scene(b)
 }
 

@@ -87,7 +87,7 @@ fn coloured_flux_survives_grey_roulette() {
     assert_mean_rgb("landed flux", &landed, emitted / (DVec3::ONE - ALBEDO), 4e-3);
     let direct: Vec<DVec3> = trace_photon_passes(&scene, StoreMask::DIRECT, 0, 4, 1 << 13)
         .iter()
-        .map(|t| t.deposits.surface_photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
+        .map(|t| t.deposits.surface_photons.iter().map(|p| p.attributes.flux().as_dvec3()).sum())
         .collect();
     for flux in direct {
         // Emitted flux is random only by the choice of lights. All six lights are equal, so it is

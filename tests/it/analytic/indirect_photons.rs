@@ -3,7 +3,7 @@
 use crate::support::*;
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, IndirectPhotons, LightTracing, Settings};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -26,7 +26,7 @@ fn wall_scene() -> Scene {
     let mut b = SceneBuilder::new();
     let wall = b.add_material(Material::diffuse(grey(ALBEDO)));
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, RADIUS)), wall, grey(0.0));
-    let kind = DeltaLightKind::Point { position: DVec3::Z * HEIGHT };
+    let kind = UnscaledDeltaLight::Point { position: DVec3::Z * HEIGHT };
     b.add_delta_light(kind, LightStrength::Power(grey(FLUX)));
     b.build(Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, VIEW, 32, 32).unwrap()).unwrap()
 }
@@ -74,8 +74,12 @@ fn photon_estimates_keep_indirect_light_in_a_sphere() {
     let indirect = FLUX / (4.0 * PI * RADIUS * RADIUS) * ALBEDO / (1.0 - ALBEDO);
     let expected = ALBEDO / PI * (direct + indirect);
     let means = |indirect_photons| {
-        let settings =
-            Settings { indirect_photons, unaimed_paths: 4000, allows_balance: false, ..camera_ray_settings(1, 1000) };
+        let settings = Settings {
+            indirect_photons,
+            unaimed_paths: 4000,
+            allows_ray_photon_balance: false,
+            ..camera_ray_settings(1, 1000)
+        };
         picture_means_and_variance(&scene, &settings, 100)
     };
     let variances = [(IndirectPhotons::Off, 0.03), (IndirectPhotons::Weighted, 0.015), (IndirectPhotons::Full, 0.015)]
@@ -112,9 +116,9 @@ fn photon_estimates_keep_indirect_light_in_fog() {
         let radius = Some(0.03);
         let settings = Settings {
             indirect_photons,
-            radius,
+            initial_gather_radius: radius,
             unaimed_paths: 4000,
-            allows_balance: false,
+            allows_ray_photon_balance: false,
             ..camera_ray_settings(1, 1000)
         };
         let (values, _) = picture_means_and_variance(&scene, &settings, 60);
@@ -151,9 +155,9 @@ fn shared_indirect_light_in_fog_keeps_its_mean() {
         let radius = Some(0.05);
         let settings = Settings {
             indirect_photons,
-            radius,
+            initial_gather_radius: radius,
             unaimed_paths: 5000,
-            allows_balance: false,
+            allows_ray_photon_balance: false,
             ..camera_ray_settings(4, 1000)
         };
         let (values, variance) = picture_means_and_variance(&scene, &settings, passes);
@@ -206,7 +210,7 @@ fn every_subset_of_techniques_has_the_same_mean() {
                         unaimed_paths: 20_000,
                         aimed_paths: 10_000,
                         gather_k: Some(0),
-                        radius: Some(0.05),
+                        initial_gather_radius: Some(0.05),
                         ..camera_ray_settings(4, 1000)
                     };
                     settings.camera_paths.seed = seed;

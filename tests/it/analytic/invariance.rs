@@ -4,7 +4,7 @@
 use crate::support::*;
 use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::photon::{PhotonSource, StoreMask};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::{DQuat, DVec2, DVec3, Vec3};
 
@@ -50,7 +50,7 @@ fn room_scene(at: Placement) -> Scene {
     b.add_shape(Shape::Disc(lamp), black, Vec3::new(20.0, 30.0, 40.0));
     let sail = [dvec3(-0.9, -0.9, -0.4), dvec3(-0.4, -0.9, -0.9), dvec3(-0.9, 0.3, -0.8)].map(|p| at.point(p));
     b.add_mesh(&sail, &[], &[[0, 1, 2]], mirror, Vec3::ZERO);
-    let point = DeltaLightKind::Point { position: at.point(dvec3(0.6, 0.5, 0.8)) };
+    let point = UnscaledDeltaLight::Point { position: at.point(dvec3(0.6, 0.5, 0.8)) };
     // Intensity scales with area, like the power of an area light of given radiance.
     b.add_delta_light(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
     let (eye, target) = (at.point(dvec3(2.5, 1.0, 2.5)), at.point(dvec3(0.0, -0.4, 0.0)));
@@ -62,7 +62,7 @@ fn room_scene(at: Placement) -> Scene {
 fn estimates_at_photons() -> Settings {
     Settings {
         gather_k: Some(30),
-        radius: None,
+        initial_gather_radius: None,
         camera_paths: camera_ray_settings(2, 1000).camera_paths,
         ..fixed_radius_settings(20_000, 20_000, 1.0)
     }

@@ -2,8 +2,8 @@
 //! shadow rays.
 
 use crate::support::*;
-use caustica::photon::{Kernel, PhotonData, PhotonMap, PhotonSearchBuffers, StoreMask};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::photon::{Kernel, PhotonAttributes, PhotonMap, PhotonSearchBuffers, StoreMask};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Disc, Plane, Rectangle, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
@@ -48,7 +48,7 @@ const LAMPS: [Lamp; 6] = [
     Lamp {
         name: "point",
         add: |b| {
-            let place = DeltaLightKind::Point { position: dvec3(0.0, HEIGHT, 0.0) };
+            let place = UnscaledDeltaLight::Point { position: dvec3(0.0, HEIGHT, 0.0) };
             b.add_delta_light(place, LightStrength::Physical(grey(INTENSITY)));
         },
         irradiance: |p| {
@@ -61,7 +61,7 @@ const LAMPS: [Lamp; 6] = [
         add: |b| {
             let (position, axis) = (dvec3(0.0, HEIGHT, 0.0), -DVec3::Y);
             b.add_delta_light(
-                DeltaLightKind::Spot { position, axis, inner: 0.3, outer: 0.8 },
+                UnscaledDeltaLight::Spot { position, axis, inner: 0.3, outer: 0.8 },
                 LightStrength::Physical(grey(INTENSITY)),
             );
         },
@@ -173,7 +173,7 @@ fn photons_store_their_incident_direction() {
         / (radius * radius);
     let origin = (-scene.origin()).as_vec3();
     let one = |map: &PhotonMap| {
-        let brdf = |flux: &PhotonData| Vec3::splat(flux.incident_direction().y);
+        let brdf = |flux: &PhotonAttributes| Vec3::splat(flux.incident_direction().y);
         let mut scratch = PhotonSearchBuffers::default();
         f64::from(
             map.estimate_radiance(origin, Vec3::Y, fixed_bandwidth(radius), Kernel::Box, &mut scratch, brdf).radiance.x,

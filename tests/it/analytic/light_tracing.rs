@@ -3,7 +3,7 @@
 use crate::support::*;
 use caustica::camera::{Camera, Lens};
 use caustica::integrate::{Algorithm, LightTracing, Settings};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec2};
 use std::f64::consts::PI;
@@ -35,7 +35,7 @@ pub(super) fn ball_scene_builder() -> SceneBuilder {
     let corner = dvec3(-1.5, -DEPTH, -1.5);
     b.add_shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 3.0, DVec3::X * 3.0)), screen, grey(0.0));
     let angle = libm::asin(BEAM / HEIGHT);
-    let kind = DeltaLightKind::Spot { position: DVec3::Y * HEIGHT, axis: -DVec3::Y, inner: angle, outer: angle };
+    let kind = UnscaledDeltaLight::Spot { position: DVec3::Y * HEIGHT, axis: -DVec3::Y, inner: angle, outer: angle };
     b.add_delta_light(kind, LightStrength::Power(grey(POWER)));
     b
 }
@@ -70,7 +70,7 @@ fn cameras() -> [(&'static str, Camera); 3] {
     let pinhole = Camera::perspective(eye, direction, DVec3::Y, angle, SIZE, SIZE).unwrap();
     [
         ("pinhole", pinhole),
-        ("lens", pinhole.with_lens(Lens { radius: 0.05, focus: 7.9, blades: 0 })),
+        ("lens", pinhole.with_lens(Lens { radius: 0.05, focus_distance: 7.9, blades: 0 })),
         ("orthographic", Camera::orthographic(eye, direction, DVec3::Y, 0.4, SIZE, SIZE).unwrap()),
     ]
 }
@@ -89,8 +89,12 @@ fn screen_area(camera: &Camera, x: u32, y: u32) -> f64 {
 /// Renders passes and returns the flux of the screen that the picture shows \[W], for each pass.
 fn pictured_flux(camera: &Camera, (light_tracing, photons): (LightTracing, u32), seed: u64, passes: u32) -> Vec<f64> {
     let scene = ball_scene(*camera);
-    let mut settings =
-        Settings { allows_balance: false, aimed_paths: photons, light_tracing, ..camera_ray_settings(1, 100) };
+    let mut settings = Settings {
+        allows_ray_photon_balance: false,
+        aimed_paths: photons,
+        light_tracing,
+        ..camera_ray_settings(1, 100)
+    };
     settings.camera_paths.seed = seed;
     let areas: Vec<f64> = (0..SIZE * SIZE).map(|i| screen_area(camera, i % SIZE, i / SIZE)).collect();
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);

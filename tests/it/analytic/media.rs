@@ -78,12 +78,12 @@ fn per_channel(v: [f64; 3], f: impl Fn(f64) -> f64) -> DVec3 {
 /// Returns overrides that switch off interreflection and light after caustics, so that only single
 /// scattering remains.
 fn single_scattering_effects() -> EffectOverrides {
-    EffectOverrides::PLANNED.without_effect(Effect::Interreflection).without_effect(Effect::CausticBounces)
+    EffectOverrides::NO_OVERRIDES.with_forced_off(Effect::Interreflection).with_forced_off(Effect::CausticBounces)
 }
 
 fn settings_with(samples: u32, effects: EffectOverrides) -> Settings {
     let mut settings = fixed_radius_settings(20_000, 20_000, 0.1);
-    settings.camera_paths.samples = Some(samples);
+    settings.camera_paths.samples_per_pixel = Some(samples);
     settings.camera_paths.effects = effects;
     settings
 }
@@ -133,8 +133,12 @@ fn absorbing_slab_obeys_beer_and_fresnel() {
                 algorithms.push(Algorithm::Whitted);
             }
             for algorithm in algorithms {
-                let samples =
-                    mean_radiance_of_passes(&scene, algorithm, settings_with(16, EffectOverrides::PLANNED), PASSES);
+                let samples = mean_radiance_of_passes(
+                    &scene,
+                    algorithm,
+                    settings_with(16, EffectOverrides::NO_OVERRIDES),
+                    PASSES,
+                );
                 // Whitted's branches end below a throughput of 1/256. Light after the third inner
                 // reflection, which is below R⁴, is lost.
                 let slack = if algorithm == Algorithm::Whitted { r * r / 256.0 } else { 0.0 };
@@ -228,18 +232,19 @@ fn scattering_ball_loses_no_light() {
     );
     let expected = per_channel(TAU, |tau| 10.0 * (1.0 - libm::exp(-tau)) / (4.0 * PI) / (2.2 * 2.2));
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-        let samples = mean_radiance_of_passes(&scene, algorithm, settings_with(32, EffectOverrides::PLANNED), PASSES);
+        let samples =
+            mean_radiance_of_passes(&scene, algorithm, settings_with(32, EffectOverrides::NO_OVERRIDES), PASSES);
         // Paths with a vertex close to the light are rare and bright, so the noise is large.
         assert_mean_each(&format!("milky ball, {}", algorithm.name()), &samples, expected, DVec3::ZERO, 0.04);
     }
     for algorithm in [Algorithm::Sppm, Algorithm::Pm] {
         for volume in ESTIMATES {
             let look = |radius: f64| {
-                let base = settings_with(4, EffectOverrides::PLANNED);
+                let base = settings_with(4, EffectOverrides::NO_OVERRIDES);
                 mean_radiance_of_passes(
                     &scene,
                     algorithm,
-                    Settings { radius: Some(radius as f32), volume_estimator: volume, ..base },
+                    Settings { initial_gather_radius: Some(radius as f32), volume_estimator: volume, ..base },
                     PASSES,
                 )
             };
@@ -344,8 +349,12 @@ fn photon_beam_estimate_matches_formula() {
         // `Pm` is left out, because it uses the same photons as the first pass of `Sppm`.
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
             let base = settings_with(64, single_scattering_effects());
-            let settings =
-                Settings { radius: Some(radius as f32), volume_estimator: volume, aimed_paths: 60_000, ..base };
+            let settings = Settings {
+                initial_gather_radius: Some(radius as f32),
+                volume_estimator: volume,
+                aimed_paths: 60_000,
+                ..base
+            };
             // Radii of `Sppm` shrink from pass to pass. So each value comes from the first pass of
             // another seed.
             let samples: Vec<DVec3> = (0..PASSES)
@@ -400,7 +409,7 @@ fn white_medium_vanishes_in_furnace() {
             // With indirect photons, all pixels would read the same photons. Their common noise
             // would hide small errors of the mean.
             let indirect_photons = IndirectPhotons::Off;
-            let mut settings = Settings { indirect_photons, ..settings_with(24, EffectOverrides::PLANNED) };
+            let mut settings = Settings { indirect_photons, ..settings_with(24, EffectOverrides::NO_OVERRIDES) };
             settings.camera_paths.max_bounces = 10_000;
             let samples = mean_radiance_of_passes(&scene, algorithm, settings, PASSES);
             assert_mean_each(&format!("{what}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 0.01);
@@ -419,9 +428,10 @@ fn white_medium_vanishes_in_furnace() {
             let estimates = if algorithm == Algorithm::Path { &ESTIMATES[..1] } else { &ESTIMATES };
             for volume in estimates {
                 let look = |radius: f64| {
-                    let base = settings_with(8, EffectOverrides::PLANNED);
+                    let base = settings_with(8, EffectOverrides::NO_OVERRIDES);
                     let (radius, indirect_photons) = (Some(radius as f32), IndirectPhotons::Off);
-                    let settings = Settings { radius, volume_estimator: *volume, indirect_photons, ..base };
+                    let settings =
+                        Settings { initial_gather_radius: radius, volume_estimator: *volume, indirect_photons, ..base };
                     mean_radiance_of_passes(&scene, algorithm, settings, PASSES)
                 };
                 let what = format!("{what}, {} by {volume:?}", algorithm.name());
@@ -450,10 +460,10 @@ fn milky_ball_keeps_its_rim_in_a_furnace() {
          Materials { Clear milky { medium milk } }
          Group { MaterialName milky  Sphere { center 0 0 0  radius 1 } }",
     );
-    let mut settings = settings_with(16, EffectOverrides::PLANNED);
+    let mut settings = settings_with(16, EffectOverrides::NO_OVERRIDES);
     settings.camera_paths.max_bounces = 10_000;
     for volume in ESTIMATES {
-        let settings = Settings { radius: Some(0.2), volume_estimator: volume, ..settings.clone() };
+        let settings = Settings { initial_gather_radius: Some(0.2), volume_estimator: volume, ..settings.clone() };
         let samples = mean_radiance_of_passes(&scene, Algorithm::Sppm, settings, PASSES);
         // The tolerance of .015 is needed because the density of photons falls towards the rim. The
         // corrected half of a kernel is too bright there.
@@ -483,7 +493,7 @@ fn white_fog_vanishes_between_furnace_walls() {
         ));
         for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
             let samples =
-                mean_radiance_of_passes(&scene, algorithm, settings_with(32, EffectOverrides::PLANNED), PASSES);
+                mean_radiance_of_passes(&scene, algorithm, settings_with(32, EffectOverrides::NO_OVERRIDES), PASSES);
             assert_mean_each(&format!("{fog}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 3e-3);
         }
     }
@@ -530,7 +540,7 @@ fn thick_fog_matches_chandrasekhar_half_space() {
     // H is tabulated at the middles of 400 intervals. The error is 1/400² of the second derivative,
     // which is a logarithm at the end.
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-        let mut settings = settings_with(128, EffectOverrides::PLANNED);
+        let mut settings = settings_with(128, EffectOverrides::NO_OVERRIDES);
         settings.camera_paths.max_bounces = 10_000;
         let samples = mean_radiance_of_passes(&above, algorithm, settings, PASSES);
         assert_mean_each(&format!("thick, {}", algorithm.name()), &samples, expected, 2e-3 * expected, 0.01);
@@ -541,7 +551,7 @@ fn thick_fog_matches_chandrasekhar_half_space() {
             let samples = mean_radiance_of_passes(
                 &within,
                 algorithm,
-                Settings { volume_estimator: volume, ..settings_with(4, EffectOverrides::PLANNED) },
+                Settings { volume_estimator: volume, ..settings_with(4, EffectOverrides::NO_OVERRIDES) },
                 1,
             );
             assert_eq!(samples[0], DVec3::ZERO, "{algorithm:?} by {volume:?}: no light comes so far");
@@ -573,12 +583,12 @@ fn empty_medium_changes_no_bit() {
         settings.camera_paths.max_bounces = 8;
         Algorithm::Path.prepare(&scene, settings).render_pass(0, &SilentMonitor).image
     };
-    for overrides in [EffectOverrides::PLANNED, EffectOverrides::ALL] {
+    for overrides in [EffectOverrides::NO_OVERRIDES, EffectOverrides::ALL_FORCED_ON] {
         let plain = picture("", "", overrides);
         assert!(plain.iter().any(|v| v.x > 0.1));
         assert!(plain == picture("medium nothing", "medium nothing", overrides), "{overrides:?}");
     }
-    assert!(picture("", "", EffectOverrides::PLANNED) == picture("", "", EffectOverrides::ALL));
+    assert!(picture("", "", EffectOverrides::NO_OVERRIDES) == picture("", "", EffectOverrides::ALL_FORCED_ON));
 }
 
 /// A homogeneous medium and a medium on a grid of equal values give the same mean.
@@ -608,7 +618,7 @@ fn constant_grid_equals_homogeneous_medium() {
     let varied = ball(&format!("grid \"{}\"  min -1.1 -1.1 -1.1  max 1.1 1.1 1.1", grid.display()), 0.5);
     for algorithm in [Algorithm::Path, Algorithm::Sppm] {
         let settings =
-            Settings { volume_estimator: VolumeEstimator::Points, ..settings_with(64, EffectOverrides::PLANNED) };
+            Settings { volume_estimator: VolumeEstimator::Points, ..settings_with(64, EffectOverrides::NO_OVERRIDES) };
         let (a, b) = (
             mean_radiance_of_passes(&even, algorithm, settings.clone(), PASSES),
             mean_radiance_of_passes(&varied, algorithm, settings, PASSES),

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use caustica::photon::{Kernel, Photon, PhotonMap, StoreMask, TracedPhotons};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
@@ -36,7 +36,7 @@ fn cup_scene(screen: Rectangle, direction: DVec3) -> Scene {
     }
     b.add_mesh(&corners, &normals, &triangles, mirror, grey(0.0));
     b.add_shape(Shape::Rectangle(screen), white, grey(0.0));
-    b.add_delta_light(DeltaLightKind::Directional { direction }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.add_delta_light(UnscaledDeltaLight::Directional { direction }, LightStrength::Physical(grey(IRRADIANCE)));
     photon_only_scene(b)
 }
 
@@ -70,7 +70,7 @@ fn flux_along_cup_axis_matches_closed_form() {
     // Surface points keep a distance of 16 position errors of 5·2⁻²³ from the edges of facets. That
     // moves a ray sideways by at most 10⁻⁵.
     let sideways =
-        |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.data.incident_direction().x.abs());
+        |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.attributes.incident_direction().x.abs());
     let most = passes.iter().flat_map(|t| &t.deposits.surface_photons).map(sideways).fold(0.0, f64::max);
     assert!(most < 1e-5, "no ray crosses the axis before half the radius: {most}");
 }

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use caustica::photon::{Kernel, PhotonKind, PhotonMap, StoreMask, TracedPhotons};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::Plane;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -110,7 +110,7 @@ fn parallel_mirrors_show_row_of_lights() {
     b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), floor, grey(0.0));
     b.add_plane(Plane::new(DVec3::X * A, -DVec3::X), mirror, grey(0.0));
     b.add_plane(Plane::new(-DVec3::X * A, DVec3::X), mirror, grey(0.0));
-    b.add_delta_light(DeltaLightKind::Point { position: dvec3(X, H, 0.0) }, LightStrength::Physical(grey(1.0)));
+    b.add_delta_light(UnscaledDeltaLight::Point { position: dvec3(X, H, 0.0) }, LightStrength::Physical(grey(1.0)));
     let scene = photon_only_scene(b);
     let at = dvec3(-0.2, 0.0, 0.1);
     let irradiance_of = |k: i32, p: DVec3| {

@@ -46,7 +46,11 @@ fn prefix_rays_keep_light_of_small_highlights() {
     let samples = |prefix_rays| {
         picture_means(
             &scene,
-            Settings { allows_balance: false, allows_prefix_rays: prefix_rays, ..camera_ray_settings(4, 100) },
+            Settings {
+                allows_ray_photon_balance: false,
+                allows_prefix_rays: prefix_rays,
+                ..camera_ray_settings(4, 100)
+            },
             200,
         )
     };
@@ -76,10 +80,10 @@ fn prefix_rays_keep_light_of_mirrored_caustics() {
     // All photons of the caustic are within the gather radius, so that the estimate keeps their
     // flux.
     let settings = Settings {
-        allows_balance: false,
+        allows_ray_photon_balance: false,
         aimed_paths: 20_000,
         gather_k: Some(0),
-        radius: Some(0.02),
+        initial_gather_radius: Some(0.02),
         ..camera_ray_settings(1, 100)
     };
     let flux_per_mean = FILM * FILM / libm::cos(tilt) * PI / REFLECTANCE;
@@ -100,7 +104,7 @@ fn prefix_rays_keep_light_of_mirrored_caustics() {
 /// The lamp's image covers less than 1/15 of a pixel, so 400 camera rays alone would have a
 /// standard error above 20 % or meet no light. Aimed prefix rays must bring it below 2 %.
 fn check_aimed_rays(scene: &Scene, filter: FilterKind, expected: f64, slack: f64) {
-    let mut settings = Settings { allows_balance: false, ..camera_ray_settings(4, 100) };
+    let mut settings = Settings { allows_ray_photon_balance: false, ..camera_ray_settings(4, 100) };
     settings.camera_paths.filter = Filter::new(filter);
     let means = picture_means(scene, settings, 100);
     assert_mean(&format!("aimed prefix rays, {filter:?}"), &means, expected, slack * expected, 0.02);
@@ -179,7 +183,7 @@ fn aimed_rays_keep_light_with_lenses_and_filters() {
     // The mirror shows the lamp at distance 6.
     b.add_shape(Shape::Sphere(Sphere::new(dvec3(0.21, 0.13, 1.0), lamp_radius)), lamp, grey(1e4));
     let camera = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, angle, SIZE, SIZE).unwrap();
-    let scene = b.build(camera.with_lens(Lens { radius: 0.01, focus: 2.0, blades: 0 })).unwrap();
+    let scene = b.build(camera.with_lens(Lens { radius: 0.01, focus_distance: 2.0, blades: 0 })).unwrap();
     let film = 2.0 * libm::tan(0.5 * angle);
     let image_radius = lamp_radius / distance / film;
     let expected = 1e4 * PI * image_radius * image_radius;

@@ -51,8 +51,11 @@ fn sheet_of_light_in_fog() -> Scene {
 ///
 /// Checks that passes guide scattering points if `guided`.
 fn means_and_variance(scene: &Scene, guided: bool, max_bounces: u32, passes: u32) -> (Vec<f64>, f64) {
-    let settings =
-        Settings { allows_scatter_point_guiding: guided, allows_balance: false, ..camera_ray_settings(4, max_bounces) };
+    let settings = Settings {
+        allows_scatter_point_guiding: guided,
+        allows_ray_photon_balance: false,
+        ..camera_ray_settings(4, max_bounces)
+    };
     let integrator = Algorithm::Path.prepare(scene, settings);
     let report = integrator.scatter_point_guiding_report();
     assert_eq!(report.is_some_and(|report| report.used), guided, "{report:?}");

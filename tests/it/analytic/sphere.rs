@@ -3,7 +3,7 @@
 
 use crate::support::*;
 use caustica::photon::{PhotonMap, StoreMask};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
+use caustica::scene::{LightStrength, Material, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Disc, Shape, Sphere};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -14,7 +14,7 @@ fn sphere_scene(radius: f64, albedo: f64, light: DVec3) -> SceneBuilder {
     let mut b = SceneBuilder::new();
     let wall = b.add_material(Material::diffuse(grey(albedo)));
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, radius)), wall, grey(0.0));
-    b.add_delta_light(DeltaLightKind::Point { position: light }, LightStrength::Power(grey(FLUX)));
+    b.add_delta_light(UnscaledDeltaLight::Point { position: light }, LightStrength::Power(grey(FLUX)));
     b
 }
 

@@ -272,8 +272,8 @@ fn merging_many_films_takes_the_memory_of_two() {
     let FilmFile { header, mut rendered } = FilmFile::read(&sandbox.bytes("a.film")[..]).unwrap();
     let name = |pass: u32| format!("{pass}.film");
     for pass in 0..1000 {
-        rendered.numbers = PassSet::default();
-        rendered.numbers.insert(pass..pass + 1);
+        rendered.pass_numbers = PassSet::default();
+        rendered.pass_numbers.insert(pass..pass + 1);
         let mut bytes = Vec::new();
         FilmFile::write(&header, &rendered, &mut bytes).unwrap();
         sandbox.put(&name(pass), bytes);

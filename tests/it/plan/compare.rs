@@ -51,7 +51,7 @@ pub struct Picture {
 impl Picture {
     pub fn new(scene: &Scene, how: &RenderSettings, effects: EffectOverrides) -> Self {
         let camera_paths = CameraPathSettings {
-            samples: how.samples,
+            samples_per_pixel: how.samples,
             max_bounces: how.max_bounces,
             seed: how.seed,
             effects,
@@ -62,7 +62,7 @@ impl Picture {
             unaimed_paths: how.photons,
             aimed_paths: how.caustic_photons,
             gather_k: how.gather_k,
-            radius: how.radius,
+            initial_gather_radius: how.radius,
             final_gathering: how.gathering,
             ..Settings::default()
         };
@@ -93,7 +93,7 @@ impl Picture {
 ///
 /// Returns a message if any bit differs.
 pub fn difference(scene: &Scene, how: &RenderSettings, forced: EffectOverrides) -> Option<String> {
-    let planned = Picture::new(scene, how, EffectOverrides::PLANNED);
+    let planned = Picture::new(scene, how, EffectOverrides::NO_OVERRIDES);
     let found = planned.difference(&Picture::new(scene, how, forced))?;
     let decisions: Vec<String> = planned
         .decisions

@@ -64,7 +64,7 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: EffectReason) ->
             !any(&textured) && !masks && !all.iter().any(|o| o.emission == DVec3::ZERO && panel(o))
         }
         EffectReason::NoBump => !any(&|m| matches!(m, Material::Bumpy(..))),
-        EffectReason::Requires(other) => is_off(plan, other),
+        EffectReason::RequiredEffectUnneeded(other) => is_off(plan, other),
         EffectReason::Objects(..)
         | EffectReason::Lights(..)
         | EffectReason::EnvironmentLight

@@ -85,12 +85,12 @@ fn called_for(picture: &Picture) -> Effects {
 fn disabling_needed_effect_changes_image() {
     let scene = everything();
     for algorithm in ALGORITHMS {
-        let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
+        let planned = picture(&scene, algorithm, EffectOverrides::NO_OVERRIDES);
         assert_eq!(called_for(&planned), algorithm.supported_effects(), "{}", algorithm.name());
         for effect in algorithm.supported_effects().iter() {
-            let without = picture(&scene, algorithm, EffectOverrides::PLANNED.without_effect(effect));
+            let without = picture(&scene, algorithm, EffectOverrides::NO_OVERRIDES.with_forced_off(effect));
             let decision = without.decisions.iter().find(|d| d.effect == effect).unwrap();
-            assert!(decision.is_forced_by_user() && !decision.is_simulated);
+            assert!(decision.is_forced_against_need() && !decision.is_simulated);
             assert!(planned.difference(&without).is_some(), "{} without {effect}", algorithm.name());
         }
     }
@@ -100,12 +100,12 @@ fn disabling_needed_effect_changes_image() {
 fn disabling_unneeded_effect_changes_nothing() {
     for scene in [matt(), dark(), disc()] {
         for algorithm in ALGORITHMS {
-            let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
+            let planned = picture(&scene, algorithm, EffectOverrides::NO_OVERRIDES);
             let off = planned.decisions.iter().filter(|d| !d.is_needed);
             assert!(
                 algorithm == Algorithm::Raycast || off.clone().any(|d| algorithm.supported_effects().has(d.effect))
             );
-            let overrides = off.fold(EffectOverrides::PLANNED, |overrides, d| overrides.without_effect(d.effect));
+            let overrides = off.fold(EffectOverrides::NO_OVERRIDES, |overrides, d| overrides.with_forced_off(d.effect));
             let without = picture(&scene, algorithm, overrides);
             assert_eq!(planned.difference(&without), None, "{}", algorithm.name());
             assert_eq!(planned.counters, without.counters, "{}", algorithm.name());
@@ -115,7 +115,7 @@ fn disabling_unneeded_effect_changes_nothing() {
 
 /// Returns the counters of a planned render with the effects `off` forced off.
 fn work(scene: &Scene, algorithm: Algorithm, off: &[Effect]) -> Counters {
-    picture(scene, algorithm, off.iter().fold(EffectOverrides::PLANNED, |w, e| w.without_effect(*e))).counters
+    picture(scene, algorithm, off.iter().fold(EffectOverrides::NO_OVERRIDES, |w, e| w.with_forced_off(*e))).counters
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn disabled_effects_cost_nothing() {
         assert_eq!(all.shadow_rays > 0, algorithm != Algorithm::Raycast, "{name}");
         assert_eq!(all.continuation_rays > 0, algorithm != Algorithm::Raycast, "{name}");
         assert_eq!(
-            (all.photon_rays > 0, all.gathers > 0),
+            (all.photon_rays > 0, all.density_estimates > 0),
             (algorithm.traces_photons(), algorithm.traces_photons()),
             "{name}"
         );
@@ -138,7 +138,7 @@ fn disabled_effects_cost_nothing() {
         let flat = work(&[Specular, Interreflection]);
         assert_eq!(flat.continuation_rays, 0, "{name}");
         let direct = work(&[Caustics, CausticBounces, Interreflection]);
-        assert_eq!((direct.photon_rays, direct.gathers, direct.gathered_photons), (0, 0, 0), "{name}");
+        assert_eq!((direct.photon_rays, direct.density_estimates, direct.gathered_photons), (0, 0, 0), "{name}");
         let nothing = work(&Effect::ALL);
         let camera = Counters { camera_rays: nothing.camera_rays, ..Counters::default() };
         assert_eq!(nothing, camera, "{name}");
@@ -158,7 +158,7 @@ fn unneeded_effects_cost_nothing() {
         let name = algorithm.name();
         let [matt, dark, disc] = [matt(), dark(), disc()].map(|s| work(&s, algorithm, &[]));
         if matches!(algorithm, Algorithm::Hybrid | Algorithm::Path) {
-            assert_eq!((matt.photon_rays, matt.gathers), (0, 0), "{name}: no caster");
+            assert_eq!((matt.photon_rays, matt.density_estimates), (0, 0), "{name}: no caster");
             assert!(matt.continuation_rays > 0, "{name}");
         }
         if algorithm == Algorithm::Path {
@@ -170,7 +170,11 @@ fn unneeded_effects_cost_nothing() {
         if matches!(algorithm, Algorithm::Whitted | Algorithm::Distributed) {
             assert_eq!(matt.continuation_rays, 0, "{name}: no caster and no gather ray");
         }
-        assert_eq!((disc.shadow_rays, disc.continuation_rays, disc.photon_rays, disc.gathers), (0, 0, 0, 0), "{name}");
+        assert_eq!(
+            (disc.shadow_rays, disc.continuation_rays, disc.photon_rays, disc.density_estimates),
+            (0, 0, 0, 0),
+            "{name}"
+        );
     }
 }
 
@@ -188,10 +192,10 @@ fn unused_media_change_nothing() {
     let distributions = |effects| {
         let camera_paths = CameraPathSettings { effects, ..CameraPathSettings::default() };
         Algorithm::Hybrid
-            .prepare(&scene, Settings { camera_paths, allows_balance: false, ..Settings::default() })
+            .prepare(&scene, Settings { camera_paths, allows_ray_photon_balance: false, ..Settings::default() })
             .emission_guiding_reports()
     };
-    let planned = distributions(EffectOverrides::PLANNED);
+    let planned = distributions(EffectOverrides::NO_OVERRIDES);
     assert!(planned.aimed.is_some());
-    assert_eq!(planned, distributions(EffectOverrides::ALL));
+    assert_eq!(planned, distributions(EffectOverrides::ALL_FORCED_ON));
 }

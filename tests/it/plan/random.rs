@@ -24,8 +24,8 @@ const OFF: [EffectReason; 13] = [
     EffectReason::NoBody,
     EffectReason::NoTexture,
     EffectReason::NoBump,
-    EffectReason::Requires(Effect::Caustics),
-    EffectReason::Requires(Effect::Interreflection),
+    EffectReason::RequiredEffectUnneeded(Effect::Caustics),
+    EffectReason::RequiredEffectUnneeded(Effect::Interreflection),
 ];
 
 fn seeds(usual: u64) -> std::ops::Range<u64> {
@@ -47,7 +47,7 @@ fn random_plans_match_scene_contents() {
         let sketch = sketch(seed);
         let text = sketch.text();
         let scene = scene(&text);
-        let plan = Plan::new(&scene, Effects::ALL, EffectOverrides::PLANNED);
+        let plan = Plan::new(&scene, Effects::ALL, EffectOverrides::NO_OVERRIDES);
         wrong.extend(judge::plan_contradiction(&sketch, &scene, &plan).map(|o| format!("seed {seed}: {o}\n{text}")));
         for decision in &plan.decisions {
             if decision.is_simulated {
@@ -70,7 +70,7 @@ fn adding_objects_removes_no_effect() {
     for seed in seeds(1000) {
         let (less, more) = (sketch(seed), more(&sketch(seed), seed + 7));
         let [before, after] =
-            [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, EffectOverrides::PLANNED));
+            [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, EffectOverrides::NO_OVERRIDES));
         // In an empty scene, the effect of shadows is on although nothing casts one. Plans may say
         // so, but with an object the effect may then be off.
         if before.features.objects == 0 {
@@ -105,9 +105,9 @@ const PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Pm, Algorithm::Sp
 fn random_forced_effects(r: &mut Random, plan: &Plan) -> EffectOverrides {
     let off: Vec<Effect> = plan.decisions.iter().filter(|d| !d.is_simulated).map(|d| d.effect).collect();
     if off.is_empty() || r.chance(0.6) {
-        EffectOverrides::ALL
+        EffectOverrides::ALL_FORCED_ON
     } else {
-        EffectOverrides::PLANNED.with_effect(r.pick(&off))
+        EffectOverrides::NO_OVERRIDES.with_forced_on(r.pick(&off))
     }
 }
 
@@ -117,7 +117,7 @@ fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut RenderSetting
     let r = &mut Random::new(!seed ^ algorithm as u64);
     let mut how = random_settings(r, algorithm);
     change(&mut how);
-    let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::PLANNED);
+    let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::NO_OVERRIDES);
     let found = difference(&scene, &how, random_forced_effects(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"));
     // A finding is printed at once, because a search through many seeds takes long.
     found.inspect(|found| eprintln!("{found}"))
@@ -172,7 +172,7 @@ fn many_light_images_match_with_all_effects_on() {
             photons: 20_000,
             ..RenderSettings::new(Algorithm::Sppm)
         };
-        difference(&scene(&sketch.text()), &how, EffectOverrides::ALL).map(|d| format!("seed {seed}: {d}"))
+        difference(&scene(&sketch.text()), &how, EffectOverrides::ALL_FORCED_ON).map(|d| format!("seed {seed}: {d}"))
     };
     report(&(25..30).filter_map(picture).collect::<Vec<_>>());
 }

@@ -33,7 +33,7 @@ fn read(path: &Path) -> Result<Scene, String> {
 fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<String> {
     let bounces = |algorithm| if algorithm == Algorithm::Sppm { 1 } else { 100 };
     let how = |algorithm| RenderSettings { max_bounces: bounces(algorithm), ..RenderSettings::new(algorithm) };
-    let found = algorithms.iter().filter_map(|a| difference(scene, &how(*a), EffectOverrides::ALL));
+    let found = algorithms.iter().filter_map(|a| difference(scene, &how(*a), EffectOverrides::ALL_FORCED_ON));
     found.map(|d| format!("{}: {d}", path.display())).collect()
 }
 
@@ -94,7 +94,7 @@ fn course_plans_match_scene_text() {
     for (path, scene) in course() {
         let text = fs::read_to_string(&path).unwrap();
         for algorithm in Algorithm::ALL {
-            let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::PLANNED);
+            let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::NO_OVERRIDES);
             for decision in plan.decisions {
                 let needs = NEEDS.iter().find(|(effect, _)| *effect == decision.effect).map(|(_, words)| *words);
                 // Elsewhere, a word in the text may have no effect. In these scenes each word has

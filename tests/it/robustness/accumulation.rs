@@ -35,7 +35,7 @@ fn mean_of_constant_survives_billion_samples() {
     let off = (film.pixel_means().next().unwrap() / CONSTANT.as_dvec3() - 1.0).abs().max_element();
     assert!(off <= 2.0 * UNIT + 1e18 * UNIT * UNIT, "{off:e}");
     assert!(off < 1e-9);
-    assert_eq!(film.mean(), [CONSTANT]);
+    assert_eq!(film.mean_picture(), [CONSTANT]);
 }
 
 /// Returns `n` values of 24 bits over 40 powers of two, like an image with fireflies.
@@ -108,7 +108,7 @@ fn passes_rendered_backwards_give_same_image() {
     let mut file = SceneFile::read(&path).unwrap();
     (file.description.camera.value.width, file.description.camera.value.height) = (24, 18);
     let scene = file.resolve().unwrap();
-    let camera_paths = CameraPathSettings { samples: Some(1), ..CameraPathSettings::default() };
+    let camera_paths = CameraPathSettings { samples_per_pixel: Some(1), ..CameraPathSettings::default() };
     let integrator = Algorithm::Path.prepare(&scene, Settings { camera_paths, ..Settings::default() });
     let film = |passes: &mut dyn Iterator<Item = u32>| {
         let mut film = Film::new(24, 18);
@@ -117,7 +117,7 @@ fn passes_rendered_backwards_give_same_image() {
     };
     let (forwards, backwards) = (film(&mut (0..40)), film(&mut (0..40).rev()));
     assert!(forwards == backwards);
-    assert!(forwards.mean().iter().any(|value| value.x > 0.0));
+    assert!(forwards.mean_picture().iter().any(|value| value.x > 0.0));
 }
 
 #[test]
@@ -125,8 +125,8 @@ fn means_of_largest_floats_stay_finite() {
     let mut film = Film::new(2, 1);
     let extremes = [Rgb::new(f32::MAX, -f32::MAX, 0.0), Rgb::splat(f32::MIN_POSITIVE)];
     (0..100_000).for_each(|_| film.add(&extremes));
-    assert_eq!(film.mean(), extremes);
+    assert_eq!(film.mean_picture(), extremes);
     film.add(&[Rgb::new(f32::INFINITY, 0.0, f32::NAN), Rgb::ZERO]);
-    let mean = film.mean()[0];
+    let mean = film.mean_picture()[0];
     assert!(mean.x == f32::INFINITY && mean.y.is_finite() && mean.z.is_nan(), "{mean}: what is not finite stays seen");
 }

@@ -20,7 +20,7 @@ fn resolved_scene(text: &str) -> Result<Scene, SceneError> {
 #[track_caller]
 fn assert_refused(text: &str, place: &str, words: &[&str]) {
     let error = resolved_scene(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
-    assert!(error.text().contains(place), "{error}: the place is `{}`", error.text());
+    assert!(error.offending_text().contains(place), "{error}: the place is `{}`", error.offending_text());
     let all = format!("{error} {}", error.remedy());
     words.iter().for_each(|word| assert!(all.contains(word), "`{word}` is not in `{all}`"));
 }

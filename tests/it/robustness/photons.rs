@@ -59,20 +59,26 @@ fn flat_camera(center: DVec3, direction: DVec3, width: f64, size: u32) -> Camera
 fn settings(paths: u32, samples: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
     let camera_paths = CameraPathSettings {
-        samples: Some(samples),
+        samples_per_pixel: Some(samples),
         seed: 5,
         filter,
         estimate_error: true,
         ..CameraPathSettings::default()
     };
-    Settings { camera_paths, unaimed_paths: paths, aimed_paths: paths, allows_balance: false, ..Settings::default() }
+    Settings {
+        camera_paths,
+        unaimed_paths: paths,
+        aimed_paths: paths,
+        allows_ray_photon_balance: false,
+        ..Settings::default()
+    }
 }
 
 /// Renders `passes` passes with error estimation.
 fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> RenderResult {
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
-    let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
+    let stop = StopCriteria { max_passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
     let start = RenderResult::without_passes(integrator.as_ref(), scene.camera().size());
     render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {})
 }
@@ -82,13 +88,13 @@ fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32
 /// Also fails if a sample or a photon was rejected.
 #[track_caller]
 fn assert_finite(what: &str, rendered: &RenderResult) {
-    let mean = rendered.film.mean();
+    let mean = rendered.film.mean_picture();
     assert!(mean.iter().all(|v| v.is_finite()), "{what}: a pixel is not finite");
     assert_eq!(rendered.counters.rejected_samples, 0, "{what}: samples were left out");
     assert_eq!(rendered.counters.rejected_photons, 0, "{what}: photons were left out");
     let estimator = rendered.estimator.as_ref().unwrap();
     let maps = estimator.error_maps(&rendered.film);
-    assert!(maps.noise.iter().chain(&maps.bias).all(|v| v.is_finite()), "{what}: a map of errors is not finite");
+    assert!(maps.noise.iter().chain(&maps.blur).all(|v| v.is_finite()), "{what}: a map of errors is not finite");
     let discs = || maps.caustic_discs.iter().chain(&maps.indirect_discs);
     assert!(discs().all(|d| d.radius.is_finite() && d.mean_count.is_finite()), "{what}: a disc is not finite");
     let estimate = estimator.estimate(&rendered.film);
@@ -101,10 +107,10 @@ fn assert_finite(what: &str, rendered: &RenderResult) {
         estimate.blur,
         estimate.shared_paths,
     ];
-    let unknown = rendered.film.passes() < caustica::render::error_estimate::MIN_PASSES;
+    let unknown = rendered.film.passes() < caustica::render::error_estimate::MIN_ERROR_ESTIMATE_PASSES;
     assert!(unknown || all.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {estimate:?}");
     for audit in [rendered.unaimed.audit, rendered.aimed.audit] {
-        let parts = [audit.emitted, audit.absorbed, audit.escaped, audit.stopped, audit.roulette];
+        let parts = [audit.emitted, audit.absorbed, audit.escaped, audit.stopped, audit.net_roulette_loss];
         assert!(parts.as_flattened().iter().all(|x| x.is_finite()), "{what}: {audit:?}");
     }
 }

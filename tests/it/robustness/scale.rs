@@ -85,10 +85,10 @@ fn check_each_scene(check: impl Fn(usize, &SceneFile) -> Option<String> + Sync) 
 
 fn low_cost_settings() -> Settings {
     Settings {
-        allows_balance: false,
+        allows_ray_photon_balance: false,
         unaimed_paths: 2000,
         aimed_paths: 2000,
-        camera_paths: CameraPathSettings { samples: Some(1), ..CameraPathSettings::default() },
+        camera_paths: CameraPathSettings { samples_per_pixel: Some(1), ..CameraPathSettings::default() },
         ..Settings::default()
     }
 }
@@ -134,7 +134,12 @@ fn scaled_and_moved_scenes_give_same_image() {
         // radius.
         let radius = |scene: &Scene| (number % 10 > 0).then(|| scene.photon_domain().radius * 0.01);
         let passes = |scene: &Scene, n: u32| {
-            pictures(scene, Algorithm::Hybrid, Settings { radius: radius(scene), ..low_cost_settings() }, n)
+            pictures(
+                scene,
+                Algorithm::Hybrid,
+                Settings { initial_gather_radius: radius(scene), ..low_cost_settings() },
+                n,
+            )
         };
         let render = |scene: &Scene| passes(scene, SCENE_PASSES);
         let here = summaries(&render(&scene));
@@ -160,7 +165,7 @@ fn scaled_and_moved_scenes_give_same_image() {
 #[test]
 fn no_integrator_depends_on_length_unit() {
     let (eye, base) = (low_cost_settings().camera_paths, low_cost_settings());
-    let estimated = CameraPathSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
+    let estimated = CameraPathSettings { estimate_error: true, adaptive: true, samples_per_pixel: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
     let volume = |volume| Settings { volume_estimator: volume, ..base.clone() };
     let cases = [
@@ -176,7 +181,11 @@ fn no_integrator_depends_on_length_unit() {
         (
             "goblet",
             Algorithm::Hybrid,
-            Settings { allows_balance: true, camera_paths: CameraPathSettings { samples: None, ..estimated }, ..base },
+            Settings {
+                allows_ray_photon_balance: true,
+                camera_paths: CameraPathSettings { samples_per_pixel: None, ..estimated },
+                ..base
+            },
         ),
     ];
     cases.into_par_iter().for_each(|(name, algorithm, settings)| {
@@ -252,7 +261,7 @@ fn stored_fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
             .surface_photons
             .iter()
             .filter(|p| (p.position.as_dvec3() + scene.origin()).distance(middle) < near);
-        inside.map(|p| p.data.flux().as_dvec3()).sum::<DVec3>().to_array().to_vec()
+        inside.map(|p| p.attributes.flux().as_dvec3()).sum::<DVec3>().to_array().to_vec()
     };
     (0..PASSES).into_par_iter().map(one).collect()
 }

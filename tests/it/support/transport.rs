@@ -97,7 +97,7 @@ pub fn photon_position(scene: &Scene, photon: &Photon) -> DVec3 {
 ///
 /// Positions are in the coordinates of the scene description.
 pub fn flux_where(scene: &Scene, photons: &[Photon], inside: impl Fn(DVec3) -> bool) -> DVec3 {
-    photons.iter().filter(|p| inside(photon_position(scene, p))).map(|p| p.data.flux().as_dvec3()).sum()
+    photons.iter().filter(|p| inside(photon_position(scene, p))).map(|p| p.attributes.flux().as_dvec3()).sum()
 }
 
 /// Estimates irradiance \[W/m²] at the point `p` with the normal `n`, from a photon map.
@@ -128,7 +128,7 @@ pub fn fixed_radius_settings(photons: u32, caustic_photons: u32, radius: f64) ->
         unaimed_paths: photons,
         aimed_paths: caustic_photons,
         gather_k: Some(0),
-        radius: Some(radius as f32),
+        initial_gather_radius: Some(radius as f32),
         kernel: Kernel::Epanechnikov,
         ..camera_ray_settings(16, 1000)
     }
@@ -138,8 +138,13 @@ pub fn fixed_radius_settings(photons: u32, caustic_photons: u32, radius: f64) ->
 /// limit.
 pub fn camera_ray_settings(samples: u32, max_bounces: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
-    let camera_paths =
-        CameraPathSettings { samples: Some(samples), max_bounces, seed: 5, filter, ..CameraPathSettings::default() };
+    let camera_paths = CameraPathSettings {
+        samples_per_pixel: Some(samples),
+        max_bounces,
+        seed: 5,
+        filter,
+        ..CameraPathSettings::default()
+    };
     Settings { camera_paths, ..Settings::default() }
 }
 
@@ -202,7 +207,7 @@ pub fn assert_estimates(
         )
     };
     let estimates: Vec<_> = maps.iter().map(one).collect();
-    let most = estimates.iter().map(|e| e.count).max().unwrap_or(0);
+    let most = estimates.iter().map(|e| e.photon_count).max().unwrap_or(0);
     let slack = expected * (quadrature + 2.0 * HUE_ROUNDING + f64::from(most.min(64)) / 16_777_216.0);
     let samples: Vec<f64> = estimates.iter().map(|e| f64::from(e.radiance.x)).collect();
     let what = format!("{what}, {:?} of {} at {:.3}", probe.kernel, probe.radius, probe.at);

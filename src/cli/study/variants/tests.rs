@@ -13,12 +13,13 @@ fn flags_of_a_variant_override_shared_flags() {
     let MethodArguments { integrator, photons, gather_k, radius, filter, seed, adaptive, .. } = read.method;
     assert_eq!((integrator, photons, gather_k, radius), (Algorithm::Sppm, Some(4000), Some(20), Some(0.5)));
     assert_eq!((filter, seed, adaptive), (FilterKind::Tent, 9, true));
-    let variant = read.into_study_variant(EffectOverrides::PLANNED);
+    let variant = read.into_method_variant(EffectOverrides::NO_OVERRIDES);
     assert_eq!((variant.settings.aimed_paths, variant.settings.camera_paths.seed), (2000, 9));
     let expected = "--integrator sppm --photons 4000 --gather-k 20 --radius 0.5 --filter tent --adaptive";
     assert_eq!(variant.flags.join(" "), expected);
     assert_eq!(
-        VariantArguments::from_algorithm(Algorithm::Ppm, &all).into_study_variant(EffectOverrides::PLANNED).flags[..2],
+        VariantArguments::from_algorithm(Algorithm::Ppm, &all).into_method_variant(EffectOverrides::NO_OVERRIDES).flags
+            [..2],
         ["--integrator", "ppm"]
     );
 }

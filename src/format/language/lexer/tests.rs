@@ -17,8 +17,8 @@ fn numbers_end_at_the_first_invalid_character() {
         ("nan", "", ""),
         ("-inf", "", ""),
     ] {
-        assert_eq!(Lexer::new("", text).number_token().text, float, "{text}");
-        assert_eq!(Lexer::new("", text).integer_token().text, integer, "{text}");
+        assert_eq!(Lexer::new("", text).read_number_token().text, float, "{text}");
+        assert_eq!(Lexer::new("", text).read_integer_token().text, integer, "{text}");
     }
 }
 

@@ -29,7 +29,7 @@ fn assert_error(
     help: &str,
 ) {
     let error = result.expect_err(message);
-    assert_eq!((error.line(), error.column(), error.text()), (line, column, text), "{error}");
+    assert_eq!((error.line(), error.column(), error.offending_text()), (line, column, text), "{error}");
     assert!(error.message().contains(message), "`{message}` is not in `{}`", error.message());
     assert!(error.remedy().contains(help), "`{help}` is not in `{}`", error.remedy());
 }
@@ -324,8 +324,8 @@ fn lights_need_exactly_one_strength() {
         LightDescription::Spot(SpotLightDescription {
             position: DVec3::ZERO,
             aim: DirectionOrTarget::Target(DVec3::Z),
-            angle: 60.0,
-            penumbra: 9.0,
+            full_cone_angle_degrees: 60.0,
+            penumbra_degrees: 9.0,
             strength: PointLightStrength::Intensity(DVec3::new(1.0, 2.0, 3.0)),
         })
     );
@@ -481,7 +481,7 @@ fn nesting_is_limited() {
             assert!(error.remedy().contains("side by side"));
         }
         let error = parse_with_camera(&"Group { numObjects 1\n".repeat(n)).unwrap_err();
-        assert_eq!((error.line(), error.column(), error.text()), (2 + MAX_NESTING_DEPTH, 1, "Group"));
+        assert_eq!((error.line(), error.column(), error.offending_text()), (2 + MAX_NESTING_DEPTH, 1, "Group"));
     }
 }
 
@@ -541,7 +541,7 @@ fn mesh_options_are_read() {
 /// Parses `CAMERA` followed by `body`. Returns the line and the marked text of each error.
 fn error_positions(body: &str) -> Vec<(usize, String)> {
     let error = parse_with_camera(body).unwrap_err();
-    std::iter::once(&error).chain(error.further_errors()).map(|e| (e.line(), e.text().to_owned())).collect()
+    std::iter::once(&error).chain(error.further_errors()).map(|e| (e.line(), e.offending_text().to_owned())).collect()
 }
 
 #[test]

@@ -14,25 +14,28 @@ fn parse_refractive_index(fields: &str) -> RefractiveIndexDescription {
 
 #[test]
 fn five_parametrizations_of_the_index_are_read() {
-    assert_eq!(parse_refractive_index(""), RefractiveIndexDescription::Index(1.5));
-    assert_eq!(parse_refractive_index("indexOfRefraction 1.7"), RefractiveIndexDescription::Index(1.7));
-    assert_eq!(parse_refractive_index("glass BK7"), RefractiveIndexDescription::Named(name_with_empty_span("BK7")));
+    assert_eq!(parse_refractive_index(""), RefractiveIndexDescription::Constant(1.5));
+    assert_eq!(parse_refractive_index("indexOfRefraction 1.7"), RefractiveIndexDescription::Constant(1.7));
+    assert_eq!(
+        parse_refractive_index("glass BK7"),
+        RefractiveIndexDescription::NamedGlass(name_with_empty_span("BK7"))
+    );
     assert_eq!(
         parse_refractive_index("abbe 30 indexOfRefraction 1.6"),
         RefractiveIndexDescription::Abbe { index: 1.6, abbe: 30.0 }
     );
-    let cauchy = |c| RefractiveIndexDescription::Glass(DispersionFormula::Cauchy { a: 1.5, b: 0.0042, c });
+    let cauchy = |c| RefractiveIndexDescription::Formula(DispersionFormula::Cauchy { a: 1.5, b: 0.0042, c });
     assert_eq!(parse_refractive_index("cauchy 1.5 .0042"), cauchy(0.0));
     assert_eq!(parse_refractive_index("cauchy 1.5 .0042 -1e-5 roughness .1"), cauchy(-1e-5));
     let glass = DispersionFormula::Sellmeier { b: [1.1, 0.2, 0.0, 0.0], c: [0.01, 100.0, 0.0, 0.0] };
     assert_eq!(
         parse_refractive_index("sellmeierC .01 100 sellmeierB 1.1 .2"),
-        RefractiveIndexDescription::Glass(glass)
+        RefractiveIndexDescription::Formula(glass)
     );
     let glass = DispersionFormula::Sellmeier { b: [0.1, 0.2, 0.3, 0.4], c: [0.01, 0.02, 0.03, 9.0] };
     assert_eq!(
         parse_refractive_index("sellmeierB .1 .2 .3 .4 sellmeierC .01 .02 .03 9"),
-        RefractiveIndexDescription::Glass(glass)
+        RefractiveIndexDescription::Formula(glass)
     );
 }
 

@@ -4,7 +4,7 @@ use super::{assert_first_error, name_with_empty_span, parse_with_camera};
 use crate::format::description::{
     BezierPatchesDescription, ConductorDescription, DielectricAbsorption, DielectricDescription, EnvironmentRadiance,
     GroupItem, LightDescription, MaterialKindDescription, MetalDescription, MixDescription, NurbsDescription,
-    ObjectDescription, ShapeDescription, Spanned, ThinDescription,
+    ObjectDescription, ShapeDescription, Spanned, ThinDielectricDescription,
 };
 use glam::DVec3;
 
@@ -23,14 +23,14 @@ fn dielectrics_read_roughness_and_priority() {
     let kinds = parse_material_kinds(
         "Dielectric { } Dielectric { priority 255 roughness .25 multipleScattering no indexOfRefraction 1000 }",
     );
-    let attenuation = DielectricAbsorption::None;
+    let absorption = DielectricAbsorption::None;
     assert_eq!(
         kinds[0],
         MaterialKindDescription::Dielectric(DielectricDescription {
             refraction: 1.5.into(),
-            attenuation,
+            absorption,
             roughness: 0.0.into(),
-            multiple_scattering: true,
+            has_multiple_scattering: true,
             priority: 0
         })
     );
@@ -38,9 +38,9 @@ fn dielectrics_read_roughness_and_priority() {
         kinds[1],
         MaterialKindDescription::Dielectric(DielectricDescription {
             refraction: 1000.0.into(),
-            attenuation,
+            absorption,
             roughness: 0.25.into(),
-            multiple_scattering: false,
+            has_multiple_scattering: false,
             priority: 255
         })
     );
@@ -76,7 +76,7 @@ fn conductors_are_named_or_given_by_their_index() {
         MaterialKindDescription::Conductor(ConductorDescription {
             metal: MetalDescription::Named(name_with_empty_span("gold")),
             roughness: 0.0.into(),
-            multiple_scattering: true
+            has_multiple_scattering: true
         })
     );
     let metal = MetalDescription::Index { eta: DVec3::new(0.1, 0.2, 0.3), k: DVec3::new(3.0, 4.0, 0.0) };
@@ -85,7 +85,7 @@ fn conductors_are_named_or_given_by_their_index() {
         MaterialKindDescription::Conductor(ConductorDescription {
             metal,
             roughness: 1.0.into(),
-            multiple_scattering: false
+            has_multiple_scattering: false
         })
     );
     assert_material_error("‹Conductor› { }", "has no `metal` or `eta`", "add `metal` or `eta`");
@@ -106,10 +106,16 @@ fn conductors_are_named_or_given_by_their_index() {
 #[test]
 fn thin_panes_read_their_fields() {
     let kinds = parse_material_kinds("Thin { } Thin { transmittance .5 1 .25 indexOfRefraction 1.3 }");
-    assert_eq!(kinds[0], MaterialKindDescription::Thin(ThinDescription { eta: 1.5, transmittance: DVec3::ONE.into() }));
+    assert_eq!(
+        kinds[0],
+        MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.5, transmittance: DVec3::ONE.into() })
+    );
     assert_eq!(
         kinds[1],
-        MaterialKindDescription::Thin(ThinDescription { eta: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() })
+        MaterialKindDescription::Thin(ThinDielectricDescription {
+            eta: 1.3,
+            transmittance: DVec3::new(0.5, 1.0, 0.25).into()
+        })
     );
     assert_material_error("Thin { transmittance ‹1 0 1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
     assert_material_error("Thin { transmittance ‹1 1 1.1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
@@ -127,7 +133,7 @@ fn mixes_refer_to_earlier_materials() {
         MaterialKindDescription::Mix(MixDescription {
             first: name_with_empty_span("a"),
             second: name_with_empty_span("b c"),
-            amount: 0.3.into()
+            second_probability: 0.3.into()
         })
     );
     assert_eq!(
@@ -135,7 +141,7 @@ fn mixes_refer_to_earlier_materials() {
         MaterialKindDescription::Mix(MixDescription {
             first: name_with_empty_span("m"),
             second: name_with_empty_span("m"),
-            amount: 1.0.into()
+            second_probability: 1.0.into()
         })
     );
     let mix = |fields: &str| format!("{parts} Mix glaze {{ {fields} }} Mirror later {{ }}");
@@ -242,7 +248,7 @@ fn patch_control_points_must_fit_the_degrees() {
     }
     let nurbs = |fields: &str| format!("NurbsSurface {{ degreeU 1 degreeV 1 countU 2 countV 2 {fields} }}");
     match object(&nurbs(&format!("knotsU 0 0 1.5 1.5 controls {four}"))) {
-        ShapeDescription::Nurbs(NurbsDescription { knots: [u, v], count, .. }) => {
+        ShapeDescription::Nurbs(NurbsDescription { knots: [u, v], control_counts: count, .. }) => {
             assert_eq!((u, v, count), (vec![0.0, 0.0, 1.5, 1.5], vec![], [2, 2]))
         }
         other => panic!("{other:?}"),

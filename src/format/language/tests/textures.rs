@@ -19,8 +19,11 @@ fn textures_read_all_their_fields() {
         Group { }";
     let d = parse_with_camera(text).unwrap();
     let [a, c, m] = &d.textures[..] else { panic!("{:?}", d.textures) };
-    let coordinates =
-        TexcoordTransformDescription { scale: DVec2::new(2.0, -3.0), rotate: 90.0, offset: DVec2::new(0.5, 1.0) };
+    let coordinates = TexcoordTransformDescription {
+        scale: DVec2::new(2.0, -3.0),
+        rotation_degrees: 90.0,
+        offset: DVec2::new(0.5, 1.0),
+    };
     let path = name_with_empty_span("dir/a.png");
     let kind =
         TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap: WrapMode::Mirror, coordinates };
@@ -80,7 +83,7 @@ fn texture_names_replace_numbers() {
     match &parse_with_camera(&triangle).unwrap().root.items[0] {
         GroupItem::Object(object) => match &object.value {
             ObjectDescription::Shape {
-                shape: ShapeDescription::Triangle(TriangleDescription { uv: Some(uv), .. }),
+                shape: ShapeDescription::Triangle(TriangleDescription { texcoords: Some(uv), .. }),
                 ..
             } => {
                 assert_eq!(**uv, [DVec2::Y, DVec2::ONE, DVec2::new(0.5, 0.0)]);

@@ -22,7 +22,7 @@ pub(super) struct InvalidObjLine {
 type PresentIndices = [bool; 3];
 
 /// Names, for error messages, of the items that the three indices of a face corner refer to.
-const LIST_NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
+const V_VT_VN_NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// Content of an OBJ file whose lines have all been checked.
 #[derive(Default)]
@@ -31,23 +31,26 @@ pub(super) struct CheckedObjFile {
     ///
     /// Lines `g`, which the check inserts, divide the faces into groups. All faces of a group have
     /// one material, and all their corners have the same kinds of indices.
-    pub texts: Vec<String>,
+    pub chunk_texts: Vec<String>,
     /// Name of each group's material; empty for groups without material.
-    pub groups: Vec<String>,
+    pub group_material_names: Vec<String>,
     /// Arguments of the lines `mtllib`, as written: paths of MTL files.
-    pub libraries: Vec<String>,
+    pub mtllib_arguments: Vec<String>,
     /// Number of coordinates on all lines `v`, `vt` and `vn`.
-    pub numbers: usize,
+    pub coordinate_count: usize,
     /// Number of corners of all faces, before triangulation.
-    pub corners: usize,
+    pub corner_count: usize,
     /// Number of vertices in the file: lines `v`.
-    pub vertices: usize,
+    pub vertex_count: usize,
     /// Number of vertices in the file (lines `v`) that no face uses.
-    pub isolated: usize,
+    pub isolated_vertex_count: usize,
 }
 
-/// Checks all lines of an OBJ file; fails at the first invalid line.
-pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Result<CheckedObjFile, InvalidObjLine> {
+/// Checks all lines of an OBJ file and rewrites them for `tobj`; fails at the first invalid line.
+pub(super) fn check_and_rewrite_obj(
+    text: &str,
+    monitor: &dyn MeshReadMonitor,
+) -> Result<CheckedObjFile, InvalidObjLine> {
     let chunks = line_chunks(text);
     let chunk_counts: Vec<ObjLineCounts> =
         chunks.par_iter().map(|chunk| ObjLineCounts::count_lines(&text[chunk.clone()])).collect();
@@ -57,7 +60,7 @@ pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Resu
         before.push(total);
         total.add(counts);
     }
-    let used: Vec<AtomicBool> = (0..total.lists[0]).map(|_| AtomicBool::new(false)).collect();
+    let used: Vec<AtomicBool> = (0..total.v_vt_vn_counts[0]).map(|_| AtomicBool::new(false)).collect();
     let checked: Vec<_> = chunks
         .par_iter()
         .zip(&before)
@@ -67,19 +70,20 @@ pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Resu
             checked
         })
         .collect();
-    let [v, vt, vn] = total.lists;
-    let mut result = CheckedObjFile { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..CheckedObjFile::default() };
+    let [v, vt, vn] = total.v_vt_vn_counts;
+    let mut result =
+        CheckedObjFile { vertex_count: v, coordinate_count: 3 * v + 2 * vt + 3 * vn, ..CheckedObjFile::default() };
     let mut material = String::new();
     for chunk in checked {
         let mut chunk: ObjChunkChecker<'_> = chunk?;
-        let name = |number: &usize| number.checked_sub(1).map_or(&material, |i| &chunk.names[i]).clone();
-        result.groups.extend(chunk.groups.iter().map(name));
-        material = chunk.names.pop().unwrap_or(material);
-        result.corners += chunk.corners;
-        result.libraries.append(&mut chunk.libraries);
-        result.texts.push(chunk.valid_lines);
+        let name = |number: &usize| number.checked_sub(1).map_or(&material, |i| &chunk.usemtl_names[i]).clone();
+        result.group_material_names.extend(chunk.group_material_indices.iter().map(name));
+        material = chunk.usemtl_names.pop().unwrap_or(material);
+        result.corner_count += chunk.corner_count;
+        result.mtllib_arguments.append(&mut chunk.mtllib_arguments);
+        result.chunk_texts.push(chunk.valid_lines);
     }
-    result.isolated = used.iter().filter(|used| !used.load(Relaxed)).count();
+    result.isolated_vertex_count = used.iter().filter(|used| !used.load(Relaxed)).count();
     Ok(result)
 }
 
@@ -105,9 +109,9 @@ fn line_chunks(text: &str) -> Vec<Range<usize>> {
 #[derive(Clone, Copy, Default)]
 struct ObjLineCounts {
     /// Number of all lines of the chunk.
-    all: usize,
+    line_count: usize,
     /// Numbers of lines `v`, `vt` and `vn`, in this order.
-    lists: [usize; 3],
+    v_vt_vn_counts: [usize; 3],
 }
 
 impl ObjLineCounts {
@@ -115,21 +119,21 @@ impl ObjLineCounts {
         let mut counts = Self::default();
         for_each_statement(text, |_, line| {
             match line.split_ascii_whitespace().next() {
-                Some("v") => counts.lists[0] += 1,
-                Some("vt") => counts.lists[1] += 1,
-                Some("vn") => counts.lists[2] += 1,
+                Some("v") => counts.v_vt_vn_counts[0] += 1,
+                Some("vt") => counts.v_vt_vn_counts[1] += 1,
+                Some("vn") => counts.v_vt_vn_counts[2] += 1,
                 _ => {}
             }
             Ok::<(), ()>(())
         })
         .unwrap_or_default();
-        counts.all = memchr::memchr_iter(b'\n', text.as_bytes()).count();
+        counts.line_count = memchr::memchr_iter(b'\n', text.as_bytes()).count();
         counts
     }
 
     fn add(&mut self, other: &Self) {
-        self.all += other.all;
-        for (count, more) in self.lists.iter_mut().zip(other.lists) {
+        self.line_count += other.line_count;
+        for (count, more) in self.v_vt_vn_counts.iter_mut().zip(other.v_vt_vn_counts) {
             *count += more;
         }
     }
@@ -162,57 +166,57 @@ struct ObjChunkChecker<'u> {
     valid_lines: String,
     /// Numbers of lines `v`, `vt` and `vn` read so far, counted from the start of the file.
     v_vt_vn_counts_so_far: [usize; 3],
-    /// Kinds of indices and material index (see `groups`) of the current face group; `None` before
-    /// the first face.
-    group: Option<(PresentIndices, usize)>,
+    /// Kinds of indices and material index (see `group_material_indices`) of the current face
+    /// group; `None` before the first face.
+    current_group: Option<(PresentIndices, usize)>,
     /// Names on the `usemtl` lines of the chunk, in order. Material index 0 stands for the last
     /// material of the previous chunk, and index i + 1 for name i.
-    names: Vec<String>,
-    /// Material index of each face group: 1 plus an index into `names`, or 0 for the last material
-    /// of the previous chunk.
-    groups: Vec<usize>,
-    libraries: Vec<String>,
+    usemtl_names: Vec<String>,
+    /// Material index of each face group: 1 plus an index into `usemtl_names`, or 0 for the last
+    /// material of the previous chunk.
+    group_material_indices: Vec<usize>,
+    mtllib_arguments: Vec<String>,
     /// Number of corners of the chunk's faces.
-    corners: usize,
+    corner_count: usize,
     /// True for each vertex position of the file that a face uses. All chunks share this list.
-    used: &'u [AtomicBool],
+    used_positions: &'u [AtomicBool],
 }
 
 impl<'u> ObjChunkChecker<'u> {
     fn check_obj_chunk(text: &str, before: &ObjLineCounts, used: &'u [AtomicBool]) -> Result<Self, InvalidObjLine> {
         let mut chunk = Self {
             valid_lines: String::with_capacity(text.len()),
-            v_vt_vn_counts_so_far: before.lists,
-            group: None,
-            names: Vec::new(),
-            groups: Vec::new(),
-            libraries: Vec::new(),
-            corners: 0,
-            used,
+            v_vt_vn_counts_so_far: before.v_vt_vn_counts,
+            current_group: None,
+            usemtl_names: Vec::new(),
+            group_material_indices: Vec::new(),
+            mtllib_arguments: Vec::new(),
+            corner_count: 0,
+            used_positions: used,
         };
         for_each_statement(text, |i, line| {
-            chunk.check_obj_line(line).map_err(|defect| InvalidObjLine { line: before.all + i + 1, defect })
+            chunk.append_valid_line(line).map_err(|defect| InvalidObjLine { line: before.line_count + i + 1, defect })
         })?;
         Ok(chunk)
     }
 
-    fn check_obj_line(&mut self, line: &str) -> Result<(), MessageAndRemedy> {
+    fn append_valid_line(&mut self, line: &str) -> Result<(), MessageAndRemedy> {
         let line = line.trim_ascii_start();
         let end = line.find(|c: char| c.is_ascii_whitespace()).unwrap_or(line.len());
         let (keyword, rest) = line.split_at(end);
         // A comment may follow the numbers; names may contain `#`.
         let words = || rest.split('#').next().unwrap_or_default().split_ascii_whitespace();
         match keyword {
-            "v" => self.copy_obj_numbers(0, "v", 3, 3, words()),
-            "vt" => self.copy_obj_numbers(1, "vt", 1, 2, words()),
-            "vn" => self.copy_obj_numbers(2, "vn", 3, 3, words()),
-            "f" => self.check_obj_face(words()),
+            "v" => self.append_valid_numbers(0, "v", 3, 3, words()),
+            "vt" => self.append_valid_numbers(1, "vt", 1, 2, words()),
+            "vn" => self.append_valid_numbers(2, "vn", 3, 3, words()),
+            "f" => self.append_valid_face(words()),
             "usemtl" => {
-                self.names.push(rest.trim().to_owned());
+                self.usemtl_names.push(rest.trim().to_owned());
                 Ok(())
             }
             "mtllib" => {
-                self.libraries.push(rest.trim().to_owned());
+                self.mtllib_arguments.push(rest.trim().to_owned());
                 Ok(())
             }
             _ => Ok(()),
@@ -224,7 +228,7 @@ impl<'u> ObjChunkChecker<'u> {
     ///
     /// The line must hold at least `fewest` numbers. Missing ones become 0, and surplus ones are
     /// dropped.
-    fn copy_obj_numbers<'w>(
+    fn append_valid_numbers<'w>(
         &mut self,
         list: usize,
         keyword: &str,
@@ -255,22 +259,22 @@ impl<'u> ObjChunkChecker<'u> {
         Ok(())
     }
 
-    fn check_obj_face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<(), MessageAndRemedy> {
+    fn append_valid_face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<(), MessageAndRemedy> {
         let mut corners = 0;
         for word in words {
             let indices = self.parse_obj_corner(word)?;
             let named = indices.map(|index| index != 0);
-            let group = Some((named, self.names.len()));
-            if corners == 0 && self.group != group {
-                self.group = group;
-                self.groups.push(self.names.len());
+            let group = Some((named, self.usemtl_names.len()));
+            if corners == 0 && self.current_group != group {
+                self.current_group = group;
+                self.group_material_indices.push(self.usemtl_names.len());
                 self.valid_lines.push_str("g\n");
             }
-            if self.group != group {
+            if self.current_group != group {
                 let message = "only some corners of the face name a normal or texture coordinate".to_owned();
                 return Err((message, "write all corners of a face alike"));
             }
-            self.used[indices[0] - 1].store(true, Relaxed);
+            self.used_positions[indices[0] - 1].store(true, Relaxed);
             self.valid_lines.push_str(if corners == 0 { "f " } else { " " });
             if word.contains('-') {
                 let index_or_empty = |index: usize| if index == 0 { String::new() } else { index.to_string() };
@@ -290,7 +294,7 @@ impl<'u> ObjChunkChecker<'u> {
         if corners < 3 {
             return Err((format!("a face with {corners} corners"), "a face needs at least 3"));
         }
-        self.corners += corners;
+        self.corner_count += corners;
         self.valid_lines.push('\n');
         Ok(())
     }
@@ -319,7 +323,7 @@ impl<'u> ObjChunkChecker<'u> {
                 Some(i) if (1..=known).contains(&i) => indices[k] = i,
                 _ => {
                     let message =
-                        format!("`{}` names no {} ({known} stand before it)", escaped_excerpt(word), LIST_NAMES[k]);
+                        format!("`{}` names no {} ({known} stand before it)", escaped_excerpt(word), V_VT_VN_NAMES[k]);
                     return Err((message, "indices count from 1, or from -1 backwards"));
                 }
             }

@@ -18,11 +18,11 @@ use std::path::Path;
 pub(super) use write::write;
 
 /// Memory per coordinate \[bytes]: 8 in a list of `tobj`, 8 in its mesh, 8 in [`TriangleMesh`].
-const BYTES_PER_COORDINATE: u64 = 8 * 3;
+const MEMORY_PER_COORDINATE: u64 = 8 * 3;
 
 /// Memory per corner of a face \[bytes]: three indices in `tobj` (24), one in its mesh (4), and
 /// one in [`TriangleMesh`] (4).
-const BYTES_PER_CORNER: u64 = 32;
+const MEMORY_PER_CORNER: u64 = 32;
 
 /// Reads a mesh from the bytes of an OBJ file. Ignores line and point elements, groups and object
 /// names.
@@ -38,27 +38,27 @@ pub(super) fn read(
     let length = bytes.len() as u64;
     check_memory(path, length, free)?;
     let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
-    let checked = check::check_obj_lines(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
+    let checked = check::check_and_rewrite_obj(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
         .map_err(|e| MeshError::error_at_line(path, e.line, e.defect))?;
     drop(text);
     // The original text is freed. The following steps take less memory than it did.
     check_memory(
         path,
-        BYTES_PER_COORDINATE * checked.numbers as u64 + BYTES_PER_CORNER * checked.corners as u64,
+        MEMORY_PER_COORDINATE * checked.coordinate_count as u64 + MEMORY_PER_CORNER * checked.corner_count as u64,
         free,
     )?;
-    let malformed = |source| MeshError::Malformed { path: path.into(), source };
+    let malformed = |source| MeshError::RejectedByTobj { path: path.into(), source };
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
     let no_materials = |_: &Path| Ok(Default::default());
-    let mut reader = MonitoredObjReader { texts: &checked.texts, at: 0, monitor };
+    let mut reader = MonitoredObjReader { texts: &checked.chunk_texts, first_text_offset: 0, monitor };
     reader.skip_empty_texts();
     let (models, _) = tobj::load_obj_buf(&mut reader, &options, no_materials).map_err(malformed)?;
-    let mesh = join_obj_groups(&models, &checked).ok_or_else(|| MeshError::TooLarge { path: path.into() })?;
+    let mesh = join_obj_groups(&models, &checked).ok_or_else(|| MeshError::TooManyVertices { path: path.into() })?;
     Ok(LoadedMesh {
         mesh,
-        libraries: checked.libraries,
-        vertices: checked.vertices,
-        isolated: checked.isolated,
+        mtllib_arguments: checked.mtllib_arguments,
+        file_vertex_count: checked.vertex_count,
+        isolated_vertex_count: checked.isolated_vertex_count,
         has_separate_indices: true,
     })
 }
@@ -67,22 +67,22 @@ pub(super) fn read(
 struct MonitoredObjReader<'t> {
     texts: &'t [String],
     /// Number of bytes read from the first of `texts`.
-    at: usize,
+    first_text_offset: usize,
     monitor: &'t dyn MeshReadMonitor,
 }
 
 impl BufRead for MonitoredObjReader<'_> {
     fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
-        Ok(self.texts.first().map_or(&[], |text| &text.as_bytes()[self.at..]))
+        Ok(self.texts.first().map_or(&[], |text| &text.as_bytes()[self.first_text_offset..]))
     }
 
     fn consume(&mut self, n: usize) {
-        self.at += n;
+        self.first_text_offset += n;
         if let Some(text) = self.texts.first()
-            && self.at == text.len()
+            && self.first_text_offset == text.len()
         {
             self.monitor.on_bytes_parsed(text.len() as u64 / 2);
-            (self.texts, self.at) = (&self.texts[1..], 0);
+            (self.texts, self.first_text_offset) = (&self.texts[1..], 0);
             self.skip_empty_texts();
         }
     }
@@ -115,7 +115,7 @@ fn join_obj_groups(models: &[tobj::Model], checked: &CheckedObjFile) -> Option<T
     let (has_normals, has_texcoords) = (has(|mesh| &mesh.normals), has(|mesh| &mesh.texcoords));
     let (mut normals, mut texcoords) = (Vec::new(), Vec::new());
     let mut numbers: HashMap<&str, u32> = HashMap::new();
-    for (model, material) in models.iter().zip(&checked.groups) {
+    for (model, material) in models.iter().zip(&checked.group_material_names) {
         let part = &model.mesh;
         let base = u32::try_from(mesh.positions.len()).ok()?;
         let (points, _) = part.positions.as_chunks::<3>();

@@ -130,10 +130,10 @@ fn usemtl_sets_the_material_of_later_faces() {
     let text = "mtllib a.mtl\nf 1 2 3\nusemtl red paint\nf 1 2 3\nusemtl b\nusemtl c#1\nf 1 2 3\nf 1 3 4\nusemtl red paint\n\
                 f -1 -2 -3\nusemtl\nf 1 2 3\nmtllib b.mtl c.mtl\n";
     let loaded = super::read(Path::new("a.obj"), format!("{SQUARE}{text}").into(), &(), None).unwrap();
-    assert_eq!(loaded.libraries, ["a.mtl", "b.mtl c.mtl"]);
+    assert_eq!(loaded.mtllib_arguments, ["a.mtl", "b.mtl c.mtl"]);
     assert_eq!(loaded.mesh.materials, ["red paint", "c#1"]);
     assert_eq!(loaded.mesh.triangle_materials, [NO_MATERIAL, 0, 1, 1, 0, NO_MATERIAL]);
-    assert_eq!((loaded.vertices, loaded.isolated, loaded.mesh.positions.len()), (4, 0, 4));
+    assert_eq!((loaded.file_vertex_count, loaded.isolated_vertex_count, loaded.mesh.positions.len()), (4, 0, 4));
     let plain = read_mesh_text("mtllib a.mtl\nf 1 2 3");
     assert!(plain.materials.is_empty() && plain.triangle_materials.is_empty());
 }
@@ -159,7 +159,7 @@ fn chunks_of_a_large_file_join_exactly() {
 fn unreadable_files_are_reported_by_path() {
     let folder = tempfile::tempdir().unwrap();
     let missing = load_obj_file(&folder.path().join("none.obj")).unwrap_err();
-    assert!(matches!(missing, MeshError::Missing { .. }) && missing.to_string().contains("none.obj"));
+    assert!(matches!(missing, MeshError::MissingMeshFile { .. }) && missing.to_string().contains("none.obj"));
     assert!(matches!(load_obj_file(folder.path()).unwrap_err(), MeshError::Unreadable { .. }));
     let latin = folder.path().join("latin.obj");
     std::fs::write(&latin, [b"# caf\xe9\n", SQUARE.as_bytes(), b"f 1 2 3"].concat()).unwrap();

@@ -6,8 +6,8 @@ use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PlyEncoding {
     Ascii,
-    Little,
-    Big,
+    LittleEndian,
+    BigEndian,
 }
 
 /// Number type of a PLY property.
@@ -59,7 +59,7 @@ pub(super) enum PlyPropertyRole {
     /// Vertex coordinate. The number is its index in the list x, y, z, nx, ny, nz, u, v.
     Slot(usize),
     /// List of a face's vertex indices.
-    Corners,
+    VertexIndices,
     /// Unused property, which is skipped.
     Other,
 }
@@ -69,9 +69,9 @@ pub(super) enum PlyPropertyRole {
 pub(super) struct PlyProperty {
     pub role: PlyPropertyRole,
     /// Integer type of the list's length; `None` if the property is a single number.
-    pub list: Option<PlyNumberType>,
+    pub list_length_type: Option<PlyNumberType>,
     /// Type of the single number, or of each number of the list.
-    pub item: PlyNumberType,
+    pub number_type: PlyNumberType,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,9 +99,9 @@ pub(super) struct PlyHeader {
     pub encoding: PlyEncoding,
     pub elements: Vec<PlyElement>,
     /// Number of bytes of the header, which is the offset of the body.
-    pub bytes: usize,
+    pub byte_count: usize,
     /// Number of lines of the header.
-    pub lines: usize,
+    pub line_count: usize,
 }
 
 /// Error of a header line: the line number, from 1, with a message and a remedy.
@@ -130,18 +130,18 @@ const VERTEX_PROPERTY_SLOTS: [(&str, usize); 14] = [
 
 impl PlyHeader {
     pub fn parse(bytes: &[u8]) -> Result<Self, HeaderError> {
-        let mut header = Self { encoding: PlyEncoding::Ascii, elements: Vec::new(), bytes: 0, lines: 0 };
+        let mut header = Self { encoding: PlyEncoding::Ascii, elements: Vec::new(), byte_count: 0, line_count: 0 };
         let mut encoding = None;
         loop {
-            let rest = &bytes[header.bytes..];
-            let number = header.lines + 1;
+            let rest = &bytes[header.byte_count..];
+            let number = header.line_count + 1;
             let wrong = |message: String, remedy| Err((number, (message, remedy)));
             let Some(end) = rest.iter().position(|b| matches!(b, b'\n' | b'\r')) else {
                 return wrong("the header ends without `end_header`".to_owned(), EXPORT_ANEW);
             };
             let line = String::from_utf8_lossy(&rest[..end]);
-            header.bytes += end + if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
-            header.lines += 1;
+            header.byte_count += end + if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
+            header.line_count += 1;
             let mut words = line.split_ascii_whitespace();
             match words.next() {
                 _ if number == 1 && line.trim() != "ply" => {
@@ -150,8 +150,8 @@ impl PlyHeader {
                 Some("format") => {
                     encoding = Some(match words.next() {
                         Some("ascii") => PlyEncoding::Ascii,
-                        Some("binary_little_endian") => PlyEncoding::Little,
-                        Some("binary_big_endian") => PlyEncoding::Big,
+                        Some("binary_little_endian") => PlyEncoding::LittleEndian,
+                        Some("binary_big_endian") => PlyEncoding::BigEndian,
                         other => {
                             let message = format!("unknown format `{}`", escaped_excerpt(other.unwrap_or_default()));
                             return wrong(message, "known are ascii, binary_little_endian and binary_big_endian");
@@ -180,7 +180,7 @@ impl PlyHeader {
             }
         }
         let Some(encoding) = encoding else {
-            return Err((header.lines, ("the header names no format".to_owned(), EXPORT_ANEW)));
+            return Err((header.line_count, ("the header names no format".to_owned(), EXPORT_ANEW)));
         };
         header.encoding = encoding;
         header.elements.iter().try_for_each(PlyElement::check_required_properties)?;
@@ -191,7 +191,7 @@ impl PlyHeader {
     /// Fails if the declared element counts need more bytes than a file of `bytes` bytes holds.
     fn check_counts_fit_file(&self, bytes: usize) -> Result<(), HeaderError> {
         // White space after the last number of a text file is optional.
-        let mut left = bytes - self.bytes + usize::from(self.encoding == PlyEncoding::Ascii);
+        let mut left = bytes - self.byte_count + usize::from(self.encoding == PlyEncoding::Ascii);
         for element in &self.elements {
             let least = element.min_element_bytes(self.encoding);
             let needed = usize::try_from(element.count).ok().and_then(|n| n.checked_mul(least));
@@ -215,10 +215,10 @@ impl PlyElement {
     pub fn min_element_bytes(&self, encoding: PlyEncoding) -> usize {
         let one = |p: &PlyProperty| {
             // A face has at least three corners.
-            let items = if p.role == PlyPropertyRole::Corners { 3 } else { 0 };
+            let items = if p.role == PlyPropertyRole::VertexIndices { 3 } else { 0 };
             match encoding {
                 PlyEncoding::Ascii => 2 + 2 * items,
-                _ => p.list.unwrap_or(p.item).byte_size() + items * p.item.byte_size(),
+                _ => p.list_length_type.unwrap_or(p.number_type).byte_size() + items * p.number_type.byte_size(),
             }
         };
         self.properties.iter().map(one).sum()
@@ -234,7 +234,7 @@ impl PlyElement {
             PlyElementKind::Vertex if !(0..3).all(|slot| self.has_vertex_coordinate(slot)) => {
                 wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
-            PlyElementKind::Face if !self.properties.iter().any(|p| p.role == PlyPropertyRole::Corners) => {
+            PlyElementKind::Face if !self.properties.iter().any(|p| p.role == PlyPropertyRole::VertexIndices) => {
                 wrong("`face` has no list `vertex_indices`", "export it with the corners of its faces")
             }
             _ => Ok(()),
@@ -288,9 +288,9 @@ fn parse_ply_property<'w>(
                 let message = format!("the indices `{name}` are not whole numbers");
                 return Err((message, "give them an integer type, such as int"));
             }
-            PlyPropertyRole::Corners
+            PlyPropertyRole::VertexIndices
         }
         _ => PlyPropertyRole::Other,
     };
-    Ok(PlyProperty { role, list, item })
+    Ok(PlyProperty { role, list_length_type: list, number_type: item })
 }

@@ -18,17 +18,17 @@ pub(super) use write::write;
 ///
 /// It covers position, normal and texture coordinates (64), their copy in the merged mesh (64), a
 /// flag (1), an index (4), and an entry of a hash table (20).
-const BYTES_PER_VERTEX: u64 = 160;
+const MEMORY_PER_VERTEX: u64 = 160;
 
 /// Memory per triangle \[bytes], including unused capacity of its list.
-const BYTES_PER_TRIANGLE: u64 = 24;
+const MEMORY_PER_TRIANGLE: u64 = 24;
 
 /// Memory per corner of the face that is being read \[bytes], including unused capacity of its
 /// list.
-const BYTES_PER_CORNER: u64 = 8;
+const MEMORY_PER_CORNER: u64 = 8;
 
 /// Number of elements between two progress reports.
-const PROGRESS_STRIDE: u64 = 1 << 16;
+const ELEMENTS_PER_PROGRESS_REPORT: u64 = 1 << 16;
 
 /// Reads a mesh from the bytes of a PLY file. Skips elements and properties that meshes do not use.
 ///
@@ -43,37 +43,37 @@ pub(super) fn read(
     let header = PlyHeader::parse(bytes).map_err(|(line, problem)| MeshError::error_at_line(path, line, problem))?;
     let count = |kind| header.elements.iter().find(|e| e.kind == kind).map_or(0, |e| e.count);
     if count(PlyElementKind::Vertex) > i32::MAX as u64 {
-        return Err(MeshError::TooLarge { path: path.into() });
+        return Err(MeshError::TooManyVertices { path: path.into() });
     }
     // The header check ensured that the file can hold these counts, so the products do not
     // overflow.
-    let needed = BYTES_PER_VERTEX * count(PlyElementKind::Vertex) + BYTES_PER_TRIANGLE * count(PlyElementKind::Face);
+    let needed = MEMORY_PER_VERTEX * count(PlyElementKind::Vertex) + MEMORY_PER_TRIANGLE * count(PlyElementKind::Face);
     check_memory(path, needed, free)?;
     let mut reader = PlyMeshReader {
         loaded: LoadedMesh::default(),
-        used: Vec::new(),
-        vertices: count(PlyElementKind::Vertex),
+        used_vertices: Vec::new(),
+        vertex_count: count(PlyElementKind::Vertex),
         monitor,
-        free,
+        free_memory: free,
     };
-    let offset = header.bytes;
+    let offset = header.byte_count;
     match header.encoding {
         PlyEncoding::Ascii => {
-            let numbers = PlyTextReader { bytes, offset, line: header.lines + 1 };
+            let numbers = PlyTextReader { bytes, offset, line: header.line_count + 1 };
             reader.read_ply_elements(&header, numbers).map_err(|e| e.into_line_error(path))?;
         }
-        PlyEncoding::Little => {
+        PlyEncoding::LittleEndian => {
             let numbers = PlyBinaryReader::<false> { bytes, offset };
             reader.read_ply_elements(&header, numbers).map_err(|e| e.into_byte_error(path))?;
         }
-        PlyEncoding::Big => {
+        PlyEncoding::BigEndian => {
             let numbers = PlyBinaryReader::<true> { bytes, offset };
             reader.read_ply_elements(&header, numbers).map_err(|e| e.into_byte_error(path))?;
         }
     }
-    let PlyMeshReader { mut loaded, used, .. } = reader;
-    loaded.vertices = used.len();
-    loaded.isolated = used.iter().filter(|used| !**used).count();
+    let PlyMeshReader { mut loaded, used_vertices: used, .. } = reader;
+    loaded.file_vertex_count = used.len();
+    loaded.isolated_vertex_count = used.iter().filter(|used| !**used).count();
     loaded.mesh.merge_equal_vertices();
     Ok(loaded)
 }
@@ -91,7 +91,7 @@ struct PlyElementError {
 enum PlyElementErrorCause {
     Malformed(MessageAndRemedy),
     /// The mesh needs more memory than is free, both in bytes.
-    Memory {
+    OutOfMemory {
         needed: u64,
         free: u64,
     },
@@ -107,16 +107,24 @@ impl PlyElementError {
     fn into_line_error(self, path: &Path) -> MeshError {
         match self.cause {
             PlyElementErrorCause::Malformed(problem) => MeshError::error_at_line(path, self.position, problem),
-            PlyElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+            PlyElementErrorCause::OutOfMemory { needed, free } => {
+                MeshError::OutOfMemory { path: path.into(), needed, free }
+            }
         }
     }
 
     fn into_byte_error(self, path: &Path) -> MeshError {
         match self.cause {
-            PlyElementErrorCause::Malformed((message, remedy)) => {
-                MeshError::Byte { path: path.into(), byte: self.position, element: self.element, message, remedy }
+            PlyElementErrorCause::Malformed((message, remedy)) => MeshError::InvalidElement {
+                path: path.into(),
+                byte: self.position,
+                element: self.element,
+                message,
+                remedy,
+            },
+            PlyElementErrorCause::OutOfMemory { needed, free } => {
+                MeshError::OutOfMemory { path: path.into(), needed, free }
             }
-            PlyElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
         }
     }
 }
@@ -125,12 +133,12 @@ impl PlyElementError {
 struct PlyMeshReader<'m> {
     loaded: LoadedMesh,
     /// True for each vertex that a face uses.
-    used: Vec<bool>,
+    used_vertices: Vec<bool>,
     /// Number of vertices that the header declares.
-    vertices: u64,
+    vertex_count: u64,
     monitor: &'m dyn MeshReadMonitor,
     /// Memory that the mesh may take \[bytes]; `None` without a limit.
-    free: Option<u64>,
+    free_memory: Option<u64>,
 }
 
 impl PlyMeshReader<'_> {
@@ -140,7 +148,7 @@ impl PlyMeshReader<'_> {
         mut numbers: R,
     ) -> Result<(), PlyElementError> {
         // The header check has ensured that the file holds at least one byte per vertex.
-        self.used = vec![false; self.vertices as usize];
+        self.used_vertices = vec![false; self.vertex_count as usize];
         let mut reported = 0;
         for element in header.elements.iter().filter(|e| !e.properties.is_empty()) {
             let mut corners = Vec::new();
@@ -163,7 +171,7 @@ impl PlyMeshReader<'_> {
                     element: format!("{} {i}", element.name),
                     cause,
                 })?;
-                if i % PROGRESS_STRIDE == PROGRESS_STRIDE - 1 {
+                if i % ELEMENTS_PER_PROGRESS_REPORT == ELEMENTS_PER_PROGRESS_REPORT - 1 {
                     self.monitor.on_bytes_parsed((numbers.bytes_read() - reported) as u64);
                     reported = numbers.bytes_read();
                 }
@@ -197,10 +205,10 @@ impl PlyMeshReader<'_> {
     ) -> Result<(), MessageAndRemedy> {
         let mut slots = [0.0; 8];
         for property in &element.properties {
-            match (property.role, property.list) {
-                (_, Some(length)) => skip_ply_list(numbers, length, property.item)?,
+            match (property.role, property.list_length_type) {
+                (_, Some(length)) => skip_ply_list(numbers, length, property.number_type)?,
                 (PlyPropertyRole::Slot(slot), None) => {
-                    let number = numbers.read_number(property.item)?;
+                    let number = numbers.read_number(property.number_type)?;
                     if !number.is_finite() {
                         let names = ["x", "y", "z", "nx", "ny", "nz", "s", "t"];
                         let message = format!("`{}` is {number}", names[slot]);
@@ -208,8 +216,8 @@ impl PlyMeshReader<'_> {
                     }
                     slots[slot] = number;
                 }
-                (PlyPropertyRole::Corners | PlyPropertyRole::Other, None) => {
-                    numbers.read_number(property.item)?;
+                (PlyPropertyRole::VertexIndices | PlyPropertyRole::Other, None) => {
+                    numbers.read_number(property.number_type)?;
                 }
             }
         }
@@ -227,9 +235,9 @@ impl PlyMeshReader<'_> {
     #[inline]
     fn check_face_memory(&self, n: u64) -> Result<(), PlyElementErrorCause> {
         let triangles = self.loaded.mesh.triangles.len() as u64 + n - 2;
-        let needed = BYTES_PER_VERTEX * self.vertices + BYTES_PER_TRIANGLE * triangles + BYTES_PER_CORNER * n;
-        match self.free {
-            Some(free) if needed > free => Err(PlyElementErrorCause::Memory { needed, free }),
+        let needed = MEMORY_PER_VERTEX * self.vertex_count + MEMORY_PER_TRIANGLE * triangles + MEMORY_PER_CORNER * n;
+        match self.free_memory {
+            Some(free) if needed > free => Err(PlyElementErrorCause::OutOfMemory { needed, free }),
             _ => Ok(()),
         }
     }
@@ -242,22 +250,22 @@ impl PlyMeshReader<'_> {
         corners: &mut Vec<u32>,
     ) -> Result<(), PlyElementErrorCause> {
         for property in &element.properties {
-            match (property.role, property.list) {
-                (PlyPropertyRole::Corners, Some(length)) => {
+            match (property.role, property.list_length_type) {
+                (PlyPropertyRole::VertexIndices, Some(length)) => {
                     corners.clear();
                     let n = numbers.read_integer(length)?;
                     if n < 3 {
                         return Err((format!("a face with {n} corners"), "a face needs at least 3").into());
                     }
-                    check_ply_list_length(numbers, n as u64, property.item)?;
+                    check_ply_list_length(numbers, n as u64, property.number_type)?;
                     self.check_face_memory(n as u64)?;
                     for _ in 0..n {
-                        let index = numbers.read_integer(property.item)?;
-                        if u64::try_from(index).is_ok_and(|index| index < self.vertices) {
+                        let index = numbers.read_integer(property.number_type)?;
+                        if u64::try_from(index).is_ok_and(|index| index < self.vertex_count) {
                             corners.push(index as u32);
-                            self.used[index as usize] = true;
+                            self.used_vertices[index as usize] = true;
                         } else {
-                            let message = format!("there is no vertex {index}: the file has {}", self.vertices);
+                            let message = format!("there is no vertex {index}: the file has {}", self.vertex_count);
                             return Err((message, "indices count from 0").into());
                         }
                     }
@@ -265,10 +273,10 @@ impl PlyMeshReader<'_> {
                     self.loaded.mesh.triangles.extend(fan);
                 }
                 (PlyPropertyRole::Slot(_) | PlyPropertyRole::Other, Some(length)) => {
-                    skip_ply_list(numbers, length, property.item)?;
+                    skip_ply_list(numbers, length, property.number_type)?;
                 }
                 (_, None) => {
-                    numbers.read_number(property.item)?;
+                    numbers.read_number(property.number_type)?;
                 }
             }
         }
@@ -278,10 +286,10 @@ impl PlyMeshReader<'_> {
 
 fn skip_ply_element<R: PlyNumberReader>(element: &PlyElement, numbers: &mut R) -> Result<(), MessageAndRemedy> {
     for property in &element.properties {
-        match property.list {
-            Some(length) => skip_ply_list(numbers, length, property.item)?,
+        match property.list_length_type {
+            Some(length) => skip_ply_list(numbers, length, property.number_type)?,
             None => {
-                numbers.read_number(property.item)?;
+                numbers.read_number(property.number_type)?;
             }
         }
     }

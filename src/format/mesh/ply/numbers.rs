@@ -29,7 +29,7 @@ pub(super) struct PlyBinaryReader<'b, const BIG: bool> {
 
 impl<const BIG: bool> PlyBinaryReader<'_, BIG> {
     #[inline]
-    fn take_bytes<const N: usize>(&mut self) -> Result<[u8; N], MessageAndRemedy> {
+    fn take_little_endian_bytes<const N: usize>(&mut self) -> Result<[u8; N], MessageAndRemedy> {
         let next = self.bytes.get(self.offset..).and_then(|rest| rest.first_chunk::<N>());
         let mut bytes = *next.ok_or_else(|| ("the file ends here".to_owned(), TRUNCATED_REMEDY))?;
         self.offset += N;
@@ -44,8 +44,8 @@ impl<const BIG: bool> PlyNumberReader for PlyBinaryReader<'_, BIG> {
     #[inline]
     fn read_number(&mut self, kind: PlyNumberType) -> Result<f64, MessageAndRemedy> {
         match kind {
-            PlyNumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take_bytes()?))),
-            PlyNumberType::F64 => Ok(f64::from_le_bytes(self.take_bytes()?)),
+            PlyNumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take_little_endian_bytes()?))),
+            PlyNumberType::F64 => Ok(f64::from_le_bytes(self.take_little_endian_bytes()?)),
             PlyNumberType::I8
             | PlyNumberType::U8
             | PlyNumberType::I16
@@ -58,12 +58,12 @@ impl<const BIG: bool> PlyNumberReader for PlyBinaryReader<'_, BIG> {
     #[inline]
     fn read_integer(&mut self, kind: PlyNumberType) -> Result<i64, MessageAndRemedy> {
         Ok(match kind {
-            PlyNumberType::I8 => i8::from_le_bytes(self.take_bytes()?).into(),
-            PlyNumberType::U8 => u8::from_le_bytes(self.take_bytes()?).into(),
-            PlyNumberType::I16 => i16::from_le_bytes(self.take_bytes()?).into(),
-            PlyNumberType::U16 => u16::from_le_bytes(self.take_bytes()?).into(),
-            PlyNumberType::I32 => i32::from_le_bytes(self.take_bytes()?).into(),
-            PlyNumberType::U32 => u32::from_le_bytes(self.take_bytes()?).into(),
+            PlyNumberType::I8 => i8::from_le_bytes(self.take_little_endian_bytes()?).into(),
+            PlyNumberType::U8 => u8::from_le_bytes(self.take_little_endian_bytes()?).into(),
+            PlyNumberType::I16 => i16::from_le_bytes(self.take_little_endian_bytes()?).into(),
+            PlyNumberType::U16 => u16::from_le_bytes(self.take_little_endian_bytes()?).into(),
+            PlyNumberType::I32 => i32::from_le_bytes(self.take_little_endian_bytes()?).into(),
+            PlyNumberType::U32 => u32::from_le_bytes(self.take_little_endian_bytes()?).into(),
             // The header check accepts lists and indices of integer types only.
             PlyNumberType::F32 | PlyNumberType::F64 => return Err(invalid_number_error("")),
         })

@@ -285,12 +285,12 @@ fn face_memory_is_checked_before_allocation() {
     let reading = |free| read(Path::new("a.ply"), &file, &(), Some(free));
     assert_eq!(reading(33_000_000).unwrap().mesh.triangles.len(), 999_998);
     match reading(31_000_000) {
-        Err(MeshError::Memory { needed, free: 31_000_000, .. }) => assert!(needed > 31_999_000, "{needed}"),
+        Err(MeshError::OutOfMemory { needed, free: 31_000_000, .. }) => assert!(needed > 31_999_000, "{needed}"),
         other => panic!("{other:?}"),
     }
     // The same in text, with many faces.
     let body = "3 0 1 2\n4 0 1 2 3\n".repeat(1000);
     let file = format!("{}{SQUARE}{body}", ply_header_text("ascii", 4, 2000)).into_bytes();
     let reading = |free| read(Path::new("a.ply"), &file, &(), Some(free));
-    assert!(reading(73_000).is_ok() && matches!(reading(71_000), Err(MeshError::Memory { .. })));
+    assert!(reading(73_000).is_ok() && matches!(reading(71_000), Err(MeshError::OutOfMemory { .. })));
 }

@@ -4,7 +4,7 @@ use crate::format::mesh::{ShortestDecimal, TriangleMesh};
 use std::io::{Result, Write};
 
 /// Group of vertex properties that are written together, such as x, y and z of the position.
-struct PlyVertexProperty<'m> {
+struct PlyVertexPropertyGroup<'m> {
     names: &'static [&'static str],
     /// True if single precision represents all values exactly. They are then written as `float`.
     is_single_precision: bool,
@@ -13,7 +13,7 @@ struct PlyVertexProperty<'m> {
     get: Box<dyn Fn(usize) -> [f64; 3] + 'm>,
 }
 
-impl<'m> PlyVertexProperty<'m> {
+impl<'m> PlyVertexPropertyGroup<'m> {
     fn new(names: &'static [&'static str], n: usize, get: impl Fn(usize) -> [f64; 3] + 'm) -> Self {
         let fits = |x: f64| f64::from(x as f32).to_bits() == x.to_bits();
         let is_single_precision = (0..n).all(|v| get(v)[..names.len()].iter().all(|x| fits(*x)));
@@ -24,12 +24,12 @@ impl<'m> PlyVertexProperty<'m> {
 /// Writes a mesh as PLY: as text if `text` is true, else as little-endian binary.
 pub(in crate::format) fn write(mesh: &TriangleMesh, text: bool, out: &mut impl Write) -> Result<()> {
     let n = mesh.positions.len();
-    let mut columns = vec![PlyVertexProperty::new(&["x", "y", "z"], n, |v| mesh.positions[v].to_array())];
+    let mut columns = vec![PlyVertexPropertyGroup::new(&["x", "y", "z"], n, |v| mesh.positions[v].to_array())];
     if let Some(normals) = &mesh.normals {
-        columns.push(PlyVertexProperty::new(&["nx", "ny", "nz"], n, |v| normals[v].to_array()));
+        columns.push(PlyVertexPropertyGroup::new(&["nx", "ny", "nz"], n, |v| normals[v].to_array()));
     }
     if let Some(texcoords) = &mesh.texcoords {
-        columns.push(PlyVertexProperty::new(&["s", "t"], n, |v| [texcoords[v].x, texcoords[v].y, 0.0]));
+        columns.push(PlyVertexPropertyGroup::new(&["s", "t"], n, |v| [texcoords[v].x, texcoords[v].y, 0.0]));
     }
     let encoding = if text { "ascii" } else { "binary_little_endian" };
     writeln!(out, "ply\nformat {encoding} 1.0\ncomment Caustica {}", env!("CARGO_PKG_VERSION"))?;

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use std::path::Path;
 
 const FORMS: [(MeshFormat, &str); 3] =
-    [(MeshFormat::Obj, "a.obj"), (MeshFormat::Ply, "b.ply"), (MeshFormat::PlyText, "c.PLY")];
+    [(MeshFormat::Obj, "a.obj"), (MeshFormat::PlyBinary, "b.ply"), (MeshFormat::PlyText, "c.PLY")];
 
 fn any_finite_number() -> impl Strategy<Value = f64> {
     use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
@@ -77,13 +77,13 @@ proptest! {
         let folder = tempfile::tempdir().unwrap();
         for form in FORMS {
             let read = write_and_load(&mesh, folder.path(), form);
-            prop_assert_eq!(read.isolated, 0);
+            prop_assert_eq!(read.isolated_vertex_count, 0);
             let mut expected = mesh.clone();
             if form.0 == MeshFormat::Obj {
-                prop_assert_eq!(&read.libraries, &["a b.mtl"]);
+                prop_assert_eq!(&read.mtllib_arguments, &["a b.mtl"]);
             } else {
                 (expected.materials, expected.triangle_materials) = (Vec::new(), Vec::new());
-                prop_assert_eq!(read.vertices, mesh.positions.len());
+                prop_assert_eq!(read.file_vertex_count, mesh.positions.len());
             }
             prop_assert_eq!(bit_patterns_of_mesh(&read.mesh), bit_patterns_of_mesh(&expected));
             prop_assert_eq!(read.mesh, expected);
@@ -98,7 +98,7 @@ fn ply_writes_single_precision_values_as_float() {
     let short =
         TriangleMesh { positions: long.positions.iter().map(|p| p.as_vec3().as_dvec3()).collect(), ..long.clone() };
     let size = |mesh: &TriangleMesh, name: &str| {
-        write_and_load(mesh, folder.path(), (MeshFormat::Ply, name));
+        write_and_load(mesh, folder.path(), (MeshFormat::PlyBinary, name));
         std::fs::metadata(folder.path().join(name)).unwrap().len()
     };
     // Four bytes less for each coordinate, and two letters less in three words of the header.
@@ -113,7 +113,12 @@ fn the_report_counts_dropped_faces() {
     std::fs::write(&path, text).unwrap();
     let loaded = load(&path, &()).unwrap();
     assert_eq!(
-        (loaded.vertices, loaded.isolated, loaded.repeated_vertices(), loaded.mesh.positions.len()),
+        (
+            loaded.file_vertex_count,
+            loaded.isolated_vertex_count,
+            loaded.repeated_vertex_count(),
+            loaded.mesh.positions.len()
+        ),
         (6, 1, 1, 6)
     );
     let ply = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
@@ -121,7 +126,12 @@ fn the_report_counts_dropped_faces() {
     std::fs::write(&path, ply).unwrap();
     let loaded = load(&path, &()).unwrap();
     assert_eq!(
-        (loaded.vertices, loaded.isolated, loaded.repeated_vertices(), loaded.mesh.positions.len()),
+        (
+            loaded.file_vertex_count,
+            loaded.isolated_vertex_count,
+            loaded.repeated_vertex_count(),
+            loaded.mesh.positions.len()
+        ),
         (5, 1, 1, 3)
     );
 }

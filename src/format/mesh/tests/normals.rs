@@ -6,7 +6,7 @@ use super::*;
 #[test]
 fn the_smoothing_angle_decides_a_cubes_normals() {
     let mut flat = cube_mesh();
-    flat.compute_smooth_normals(30.0);
+    flat.compute_missing_smooth_normals(30.0);
     assert_eq!(flat.positions.len(), 24);
     let normals = flat.normals.clone().unwrap();
     for t in &flat.triangles {
@@ -15,7 +15,7 @@ fn the_smoothing_angle_decides_a_cubes_normals() {
     }
     for angle in [90.0, 180.0] {
         let mut round = cube_mesh();
-        round.compute_smooth_normals(angle);
+        round.compute_missing_smooth_normals(angle);
         assert_eq!(round.positions.len(), 8);
         for (p, n) in round.positions.iter().zip(round.normals.as_ref().unwrap()) {
             // Faces are divided unevenly, but their angles add up to the same. Sums of unit vectors
@@ -24,7 +24,7 @@ fn the_smoothing_angle_decides_a_cubes_normals() {
         }
     }
     let mut sharp = cube_mesh();
-    sharp.compute_smooth_normals(89.9);
+    sharp.compute_missing_smooth_normals(89.9);
     assert_eq!(sharp.positions.len(), 24);
 }
 
@@ -32,7 +32,7 @@ fn the_smoothing_angle_decides_a_cubes_normals() {
 fn a_ball_has_the_normals_of_a_sphere() {
     let n = 24;
     let mut ball = sphere_mesh(n);
-    ball.compute_smooth_normals(180.0);
+    ball.compute_missing_smooth_normals(180.0);
     assert_eq!(ball.positions.len() as u32, 6 * n * n + 2);
     for (p, normal) in ball.positions.iter().zip(ball.normals.as_ref().unwrap()) {
         // The normal of a triangle inscribed in the unit sphere points to its circumcentre. So any
@@ -52,7 +52,7 @@ fn vertex_normals_are_weighted_by_angle() {
     // matter.
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.2, 1.0, 0.0]];
     let mut corner = triangle_mesh(&points, &[[0, 1, 4], [0, 4, 5], [0, 5, 2], [0, 3, 1], [0, 2, 3]]);
-    corner.compute_smooth_normals(180.0);
+    corner.compute_missing_smooth_normals(180.0);
     let normal = corner.normals.unwrap()[0];
     assert!((normal - DVec3::new(1.0, 1.0, 1.0).normalize()).length() < 1e-15, "{normal}");
 }
@@ -60,9 +60,9 @@ fn vertex_normals_are_weighted_by_angle() {
 #[test]
 fn normals_of_the_file_are_kept() {
     let mut cube = cube_mesh();
-    cube.compute_smooth_normals(180.0);
+    cube.compute_missing_smooth_normals(180.0);
     let before = cube.clone();
-    cube.compute_smooth_normals(10.0);
+    cube.compute_missing_smooth_normals(10.0);
     assert_eq!(cube, before);
     // A triangle without normals between others that have them.
     let normals = cube.normals.as_mut().unwrap();
@@ -70,7 +70,7 @@ fn normals_of_the_file_are_kept() {
     cube.positions.push(cube.positions[lost[0] as usize]);
     normals.push(DVec3::ZERO);
     cube.triangles[0][0] = 8;
-    cube.compute_smooth_normals(10.0);
+    cube.compute_missing_smooth_normals(10.0);
     let normals = cube.normals.as_ref().unwrap();
     let face = face_normal(&cube, cube.triangles[0]);
     assert!(cube.triangles[0].iter().all(|v| normals[*v as usize] == face));
@@ -84,12 +84,12 @@ fn normals_of_the_file_are_kept() {
 fn degenerate_faces_do_not_affect_normals() {
     let mut cube = cube_mesh();
     cube.triangles.push([0, 0, 1]);
-    cube.compute_smooth_normals(30.0);
+    cube.compute_missing_smooth_normals(30.0);
     let normals = cube.normals.as_ref().unwrap();
     assert!(cube.triangles[..12].iter().flatten().all(|v| normals[*v as usize].is_normalized()));
     assert_eq!(normals.iter().filter(|n| **n == DVec3::ZERO).count(), 2);
     // Tiny faces count like others.
     let mut tiny = scaled_and_translated_mesh(super::cube_mesh(), 1e-170, DVec3::ZERO);
-    tiny.compute_smooth_normals(180.0);
+    tiny.compute_missing_smooth_normals(180.0);
     assert!(tiny.normals.unwrap().iter().all(|n| n.is_normalized()));
 }

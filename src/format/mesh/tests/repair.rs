@@ -1,12 +1,12 @@
 //! Damaged meshes and their repair.
 
 use super::super::normals::face_normal;
-use super::super::{MeshRepairs, MeshReport};
+use super::super::{MeshRepairOptions, MeshReport};
 use super::*;
 
-fn all_mesh_repairs(mesh: &TriangleMesh) -> MeshRepairs {
-    MeshRepairs {
-        weld: Some(MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal()),
+fn all_mesh_repairs(mesh: &TriangleMesh) -> MeshRepairOptions {
+    MeshRepairOptions {
+        weld_tolerance: Some(MeshRepairOptions::DEFAULT_RELATIVE_WELD_TOLERANCE * mesh.bounds_diagonal()),
         removes_duplicates: true,
         removes_degenerates: true,
         orients_outward: true,
@@ -22,8 +22,8 @@ fn repaired_mesh(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
     // Sums may be taken in another order.
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
     assert!(near(report.area, whole.area) && near(report.volume.unwrap(), whole.volume.unwrap()), "{report:?}");
-    let (area, volume, min, max) = (whole.area, whole.volume, whole.min, whole.max);
-    assert_eq!(MeshReport { area, volume, min, max, ..report }, *whole);
+    let (area, volume, bounds_min, bounds_max) = (whole.area, whole.volume, whole.bounds_min, whole.bounds_max);
+    assert_eq!(MeshReport { area, volume, bounds_min, bounds_max, ..report }, *whole);
     broken
 }
 
@@ -44,7 +44,7 @@ fn every_kind_of_defect_is_repaired() {
             split.positions.push(split.positions[t[0] as usize] + DVec3::splat(shift));
             t[0] = split.positions.len() as u32 - 1;
         }
-        assert!(!split.mesh_report().closed);
+        assert!(!split.mesh_report().is_closed);
         repaired_mesh(split, &report);
         let mut worn = whole.clone();
         let [a, b, c] = worn.triangles[5];
@@ -112,7 +112,7 @@ fn open_surfaces_keep_the_majority_orientation() {
 #[test]
 fn only_wrong_normals_are_flipped() {
     let mut right = sphere_mesh(3);
-    right.compute_smooth_normals(180.0);
+    right.compute_missing_smooth_normals(180.0);
     let mut wound = right.clone();
     wound.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     assert_eq!(wound.orient_outward(), right.triangles.len());
@@ -149,7 +149,7 @@ fn a_degenerate_triangle_that_closes_a_slit_stays() {
     let mut slit = triangle_mesh(&points, &[[0, 1, 2], [0, 4, 3], [3, 4, 1], [0, 3, 1]]);
     let before = slit.mesh_report();
     let repair = all_mesh_repairs(&slit);
-    assert_eq!((slit.repair(&repair).degenerate, before.boundary_edges), (0, 4));
+    assert_eq!((slit.repair(&repair).removed_degenerates, before.boundary_edges), (0, 4));
     assert_eq!(slit.mesh_report(), before);
 }
 
@@ -161,7 +161,11 @@ fn triangles_keep_their_materials() {
     cube.triangles[3] = [0, 0, 1];
     cube.triangles[4] = cube.triangles[0];
     cube.triangles[5] = [1, 1, 1];
-    cube.repair(&MeshRepairs { removes_duplicates: true, removes_degenerates: true, ..MeshRepairs::default() });
+    cube.repair(&MeshRepairOptions {
+        removes_duplicates: true,
+        removes_degenerates: true,
+        ..MeshRepairOptions::default()
+    });
     assert_eq!(cube.materials, ["a", "c"]);
     assert_eq!(cube.triangle_materials, [[0; 3], [1; 3], [super::super::NO_MATERIAL; 3]].concat());
     let parts: Vec<(u32, usize)> =

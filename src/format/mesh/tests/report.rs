@@ -14,9 +14,9 @@ fn closed_solids_have_their_area_volume_and_genus() {
     let report = cube_mesh().mesh_report();
     assert_near(report.area, 24.0);
     assert_near(report.volume.unwrap(), 8.0);
-    assert_eq!((report.min, report.max), ([-1.0; 3], [1.0; 3]));
+    assert_eq!((report.bounds_min, report.bounds_max), ([-1.0; 3], [1.0; 3]));
     assert_eq!((report.euler_characteristic, report.genus, report.components), (2, Some(0), 1));
-    assert!(report.closed && report.manifold && report.orientable);
+    assert!(report.is_closed && report.is_manifold && report.is_orientable);
     let report = tetrahedron_mesh().mesh_report();
     assert_near(report.area, 1.5 + libm::sqrt(3.0) / 2.0);
     assert_near(report.volume.unwrap(), 1.0 / 6.0);
@@ -35,13 +35,13 @@ fn closed_solids_have_their_area_volume_and_genus() {
 #[test]
 fn open_and_one_sided_surfaces_are_reported() {
     let report = moebius_band_mesh(20).mesh_report();
-    assert!(!report.orientable && !report.closed && report.manifold);
+    assert!(!report.is_orientable && !report.is_closed && report.is_manifold);
     // One border runs around the band twice.
     assert_eq!((report.boundary_edges, report.euler_characteristic, report.volume, report.genus), (40, 0, None, None));
     let mut open = cube_mesh();
     open.triangles.truncate(10);
     let report = open.mesh_report();
-    assert_eq!((report.closed, report.boundary_edges, report.euler_characteristic), (false, 4, 1));
+    assert_eq!((report.is_closed, report.boundary_edges, report.euler_characteristic), (false, 4, 1));
     assert_eq!(report.volume, None);
 }
 
@@ -50,11 +50,11 @@ fn defects_are_counted() {
     let mut odd = cube_mesh();
     odd.triangles[0].swap(1, 2);
     let report = odd.mesh_report();
-    assert_eq!((report.inconsistent_edges, report.orientable, report.volume), (3, true, None));
+    assert_eq!((report.inconsistent_edges, report.is_orientable, report.volume), (3, true, None));
     // Two cubes that share an edge: it has four faces; the surface is pinched nowhere else.
     let two = union_of_meshes(cube_mesh(), &scaled_and_translated_mesh(cube_mesh(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
     let report = two.mesh_report();
-    assert_eq!((report.non_manifold_edges, report.manifold, report.components, report.genus), (1, false, 1, None));
+    assert_eq!((report.non_manifold_edges, report.is_manifold, report.components, report.genus), (1, false, 1, None));
     assert_eq!((report.repeated_vertices, report.non_manifold_vertices), (2, 0));
     assert_near(report.volume.unwrap(), 16.0);
     // Two cubes that share a corner.
@@ -65,22 +65,22 @@ fn defects_are_counted() {
     worn.positions.push(DVec3::ZERO);
     worn.triangles.extend([[0, 0, 1], [3, 1, 0], [0, 3, 1]]);
     let report = worn.mesh_report();
-    assert_eq!((report.isolated_vertices, report.degenerate_faces, report.duplicate_faces), (1, 1, 2));
+    assert_eq!((report.isolated_vertices, report.degenerate_triangles, report.duplicate_triangles), (1, 1, 2));
 }
 
 #[test]
 fn texture_seams_are_not_borders() {
     let mut seam = cube_mesh();
-    seam.compute_smooth_normals(30.0);
+    seam.compute_missing_smooth_normals(30.0);
     assert_eq!(seam.positions.len(), 24);
     let report = seam.mesh_report();
-    assert!(report.closed && report.normals);
+    assert!(report.is_closed && report.has_normals);
     assert_eq!((report.genus, report.repeated_vertices), (Some(0), 0));
     // Both zeros are one position.
     let mut zeros = tetrahedron_mesh();
     zeros.positions.push(-DVec3::ZERO);
     zeros.triangles[0][0] = 4;
-    assert!(zeros.mesh_report().closed);
+    assert!(zeros.mesh_report().is_closed);
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn open_and_reversed_meshes_have_defects() {
     reversed.reverse_orientation();
     assert_eq!(reversed.solid_defect(), Some(SolidDefect::InsideOut));
     // Shading normals decide the outer side, as in the renderer.
-    reversed.compute_smooth_normals(0.0);
+    reversed.compute_missing_smooth_normals(0.0);
     reversed.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     assert_eq!(reversed.solid_defect(), Some(SolidDefect::InsideOut));
 }

@@ -7,7 +7,7 @@ use std::io::Write;
 fn two_meshes() -> Vec<u8> {
     let mut file = Vec::new();
     let mut offsets = Vec::new();
-    for (flags, scale) in [(0x1000_u32, 1.0_f64), (0x2000 | FACE_NORMALS, 2.0)] {
+    for (flags, scale) in [(0x1000_u32, 1.0_f64), (0x2000 | USES_FLAT_FACES, 2.0)] {
         offsets.push(file.len() as u64);
         let mut data = flags.to_le_bytes().to_vec();
         data.extend(b"name\0");
@@ -40,7 +40,7 @@ fn meshes_of_a_file_are_found_by_number() {
     let second = decode(&file, 1, None).unwrap();
     assert_eq!(first.mesh.positions[1], DVec3::X);
     assert_eq!(second.mesh.positions[1], 2.0 * DVec3::X);
-    assert!(second.has_face_normals && !first.has_face_normals);
+    assert!(second.uses_flat_faces && !first.uses_flat_faces);
     assert!(decode(&file, 2, None).unwrap_err().contains("no mesh with number 2"));
     assert!(decode(&file, 0, Some(100)).unwrap_err().contains("memory"));
 }

@@ -38,8 +38,12 @@ fn pictures_of_projectors_stay_upright() {
     let light = "LightSource \"projection\" \"string filename\" \"a.exr\" \"float fov\" 90 \"float scale\" 3";
     for (head, pixels) in [("", [1.0, 2.0, 3.0, 4.0]), ("Scale -1 1 1", [2.0, 1.0, 4.0, 3.0])] {
         let scene = import_with_picture((2, 2), &[1.0, 2.0, 3.0, 4.0], &format!("WorldBegin {head} {light}"));
-        let LightDescription::Projector(ProjectorLightDescription { pose, angle, path, strength }) =
-            &scene.description.lights[0].value
+        let LightDescription::Projector(ProjectorLightDescription {
+            pose,
+            vertical_fov_degrees: angle,
+            path,
+            strength,
+        }) = &scene.description.lights[0].value
         else {
             panic!()
         };
@@ -51,7 +55,9 @@ fn pictures_of_projectors_stay_upright() {
     }
     // The field of view is that of the shorter side.
     let scene = import_with_picture((1, 2), &[1.0, 2.0], &format!("WorldBegin {light}"));
-    let LightDescription::Projector(ProjectorLightDescription { angle, .. }) = scene.description.lights[0].value else {
+    let LightDescription::Projector(ProjectorLightDescription { vertical_fov_degrees: angle, .. }) =
+        scene.description.lights[0].value
+    else {
         panic!()
     };
     assert!((angle - 2.0 * libm::atan(2.0).to_degrees()).abs() < 1e-9);
@@ -67,7 +73,7 @@ fn maps_of_goniometric_lights_keep_their_directions() {
     let scene = import_with_picture((8, 4), &pixels, text);
     let LightDescription::Goniometric(GoniometricLightDescription {
         pose,
-        distribution: IntensityDistribution::Map(path),
+        distribution: IntensityDistribution::MapFile(path),
         ..
     }) = &scene.description.lights[0].value
     else {

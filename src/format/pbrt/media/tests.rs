@@ -26,7 +26,7 @@ fn uniform_grids_keep_densities_and_their_box() {
     );
     let DensityDescription::Grid { path, scale, extent } = &only_medium(&scene).density else { panic!() };
     let grid = &scene.assets.grids[&path.value];
-    assert_eq!((grid.size, &grid.values[..], *scale), ([2, 1, 2], &[0.0, 1.0, 2.0, 3.0][..], 1.0));
+    assert_eq!((grid.size, &grid.densities[..], *scale), ([2, 1, 2], &[0.0, 1.0, 2.0, 3.0][..], 1.0));
     assert_eq!(absorption_and_scattering_of_scene(&scene), (DVec3::new(2.0, 4.0, 6.0), DVec3::splat(2.0)));
     // The mean factor by density is (0.5 + 2 + 3) / 6. Light counts once per absorption.
     assert!(only_medium(&scene).emission.abs_diff_eq(DVec3::new(2.0, 4.0, 0.0) * 5.5 / 6.0, 1e-12));
@@ -44,7 +44,7 @@ fn color_grids_keep_their_totals() {
          \"rgb sigma_a\" [1 1 1 2 2 2] \"rgb sigma_s\" [1 2 3 2 4 6] \"rgb Le\" [1 0 0 0 0 0] \"float Lescale\" 3 WorldBegin",
     );
     let DensityDescription::Grid { path, .. } = &only_medium(&scene).density else { panic!() };
-    let densities = scene.assets.grids[&path.value].values.clone();
+    let densities = scene.assets.grids[&path.value].densities.clone();
     let (absorption, scattering) = absorption_and_scattering_of_scene(&scene);
     for (density, factor) in densities.iter().zip([1.0, 2.0]) {
         let density = f64::from(*density);

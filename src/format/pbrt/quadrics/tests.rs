@@ -1,10 +1,10 @@
 //! Tests of meshes of quadrics: areas and normals.
 
 use super::*;
-use crate::format::pbrt::files::PbrtPlace;
+use crate::format::pbrt::files::PbrtSourceLocation;
 
 fn quadric_mesh_of_numbers(kind: &str, numbers: &[(&str, &[f64])]) -> TriangleMesh {
-    let place = PbrtPlace { file: "test".into(), line: 1 };
+    let place = PbrtSourceLocation { file: "test".into(), line: 1 };
     quadric_mesh(kind, &Parameters::of_numbers(place, numbers)).unwrap().unwrap()
 }
 

@@ -49,7 +49,7 @@ fn metals_have_the_named_or_given_index() {
     let facing = conductor_reflectance(1.0, vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0));
     assert!(is_nearly_equal(facing, vec3(16.0 / 20.0, 26.0 / 34.0, 40.0 / 52.0)));
     let error = resolve_error(&format!("Materials {{\nConductor {{ metal unobtainium }} }} {BALL}"));
-    assert_eq!((error.line(), error.column(), error.text()), (3, 19, "unobtainium"));
+    assert_eq!((error.line(), error.column(), error.offending_text()), (3, 19, "unobtainium"));
     assert!(error.message().contains("no metal is called `unobtainium`"));
     assert!(METAL_NAMES.iter().all(|name| error.remedy().contains(name)), "{}", error.remedy());
 }
@@ -80,7 +80,7 @@ fn glasses_have_the_named_or_given_index() {
 #[test]
 fn unknown_glasses_are_refused_with_suggestions() {
     let error = resolve_error(&format!("Materials {{\nDielectric {{ glass diamant }} }} {BALL}"));
-    assert_eq!((error.line(), error.column(), error.text()), (3, 20, "diamant"));
+    assert_eq!((error.line(), error.column(), error.offending_text()), (3, 20, "diamant"));
     assert!(error.message().contains("no glass is called `diamant`"));
     assert!(error.remedy().starts_with("did you mean `diamond`? known are BK7, "), "{}", error.remedy());
     assert!(GLASSES.iter().all(|g| error.remedy().contains(g.0)), "{}", error.remedy());

@@ -61,8 +61,8 @@ fn media_fill_bodies_and_regions() {
     ));
     let glass = Body { medium: Some(1), priority: 3, ..Body::new(1.5) };
     assert_eq!(found.materials()[0], Material::rough_boundary(glass, 0.5));
-    assert_eq!(body_of_material(&found, 1), Body { priority: 7, ..Body::body_filled_with_medium(0) });
-    assert_eq!(body_of_material(&found, 2), Body { medium: None, ..Body::body_filled_with_medium(0) });
+    assert_eq!(body_of_material(&found, 1), Body { priority: 7, ..Body::null_interface_with_medium(0) });
+    assert_eq!(body_of_material(&found, 2), Body { medium: None, ..Body::null_interface_with_medium(0) });
     assert_eq!(found.ambient_medium(), None);
     let found = resolve_scene_text(
         "Background { medium fog } Media { Medium no { } Medium fog { scattering 1 1 1 } } Group { }",
@@ -88,7 +88,7 @@ fn body_absorption_adds_to_a_homogeneous_medium() {
 
     let cloud = "Cloud c { scattering 1 1 1 resolution 4 min 0 0 0 max 1 1 1 }";
     let error = resolve_error(&scene_text_with_media(cloud, "Dielectric { tint .5 1 1 medium c }"));
-    assert_eq!((error.line(), error.text()), (3, "c"), "{error}");
+    assert_eq!((error.line(), error.offending_text()), (3, "c"), "{error}");
     assert!(error.message().contains("absorbs") && error.remedy().contains("`tint`"), "{error}");
     resolve_scene_text(&scene_text_with_media(cloud, "Dielectric { medium c absorption 0 0 0 }"));
 }
@@ -98,7 +98,7 @@ fn body_absorption_adds_to_a_homogeneous_medium() {
 #[test]
 fn density_grids_fill_their_box() {
     let folder = tempfile::tempdir().unwrap();
-    let values = GridFile { size: [2, 1, 1], values: vec![1.0, 3.0] };
+    let values = GridFile { size: [2, 1, 1], densities: vec![1.0, 3.0] };
     grid::write(&folder.path().join("two.grid"), &values, GridEncoding::F32).unwrap();
     let of = |fields: &str| {
         let media = format!("Medium a {{ scattering 1 1 1 grid two.grid {fields} }}");
@@ -118,10 +118,10 @@ fn density_grids_fill_their_box() {
     is_nearly_equal(at(&turned, 9.5, 0.5, 2.0), 0.0);
 
     let error = of("min -4 0 0 max 4 1 1 densityScale 1e12").unwrap_err();
-    assert_eq!((error.line(), error.text()), (2, "two.grid"), "{error}");
+    assert_eq!((error.line(), error.offending_text()), (2, "two.grid"), "{error}");
     assert!(error.message().contains("as dense as") && error.remedy().contains("`densityScale`"), "{error}");
     let error = of("min 0 0 0 max 1 1 1e-320").unwrap_err();
-    assert_eq!((error.line(), error.text()), (2, "Medium"), "{error}");
+    assert_eq!((error.line(), error.offending_text()), (2, "Medium"), "{error}");
     assert!(error.message().contains("cannot be placed") && error.remedy().contains("extent"), "{error}");
 }
 
@@ -134,12 +134,12 @@ fn unreadable_grids_are_reported_at_their_path() {
         resolve_in_folder(folder.path(), &scene_text_with_media(&media, "Clear { medium a }")).unwrap_err()
     };
     let missing = of("no.grid");
-    assert_eq!((missing.line(), missing.text()), (2, "no.grid"), "{missing}");
+    assert_eq!((missing.line(), missing.offending_text()), (2, "no.grid"), "{missing}");
     assert!(
         missing.message().contains("the grid `no.grid` does not exist") && missing.remedy().contains("put the file")
     );
     let bad = of("bad.grid");
-    assert_eq!((bad.line(), bad.text()), (2, "bad.grid"), "{bad}");
+    assert_eq!((bad.line(), bad.offending_text()), (2, "bad.grid"), "{bad}");
     assert!(bad.message().contains("cell (0, 0, 0)") && bad.remedy().contains("repair the grid"), "{bad}");
 }
 
@@ -175,10 +175,10 @@ fn invalid_ambient_media_are_refused() {
         format!("Background {{ medium a }} Media {{ {media} }}\nLights {{ {lights} }} Group {{ }}")
     };
     let cloud = resolve_error(&of("Cloud a { scattering 1 1 1 resolution 4 min 0 0 0 max 1 1 1 }", ""));
-    assert_eq!((cloud.line(), cloud.text()), (2, "a"), "{cloud}");
+    assert_eq!((cloud.line(), cloud.offending_text()), (2, "a"), "{cloud}");
     assert!(cloud.message().contains("not the same everywhere") && cloud.remedy().contains("`Clear {"), "{cloud}");
     let bright = resolve_error(&of("Medium a { absorption 1 0 1 emission 1 1 1 }", ""));
-    assert_eq!((bright.line(), bright.text()), (2, "a"), "{bright}");
+    assert_eq!((bright.line(), bright.offending_text()), (2, "a"), "{bright}");
     assert!(bright.message().contains("infinitely bright") && bright.remedy().contains("absorb"), "{bright}");
     resolve_scene_text(&of("Medium a { absorption 1 0 1 emission 1 0 1 }", ""));
 
@@ -186,13 +186,13 @@ fn invalid_ambient_media_are_refused() {
     let (sky, lamp) = ("EnvironmentLight { radiance 1 1 1 }", "PointLight { position 0 5 0 power 1 1 1 }");
     for (fog, light) in [("absorption 1 0 0", sun), ("scattering 0 0 1", sky)] {
         let error = resolve_error(&of(&format!("Medium a {{ {fog} }}"), &format!("{lamp} {light}")));
-        assert_eq!((error.line(), error.text()), (3, light.split(' ').next().unwrap()), "{error}");
+        assert_eq!((error.line(), error.offending_text()), (3, light.split(' ').next().unwrap()), "{error}");
         assert!(error.message().contains("light from infinity") && error.remedy().contains("`Clear {"), "{error}");
         resolve_scene_text(&of("Medium a { }", light));
         resolve_scene_text(&of(&format!("Medium a {{ {fog} }}"), lamp));
     }
     let error = resolve_error(&of("Medium a { absorption 1 1 1 }", &format!("Moving {{ XRotate 9 {sun} }}")));
-    assert_eq!((error.line(), error.text()), (3, "DirectionalLight"), "{error}");
+    assert_eq!((error.line(), error.offending_text()), (3, "DirectionalLight"), "{error}");
 }
 
 #[test]
@@ -202,7 +202,7 @@ fn clear_objects_cannot_emit() {
         format!("Materials {{ Clear {{ }} Mirror {{ }} }}\nGroup {{ MaterialIndex 0 {ball} MaterialIndex 1 {ball} }}")
     };
     let error = resolve_error(&of("1 0 0"));
-    assert_eq!((error.line(), error.column(), error.text()), (3, 25, "Sphere"), "{error}");
+    assert_eq!((error.line(), error.column(), error.offending_text()), (3, 25, "Sphere"), "{error}");
     assert!(error.message().contains("no surface") && error.remedy().contains("`emission` to its medium"), "{error}");
     resolve_scene_text(&of("0 0 0"));
 }
@@ -214,6 +214,6 @@ fn unknown_medium_names_are_refused() {
     let mut description = parse("a.txt", &text).unwrap();
     description.media.pop();
     let error = resolve(&description, &SourceText::new("a.txt", &text), Path::new("")).unwrap_err();
-    assert_eq!((error.line(), error.text()), (3, "a"));
+    assert_eq!((error.line(), error.offending_text()), (3, "a"));
     assert!(error.message().contains("no medium is called `a`") && error.remedy().contains("define it in Media"));
 }

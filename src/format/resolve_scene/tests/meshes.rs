@@ -25,7 +25,7 @@ impl TemporaryMeshFolder {
 
     fn resolve_error_message(&self, body: &str) -> String {
         let error = resolve_in_folder(self.0.path(), &format!("Group {{\n{body} }}")).unwrap_err();
-        assert_eq!((error.line(), error.text()), (3, "a.obj"));
+        assert_eq!((error.line(), error.offending_text()), (3, "a.obj"));
         error.message().to_owned()
     }
 }
@@ -135,7 +135,7 @@ fn mesh_options_select_the_normals() {
 fn ply_files_are_read_as_meshes() {
     let folder = TemporaryMeshFolder::new(OBJ_FACES, MTL_TEXT);
     let mesh = crate::format::mesh::load(&folder.0.path().join("a.obj"), &()).unwrap().mesh;
-    mesh.write(&folder.0.path().join("a.ply"), crate::format::mesh::MeshFormat::Ply, &[]).unwrap();
+    mesh.write(&folder.0.path().join("a.ply"), crate::format::mesh::MeshFormat::PlyBinary, &[]).unwrap();
     let scene = folder.resolve_scene_with_objects("TriangleMesh { file a.ply materials file }");
     assert_eq!((scene.triangle_count(), reflectance_seen_from_front(&scene, 1.5)), (5, Vec3::splat(0.2)));
     // A PLY file is recognized by its content.

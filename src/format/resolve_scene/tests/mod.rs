@@ -79,7 +79,7 @@ fn unknown_material_names_are_refused() {
     let mut description = parse("a.txt", &text).unwrap();
     description.materials.pop();
     let error = resolve(&description, &SourceText::new("a.txt", &text), Path::new("")).unwrap_err();
-    assert_eq!((error.line(), error.text()), (3, "b"));
+    assert_eq!((error.line(), error.offending_text()), (3, "b"));
     assert!(error.message().contains("no material named `b`") && !error.remedy().is_empty());
 }
 
@@ -142,7 +142,7 @@ fn singular_products_are_reported_at_the_inner_transform() {
     let ball = "Sphere { center 0 0 0 radius 1 }";
     let huge = "Scale 1e300 1 1";
     let error = resolve_error(&format!("Group {{\nTransform {{ {huge}\nTransform {{ {huge} {ball} }} }} }}"));
-    assert_eq!((error.line(), error.text()), (4, "Transform"));
+    assert_eq!((error.line(), error.offending_text()), (4, "Transform"));
     assert!(error.message().contains("singular") && error.remedy().contains("scale"), "{error}");
     // The place is that of the innermost transform, also after another one has ended.
     let fine = format!("Transform {{ UniformScale 2 {ball} }}");
@@ -156,7 +156,7 @@ fn singular_products_are_reported_at_the_inner_transform() {
 fn a_sphere_of_zero_volume_is_refused() {
     let error =
         resolve_error("Group { Transform { UniformScale 1e-150\nScale 2 1 1 Sphere { center 0 0 0 radius 1e-300 } } }");
-    assert_eq!((error.line(), error.text()), (3, "Sphere"));
+    assert_eq!((error.line(), error.offending_text()), (3, "Sphere"));
     assert!(error.message().contains("squeezed flat"));
 }
 
@@ -183,7 +183,7 @@ fn unrenderable_objects_are_reported_with_position() {
         (format!("Group {{\nRevSurface {{ profile {long} }} }}"), "RevSurface", "the degree is 29"),
     ] {
         let error = resolve_error(&text);
-        assert_eq!((error.line(), error.column(), error.text()), (3, 1, offending), "{error}");
+        assert_eq!((error.line(), error.column(), error.offending_text()), (3, 1, offending), "{error}");
         assert!(error.message().contains(message) && !error.remedy().is_empty(), "{error}");
     }
     let error = resolve_error("Group { Sphere { center 0 0 0 radius 1e30 } }");
@@ -233,7 +233,7 @@ fn unreadable_meshes_are_reported_at_their_path() {
         resolve_in_folder(folder.path(), &format!("Group {{\nTriangleMesh {{ obj_file {path} }} }}")).unwrap_err()
     };
     let missing = error("no.obj");
-    assert_eq!((missing.line(), missing.text()), (3, "no.obj"));
+    assert_eq!((missing.line(), missing.offending_text()), (3, "no.obj"));
     assert!(missing.message().contains("`no.obj` does not exist"));
     let places = [folder.path().join("no.obj"), folder.path().join("../no.obj")];
     assert!(places.iter().all(|p| missing.remedy().contains(&p.display().to_string())), "{}", missing.remedy());
@@ -243,7 +243,7 @@ fn unreadable_meshes_are_reported_at_their_path() {
     assert!(error("folder.obj").message().contains("does not exist"));
     std::fs::write(folder.path().join("bad.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
     let broken = error("bad.obj");
-    assert_eq!((broken.line(), broken.text()), (3, "bad.obj"));
+    assert_eq!((broken.line(), broken.offending_text()), (3, "bad.obj"));
     assert!(broken.message().contains("bad.obj:2"), "{broken}");
 }
 
@@ -343,7 +343,7 @@ fn the_camera_has_the_given_direction() {
     let mut description = parse("a.txt", &text).unwrap();
     description.camera.value.up = DVec3::Z;
     let error = resolve(&description, &SourceText::new("a.txt", &text), Path::new("")).unwrap_err();
-    assert_eq!((error.line(), error.text()), (1, "PerspectiveCamera"));
+    assert_eq!((error.line(), error.offending_text()), (1, "PerspectiveCamera"));
 }
 
 #[test]
@@ -355,7 +355,7 @@ fn radiance_above_single_precision_is_refused() {
         (&format!("{checker} Group {{ MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"), "Sphere"),
     ] {
         let error = resolve_error(text);
-        assert!(error.text() == place && error.message().contains("3.4e38"), "{error}");
+        assert!(error.offending_text() == place && error.message().contains("3.4e38"), "{error}");
         assert!(error.remedy().contains("emit less"), "{error}");
     }
 }

@@ -56,7 +56,7 @@ fn folder_of_meshes() -> tempfile::TempDir {
 /// Builds the scene of `text` after `earlier`. Returns it with the number of mesh files parsed.
 fn resolve_after(earlier: Option<&ResolvedScene>, file: &SceneFile) -> (ResolvedScene, usize) {
     let monitor = FileMonitor::default();
-    let resolved = file.resolve_after(earlier, &monitor, MemoryLimit::Unbounded).unwrap();
+    let resolved = file.resolve_incrementally(earlier, &monitor, MemoryLimit::Unbounded).unwrap();
     (resolved, monitor.parsed.into_inner())
 }
 
@@ -67,7 +67,7 @@ fn material_libraries_and_unchanged_meshes_are_reported() {
     let first = resolve_after(None, &file).0;
     for earlier in [None, Some(&first)] {
         let monitor = FileMonitor::default();
-        file.resolve_after(earlier, &monitor, MemoryLimit::Unbounded).unwrap();
+        file.resolve_incrementally(earlier, &monitor, MemoryLimit::Unbounded).unwrap();
         assert_eq!(monitor.named.into_inner().unwrap(), ["a.obj", "b.mtl", "b.obj"].map(str::to_owned).into());
     }
 }
@@ -119,7 +119,7 @@ fn embedded_meshes_are_compared_bit_by_bit() {
     let first = resolve_after(None, &file_with(mesh.clone())).0;
     let only = |scene: &ResolvedScene| scene.meshes.only_part();
     let same = resolve_after(Some(&first), &file_with(mesh.clone())).0;
-    assert!(Arc::ptr_eq(&only(&same), &only(&first)) && only(&first).has_hierarchy());
+    assert!(Arc::ptr_eq(&only(&same), &only(&first)) && only(&first).has_bvh());
     // Both zeros are equal as numbers.
     let mut negated = mesh;
     negated.positions[0].z = -0.0;

@@ -24,7 +24,7 @@ fn texture_values_out_of_range_are_refused() {
     for (field, kind) in [("reflectance", "Diffuse"), ("transmittance", "Thin"), ("roughness", "Dielectric")] {
         let error =
             resolve_error(&ball_scene_text("Checker loud { color1 2 0 0 }", &format!("{kind} {{ {field} loud }}")));
-        assert_eq!((error.line(), error.text()), (3, "loud"), "{error}");
+        assert_eq!((error.line(), error.offending_text()), (3, "loud"), "{error}");
         assert!(error.message().contains("from 0 to 2") && error.remedy().contains("between 0 and 1"), "{error}");
     }
     // Radiance has no upper bound, nor has a colour that is scaled down.
@@ -52,7 +52,7 @@ fn pictures_are_decoded_as_color_or_numbers() {
     assert_eq!(front_reflectance("Checker half.exr { color0 1 1 1 }", "Phong { texture half.exr }"), 1.0);
 
     let error = with("Image t { file half.png }", "Diffuse { reflectance t normalMap t }").unwrap_err();
-    assert!(error.text() == "t" && error.remedy().contains("encoding linear"), "{error}");
+    assert!(error.offending_text() == "t" && error.remedy().contains("encoding linear"), "{error}");
     with("Image t { file half.png encoding linear }", "Diffuse { reflectance t normalMap t }").unwrap();
     with("", "Diffuse { reflectance 1 1 1 normalMap half.png }").unwrap();
 }
@@ -65,15 +65,15 @@ fn unreadable_pictures_are_reported_at_their_path() {
         resolve_in_folder(folder.path(), &ball_scene_text(textures, material)).unwrap_err()
     };
     let missing = with("Image t { file no.png }", "Mirror { }");
-    assert_eq!((missing.line(), missing.text()), (2, "no.png"), "{missing}");
+    assert_eq!((missing.line(), missing.offending_text()), (2, "no.png"), "{missing}");
     assert!(missing.message().contains("does not exist"));
     for (field, text) in [("bump no.png bumpHeight 1", "no.png"), ("normalMap no.png", "no.png")] {
         let error = with("", &format!("Mirror {{ {field} }}"));
-        assert_eq!((error.line(), error.text()), (3, text), "{error}");
+        assert_eq!((error.line(), error.offending_text()), (3, text), "{error}");
         assert!(error.message().contains("texture or picture"), "{error}");
     }
     let dark = with("Image t { file dark.exr }", "Mirror { }");
-    assert!(dark.text() == "dark.exr" && dark.message().contains("negative"), "{dark}");
+    assert!(dark.offending_text() == "dark.exr" && dark.message().contains("negative"), "{dark}");
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn meshes_without_texcoords_take_solid_textures_only() {
         resolve_in_folder(folder.path(), &text)
     };
     let error = with("Checker t { }", "Diffuse tiled { reflectance t }").unwrap_err();
-    assert_eq!((error.line(), error.text()), (3, "bare.obj"), "{error}");
+    assert_eq!((error.line(), error.offending_text()), (3, "bare.obj"), "{error}");
     assert!(error.message().contains("`tiled`") && error.remedy().contains("Marble"), "{error}");
     assert!(
         with("Noise t { }", "Diffuse { reflectance .5 .5 .5 normalMap t }").is_err(),

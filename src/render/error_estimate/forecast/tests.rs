@@ -13,8 +13,8 @@ fn error_estimate_with_parts(
     blur_ratio: f64,
 ) -> ErrorEstimate {
     let parts = SquaredErrorParts { noise: variance / f64::from(passes), blur: blur * blur, ..Default::default() };
-    let differences = NestedDifferenceMoments { variance: difference_variance, ..Default::default() };
-    ErrorEstimate { passes, blur, blur_ratio, parts, differences, ..ErrorEstimate::default() }
+    let differences = NestedDifferenceMoments { d0_variance: difference_variance, ..Default::default() };
+    ErrorEstimate { passes, blur, half_disc_blur_ratio: blur_ratio, parts, differences, ..ErrorEstimate::default() }
 }
 
 fn noise_and_bias_after_passes(forecast: &ErrorForecast, passes: u32) -> (f64, f64) {
@@ -92,8 +92,8 @@ fn sums_over_groups_agree_with_single_passes() {
             Some(this)
         });
         let (inverse, blur) = areas.fold((0.0, 0.0), |(a, b), x: f64| (a + 1.0 / x, b + libm::pow(x, power)));
-        assert!((sums.inverse_area / inverse - 1.0).abs() < 1e-3, "{} {inverse}", sums.inverse_area);
-        assert!((sums.blur / blur - 1.0).abs() < 1e-3, "{} {blur}", sums.blur);
+        assert!((sums.inverse_area_sum / inverse - 1.0).abs() < 1e-3, "{} {inverse}", sums.inverse_area_sum);
+        assert!((sums.area_power_sum / blur - 1.0).abs() < 1e-3, "{} {blur}", sums.area_power_sum);
         assert_eq!(sums.passes, 20_000);
     }
 }

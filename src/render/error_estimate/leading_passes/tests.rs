@@ -7,7 +7,7 @@ fn passes_of_block_noise(block: usize, pixels: usize, passes: u32, seed: u64) ->
     for pass in 0..passes {
         let key = Key::new(seed).purpose_key(Purpose::Test).child_key(pass.into());
         let value = |i: usize| Rgb::splat(key.child_key((i / block) as u64).uniform_1d(Dimension::Film));
-        leading.add(pass, MAX_PASSES, (0..pixels).into_par_iter().map(value));
+        leading.add(pass, MAX_LEADING_PASSES, (0..pixels).into_par_iter().map(value));
     }
     leading
 }
@@ -53,8 +53,8 @@ fn few_passes_give_the_prior_variance() {
     let variance = |passes, block| {
         passes_of_block_noise(block, 10, passes, 9).squared_error_relative_variance(&[1.0; 10], f64::INFINITY)
     };
-    assert_eq!([variance(0, 1), variance(1, 1), variance(2, 1)], [2.0 / PRIOR_SAMPLES; 3]);
-    assert!(variance(8, 10) > 10.0 * 2.0 / PRIOR_SAMPLES);
+    assert_eq!([variance(0, 1), variance(1, 1), variance(2, 1)], [2.0 / PRIOR_EFFECTIVE_SAMPLE_COUNT; 3]);
+    assert!(variance(8, 10) > 10.0 * 2.0 / PRIOR_EFFECTIVE_SAMPLE_COUNT);
     let mut black = LeadingPasses::default();
     (0..8).for_each(|pass| black.add(pass, 8, rayon::iter::repeat_n(Rgb::ZERO, 4)));
     assert_eq!(black.squared_error_relative_variance(&[1.0; 4], 1.0), 0.0);

@@ -8,13 +8,17 @@ const CENTER: Confidence = Confidence::LEAST;
 /// with the given moments of nested differences.
 fn forecast_with(differences: NestedDifferenceMoments, alpha: Option<f64>) -> ErrorForecast {
     let blur = BlurEstimate::from_differences(&differences);
-    let parts =
-        SquaredErrorParts { noise: 0.01, blur: blur.square, blur_variance: blur.variance, ..Default::default() };
+    let parts = SquaredErrorParts {
+        noise: 0.01,
+        blur: blur.squared_blur,
+        blur_variance: blur.squared_blur_variance,
+        ..Default::default()
+    };
     let estimate = ErrorEstimate {
         passes: 8,
         error: parts.total().sqrt(),
-        blur: blur.square.sqrt(),
-        blur_ratio: if blur.ratio > 0.0 { blur.ratio } else { 0.5 },
+        blur: blur.squared_blur.sqrt(),
+        half_disc_blur_ratio: if blur.half_disc_ratio > 0.0 { blur.half_disc_ratio } else { 0.5 },
         parts,
         differences,
         ..ErrorEstimate::default()
@@ -42,10 +46,12 @@ fn normal_quantiles_match_tables() {
 #[test]
 fn draws_are_spread_evenly() {
     let mean = |of: fn(&ForecastDraw) -> f64| ALL_DRAWS.iter().map(of).sum::<f64>() / DRAWS as f64;
-    assert!(mean(|draw| draw.noise).abs() < 0.05 && mean(|draw| draw.later_blur).abs() < 0.05);
-    assert!((mean(|draw| draw.exponent_choice) - 0.5).abs() < 0.02 && (mean(|draw| draw.blur) - 0.5).abs() < 0.02);
-    assert!((mean(|draw| draw.noise * draw.noise) - 1.0).abs() < 0.1);
-    assert!(mean(|draw| draw.noise * draw.later_blur).abs() < 0.1);
+    assert!(mean(|draw| draw.noise_variate).abs() < 0.05 && mean(|draw| draw.later_blur_variate).abs() < 0.05);
+    assert!(
+        (mean(|draw| draw.exponent_variate) - 0.5).abs() < 0.02 && (mean(|draw| draw.blur_variate) - 0.5).abs() < 0.02
+    );
+    assert!((mean(|draw| draw.noise_variate * draw.noise_variate) - 1.0).abs() < 0.1);
+    assert!(mean(|draw| draw.noise_variate * draw.later_blur_variate).abs() < 0.1);
 }
 
 /// To halve the noise, four times the passes are needed. The uncertainty of the model widens the
@@ -80,8 +86,8 @@ fn forecast_uses_the_upper_end_of_the_interval() {
 fn reached_targets_are_not_in_the_future() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);
     let PassRange { low, median, high } = range(forecast.stop_forecast(0.1001, CENTER));
-    assert!(MIN_PASSES <= low && median <= 8 && high.unwrap() <= 8, "{low} {median} {high:?}");
-    assert!(range(forecast.stop_forecast(0.5, CENTER)).high == Some(MIN_PASSES));
+    assert!(MIN_ERROR_ESTIMATE_PASSES <= low && median <= 8 && high.unwrap() <= 8, "{low} {median} {high:?}");
+    assert!(range(forecast.stop_forecast(0.5, CENTER)).high == Some(MIN_ERROR_ESTIMATE_PASSES));
     assert!(range(forecast.stop_forecast(0.0999, CENTER)).low > 8);
 }
 
@@ -118,7 +124,7 @@ fn unknown_blur_widens_the_range() {
     let known = forecast_with(NestedDifferenceMoments::default(), Some(2.0 / 3.0));
     let deviation = 2e-4;
     let noisy =
-        NestedDifferenceMoments { d0_squared_variance: deviation * deviation, variance: 0.01, ..Default::default() };
+        NestedDifferenceMoments { d0_squared_variance: deviation * deviation, d0_variance: 0.01, ..Default::default() };
     let unknown =
         forecast_with(NestedDifferenceMoments { squared_noise_relative_variance: 0.02, ..noisy }, Some(2.0 / 3.0));
     let ends = [&known, &unknown].map(|forecast| range(forecast.stop_forecast(0.04, CENTER)));

@@ -7,7 +7,7 @@
 
 mod search;
 
-pub(in crate::scene) use search::{CoincidentFlags, find_coincident_flags};
+pub(in crate::scene) use search::{CoincidentFlags, flag_coincident_primitives};
 
 use super::{Body, InteriorStack};
 use crate::math::{Ray, offset_ray_origin};
@@ -60,7 +60,7 @@ impl CoincidentFaces {
         self.0.iter().flatten().copied()
     }
 
-    fn add_coincident_face(&mut self, face: CoincidentFace) {
+    fn insert_if_room(&mut self, face: CoincidentFace) {
         if let Some(slot) = self.0.iter_mut().find(|f| f.is_none_or(|f| f == face)) {
             *slot = Some(face);
         }
@@ -91,7 +91,7 @@ impl InteriorStack {
     /// same body through `own`. An exit from a body that is not on the stack has no effect.
     pub(super) fn stack_after_crossing(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
         let mut far = *self;
-        let count = |material: u32| self.bodies().iter().filter(|m| **m == material).count();
+        let count = |material: u32| self.body_materials().iter().filter(|m| **m == material).count();
         let spare = |material: u32| usize::from(!own.entering && own.material == material);
         let mut faces = [None; MAX_COINCIDENT_FACES + 1];
         let pending = coincident.iter().filter(|f| !f.entering || count(f.material) <= spare(f.material));
@@ -117,7 +117,7 @@ pub(super) fn boundary_sides<'a>(
 ) -> BoundarySides<'a> {
     let far = stack.stack_after_crossing(CoincidentFace::from_surface(surface, entering), &surface.coincident);
     let mut is_null_interface = body.is_null_interface;
-    let mut roughness = if is_null_interface { 0.0 } else { surface.roughness };
+    let mut roughness = if is_null_interface { 0.0 } else { surface.boundary_roughness };
     for face in surface.coincident.iter() {
         let material = &scene.materials[face.material as usize];
         if material.bounded_body().is_some_and(|other| !other.is_null_interface) {
@@ -125,7 +125,8 @@ pub(super) fn boundary_sides<'a>(
             roughness = material.mean_boundary_roughness().max(roughness);
         }
     }
-    let (near, far) = (stack.top_refracting_body(&scene.materials), far.top_refracting_body(&scene.materials));
+    let (near, far) =
+        (stack.dominant_refracting_body(&scene.materials), far.dominant_refracting_body(&scene.materials));
     BoundarySides { near, far, is_null_interface, roughness }
 }
 
@@ -154,7 +155,7 @@ fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> Coi
         let material = geometry.object_attributes(hit.primitive).material;
         let face = CoincidentFace { material, entering, group: geometry.coincidence_group(hit.primitive) };
         if face != own && scene.materials[material as usize].bounded_body().is_some() {
-            faces.add_coincident_face(face);
+            faces.insert_if_room(face);
         }
     });
     faces.0.sort_unstable_by_key(|face| face.map_or((true, None), |face| (false, Some(face))));

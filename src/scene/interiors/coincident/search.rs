@@ -17,7 +17,7 @@ const PAIRS_PER_FACE: usize = 1000;
 
 /// Margin by which bounding boxes are expanded, divided by their coordinates and size. It exceeds
 /// the position errors of two surface points (see `SurfacePoint::error`).
-const MARGIN: f32 = 16.0 * f32::EPSILON;
+const RELATIVE_MARGIN: f32 = 16.0 * f32::EPSILON;
 
 /// One flag for each primitive of a scene: true if a boundary of another object may coincide with
 /// the primitive.
@@ -28,7 +28,7 @@ pub(in crate::scene) struct CoincidentFlags {
     triangles: Arc<[bool]>,
     shapes: Arc<[bool]>,
     /// True if all primitives are flagged, because a moving or unbounded boundary may be anywhere.
-    anywhere: bool,
+    all_flagged: bool,
 }
 
 impl CoincidentFlags {
@@ -36,7 +36,7 @@ impl CoincidentFlags {
     #[inline]
     pub fn may_coincide(&self, primitive: HitPrimitive) -> bool {
         let flag = |flags: &[bool], i: u32| flags.get(i as usize).copied().unwrap_or(false);
-        self.anywhere
+        self.all_flagged
             || match primitive {
                 HitPrimitive::Triangle(i, _) => flag(&self.triangles, i),
                 HitPrimitive::Shape(i, _) => flag(&self.shapes, i),
@@ -50,32 +50,32 @@ struct BoundaryFace {
     primitive: PrimitiveIndex,
     bounds: Bounds,
     /// Index of the mesh or shape that the face belongs to, in the list of extents.
-    object: u32,
+    boundary_object: u32,
 }
 
 /// The box around a mesh or shape that bounds a dielectric body.
-struct BoundaryExtent {
+struct BoundaryObjectBounds {
     bounds: Bounds,
     /// Distance within which a face of another object counts as coincident \[length].
     margin: f32,
 }
 
-impl BoundaryExtent {
+impl BoundaryObjectBounds {
     fn new(bounds: Bounds) -> Self {
         let size = bounds.min.abs().max(bounds.max.abs()).max_element() + bounds.extent().max_element();
-        Self { bounds: bounds.expanded(size * MARGIN), margin: size * MARGIN }
+        Self { bounds: bounds.expanded(size * RELATIVE_MARGIN), margin: size * RELATIVE_MARGIN }
     }
 }
 
 /// Finds the primitives of `geometry` with which a boundary of another object may coincide.
 ///
 /// `is_boundary` returns true if the material with the given index bounds a dielectric body.
-pub(in crate::scene) fn find_coincident_flags(
+pub(in crate::scene) fn flag_coincident_primitives(
     geometry: &Geometry,
     is_boundary: impl Fn(u32) -> bool,
 ) -> CoincidentFlags {
     let bounds_body = |object: usize| is_boundary(geometry.objects[object].material);
-    let at_rest = geometry.shapes.first_moving() as usize;
+    let at_rest = geometry.shapes.first_moving_index() as usize;
     let boundary_shapes: Vec<usize> = (0..at_rest).filter(|i| bounds_body(*i)).collect();
     let mesh_bounds = boundary_mesh_bounds(geometry, bounds_body);
     let moving = at_rest..geometry.shapes.len();
@@ -83,35 +83,35 @@ pub(in crate::scene) fn find_coincident_flags(
     let anywhere = moving.chain(endless).filter(|object| bounds_body(*object)).count();
     if anywhere > 0 {
         let others = boundary_shapes.len() + mesh_bounds.iter().flatten().count();
-        return CoincidentFlags { anywhere: anywhere + others > 1, ..CoincidentFlags::default() };
+        return CoincidentFlags { all_flagged: anywhere + others > 1, ..CoincidentFlags::default() };
     }
-    let mut extents: Vec<BoundaryExtent> =
-        boundary_shapes.iter().map(|i| BoundaryExtent::new(Shape::bounds(&geometry.shapes[*i as u32]))).collect();
+    let mut extents: Vec<BoundaryObjectBounds> =
+        boundary_shapes.iter().map(|i| BoundaryObjectBounds::new(Shape::bounds(&geometry.shapes[*i as u32]))).collect();
     let mut extent_of_mesh = vec![None; mesh_bounds.len()];
     for (extent, bounds) in extent_of_mesh.iter_mut().zip(&mesh_bounds) {
         if let Some(bounds) = bounds {
             *extent = Some(extents.len() as u32);
-            extents.push(BoundaryExtent::new(*bounds));
+            extents.push(BoundaryObjectBounds::new(*bounds));
         }
     }
-    let is_overlapping = flag_overlapping_extents(&extents);
+    let is_overlapping = flag_overlapping_bounds(&extents);
     if !is_overlapping.contains(&true) {
         return CoincidentFlags::default();
     }
     let mut faces: Vec<BoundaryFace> = Vec::new();
     for (object, i) in boundary_shapes.iter().enumerate().filter(|(object, _)| is_overlapping[*object]) {
         let primitive = PrimitiveIndex::Other(*i as u32);
-        faces.push(BoundaryFace { primitive, bounds: extents[object].bounds, object: object as u32 });
+        faces.push(BoundaryFace { primitive, bounds: extents[object].bounds, boundary_object: object as u32 });
     }
     for (i, object) in geometry.triangle_object.iter().enumerate() {
         let mesh = *object as usize - geometry.shapes.len();
         if let Some(object) = extent_of_mesh[mesh].filter(|object| is_overlapping[*object as usize]) {
             let bounds = Bounds::from_points(geometry.mesh.corners(i)).expanded(extents[object as usize].margin);
-            faces.push(BoundaryFace { primitive: PrimitiveIndex::Triangle(i as u32), bounds, object });
+            faces.push(BoundaryFace { primitive: PrimitiveIndex::Triangle(i as u32), bounds, boundary_object: object });
         }
     }
     let near = |a: &BoundaryFace, b: &BoundaryFace| {
-        let margin = f64::from(extents[a.object as usize].margin + extents[b.object as usize].margin);
+        let margin = f64::from(extents[a.boundary_object as usize].margin + extents[b.boundary_object as usize].margin);
         match (a.primitive, b.primitive) {
             (PrimitiveIndex::Triangle(i), PrimitiveIndex::Triangle(j)) => {
                 let [a, b] = [i, j].map(|i| geometry.mesh.corners(i as usize).map(|p| p.as_dvec3()));
@@ -129,7 +129,7 @@ pub(in crate::scene) fn find_coincident_flags(
             PrimitiveIndex::Other(i) => shapes[i as usize] = found,
         }
     }
-    CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), anywhere: false }
+    CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), all_flagged: false }
 }
 
 /// Returns the bounds of each mesh that bounds a dielectric body; `None` for other meshes and for
@@ -148,11 +148,11 @@ fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool
 }
 
 /// Returns a flag for each extent: true if its box overlaps the box of another extent.
-fn flag_overlapping_extents(extents: &[BoundaryExtent]) -> Vec<bool> {
-    let face = |(extent, i): (&BoundaryExtent, u32)| BoundaryFace {
+fn flag_overlapping_bounds(extents: &[BoundaryObjectBounds]) -> Vec<bool> {
+    let face = |(extent, i): (&BoundaryObjectBounds, u32)| BoundaryFace {
         primitive: PrimitiveIndex::Other(i),
         bounds: extent.bounds,
-        object: i,
+        boundary_object: i,
     };
     SpatialSelfJoin::faces_near_other_objects(
         &extents.iter().zip(0..).map(face).collect::<Vec<BoundaryFace>>(),
@@ -175,7 +175,7 @@ struct FaceTreeNode {
     members: Range<usize>,
     children: Option<[usize; 2]>,
     /// Index of the object to which all faces of the node belong; `None` if they belong to several.
-    object: Option<u32>,
+    boundary_object: Option<u32>,
 }
 
 /// A spatial self-join: finds the faces that are near a face of another object.
@@ -214,10 +214,11 @@ impl<'a> SpatialSelfJoin<'a> {
 
     fn build_subtree(&mut self, members: Range<usize>) -> usize {
         let bounds = members.clone().fold(Bounds::EMPTY, |all, i| all.union(self.nth_face_in_tree_order(i).bounds));
-        let object = self.nth_face_in_tree_order(members.start).object;
-        let object = members.clone().all(|i| self.nth_face_in_tree_order(i).object == object).then_some(object);
+        let object = self.nth_face_in_tree_order(members.start).boundary_object;
+        let object =
+            members.clone().all(|i| self.nth_face_in_tree_order(i).boundary_object == object).then_some(object);
         let index = self.nodes.len();
-        self.nodes.push(FaceTreeNode { bounds, members: members.clone(), children: None, object });
+        self.nodes.push(FaceTreeNode { bounds, members: members.clone(), children: None, boundary_object: object });
         if members.len() > LEAF_FACES {
             let axis = bounds.extent().max_position();
             let faces = self.faces;
@@ -234,7 +235,7 @@ impl<'a> SpatialSelfJoin<'a> {
     /// Flags the faces below `node` that are near a face of another object below it. Returns `None`
     /// if that takes more than `budget` tests.
     fn join_node_with_itself(&mut self, node: usize) -> Option<()> {
-        if self.nodes[node].object.is_some() {
+        if self.nodes[node].boundary_object.is_some() {
             return Some(());
         }
         match self.nodes[node].children {
@@ -251,7 +252,9 @@ impl<'a> SpatialSelfJoin<'a> {
     /// other node. Returns `None` if that takes more than `budget` tests.
     fn join_node_pair(&mut self, a: usize, b: usize) -> Option<()> {
         let (first, second) = (&self.nodes[a], &self.nodes[b]);
-        if first.object.is_some() && first.object == second.object || !first.bounds.overlaps(&second.bounds) {
+        if first.boundary_object.is_some() && first.boundary_object == second.boundary_object
+            || !first.bounds.overlaps(&second.bounds)
+        {
             return Some(());
         }
         match (first.children, second.children) {
@@ -270,7 +273,7 @@ impl<'a> SpatialSelfJoin<'a> {
             for j in second.clone() {
                 let (a, b) = (self.nth_face_in_tree_order(i), self.nth_face_in_tree_order(j));
                 let [i, j] = [i, j].map(|member| self.order[member] as usize);
-                if a.object != b.object
+                if a.boundary_object != b.boundary_object
                     && !(self.found[i] && self.found[j])
                     && a.bounds.overlaps(&b.bounds)
                     && (self.near)(a, b)

@@ -8,7 +8,7 @@ fn coincident_face(material: u32, entering: bool) -> CoincidentFace {
 
 fn coincident_faces_from_list(list: &[CoincidentFace]) -> CoincidentFaces {
     let mut faces = CoincidentFaces::NONE;
-    list.iter().for_each(|f| faces.add_coincident_face(*f));
+    list.iter().for_each(|f| faces.insert_if_room(*f));
     faces
 }
 
@@ -26,13 +26,19 @@ fn coincident_faces_are_crossed_together() {
     for (own, other) in
         [(coincident_face(0, false), coincident_face(1, true)), (coincident_face(1, true), coincident_face(0, false))]
     {
-        assert_eq!(glass.stack_after_crossing(own, &coincident_faces_from_list(&[other])).bodies(), &[1], "{own:?}");
+        assert_eq!(
+            glass.stack_after_crossing(own, &coincident_faces_from_list(&[other])).body_materials(),
+            &[1],
+            "{own:?}"
+        );
     }
     for (own, other) in
         [(coincident_face(1, false), coincident_face(0, true)), (coincident_face(0, true), coincident_face(1, false))]
     {
         assert_eq!(
-            interior_stack_of_materials(&[1]).stack_after_crossing(own, &coincident_faces_from_list(&[other])).bodies(),
+            interior_stack_of_materials(&[1])
+                .stack_after_crossing(own, &coincident_faces_from_list(&[other]))
+                .body_materials(),
             &[0],
             "{own:?}"
         );
@@ -42,25 +48,25 @@ fn coincident_faces_are_crossed_together() {
     assert_eq!(
         InteriorStack::EMPTY
             .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(0, true)]))
-            .bodies(),
+            .body_materials(),
         &[0, 1]
     );
     assert_eq!(
         interior_stack_of_materials(&[0, 1])
             .stack_after_crossing(coincident_face(1, false), &coincident_faces_from_list(&[coincident_face(0, false)]))
-            .bodies(),
+            .body_materials(),
         &[0u32; 0]
     );
     assert_eq!(
         glass
             .stack_after_crossing(coincident_face(0, false), &coincident_faces_from_list(&[coincident_face(0, true)]))
-            .bodies(),
+            .body_materials(),
         &[0]
     );
     assert_eq!(
         glass
             .stack_after_crossing(coincident_face(0, true), &coincident_faces_from_list(&[coincident_face(0, false)]))
-            .bodies(),
+            .body_materials(),
         &[0]
     );
 }
@@ -75,7 +81,7 @@ fn objects_of_one_material_count_separately() {
     let stack_after_crossing = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
         interior_stack_of_materials(around)
             .stack_after_crossing(own, &coincident_faces_from_list(&[other]))
-            .bodies()
+            .body_materials()
             .len()
     };
     assert_eq!(stack_after_crossing(&[], part(0, true), part(1, true)), 2);
@@ -89,21 +95,21 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
     assert_eq!(
         interior_stack_of_materials(&[0, 1])
             .stack_after_crossing(coincident_face(0, false), &coincident_faces_from_list(&[coincident_face(1, true)]))
-            .bodies(),
+            .body_materials(),
         &[1]
     );
     // A small gap between both bodies: the path left the glass just before it enters the liquid.
     assert_eq!(
         InteriorStack::EMPTY
             .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(0, false)]))
-            .bodies(),
+            .body_materials(),
         &[1]
     );
     // A film thinner than the position error has no effect.
     assert_eq!(
         InteriorStack::EMPTY
             .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(1, false)]))
-            .bodies(),
+            .body_materials(),
         &[0u32; 0]
     );
     assert_eq!(
@@ -112,7 +118,7 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
                 coincident_face(0, false),
                 &coincident_faces_from_list(&[coincident_face(1, true), coincident_face(1, false)])
             )
-            .bodies(),
+            .body_materials(),
         &[0u32; 0]
     );
 }

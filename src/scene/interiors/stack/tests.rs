@@ -22,7 +22,7 @@ fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
 fn the_highest_priority_wins_in_any_entry_order() {
     let m = water_ice_glass_materials();
     for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
-        assert_eq!(interior_stack_of_materials(&order).top_body(&m).unwrap().0, 2);
+        assert_eq!(interior_stack_of_materials(&order).dominant_body(&m).unwrap().0, 2);
     }
     assert!(
         interior_stack_of_materials(&[2]).interface_at_boundary(0, &body_of_material(0), true, &m).is_hidden,
@@ -66,7 +66,7 @@ fn equal_priorities_nest_and_equal_materials_merge() {
     for material in &mut m {
         *material = material.with_body(Body { priority: 0, ..*material.bounded_body().unwrap() });
     }
-    assert_eq!(interior_stack_of_materials(&[2, 0]).top_body(&m).unwrap().0, 0, "the last one entered counts");
+    assert_eq!(interior_stack_of_materials(&[2, 0]).dominant_body(&m).unwrap().0, 0, "the last one entered counts");
     let glass = Body { priority: 0, ..body_of_material(2) };
     let crossing = interior_stack_of_materials(&[2]).interface_at_boundary(2, &glass, true, &m);
     assert_eq!(crossing.relative_eta(&glass, |b| b.eta), 1.0, "glass in the same glass is no boundary");
@@ -75,16 +75,20 @@ fn equal_priorities_nest_and_equal_materials_merge() {
 #[test]
 fn null_interfaces_yield_and_do_not_refract() {
     let mut m = water_ice_glass_materials();
-    m.push(Material::smooth_boundary(Body::body_filled_with_medium(0)));
-    m.push(Material::smooth_boundary(Body { priority: 9, ..Body::body_filled_with_medium(1) }));
+    m.push(Material::smooth_boundary(Body::null_interface_with_medium(0)));
+    m.push(Material::smooth_boundary(Body { priority: 9, ..Body::null_interface_with_medium(1) }));
     assert_eq!(
-        interior_stack_of_materials(&[0, 3]).top_body(&m).unwrap().0,
+        interior_stack_of_materials(&[0, 3]).dominant_body(&m).unwrap().0,
         0,
         "the body that refracts wins among equals"
     );
-    assert_eq!(interior_stack_of_materials(&[3]).top_body(&m).unwrap().0, 3);
-    assert_eq!(interior_stack_of_materials(&[2, 4]).top_body(&m).unwrap().0, 4, "smoke that displaces glass");
-    assert_eq!(interior_stack_of_materials(&[2, 4]).top_refracting_body(&m).unwrap().0, 2, "but the glass bends light");
+    assert_eq!(interior_stack_of_materials(&[3]).dominant_body(&m).unwrap().0, 3);
+    assert_eq!(interior_stack_of_materials(&[2, 4]).dominant_body(&m).unwrap().0, 4, "smoke that displaces glass");
+    assert_eq!(
+        interior_stack_of_materials(&[2, 4]).dominant_refracting_body(&m).unwrap().0,
+        2,
+        "but the glass bends light"
+    );
     let into = interior_stack_of_materials(&[4]).interface_at_boundary(2, &body_of_material(2), true, &m);
     assert_eq!(into, BodyInterface { is_hidden: false, outside: None });
 }
@@ -93,8 +97,8 @@ fn null_interfaces_yield_and_do_not_refract() {
 fn a_full_stack_drops_the_outermost_body() {
     let mut deep = interior_stack_of_materials(&[0; MAX_BODIES]);
     deep.push_body(2);
-    assert_eq!((deep.bodies().len(), deep.bodies().last()), (MAX_BODIES, Some(&2)));
+    assert_eq!((deep.body_materials().len(), deep.body_materials().last()), (MAX_BODIES, Some(&2)));
     deep.remove_body(2);
     deep.remove_body(7);
-    assert_eq!(deep.bodies(), &[0; MAX_BODIES - 1]);
+    assert_eq!(deep.body_materials(), &[0; MAX_BODIES - 1]);
 }

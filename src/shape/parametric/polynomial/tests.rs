@@ -7,12 +7,12 @@ fn random_signed(i: u64) -> f64 {
 }
 
 /// Pseudorandom control points of a plane Bézier curve.
-fn random_bezier(degree: usize) -> Vec<Coefficients<2>> {
+fn random_bezier(degree: usize) -> Vec<Coefficient<2>> {
     (0..=degree as u64).map(|i| [random_signed(2 * i), random_signed(2 * i + 1)]).collect()
 }
 
 /// Point of a Bézier curve at the parameter `s` in \[0, 1], by de Casteljau's algorithm.
-fn evaluate_by_de_casteljau(controls: &[Coefficients<2>], s: f64) -> Coefficients<2> {
+fn evaluate_by_de_casteljau(controls: &[Coefficient<2>], s: f64) -> Coefficient<2> {
     split_bezier(controls, s).1[0]
 }
 
@@ -24,7 +24,7 @@ fn power_basis_agrees_with_de_casteljau() {
     for degree in 1..=MAX_DEGREE {
         let controls = random_bezier(degree);
         let mut a = controls.clone();
-        bernstein_to_powers(&mut a, 0, 1, degree);
+        bernstein_to_power_basis(&mut a, 0, 1, degree);
         for i in 0..=20 {
             let x = f64::from(i) / 10.0 - 1.0;
             let ([px, py], slope) = evaluate_with_derivative(&a, x);
@@ -42,7 +42,7 @@ fn power_basis_agrees_with_de_casteljau() {
 #[test]
 fn reparametrized_polynomials_keep_their_values() {
     let mut a = random_bezier(7);
-    bernstein_to_powers(&mut a, 0, 1, 7);
+    bernstein_to_power_basis(&mut a, 0, 1, 7);
     let mut b = a.clone();
     reparametrize(&mut b, 0.25, 0.5);
     for i in 0..=10 {
@@ -60,13 +60,12 @@ fn reparametrized_polynomials_keep_their_values() {
 #[test]
 fn tensor_products_evaluate_as_nested_curves() {
     let (p, q) = (3, 5);
-    let mut a: Vec<Coefficients<1>> = (0..24).map(|i| [random_signed(i)]).collect();
+    let mut a: Vec<Coefficient<1>> = (0..24).map(|i| [random_signed(i)]).collect();
     let rows = a.clone();
-    (0..=p).for_each(|i| bernstein_to_powers(&mut a, i * (q + 1), 1, q));
-    (0..=q).for_each(|j| bernstein_to_powers(&mut a, j, q + 1, p));
+    (0..=p).for_each(|i| bernstein_to_power_basis(&mut a, i * (q + 1), 1, q));
+    (0..=q).for_each(|j| bernstein_to_power_basis(&mut a, j, q + 1, p));
     let at = |x: f64, y: f64| {
-        let column: Vec<Coefficients<1>> =
-            rows.chunks(q + 1).map(|row| split_bezier(row, 0.5 + 0.5 * y).1[0]).collect();
+        let column: Vec<Coefficient<1>> = rows.chunks(q + 1).map(|row| split_bezier(row, 0.5 + 0.5 * y).1[0]).collect();
         split_bezier(&column, 0.5 + 0.5 * x).1[0][0]
     };
     let (x, y, h) = (0.3, -0.6, 1e-6);

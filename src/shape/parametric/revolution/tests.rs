@@ -1,4 +1,4 @@
-use super::super::spline::MIN_SPAN;
+use super::super::spline::MIN_RELATIVE_KNOT_SPAN;
 use super::*;
 use glam::Vec3;
 
@@ -23,11 +23,11 @@ fn profile_subdivision_respects_memory_and_precision() {
     let found = Revolution::with_memory_limit(&basis, &wave, Some(10_000)).unwrap_err();
     // The error reports the memory needed at the first leaf beyond the limit, not for the whole
     // surface.
-    assert!(matches!(found, SplineError::Memory { needed: 10_001..11_000, free: 10_000 }), "{found}");
+    assert!(matches!(found, SplineError::MemoryLimitExceeded { needed: 10_001..11_000, free: 10_000 }), "{found}");
     assert!(Revolution::with_memory_limit(&basis, &wave, Some(10_000_000)).is_ok());
-    let basis = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + MIN_SPAN, 1.0, 1.0, 1.0]).unwrap();
+    let basis = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + MIN_RELATIVE_KNOT_SPAN, 1.0, 1.0, 1.0]).unwrap();
     let bent = surface_of_revolution(&basis, &[[1.0, 0.0], [2.0, 0.0], [2.0, 3.0], [1.0, 3.0], [1.0, 0.0]]);
-    assert!(bent.profile.leaves.iter().all(|leaf| 2.0 * leaf.half >= MIN_SPAN));
+    assert!(bent.profile.leaves.iter().all(|leaf| 2.0 * leaf.parameter_half_width >= MIN_RELATIVE_KNOT_SPAN));
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn a_nurbs_sphere_matches_the_sphere() {
             if nearest > 1.0 { None } else { [(-b - root) / a, (-b + root) / a].into_iter().find(|t| *t > 1e-7) };
         match (found, truth) {
             (None, None) => {}
-            (Some(ShapeHit { t, uv }), Some(truth)) => {
+            (Some(ShapeHit { t, shape_coords: uv }), Some(truth)) => {
                 hits += 1;
                 assert!((f64::from(t) - truth).abs() <= 1e-7 * truth, "{i}: {t} {truth}");
                 let p = shape.surface_point(&ray, t, uv);
@@ -101,7 +101,7 @@ fn a_nurbs_torus_matches_the_torus() {
             let here = value(o + d * (end * f64::from(k) / 400.0));
             assert!(here * side > -1e-6, "{i}: {found:?} passes over {here}");
         }
-        if let Some(ShapeHit { t, uv }) = found {
+        if let Some(ShapeHit { t, shape_coords: uv }) = found {
             hits += 1;
             assert!(value(o + d * f64::from(t)).abs() < 4e-7, "{i}");
             let p = shape.surface_point(&ray, t, uv);
@@ -213,7 +213,8 @@ fn rays_in_a_flat_patch_miss() {
     for d in [Vec3::X, Vec3::new(1.0, 0.0, 0.3), Vec3::new(-1.0, 0.0, 1.0)] {
         assert!(flat.shape.intersect(&Ray::new(-d * 3.0, d)).is_none());
     }
-    let ShapeHit { t, uv } = flat.shape.intersect(&Ray::new(Vec3::new(0.5, 2.0, -0.5), -Vec3::Y)).unwrap();
+    let ShapeHit { t, shape_coords: uv } =
+        flat.shape.intersect(&Ray::new(Vec3::new(0.5, 2.0, -0.5), -Vec3::Y)).unwrap();
     assert!(t == 2.0 && uv == Vec2::new(0.75, 0.25));
 }
 
@@ -224,7 +225,7 @@ fn poles_and_collapsed_edges_have_normals() {
     let ball = Shape::Patch(sphere_patch());
     for side in [1.0, -1.0] {
         let ray = Ray::new(Vec3::Y * (3.0 * side), Vec3::Y * -side);
-        let ShapeHit { t, uv } = ball.intersect(&ray).unwrap();
+        let ShapeHit { t, shape_coords: uv } = ball.intersect(&ray).unwrap();
         let p = ball.surface_point(&ray, t, uv);
         assert!((t - 2.0).abs() < 1e-6 && (p.ng - Vec3::Y * side).length() < 1e-4, "{p:?}");
     }
@@ -308,13 +309,13 @@ fn area_samples_match_their_pdf() {
         for i in 0..u64::from(n) {
             let sample = shape.sample(random_key(i).uniform_2d(Dimension::LightPosition));
             let inverse = 1.0 / f64::from(sample.pdf);
-            assert!(inverse.is_finite() && sample.uv == sample.point.uv, "{name}");
+            assert!(inverse.is_finite() && sample.shape_coords == sample.point.shape_coords, "{name}");
             sum += inverse;
             squares += inverse * inverse;
             let from = sample.point.p + sample.point.ng * (1e-3 * size);
             let ray = Ray::new(from, -sample.point.ng);
             let found = shape.intersect(&ray).filter(|hit| (hit.t - 1e-3 * size).abs() < 1e-5 * size);
-            if let Some(ShapeHit { t, uv }) = found.filter(|_| !may_be_near_apex(&shape, sample.pdf)) {
+            if let Some(ShapeHit { t, shape_coords: uv }) = found.filter(|_| !may_be_near_apex(&shape, sample.pdf)) {
                 let again = shape.pdf(&shape.surface_point(&ray, t, uv));
                 // The pdf jumps between leaves, and rounding may move a point into the next leaf.
                 strays += u32::from((again / sample.pdf - 1.0).abs() > 0.05);
@@ -346,9 +347,9 @@ fn texture_gradients_match_finite_differences() {
             for step in [Vec2::X, Vec2::Y] {
                 let after = uv + step * 2e-4;
                 let change = at(after) - here;
-                let estimated = DVec2::new(mapped.du.dot(change), mapped.dv.dot(change));
+                let estimated = DVec2::new(mapped.grad_u.dot(change), mapped.grad_v.dot(change));
                 // Steps across the axis are left out, since the azimuth jumps there.
-                if change.length() > 1e-5 * size && mapped.dv.length() * size < 30.0 {
+                if change.length() > 1e-5 * size && mapped.grad_v.length() * size < 30.0 {
                     tried += 1;
                     let truth = (after - uv).as_dvec2();
                     assert!((estimated - truth).length() < 0.05 * truth.length(), "{name} {uv}: {estimated} {truth}");

@@ -33,7 +33,7 @@ fn random_signed(i: u64) -> f64 {
 fn revolution_test_surface(name: &'static str, basis: &SplineBasis, controls: &[[f64; 2]]) -> TestSurface {
     let points: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
     let shape = Shape::Revolution(Revolution::new(basis, &points).unwrap());
-    let piece = |span| basis.bezier_piece(span, controls, (0, 1)).into_iter().map(DVec2::from_array).collect();
+    let piece = |span| basis.bezier_control_points(span, controls, (0, 1)).into_iter().map(DVec2::from_array).collect();
     let pieces =
         basis.knot_spans().map(|span| ReferencePiece::new(ReferenceSurface::Revolution(piece(span)))).collect();
     TestSurface { name, shape, pieces, thin: 1 }
@@ -47,11 +47,11 @@ fn patch_test_surface(name: &'static str, bases: [&SplineBasis; 2], controls: &[
     let mut pieces = Vec::new();
     for u in bases[0].knot_spans() {
         let along: Vec<Vec<[f64; 4]>> =
-            (0..columns).map(|j| bases[0].bezier_piece(u, &weighed, (j, columns))).collect();
+            (0..columns).map(|j| bases[0].bezier_control_points(u, &weighed, (j, columns))).collect();
         for v in bases[1].knot_spans() {
             let rows = (0..=bases[0].degree()).flat_map(|i| {
                 let row: Vec<[f64; 4]> = along.iter().map(|c| c[i]).collect();
-                bases[1].bezier_piece(v, &row, (0, 1))
+                bases[1].bezier_control_points(v, &row, (0, 1))
             });
             let points = rows.map(|[x, y, z, w]| DVec4::new(x / w, y / w, z / w, w)).collect();
             pieces.push(ReferencePiece::new(ReferenceSurface::Patch(points, [bases[0].degree(), bases[1].degree()])));
@@ -182,7 +182,7 @@ fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Com
         case.pieces.iter().for_each(|p| p.find_quads_near_ray(o, d, error, &mut found));
         let ours = case.shape.intersect(&ray);
         let message = || format!("{} ray {i}: {ours:?} against {:?}", case.name, found.hit);
-        if let Some(ShapeHit { t, uv }) = ours {
+        if let Some(ShapeHit { t, shape_coords: uv }) = ours {
             counts.hits += 1;
             let surface = case.shape.surface_point(&ray, t, uv);
             let off = surface.p.as_dvec3() - o;

@@ -5,7 +5,7 @@ use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
 /// Number of passes of the last checkpoint, divided by that of the earliest checkpoint that may be
 /// fitted.
-const TAIL_RATIO: u32 = 16;
+const MAX_TAIL_PASS_RATIO: u32 = 16;
 
 /// Minimum number of checkpoints for the fit of a line. Two are too few: they always lie on a line.
 const MIN_CHECKPOINTS: usize = 3;
@@ -21,7 +21,8 @@ pub struct SlopeEstimate {
     pub value: f64,
     /// 95 % confidence interval of `value`; `None` if there are too few seeds, or if their errors
     /// vary too much.
-    pub interval: Option<[f64; 2]>,
+    #[serde(rename = "interval")]
+    pub confidence_interval: Option<[f64; 2]>,
 }
 
 /// Slopes of one quantity: error, noise or bias.
@@ -40,7 +41,8 @@ pub struct ConvergenceSlopes {
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ConvergenceFit {
     /// Number of passes of each fitted checkpoint.
-    pub passes: Vec<u32>,
+    #[serde(rename = "passes")]
+    pub checkpoint_passes: Vec<u32>,
     /// Slopes of the relative error.
     pub error: Option<ConvergenceSlopes>,
     /// Slopes of the relative noise.
@@ -66,21 +68,23 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     let error = fit_convergence_slopes(tail, seeds, |c, weights| {
         weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squared_errors, w))
     });
-    let noise =
-        fit_convergence_slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.squared_noises, w)));
+    let noise = fit_convergence_slopes(tail, apart, |c, weights| {
+        weights.map_or(c.squared_noise, |w| mean(&c.squared_noises, w))
+    });
     // The mean squared error is exactly bias² + noise², so the rest is bias.
     let bias = fit_convergence_slopes(tail, apart, |c, weights| {
-        weights.map_or(c.bias2, |w| mean(&c.squared_errors, w) - mean(&c.squared_noises, w))
+        weights.map_or(c.squared_bias, |w| mean(&c.squared_errors, w) - mean(&c.squared_noises, w))
     });
-    Some(ConvergenceFit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
+    Some(ConvergenceFit { checkpoint_passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
 
 /// Returns the checkpoints that are fitted: the last ones that have positive times and at least
 /// 1/16 of the passes of the last checkpoint.
 fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceCheckpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
-    let early =
-        |c: &&ConvergenceCheckpoint| u64::from(c.passes) * u64::from(TAIL_RATIO) < u64::from(last) || c.seconds <= 0.0;
+    let early = |c: &&ConvergenceCheckpoint| {
+        u64::from(c.passes) * u64::from(MAX_TAIL_PASS_RATIO) < u64::from(last) || c.cpu_seconds <= 0.0
+    };
     &checkpoints[checkpoints.iter().take_while(early).count()..]
 }
 
@@ -95,7 +99,7 @@ fn fit_convergence_slopes(
     seeds: usize,
     square: impl Fn(&ConvergenceCheckpoint, Option<&[f64]>) -> f64,
 ) -> Option<ConvergenceSlopes> {
-    let times: Vec<f64> = tail.iter().map(|c| libm::log(c.seconds)).collect();
+    let times: Vec<f64> = tail.iter().map(|c| libm::log(c.cpu_seconds)).collect();
     let passes: Vec<f64> = tail.iter().map(|c| libm::log(f64::from(c.passes))).collect();
     let of = |weights: Option<&[f64]>| {
         let logs = tail.iter().map(|c| Some(square(c, weights)).filter(|s| *s > 0.0).map(|s| 0.5 * libm::log(s)));
@@ -113,7 +117,7 @@ fn fit_convergence_slopes(
             let half = bootstrap_interval_factor(seeds) * standard_deviation(replicates.iter().map(|r| r[which]));
             [value - half, value + half]
         });
-        SlopeEstimate { value, interval }
+        SlopeEstimate { value, confidence_interval: interval }
     };
     Some(ConvergenceSlopes { by_time: slope(by_time, 0), by_passes: slope(by_passes, 1) })
 }
@@ -124,7 +128,7 @@ fn bootstrap_seed_weights(replicate: u64, seeds: usize) -> Vec<f64> {
     let key = Key::new(0xb007_57a9).child_key(replicate);
     let mut weights = vec![0.0; seeds];
     for draw in 0..seeds {
-        weights[(key.child_key(draw as u64).random_bits(Dimension::ReceiverChoice) % seeds as u64) as usize] +=
+        weights[(key.child_key(draw as u64).random_bits(Dimension::ReceiverBranch) % seeds as u64) as usize] +=
             1.0 / seeds as f64;
     }
     weights
@@ -158,7 +162,8 @@ fn bootstrap_interval_factor(seeds: usize) -> f64 {
 
 /// Returns the 97.5 % quantile of Student's t distribution with `degrees` degrees of freedom.
 pub(super) fn student_t_quantile_975(degrees: usize) -> f64 {
-    const FEW_DEGREES: [f64; 10] = [12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060, 2.2622, 2.2281];
+    const SMALL_SAMPLE_QUANTILES: [f64; 10] =
+        [12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060, 2.2622, 2.2281];
     let (z, n) = (1.959_964_f64, degrees as f64);
     let (z3, z5) = (z * z * z, z * z * z * z * z);
     // Series of Abramowitz and Stegun 1964, equation 26.7.5, for 11 and more degrees of freedom.
@@ -167,7 +172,7 @@ pub(super) fn student_t_quantile_975(degrees: usize) -> f64 {
         + (z3 + z) / (4.0 * n)
         + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
         + (3.0 * z5 * z * z + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n);
-    FEW_DEGREES.get(degrees.wrapping_sub(1)).copied().unwrap_or(many)
+    SMALL_SAMPLE_QUANTILES.get(degrees.wrapping_sub(1)).copied().unwrap_or(many)
 }
 
 /// Returns the 95 % confidence interval of the mean of `values` by Student's t; `None` for fewer

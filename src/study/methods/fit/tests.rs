@@ -3,7 +3,7 @@
 use super::slopes::student_t_quantile_975;
 use super::*;
 use crate::image::Image;
-use crate::integrate::{ALPHA, Algorithm, squared_radius_ratio};
+use crate::integrate::{Algorithm, DEFAULT_ALPHA, squared_radius_ratio};
 use crate::sampling::Key;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult, Reference};
 use glam::Vec3;
@@ -46,25 +46,25 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
         let seconds = 0.25 * f64::from(n);
         ConvergenceCheckpoint {
             passes: n,
-            seconds,
+            cpu_seconds: seconds,
             photon_paths: 1000.0 * f64::from(n),
             squared_errors,
             squared_noises,
-            noise2,
-            bias2,
+            squared_noise: noise2,
+            squared_bias: bias2,
             ..ConvergenceCheckpoint::default()
         }
     });
     MethodResult {
         label: algorithm.name().into(),
         algorithm,
-        command: "caustica render".into(),
-        setup: 0.0,
+        render_command: "caustica render".into(),
+        setup_seconds: 0.0,
         alpha,
-        radii: Some([0.1, 0.1]),
+        gather_radii: Some([0.1, 0.1]),
         checkpoints: checkpoints.collect(),
         first_seed_picture: Image::new(1, 1).unwrap(),
-        pixel_errors: vec![0.0],
+        relative_pixel_errors: vec![0.0],
         mean_difference: Image::new(1, 1).unwrap(),
     }
 }
@@ -84,18 +84,18 @@ fn fitted_verdict(method: &MethodResult) -> ConvergenceVerdict {
 #[test]
 fn slope_intervals_cover_theory() {
     let passes = powers_of_two(9);
-    let laws = [(Algorithm::Path, 0.0, 1.0), (Algorithm::Sppm, 2.0, ALPHA), (Algorithm::Pm, 0.0, 1.0)];
+    let laws = [(Algorithm::Path, 0.0, 1.0), (Algorithm::Sppm, 2.0, DEFAULT_ALPHA), (Algorithm::Pm, 0.0, 1.0)];
     for (algorithm, bias, alpha) in laws {
         let mut covered = [0; 2];
         for name in 0..100 {
             let method = synthetic_method(algorithm, bias, alpha, &passes, name);
             let fit = fit_convergence(&method).unwrap();
-            assert_eq!(fit.passes, [16, 32, 64, 128, 256]);
+            assert_eq!(fit.checkpoint_passes, [16, 32, 64, 128, 256]);
             for (covered, (slopes, quantity)) in
                 covered.iter_mut().zip([(fit.error, ErrorComponent::Error), (fit.noise, ErrorComponent::Noise)])
             {
-                let law = predicted_convergence_slopes(algorithm, quantity, &fit.passes, alpha).unwrap();
-                let [low, high] = slopes.unwrap().by_passes.interval.unwrap();
+                let law = predicted_convergence_slopes(algorithm, quantity, &fit.checkpoint_passes, alpha).unwrap();
+                let [low, high] = slopes.unwrap().by_passes.confidence_interval.unwrap();
                 // Without bias, the slope of the error is that of noise, the steepest of the range.
                 let law = if bias == 0.0 { SlopeRange { flattest: law.steepest, ..law } } else { law };
                 *covered += usize::from(low <= law.flattest && high >= law.steepest);
@@ -109,7 +109,7 @@ fn slope_intervals_cover_theory() {
 fn fitted_slopes_match_theory() {
     let passes = powers_of_two(9);
     let path = fit_convergence(&synthetic_method(Algorithm::Path, 0.0, 1.0, &passes, 1)).unwrap();
-    let sppm = fit_convergence(&synthetic_method(Algorithm::Sppm, 4.0, ALPHA, &passes, 2)).unwrap();
+    let sppm = fit_convergence(&synthetic_method(Algorithm::Sppm, 4.0, DEFAULT_ALPHA, &passes, 2)).unwrap();
     let pm = fit_convergence(&synthetic_method(Algorithm::Pm, 4.0, 1.0, &passes, 3)).unwrap();
     // The logarithm of an estimated error has the standard deviation σ = 1/√(2 · SEEDS · PIXELS) =
     // 0.031. For five checkpoints at distances of log 2, a fitted slope then has σ/√(10 log²2) =
@@ -126,7 +126,12 @@ fn fitted_slopes_match_theory() {
     for (slopes, quantity) in
         [(sppm.error, ErrorComponent::Bias), (sppm.noise, ErrorComponent::Noise), (sppm.bias, ErrorComponent::Bias)]
     {
-        close(slopes, predicted_convergence_slopes(Algorithm::Sppm, quantity, &sppm.passes, ALPHA).unwrap().flattest);
+        close(
+            slopes,
+            predicted_convergence_slopes(Algorithm::Sppm, quantity, &sppm.checkpoint_passes, DEFAULT_ALPHA)
+                .unwrap()
+                .flattest,
+        );
     }
     close(pm.bias, 0.0);
     close(pm.error, 0.0);
@@ -139,7 +144,7 @@ fn verdicts_name_the_cause_of_bias() {
         |algorithm, bias, alpha, passes: &[u32]| fitted_verdict(&synthetic_method(algorithm, bias, alpha, passes, 5));
     assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), ConvergenceVerdict::Expected { coming_floor: None, .. }));
     assert!(matches!(
-        is(Algorithm::Sppm, 3.0, ALPHA, &passes),
+        is(Algorithm::Sppm, 3.0, DEFAULT_ALPHA, &passes),
         ConvergenceVerdict::Expected { coming_floor: None, .. }
     ));
     // The bias of `synthetic_method` is then 0.1 · 3.
@@ -156,21 +161,23 @@ fn verdicts_name_the_cause_of_bias() {
     ));
     assert!(matches!(
         is(Algorithm::Whitted, 3.0, 1.0, &passes),
-        ConvergenceVerdict::Plateau { cause: BiasCause::LeavesOut, .. }
+        ConvergenceVerdict::Plateau { cause: BiasCause::OmittedLight, .. }
     ));
     // The bias is a tenth of the noise at the last checkpoint.
-    assert!(matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), ConvergenceVerdict::Hidden { most, .. } if most < 0.005));
+    assert!(
+        matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), ConvergenceVerdict::BiasHidden { most, .. } if most < 0.005)
+    );
     // The bias is as large as the noise at the last checkpoint.
     assert!(matches!(
         is(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes),
         ConvergenceVerdict::Expected { coming_floor: Some(_), .. }
     ));
-    assert!(matches!(is(Algorithm::Path, 0.0, ALPHA, &passes), ConvergenceVerdict::Slower { .. }));
+    assert!(matches!(is(Algorithm::Path, 0.0, DEFAULT_ALPHA, &passes), ConvergenceVerdict::Slower { .. }));
     assert!(matches!(
         is(Algorithm::Ppm, 0.0, 1.0, &passes),
-        ConvergenceVerdict::Expected { .. } | ConvergenceVerdict::Faster { .. } | ConvergenceVerdict::Hidden { .. }
+        ConvergenceVerdict::Expected { .. } | ConvergenceVerdict::Faster { .. } | ConvergenceVerdict::BiasHidden { .. }
     ));
-    assert_eq!(is(Algorithm::Path, 0.0, 1.0, &powers_of_two(2)), ConvergenceVerdict::TooFew);
+    assert_eq!(is(Algorithm::Path, 0.0, 1.0, &powers_of_two(2)), ConvergenceVerdict::TooFewCheckpoints);
 }
 
 #[test]
@@ -180,12 +187,12 @@ fn errors_below_the_reference_error_are_not_judged() {
     // The error at the last checkpoint, after 256 passes, is 0.1/√256.
     assert!(matches!(
         judge_convergence(&method, fit.as_ref(), Some(0.01)),
-        ConvergenceVerdict::TooSmall { reference_error: Some(_) }
+        ConvergenceVerdict::ErrorTooSmall { reference_error: Some(_) }
     ));
     assert!(matches!(judge_convergence(&method, fit.as_ref(), Some(0.005)), ConvergenceVerdict::Expected { .. }));
     let mut below = method.clone();
     below.checkpoints.last_mut().unwrap().squared_errors = vec![-1e-9; SEEDS];
-    assert!(matches!(fitted_verdict(&below), ConvergenceVerdict::TooSmall { reference_error: None }));
+    assert!(matches!(fitted_verdict(&below), ConvergenceVerdict::ErrorTooSmall { reference_error: None }));
     let mut alone = method;
     alone.checkpoints.iter_mut().for_each(|c| (c.squared_errors.truncate(1), c.squared_noises.clear()).1);
     assert!(matches!(fitted_verdict(&alone), ConvergenceVerdict::NoInterval { .. }));
@@ -197,7 +204,7 @@ fn method_without_noise() -> MethodResult {
     let mut method = synthetic_method(Algorithm::Path, 0.0, 1.0, &powers_of_two(9), 7);
     for c in &mut method.checkpoints {
         c.squared_errors = vec![0.01 / f64::from(c.passes); SEEDS];
-        (c.squared_noises, c.noise2, c.bias2) = (c.squared_errors.clone(), c.mean_squared_error(), 0.0);
+        (c.squared_noises, c.squared_noise, c.squared_bias) = (c.squared_errors.clone(), c.mean_squared_error(), 0.0);
     }
     method
 }
@@ -212,7 +219,7 @@ fn times_to_error_follow_the_slope() {
     let TimeToError::Measured(effort) = time_to(0.05 / 3.0) else { panic!() };
     assert!(
         (effort.passes - 36.0).abs() < 1e-9
-            && (effort.seconds - 9.0).abs() < 1e-9
+            && (effort.cpu_seconds - 9.0).abs() < 1e-9
             && (effort.photon_paths - 36e3).abs() < 1e-6
     );
     let TimeToError::Predicted { effort, seconds: Some([low, high]) } = time_to(0.1 / 64.0) else { panic!() };
@@ -220,12 +227,12 @@ fn times_to_error_follow_the_slope() {
     let TimeToError::Predicted { effort, .. } = time_to_tenth_of_error(&method, fit.as_ref(), &verdict) else {
         panic!()
     };
-    assert!((effort.seconds - 6400.0).abs() < 1e-6);
+    assert!((effort.cpu_seconds - 6400.0).abs() < 1e-6);
     for (seconds, passes) in [(0.25, 1.0), (3.0, 12.0), (640.0, 2560.0)] {
-        let error = error_after_seconds(&method, fit.as_ref(), seconds).unwrap();
+        let error = error_after_cpu_seconds(&method, fit.as_ref(), seconds).unwrap();
         assert!((error - 0.1 / f64::sqrt(passes)).abs() < 1e-12, "{error}");
     }
-    assert_eq!(error_after_seconds(&method, fit.as_ref(), 0.1), None);
+    assert_eq!(error_after_cpu_seconds(&method, fit.as_ref(), 0.1), None);
 }
 
 #[test]
@@ -249,7 +256,7 @@ fn only_noise_falls_above_a_plateau() {
     for c in &mut method.checkpoints {
         let noise2 = 0.01 * 256.0 / f64::from(c.passes);
         c.squared_errors = vec![0.01 + noise2; SEEDS];
-        (c.squared_noises, c.noise2, c.bias2) = (vec![noise2; SEEDS], noise2, 0.01);
+        (c.squared_noises, c.squared_noise, c.squared_bias) = (vec![noise2; SEEDS], noise2, 0.01);
     }
     let fit = fit_convergence(&method);
     let verdict = ConvergenceVerdict::Expected { slope: -0.3, coming_floor: Some(0.1) };
@@ -268,13 +275,13 @@ fn predictions_end_at_a_thousand_times_the_measured_time() {
     let mut fit = fit_convergence(&method).unwrap();
     let verdict = judge_convergence(&method, Some(&fit), None);
     assert_eq!(time_to_error(&method, Some(&fit), &verdict, 0.1 / 16e3), TimeToError::Unknown);
-    fit.error.as_mut().unwrap().by_time.interval = Some([-0.6, 0.1]);
+    fit.error.as_mut().unwrap().by_time.confidence_interval = Some([-0.6, 0.1]);
     let TimeToError::Predicted { effort, seconds: Some([low, high]) } =
         time_to_error(&method, Some(&fit), &verdict, 0.1 / 64.0)
     else {
         panic!()
     };
-    assert!((high / (1000.0 * effort.seconds) - 1.0).abs() < 1e-9 && low < effort.seconds, "{low} {high}");
+    assert!((high / (1000.0 * effort.cpu_seconds) - 1.0).abs() < 1e-9 && low < effort.cpu_seconds, "{low} {high}");
 }
 
 /// If the interval of a slope is too wide, there is no verdict.
@@ -289,7 +296,7 @@ fn wide_intervals_give_no_verdict() {
         let spread = if i == 8 { 0.3 } else { 1.2 };
         let factor = |seed: usize| libm::exp2(spread * (((seed * 5 + i * 3) % 8) as f64 - 3.5));
         c.squared_errors = (0..SEEDS).map(|seed| square * factor(seed)).collect();
-        (c.squared_noises, c.noise2) = (c.squared_errors.clone(), c.mean_squared_error());
+        (c.squared_noises, c.squared_noise) = (c.squared_errors.clone(), c.mean_squared_error());
     }
     let verdict = fitted_verdict(&method);
     let ConvergenceVerdict::Undecided { slope, interval: [low, high] } = verdict else { panic!("{verdict:?}") };
@@ -304,30 +311,35 @@ fn wide_intervals_give_no_verdict() {
 #[test]
 fn pareto_front_and_recommendation_have_least_error() {
     let mut early = method_without_noise();
-    early.checkpoints.iter_mut().for_each(|c| (c.seconds *= 2.0, c.squared_errors.fill(0.001)).1);
+    early.checkpoints.iter_mut().for_each(|c| (c.cpu_seconds *= 2.0, c.squared_errors.fill(0.001)).1);
     let picture = Image::from_pixels(1, 1, vec![Vec3::ONE]).unwrap();
     let mut found = MethodStudyResult {
-        scene: "a.txt".into(),
-        command: "caustica study a.txt".into(),
+        scene_path: "a.txt".into(),
+        study_command: "caustica study a.txt".into(),
         program: "caustica".into(),
         machine: "test".into(),
         seeds: 8,
-        budget: 64.0,
+        cpu_seconds_per_seed: 64.0,
         thread_time_share: 1.0,
         reference: Reference { source: "closed form".into(), error: None, picture },
         methods: vec![method_without_noise(), early],
         interrupted: false,
     };
-    let points: Vec<(usize, usize)> = pareto_front(&found.methods).iter().map(|m| (m.method, m.checkpoint)).collect();
+    let points: Vec<(usize, usize)> =
+        pareto_front(&found.methods).iter().map(|m| (m.method_index, m.checkpoint_index)).collect();
     assert_eq!(points, [(0, 0), (1, 0), (0, 4), (0, 5), (0, 6), (0, 7), (0, 8)]);
     let recommended = |found: &MethodStudyResult| {
         let fits: Vec<_> = found.methods.iter().map(fit_convergence).collect();
         recommend_method(found, &fits).unwrap()
     };
     let late = recommended(&found);
-    assert!(late.method == 0 && (late.error - 0.1 / 16.0).abs() < 1e-12 && late.alike.is_empty());
-    found.budget = 1.0;
-    assert_eq!(recommended(&found).method, 1);
+    assert!(
+        late.method_index == 0
+            && (late.expected_error - 0.1 / 16.0).abs() < 1e-12
+            && late.similar_method_indices.is_empty()
+    );
+    found.cpu_seconds_per_seed = 1.0;
+    assert_eq!(recommended(&found).method_index, 1);
 }
 
 #[test]

@@ -105,12 +105,12 @@ fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::{ALPHA, squared_radius_ratio};
+    use crate::integrate::{DEFAULT_ALPHA, squared_radius_ratio};
 
     #[test]
     fn variance_and_bias_slopes_match_sums_of_radii() {
-        let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(squared_radius_ratio(ALPHA, i))).sum::<f64>();
-        let [variance, bias] = variance_and_bias_slopes(&[16, 32], ALPHA);
+        let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(squared_radius_ratio(DEFAULT_ALPHA, i))).sum::<f64>();
+        let [variance, bias] = variance_and_bias_slopes(&[16, 32], DEFAULT_ALPHA);
         let expected = [(sum(32, |s| 1.0 / s) / 4.0) / sum(16, |s| 1.0 / s), sum(32, |s| s) / 2.0 / sum(16, |s| s)];
         for (slope, ratio) in [variance, bias].into_iter().zip(expected) {
             assert!((slope - libm::log2(ratio)).abs() < 1e-12, "{slope} {ratio}");
@@ -125,11 +125,11 @@ mod tests {
         for (quantity, steepest) in
             [(ErrorComponent::Noise, -0.5), (ErrorComponent::Bias, -1.0 / 3.0), (ErrorComponent::Error, -0.5)]
         {
-            let law = predicted_convergence_slopes(Algorithm::Sppm, quantity, &far, ALPHA).unwrap();
+            let law = predicted_convergence_slopes(Algorithm::Sppm, quantity, &far, DEFAULT_ALPHA).unwrap();
             assert!((law.flattest + 1.0 / 3.0).abs() < 4e-3 && (law.steepest - steepest).abs() < 4e-3, "{law:?}");
         }
         assert_eq!(
-            predicted_convergence_slopes(Algorithm::Ppm, ErrorComponent::Noise, &far, ALPHA).unwrap().flattest,
+            predicted_convergence_slopes(Algorithm::Ppm, ErrorComponent::Noise, &far, DEFAULT_ALPHA).unwrap().flattest,
             0.0
         );
         let stays = predicted_convergence_slopes(Algorithm::Sppm, ErrorComponent::Error, &far, 1.0).unwrap();
@@ -139,8 +139,8 @@ mod tests {
     #[test]
     fn predicted_slopes_of_mixed_noise_are_a_range() {
         let passes = [4, 8, 16, 32, 64];
-        let law = |algorithm, quantity| predicted_convergence_slopes(algorithm, quantity, &passes, ALPHA);
-        let [variance, _] = variance_and_bias_slopes(&passes, ALPHA);
+        let law = |algorithm, quantity| predicted_convergence_slopes(algorithm, quantity, &passes, DEFAULT_ALPHA);
+        let [variance, _] = variance_and_bias_slopes(&passes, DEFAULT_ALPHA);
         let mixed = Some(SlopeRange { steepest: -0.5, flattest: 0.5 * variance });
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
             assert_eq!(law(algorithm, ErrorComponent::Noise), mixed);

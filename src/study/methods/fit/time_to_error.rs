@@ -8,17 +8,18 @@ use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResu
 /// unknown.
 ///
 /// The ends of the confidence interval of a predicted time lie within the same factor of that time.
-pub const MAX_EXTRAPOLATION: f64 = 1000.0;
+pub const MAX_EXTRAPOLATION_FACTOR: f64 = 1000.0;
 
 /// Log-log slope of noise over time that is assumed if no slope could be fitted: that of
 /// independent passes.
-const NOISE_SLOPE: f64 = -0.5;
+const DEFAULT_NOISE_SLOPE: f64 = -0.5;
 
 /// Time and work that a method takes to reach an error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RenderEffort {
     /// Processor time of the passes, without preparation \[s].
-    pub seconds: f64,
+    #[serde(rename = "seconds")]
+    pub cpu_seconds: f64,
     /// Number of passes; not a whole number if it is interpolated.
     pub passes: f64,
     /// Number of emitted photon paths.
@@ -29,14 +30,18 @@ pub struct RenderEffort {
 impl RenderEffort {
     fn effort_at_checkpoint(checkpoint: &ConvergenceCheckpoint) -> Self {
         Self {
-            seconds: checkpoint.seconds,
+            cpu_seconds: checkpoint.cpu_seconds,
             passes: f64::from(checkpoint.passes),
             photon_paths: checkpoint.photon_paths,
         }
     }
 
     fn scaled_by(self, factor: f64) -> Self {
-        Self { seconds: self.seconds * factor, passes: self.passes * factor, photon_paths: self.photon_paths * factor }
+        Self {
+            cpu_seconds: self.cpu_seconds * factor,
+            passes: self.passes * factor,
+            photon_paths: self.photon_paths * factor,
+        }
     }
 
     /// Interpolates each number between `a` (`t` = 0) and `b` (`t` = 1): logarithmically if both
@@ -44,7 +49,7 @@ impl RenderEffort {
     fn interpolate_effort(a: Self, b: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * libm::pow(b / a, t) } else { a + (b - a) * t };
         Self {
-            seconds: mix(a.seconds, b.seconds),
+            cpu_seconds: mix(a.cpu_seconds, b.cpu_seconds),
             passes: mix(a.passes, b.passes),
             photon_paths: mix(a.photon_paths, b.photon_paths),
         }
@@ -66,7 +71,7 @@ pub enum TimeToError {
         /// Processor times \[s] for both ends of the slope's confidence interval; `None` if the
         /// slope has no interval.
         ///
-        /// Their ratio to the time of `effort` is limited by [`MAX_EXTRAPOLATION`].
+        /// Their ratio to the time of `effort` is limited by [`MAX_EXTRAPOLATION_FACTOR`].
         seconds: Option<[f64; 2]>,
     },
     /// The error is never reached, because the bias stays above it.
@@ -75,7 +80,7 @@ pub enum TimeToError {
         floor: f64,
     },
     /// Time and work are unknown: there is no fit, the error does not fall, or it would take more
-    /// than [`MAX_EXTRAPOLATION`] times the measured time.
+    /// than [`MAX_EXTRAPOLATION_FACTOR`] times the measured time.
     Unknown,
 }
 
@@ -120,11 +125,11 @@ fn extrapolate_time_to_error(
     let floor = match verdict {
         ConvergenceVerdict::Plateau { floor, .. } => Some(*floor),
         ConvergenceVerdict::Expected { coming_floor, .. } => *coming_floor,
-        ConvergenceVerdict::TooFew
-        | ConvergenceVerdict::TooSmall { .. }
+        ConvergenceVerdict::TooFewCheckpoints
+        | ConvergenceVerdict::ErrorTooSmall { .. }
         | ConvergenceVerdict::NoInterval { .. }
         | ConvergenceVerdict::Undecided { .. }
-        | ConvergenceVerdict::Hidden { .. }
+        | ConvergenceVerdict::BiasHidden { .. }
         | ConvergenceVerdict::Slower { .. }
         | ConvergenceVerdict::Faster { .. } => None,
     };
@@ -140,19 +145,20 @@ fn extrapolate_time_to_error(
     };
     let slope = match (slopes, floor) {
         (Some(slopes), _) => slopes.by_time,
-        (None, Some(_)) => SlopeEstimate { value: NOISE_SLOPE, interval: None },
+        (None, Some(_)) => SlopeEstimate { value: DEFAULT_NOISE_SLOPE, confidence_interval: None },
         (None, None) => return TimeToError::Unknown,
     };
     let ratio = (square / target).max(1.0).sqrt();
     let factor = |slope: f64| if slope < 0.0 { libm::pow(ratio, -1.0 / slope) } else { f64::INFINITY };
     let predicted = factor(slope.value);
-    if predicted > MAX_EXTRAPOLATION {
+    if predicted > MAX_EXTRAPOLATION_FACTOR {
         return TimeToError::Unknown;
     }
-    let limits = [predicted / MAX_EXTRAPOLATION, predicted * MAX_EXTRAPOLATION].map(|factor| last.seconds * factor);
-    let end = |slope: f64| (last.seconds * factor(slope)).clamp(limits[0], limits[1]);
+    let limits = [predicted / MAX_EXTRAPOLATION_FACTOR, predicted * MAX_EXTRAPOLATION_FACTOR]
+        .map(|factor| last.cpu_seconds * factor);
+    let end = |slope: f64| (last.cpu_seconds * factor(slope)).clamp(limits[0], limits[1]);
     let effort = RenderEffort::effort_at_checkpoint(last).scaled_by(predicted);
-    TimeToError::Predicted { effort, seconds: slope.interval.map(|ends| ends.map(end)) }
+    TimeToError::Predicted { effort, seconds: slope.confidence_interval.map(|ends| ends.map(end)) }
 }
 
 /// Returns the time and work to reach a tenth of the method's error at its last checkpoint.
@@ -176,21 +182,21 @@ pub fn time_to_tenth_of_error(
 /// `None` before the first checkpoint, if a checkpoint's squared error is not positive, or if there
 /// is no fit to extrapolate.
 #[must_use]
-pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
+pub fn error_after_cpu_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
     let error = |c: &ConvergenceCheckpoint| Some(c.mean_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
-    let after = method.checkpoints.iter().position(|c| c.seconds >= seconds);
+    let after = method.checkpoints.iter().position(|c| c.cpu_seconds >= seconds);
     let last = method.checkpoints.last()?;
     match after {
-        Some(i) if method.checkpoints[i].seconds == seconds => error(&method.checkpoints[i]),
+        Some(i) if method.checkpoints[i].cpu_seconds == seconds => error(&method.checkpoints[i]),
         Some(0) => None,
         Some(i) => {
             let [a, b] = [&method.checkpoints[i - 1], &method.checkpoints[i]];
             let (ea, eb) = (error(a)?, error(b)?);
-            Some(ea * libm::pow(eb / ea, libm::log(seconds / a.seconds) / libm::log(b.seconds / a.seconds)))
+            Some(ea * libm::pow(eb / ea, libm::log(seconds / a.cpu_seconds) / libm::log(b.cpu_seconds / a.cpu_seconds)))
         }
         None => {
             let slope = fit?.error?.by_time.value.min(0.0);
-            Some(error(last)? * libm::pow(seconds / last.seconds, slope))
+            Some(error(last)? * libm::pow(seconds / last.cpu_seconds, slope))
         }
     }
 }
@@ -200,9 +206,11 @@ pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ParetoPoint {
     /// Index of the method in the list of the study's methods.
-    pub method: usize,
+    #[serde(rename = "method")]
+    pub method_index: usize,
     /// Index of the checkpoint in [`MethodResult::checkpoints`].
-    pub checkpoint: usize,
+    #[serde(rename = "checkpoint")]
+    pub checkpoint_index: usize,
 }
 
 /// Returns the Pareto front of error and time over the checkpoints of all methods, in the order of
@@ -214,9 +222,9 @@ pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
     let mut all: Vec<(f64, f64, ParetoPoint)> = Vec::new();
     for (method, found) in methods.iter().enumerate() {
         let points = found.checkpoints.iter().enumerate().filter(|(_, c)| c.mean_squared_error() > 0.0);
-        all.extend(
-            points.map(|(checkpoint, c)| (c.seconds, c.mean_squared_error(), ParetoPoint { method, checkpoint })),
-        );
+        all.extend(points.map(|(checkpoint, c)| {
+            (c.cpu_seconds, c.mean_squared_error(), ParetoPoint { method_index: method, checkpoint_index: checkpoint })
+        }));
     }
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut least = f64::INFINITY;
@@ -232,12 +240,15 @@ pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MethodRecommendation {
     /// Index of the method in the list of the study's methods.
-    pub method: usize,
+    #[serde(rename = "method")]
+    pub method_index: usize,
     /// Relative error that the method is expected to have after the time budget.
-    pub error: f64,
-    /// Indices of the methods, other than `method`, whose expected error is at most 10 % larger
-    /// than `error`.
-    pub alike: Vec<usize>,
+    #[serde(rename = "error")]
+    pub expected_error: f64,
+    /// Indices of the methods, other than `method_index`, whose expected error is at most 10 %
+    /// larger than `expected_error`.
+    #[serde(rename = "alike")]
+    pub similar_method_indices: Vec<usize>,
 }
 
 /// Recommends the method with the least error after the time budget of the study; `None` if no
@@ -251,9 +262,11 @@ pub fn recommend_method(found: &MethodStudyResult, fits: &[Option<ConvergenceFit
         .iter()
         .zip(fits)
         .enumerate()
-        .filter_map(|(i, (method, fit))| Some((i, error_after_seconds(method, fit.as_ref(), found.budget)?)))
+        .filter_map(|(i, (method, fit))| {
+            Some((i, error_after_cpu_seconds(method, fit.as_ref(), found.cpu_seconds_per_seed)?))
+        })
         .collect();
     let (method, error) = errors.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let alike = errors.iter().filter(|(i, e)| *i != method && *e <= 1.1 * error).map(|(i, _)| *i).collect();
-    Some(MethodRecommendation { method, error, alike })
+    Some(MethodRecommendation { method_index: method, expected_error: error, similar_method_indices: alike })
 }

@@ -11,21 +11,21 @@ use std::fmt;
 /// error.
 ///
 /// The error then exceeds the bias by at most 12 %.
-pub const BIAS_DOMINATED_SHARE: f64 = 0.8;
+pub const DOMINANT_SQUARED_BIAS_SHARE: f64 = 0.8;
 
-/// Width of the confidence interval of a slope above which the slope is undecided.
+/// Largest width of the confidence interval of a slope at which the slope is decided.
 ///
 /// It is half of the distance between slope 0 (a constant error) and slope −½ (the error of
 /// `path`).
-const UNDECIDED_WIDTH: f64 = 0.25;
+const MAX_DECIDED_INTERVAL_WIDTH: f64 = 0.25;
 
 /// Verdict on how the error of a method falls with the number of passes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConvergenceVerdict {
     /// The method has too few checkpoints for a fit.
-    TooFew,
+    TooFewCheckpoints,
     /// The error is too small to be measured: the reference or the variance between seeds hides it.
-    TooSmall {
+    ErrorTooSmall {
         /// Relative error of the reference; `None` if the reference is taken as exact.
         reference_error: Option<f64>,
     },
@@ -51,7 +51,7 @@ pub enum ConvergenceVerdict {
         cause: BiasCause,
     },
     /// The error falls as theory predicts. Theory also predicts a bias, but noise still hides it.
-    Hidden {
+    BiasHidden {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
         /// Upper bound of the relative bias, with 97.5 % confidence.
@@ -88,7 +88,7 @@ pub enum BiasCause {
     /// caustic map.
     Radii([f32; 2]),
     /// The algorithm leaves out some light by design.
-    LeavesOut,
+    OmittedLight,
     /// No known cause: the algorithm should not be biased.
     Unknown,
 }
@@ -104,14 +104,18 @@ pub fn judge_convergence(
     fit: Option<&ConvergenceFit>,
     reference_error: Option<f64>,
 ) -> ConvergenceVerdict {
-    let (Some(fit), Some(last)) = (fit, method.checkpoints.last()) else { return ConvergenceVerdict::TooFew };
+    let (Some(fit), Some(last)) = (fit, method.checkpoints.last()) else {
+        return ConvergenceVerdict::TooFewCheckpoints;
+    };
     let least = reference_error.unwrap_or(0.0);
     let nothing = mean_confidence_interval(&last.squared_errors).is_some_and(|[low, _]| low <= 0.0)
         || last.mean_squared_error() <= least * least;
-    let (Some(slopes), false) = (fit.error, nothing) else { return ConvergenceVerdict::TooSmall { reference_error } };
-    let SlopeEstimate { value: slope, interval } = slopes.by_passes;
+    let (Some(slopes), false) = (fit.error, nothing) else {
+        return ConvergenceVerdict::ErrorTooSmall { reference_error };
+    };
+    let SlopeEstimate { value: slope, confidence_interval: interval } = slopes.by_passes;
     let Some([low, high]) = interval else { return ConvergenceVerdict::NoInterval { slope } };
-    let law = |quantity| predicted_convergence_slopes(method.algorithm, quantity, &fit.passes, method.alpha);
+    let law = |quantity| predicted_convergence_slopes(method.algorithm, quantity, &fit.checkpoint_passes, method.alpha);
     let (Some(noise), Some(total)) = (law(ErrorComponent::Noise), law(ErrorComponent::Error)) else {
         return ConvergenceVerdict::NoInterval { slope };
     };
@@ -119,8 +123,8 @@ pub fn judge_convergence(
     // `falling` is the flattest slope that theory predicts for the noise, and for the bias if it
     // falls. A constant bias does not count.
     let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
-    if low > falling && last.bias2 >= BIAS_DOMINATED_SHARE * last.mean_squared_error() {
-        return ConvergenceVerdict::Plateau { floor: last.bias2.sqrt(), cause: bias_cause(method) };
+    if low > falling && last.squared_bias >= DOMINANT_SQUARED_BIAS_SHARE * last.mean_squared_error() {
+        return ConvergenceVerdict::Plateau { floor: last.squared_bias.sqrt(), cause: bias_cause(method) };
     }
     if low > total.flattest {
         return ConvergenceVerdict::Slower { slope, law: total };
@@ -128,24 +132,24 @@ pub fn judge_convergence(
     if high < total.steepest {
         return ConvergenceVerdict::Faster { slope, law: total };
     }
-    if high - low > UNDECIDED_WIDTH {
+    if high - low > MAX_DECIDED_INTERVAL_WIDTH {
         return ConvergenceVerdict::Undecided { slope, interval: [low, high] };
     }
     let seen = squared_bias_interval(last);
     match seen {
         Some([low, most]) if low <= 0.0 && bias.is_some() => {
-            ConvergenceVerdict::Hidden { slope, most: most.max(0.0).sqrt() }
+            ConvergenceVerdict::BiasHidden { slope, most: most.max(0.0).sqrt() }
         }
         _ => {
             let stays = bias.is_some_and(|b| b.flattest >= 0.0) && seen.is_some_and(|[low, _]| low > 0.0);
-            ConvergenceVerdict::Expected { slope, coming_floor: stays.then(|| last.bias2.max(0.0).sqrt()) }
+            ConvergenceVerdict::Expected { slope, coming_floor: stays.then(|| last.squared_bias.max(0.0).sqrt()) }
         }
     }
 }
 
 fn bias_cause(method: &MethodResult) -> BiasCause {
-    match (method.algorithm, method.radii) {
-        (Algorithm::Distributed | Algorithm::Whitted | Algorithm::Raycast, _) => BiasCause::LeavesOut,
+    match (method.algorithm, method.gather_radii) {
+        (Algorithm::Distributed | Algorithm::Whitted | Algorithm::Raycast, _) => BiasCause::OmittedLight,
         (Algorithm::Path, _) | (_, None) => BiasCause::Unknown,
         (_, Some(radii)) => BiasCause::Radii(radii),
     }
@@ -155,18 +159,18 @@ impl fmt::Display for ConvergenceVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let as_theory = "falls as theory says";
         match self {
-            Self::TooFew => write!(f, "too few checkpoints: give it more time"),
-            Self::TooSmall { reference_error: Some(error) } => {
+            Self::TooFewCheckpoints => write!(f, "too few checkpoints: give it more time"),
+            Self::ErrorTooSmall { reference_error: Some(error) } => {
                 write!(f, "below the error of the references, {}", error_percent_text(*error))
             }
-            Self::TooSmall { reference_error: None } => write!(f, "too small to measure with these seeds"),
+            Self::ErrorTooSmall { reference_error: None } => write!(f, "too small to measure with these seeds"),
             Self::NoInterval { slope } => write!(f, "slope {}; too few seeds for an interval", slope_text(*slope)),
             Self::Undecided { slope, interval } => {
                 let [low, high] = interval.map(slope_text);
                 write!(f, "cannot tell: slope {}, between {low} and {high}; more seeds tell more", slope_text(*slope))
             }
             Self::Plateau { floor, cause } => write!(f, "plateau: bias of {} stays{cause}", error_percent_text(*floor)),
-            Self::Hidden { slope, most } => {
+            Self::BiasHidden { slope, most } => {
                 let (most, slope) = (error_percent_text(*most), slope_text(*slope));
                 write!(f, "{as_theory}; bias is hidden by noise, below {most} (slope {slope})")
             }
@@ -198,7 +202,7 @@ impl fmt::Display for BiasCause {
                 }
                 [indirect, caustic] => write!(f, " at r = {}", three_digit_text(indirect.max(caustic))),
             },
-            Self::LeavesOut => write!(f, ", from light that the algorithm leaves out"),
+            Self::OmittedLight => write!(f, ", from light that the algorithm leaves out"),
             Self::Unknown => write!(f, ", unknown to theory: does the reference show the same scene?"),
         }
     }

@@ -34,13 +34,13 @@ fn method_with_pixel_errors(width: u32, height: u32, error: Vec<f32>) -> MethodR
     MethodResult {
         label: String::new(),
         algorithm: Algorithm::Path,
-        command: String::new(),
-        setup: 0.0,
+        render_command: String::new(),
+        setup_seconds: 0.0,
         alpha: 1.0,
-        radii: None,
+        gather_radii: None,
         checkpoints: Vec::new(),
         first_seed_picture: image.clone(),
-        pixel_errors: error,
+        relative_pixel_errors: error,
         mean_difference: image,
     }
 }

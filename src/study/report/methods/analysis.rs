@@ -1,9 +1,9 @@
 //! Conclusions from a study of methods, for all its reports.
 
 use crate::study::methods::fit::{
-    ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MAX_EXTRAPOLATION, MethodRecommendation,
-    ParetoPoint, RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence, pareto_front,
-    predicted_convergence_slopes, recommend_method, time_to_error, time_to_tenth_of_error,
+    ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MAX_EXTRAPOLATION_FACTOR,
+    MethodRecommendation, ParetoPoint, RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence,
+    pareto_front, predicted_convergence_slopes, recommend_method, time_to_error, time_to_tenth_of_error,
 };
 use crate::study::methods::{MethodResult, MethodStudyResult};
 use crate::study::report::text::{self, count_text, duration_text, error_percent_text};
@@ -23,8 +23,8 @@ pub(super) struct MethodAnalysis {
     pub(super) fit: Option<ConvergenceFit>,
     pub(super) verdict: ConvergenceVerdict,
     /// Time and work until the method reaches each error of [`TARGET_ERRORS`].
-    pub(super) reaches: [TimeToError; 4],
-    pub(super) tenth: TimeToError,
+    pub(super) times_to_target_errors: [TimeToError; 4],
+    pub(super) time_to_tenth_error: TimeToError,
 }
 
 impl MethodStudyAnalysis {
@@ -34,7 +34,12 @@ impl MethodStudyAnalysis {
         let judge = |(method, fit): (&MethodResult, Option<ConvergenceFit>)| {
             let verdict = judge_convergence(method, fit.as_ref(), found.reference.error);
             let reaches = TARGET_ERRORS.map(|e| time_to_error(method, fit.as_ref(), &verdict, e));
-            MethodAnalysis { tenth: time_to_tenth_of_error(method, fit.as_ref(), &verdict), reaches, verdict, fit }
+            MethodAnalysis {
+                time_to_tenth_error: time_to_tenth_of_error(method, fit.as_ref(), &verdict),
+                times_to_target_errors: reaches,
+                verdict,
+                fit,
+            }
         };
         let methods = found.methods.iter().zip(fits).map(judge).collect();
         Self { methods, pareto: pareto_front(&found.methods), recommendation }
@@ -43,11 +48,12 @@ impl MethodStudyAnalysis {
     /// Returns a text that recommends the best method, and the shell command that renders with the
     /// method; `None` without a recommendation.
     pub(super) fn recommendation_text(&self, found: &MethodStudyResult) -> Option<(String, String)> {
-        let MethodRecommendation { method, error: expected, alike } = self.recommendation.as_ref()?;
+        let MethodRecommendation { method_index: method, expected_error: expected, similar_method_indices: alike } =
+            self.recommendation.as_ref()?;
         let (best, judged) = (&found.methods[*method], &self.methods[*method]);
-        let more = match judged.tenth {
+        let more = match judged.time_to_tenth_error {
             TimeToError::Predicted { effort, .. } => {
-                format!(" A tenth of its last error would take about {}.", duration_text(effort.seconds))
+                format!(" A tenth of its last error would take about {}.", duration_text(effort.cpu_seconds))
             }
             TimeToError::Never { floor } => {
                 format!(" It never reaches a tenth of its last error: bias stays at {}.", error_percent_text(floor))
@@ -60,10 +66,10 @@ impl MethodStudyAnalysis {
         let words = format!(
             "{} has the least error after {} of processor time: an error of {} is expected.{alike}{more}",
             best.label,
-            duration_text(found.budget),
+            duration_text(found.cpu_seconds_per_seed),
             error_percent_text(*expected),
         );
-        Some((words, best.command.clone()))
+        Some((words, best.render_command.clone()))
     }
 }
 
@@ -75,7 +81,7 @@ impl MethodAnalysis {
         method: &MethodResult,
         quantity: ErrorComponent,
     ) -> Option<SlopeRange> {
-        predicted_convergence_slopes(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
+        predicted_convergence_slopes(method.algorithm, quantity, &self.fit.as_ref()?.checkpoint_passes, method.alpha)
     }
 }
 
@@ -83,7 +89,7 @@ impl MethodAnalysis {
 pub(super) fn slope_interval_text(slopes: Option<ConvergenceSlopes>) -> String {
     let Some(ConvergenceSlopes { by_passes, .. }) = slopes else { return "–".to_owned() };
     let interval = by_passes
-        .interval
+        .confidence_interval
         .map_or(String::new(), |[low, high]| format!(" ({} … {})", text::slope_text(low), text::slope_text(high)));
     format!("{}{interval}", text::slope_text(by_passes.value))
 }
@@ -103,15 +109,15 @@ pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (Str
         passes.into_iter().chain(has_photons.then(|| format!("{} photons", count_text(effort.photon_paths))))
     };
     match reach {
-        TimeToError::Within(effort) => (format!("< {}", duration_text(effort.seconds)), work(effort).collect()),
-        TimeToError::Measured(effort) => (duration_text(effort.seconds), work(effort).collect()),
+        TimeToError::Within(effort) => (format!("< {}", duration_text(effort.cpu_seconds)), work(effort).collect()),
+        TimeToError::Measured(effort) => (duration_text(effort.cpu_seconds), work(effort).collect()),
         TimeToError::Predicted { effort, seconds } => {
             let range = seconds.map(|[low, high]| {
-                let is_open = high >= MAX_EXTRAPOLATION * effort.seconds;
+                let is_open = high >= MAX_EXTRAPOLATION_FACTOR * effort.cpu_seconds;
                 let high = if is_open { "unknown".to_owned() } else { duration_text(high) };
                 format!("{} to {high}", duration_text(low))
             });
-            (format!("≈ {}", duration_text(effort.seconds)), range.into_iter().chain(work(effort)).collect())
+            (format!("≈ {}", duration_text(effort.cpu_seconds)), range.into_iter().chain(work(effort)).collect())
         }
         TimeToError::Never { floor } => {
             ("never: plateau".to_owned(), vec![format!("bias stays at {}", error_percent_text(*floor))])

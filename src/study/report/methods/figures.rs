@@ -10,7 +10,7 @@ use crate::study::methods::fit::{ErrorComponent, mean_confidence_interval};
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 use crate::study::report::html::{escape_html, inline_png};
 use crate::study::report::maps::{
-    MIN_RAMP_FRACTION, color_scale_maximum, difference_map, error_color_ramp, error_map, largest_error_windows,
+    RAMP_END_ERROR_RATIO, color_scale_maximum, difference_map, error_color_ramp, error_map, largest_error_windows,
     relative_differences, signed_color_ramp,
 };
 use crate::study::report::picture::{auto_exposure_stops, encode_png, exposure_text};
@@ -41,7 +41,7 @@ fn image_size(image: &Image) -> (u32, u32) {
 }
 
 fn error_plot_points(method: &MethodResult, square: fn(&ConvergenceCheckpoint) -> f64) -> Vec<(f64, f64)> {
-    method.checkpoints.iter().map(|c| (c.seconds, square(c).max(0.0).sqrt())).collect()
+    method.checkpoints.iter().map(|c| (c.cpu_seconds, square(c).max(0.0).sqrt())).collect()
 }
 
 /// HTML figure that plots the errors of all methods over processor time.
@@ -55,10 +55,10 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
     };
     let one = |(style, method): (usize, &MethodResult)| PlotSeries {
         label: method.label.clone(),
-        style,
+        series_index: style,
         stroke: LineStyle::Solid,
         points: error_plot_points(method, ConvergenceCheckpoint::mean_squared_error),
-        bars: bars(method),
+        confidence_intervals: bars(method),
     };
     let series: Vec<PlotSeries> = found.methods.iter().enumerate().map(one).collect();
     let all = || series.iter().flat_map(|s| s.points.iter()).filter(|p| p.0 > 0.0 && p.1 > 0.0);
@@ -80,7 +80,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
                 "{}: {} after {}",
                 m.label,
                 square_root_percent_text(last.mean_squared_error()),
-                duration_text(last.seconds)
+                duration_text(last.cpu_seconds)
             )
         })
         .collect();
@@ -90,31 +90,31 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
     );
     let guides = vec![guide(-0.5, "slope −1/2"), guide(-1.0 / 3.0, "slope −1/3")];
     let drawn =
-        LogLogPlot { id: "errors", title: "Error over time", words: &words, size: (900.0, 480.0), series, guides };
+        LogLogPlot { id: "errors", title: "Error over time", alt_text: &words, size: (900.0, 480.0), series, guides };
     let Some(svg) = plot_svg(&drawn) else { return "<p>No error is large enough to be measured.</p>\n".to_owned() };
     let caption = "Relative error over processor time without setup, with 95 % intervals. Grey: slopes of noise (−1/2) \
                    and of noise and bias with shrinking radii (−1/3).";
-    figure_html("plot main", "", &svg, caption, &found.command)
+    figure_html("plot main", "", &svg, caption, &found.study_command)
 }
 
 fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> Option<String> {
     let line = |label: &str, stroke, square: fn(&ConvergenceCheckpoint) -> f64| PlotSeries {
         label: label.into(),
-        style: i,
+        series_index: i,
         stroke,
         points: error_plot_points(method, square),
-        bars: Vec::new(),
+        confidence_intervals: Vec::new(),
     };
     let series = vec![
         line("error", LineStyle::Solid, ConvergenceCheckpoint::mean_squared_error),
-        line("noise", LineStyle::Dashed, |c| c.noise2),
-        line("bias", LineStyle::Dotted, |c| c.bias2),
+        line("noise", LineStyle::Dashed, |c| c.squared_noise),
+        line("bias", LineStyle::Dotted, |c| c.squared_bias),
     ];
     let last = method.checkpoints.last()?;
     let guide = |quantity: ErrorComponent, name: &str, square: f64| {
         let law = judged.predicted_convergence_slopes(method, quantity)?;
         // The guide line lies below the measured line, which would hide it.
-        let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
+        let through = (last.cpu_seconds, 0.8 * square.max(0.0).sqrt());
         Some(SlopeGuideLine {
             label: format!("{name} {}", slope_text(law.flattest)),
             slope: law.flattest,
@@ -122,21 +122,22 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
             label_below: true,
         })
     };
-    let noise = guide(ErrorComponent::Noise, "noise", last.noise2);
+    let noise = guide(ErrorComponent::Noise, "noise", last.squared_noise);
     // If noise hides the bias, the bias has no guide line.
-    let bias = guide(ErrorComponent::Bias, "bias", last.bias2).filter(|_| last.bias2 > 0.1 * last.mean_squared_error());
+    let bias = guide(ErrorComponent::Bias, "bias", last.squared_bias)
+        .filter(|_| last.squared_bias > 0.1 * last.mean_squared_error());
     let title = format!("Error, noise and bias of {}", method.label);
     let words = format!(
         "Logarithmic. At the end after {}: error {}, noise {}, bias {}. {}.",
-        duration_text(last.seconds),
+        duration_text(last.cpu_seconds),
         square_root_percent_text(last.mean_squared_error()),
-        square_root_percent_text(last.noise2),
-        square_root_percent_text(last.bias2),
+        square_root_percent_text(last.squared_noise),
+        square_root_percent_text(last.squared_bias),
         judged.verdict
     );
     let id = format!("falls-{i}");
     let guides = noise.into_iter().chain(bias).collect();
-    plot_svg(&LogLogPlot { id: &id, title: &title, words: &words, size: (520.0, 340.0), series, guides })
+    plot_svg(&LogLogPlot { id: &id, title: &title, alt_text: &words, size: (520.0, 340.0), series, guides })
 }
 
 /// HTML of the reference and all pictures. A script shows one of them at a time in the same place.
@@ -154,18 +155,23 @@ pub(super) fn picture_switcher_html(found: &MethodStudyResult) -> Result<String,
         );
         Ok(())
     };
-    add("reference", &found.reference.picture, &format!("The reference: {}", found.reference.source), &found.command)?;
+    add(
+        "reference",
+        &found.reference.picture,
+        &format!("The reference: {}", found.reference.source),
+        &found.study_command,
+    )?;
     for method in &found.methods {
         let last = method.checkpoints.last();
         let summary = last.map_or(String::new(), |c| {
             format!(
                 ", {} passes, {}: error {}",
                 c.passes,
-                duration_text(c.seconds),
+                duration_text(c.cpu_seconds),
                 square_root_percent_text(c.mean_squared_error())
             )
         });
-        add(&method.label, &method.first_seed_picture, &format!("{}{summary}", method.label), &method.command)?;
+        add(&method.label, &method.first_seed_picture, &format!("{}{summary}", method.label), &method.render_command)?;
     }
     Ok(
         flip + "</div>\n<p>Arrow keys turn to the next; <code>#show=</code> and a label after the page&#39;s address open it at one.</p>\n</div>\n"
@@ -202,9 +208,9 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
             crops += &figure_html("crop", "", &shown, label, command);
             Ok(())
         };
-        add("reference", &reference, &found.command)?;
+        add("reference", &reference, &found.study_command)?;
         for method in &found.methods {
-            add(&method.label, &window.crop_image(&method.first_seed_picture)?, &method.command)?;
+            add(&method.label, &window.crop_image(&method.first_seed_picture)?, &method.render_command)?;
         }
         crops += "</div>\n";
     }
@@ -215,13 +221,13 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
 ///
 /// `ticks` are positions on the bar, from 0 to 1, and their labels.
 fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
-    const STOPS: u32 = 24;
+    const GRADIENT_STOPS: u32 = 24;
     let mut svg = format!(
         "<svg class=\"legend\" role=\"img\" aria-labelledby=\"{id}-title\" viewBox=\"0 0 360 40\" width=\"360\" height=\"40\">\
         <title id=\"{id}-title\">Scale of colours</title><linearGradient id=\"{id}\">"
     );
-    for i in 0..=STOPS {
-        let part = f64::from(i) / f64::from(STOPS);
+    for i in 0..=GRADIENT_STOPS {
+        let part = f64::from(i) / f64::from(GRADIENT_STOPS);
         let [r, g, b] = error_color_ramp(part).to_array().map(|c| (255.0 * srgb_encoded(c)) as u8);
         let _ = write!(svg, "<stop offset=\"{part:.4}\" stop-color=\"#{r:02x}{g:02x}{b:02x}\"/>");
     }
@@ -256,11 +262,12 @@ pub(super) fn method_articles_html(
     let differences: Vec<Vec<f64>> =
         found.methods.iter().map(|m| relative_differences(&m.mean_difference, &weights)).collect();
     let most_error =
-        color_scale_maximum(found.methods.iter().flat_map(|m| m.pixel_errors.iter().map(|e| f64::from(*e))));
+        color_scale_maximum(found.methods.iter().flat_map(|m| m.relative_pixel_errors.iter().map(|e| f64::from(*e))));
     let most_difference = color_scale_maximum(differences.iter().flatten().map(|d| d.abs()));
     let mut all = "<p>All methods share the scales of their maps. Error by decades; dark is small:</p>\n".to_owned();
     if let Some(most) = most_error {
-        let ticks = [MIN_RAMP_FRACTION, MIN_RAMP_FRACTION.sqrt(), 1.0].map(|part| error_percent_text(part * most));
+        let ticks =
+            [RAMP_END_ERROR_RATIO, RAMP_END_ERROR_RATIO.sqrt(), 1.0].map(|part| error_percent_text(part * most));
         all += &color_legend_svg(
             "ramp-errors",
             error_color_ramp,
@@ -292,7 +299,7 @@ pub(super) fn method_articles_html(
         if let Some(svg) = method_plot_svg(i, method, judged) {
             let caption =
                 "Error, noise (dashed) and bias (dotted) over processor time. Grey: slopes by theory, moved down.";
-            all += &figure_html("plot", "", &svg, caption, &found.command);
+            all += &figure_html("plot", "", &svg, caption, &found.study_command);
         }
         if let Some(most) = most_error {
             let map = error_map(method, most)?;
@@ -307,10 +314,10 @@ pub(super) fn method_articles_html(
                 &shown,
                 &format!(
                     "Relative error of each pixel, mean over seeds, from {} to {}.",
-                    error_percent_text(MIN_RAMP_FRACTION * most),
+                    error_percent_text(RAMP_END_ERROR_RATIO * most),
                     error_percent_text(most)
                 ),
-                &method.command,
+                &method.render_command,
             );
         }
         if let Some(most) = most_difference {
@@ -325,7 +332,7 @@ pub(super) fn method_articles_html(
                 "",
                 &shown,
                 &format!("Relative difference to the reference, mean over seeds, up to ±{}.", error_percent_text(most)),
-                &method.command,
+                &method.render_command,
             );
         }
         all += "</div>\n</article>\n";
@@ -334,7 +341,7 @@ pub(super) fn method_articles_html(
 }
 
 fn gather_radii_text(method: &MethodResult) -> String {
-    let Some([indirect, caustic]) = method.radii.map(|radii| radii.map(f64::from)) else { return String::new() };
+    let Some([indirect, caustic]) = method.gather_radii.map(|radii| radii.map(f64::from)) else { return String::new() };
     let law = if method.algorithm == Algorithm::Pm || method.alpha >= 1.0 {
         "fixed".to_owned()
     } else {

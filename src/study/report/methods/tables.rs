@@ -52,8 +52,8 @@ pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &MethodSt
         let fit = judged.fit.as_ref();
         for cell in [
             of(ConvergenceCheckpoint::mean_squared_error),
-            of(|c| c.noise2),
-            of(|c| c.bias2),
+            of(|c| c.squared_noise),
+            of(|c| c.squared_bias),
             slope_interval_text(fit.and_then(|f| f.error)),
             fit.map_or("–".to_owned(), |_| {
                 slope_range_text(judged.predicted_convergence_slopes(method, ErrorComponent::Error))
@@ -77,8 +77,8 @@ pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &MethodStudy
     let mut table = table_head_html(&columns, 1);
     for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
         let _ = write!(table, "<tr><th scope=\"row\">{}{}</th>", method_marker_svg(i), escape_html(&method.label));
-        let _ = write!(table, "<td class=\"n\">{}</td>", duration_text(method.setup));
-        for reach in judged.reaches.iter().chain([&judged.tenth]) {
+        let _ = write!(table, "<td class=\"n\">{}</td>", duration_text(method.setup_seconds));
+        for reach in judged.times_to_target_errors.iter().chain([&judged.time_to_tenth_error]) {
             let (time, work) = time_to_error_text(reach, method.algorithm.traces_photons());
             let class = if matches!(reach, TimeToError::Predicted { .. }) { "n predicted" } else { "n" };
             let _ = write!(table, "<td class=\"{class}\">{}", escape_html(&time));
@@ -92,13 +92,13 @@ pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &MethodStudy
     let front: Vec<String> = analysis
         .pareto
         .iter()
-        .map(|m| (&found.methods[m.method], m.checkpoint))
+        .map(|m| (&found.methods[m.method_index], m.checkpoint_index))
         .map(|(method, at)| {
             let c = &method.checkpoints[at];
             format!(
                 "{} after {} ({})",
                 error_percent_text(c.mean_squared_error().sqrt()),
-                duration_text(c.seconds),
+                duration_text(c.cpu_seconds),
                 method.label
             )
         })
@@ -138,13 +138,13 @@ pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
         );
         for c in &method.checkpoints {
             let cells = [
-                duration_text(c.seconds),
-                duration_text(c.wall),
+                duration_text(c.cpu_seconds),
+                duration_text(c.wall_seconds),
                 count_text(c.rays),
                 count_text(c.photon_paths),
                 square_root_percent_text(c.mean_squared_error()),
-                square_root_percent_text(c.noise2),
-                square_root_percent_text(c.bias2),
+                square_root_percent_text(c.squared_noise),
+                square_root_percent_text(c.squared_bias),
                 c.mean_square_of_estimated_error().map_or("–".to_owned(), square_root_percent_text),
                 three_digit_text(c.rmse),
                 three_digit_text(c.flip),

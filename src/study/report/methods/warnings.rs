@@ -8,7 +8,7 @@ use crate::study::report::text::error_percent_text;
 ///
 /// At a ratio of 3, the squared error of the reference is 1/9 of the squared error of the method.
 /// This changes the measured error by about 6 %.
-const MIN_ERROR_RATIO: f64 = 3.0;
+const MIN_RELIABLE_ERROR_RATIO: f64 = 3.0;
 
 /// Texts of reasons to doubt the results of a study; empty if there are none.
 pub(super) fn study_warnings(found: &MethodStudyResult) -> Vec<String> {
@@ -26,13 +26,14 @@ pub(super) fn study_warnings(found: &MethodStudyResult) -> Vec<String> {
     if let Some(reference_error) = found.reference.error {
         let close = |m: &&crate::study::methods::MethodResult| {
             m.checkpoints.last().is_some_and(|c| {
-                c.mean_squared_error() < MIN_ERROR_RATIO * MIN_ERROR_RATIO * reference_error * reference_error
+                c.mean_squared_error()
+                    < MIN_RELIABLE_ERROR_RATIO * MIN_RELIABLE_ERROR_RATIO * reference_error * reference_error
             })
         };
         let labels: Vec<&str> = found.methods.iter().filter(close).map(|m| m.label.as_str()).collect();
         if !labels.is_empty() {
             warnings.push(format!(
-                "The reference has an error of about {}, and {} below {MIN_ERROR_RATIO} times that. Its bias may distort them: render longer references.",
+                "The reference has an error of about {}, and {} below {MIN_RELIABLE_ERROR_RATIO} times that. Its bias may distort them: render longer references.",
                 error_percent_text(reference_error),
                 match labels.as_slice() {
                     [one] => format!("that of {one} is"),

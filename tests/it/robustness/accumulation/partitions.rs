@@ -31,7 +31,7 @@ impl Part {
         let estimate = self.estimator.estimate(&self.film);
         let text = format!("{estimate:?} {:?}", self.estimator.forecast(&estimate));
         let maps = self.estimator.error_maps(&self.film);
-        let maps = maps.noise.iter().chain(&maps.bias).flat_map(|value| value.to_array().map(f32::to_bits));
+        let maps = maps.noise.iter().chain(&maps.blur).flat_map(|value| value.to_array().map(f32::to_bits));
         let picture = self.film.pixel_means().flat_map(|mean| mean.to_array().map(f64::to_bits));
         (text, picture.collect(), maps.collect())
     }
@@ -75,8 +75,8 @@ fn merged_parts_equal_one_render() {
         (file.description.camera.value.width, file.description.camera.value.height) = SIZE;
         let scene = file.resolve().unwrap();
         let mut settings =
-            Settings { unaimed_paths: 500, aimed_paths: 500, allows_balance: false, ..Settings::default() };
-        settings.camera_paths.samples = Some(1);
+            Settings { unaimed_paths: 500, aimed_paths: 500, allows_ray_photon_balance: false, ..Settings::default() };
+        settings.camera_paths.samples_per_pixel = Some(1);
         settings.camera_paths.estimate_error = true;
         let integrator = algorithm.prepare(&scene, settings);
         let passes: Vec<PassResult> = (0..PASSES).map(|pass| integrator.render_pass(pass, &SilentMonitor)).collect();

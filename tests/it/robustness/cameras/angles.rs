@@ -100,12 +100,12 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
             ))
             .unwrap();
             let camera_paths = CameraPathSettings {
-                samples: Some(256),
+                samples_per_pixel: Some(256),
                 filter: Filter::new(FilterKind::Box),
                 seed: 7 + i as u64,
                 ..CameraPathSettings::default()
             };
-            let settings = Settings { camera_paths, allows_balance: false, ..Settings::default() };
+            let settings = Settings { camera_paths, allows_ray_photon_balance: false, ..Settings::default() };
             let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings), 0);
             assert!(image.iter().all(|p| p.is_finite()), "{angle}°");
             let mean = image.iter().map(|p| f64::from(color::channel_mean(*p))).sum::<f64>() / image.len() as f64 / 2.0;

@@ -24,12 +24,12 @@ fn scene(lens: &str) -> String {
 fn zero_aperture_equals_pinhole_bit_for_bit() {
     let picture = |algorithm: Algorithm, lens: &str| {
         let camera_paths =
-            CameraPathSettings { samples: Some(2), estimate_error: true, ..CameraPathSettings::default() };
+            CameraPathSettings { samples_per_pixel: Some(2), estimate_error: true, ..CameraPathSettings::default() };
         let settings = Settings {
             camera_paths,
             unaimed_paths: 2000,
             aimed_paths: 2000,
-            allows_balance: false,
+            allows_ray_photon_balance: false,
             ..Settings::default()
         };
         let scene = resolved_scene(&scene(lens)).unwrap();
@@ -89,7 +89,7 @@ fn lens_rays_converge_at_any_focus_distance() {
     for center in [DVec3::ZERO, DVec3::new(3e4, -1e5, 7.0)] {
         for focus in [1e-12, 1e-6, 1.0, 1e6, 9e11] {
             for radius in [1e-12, 1e-3, 1.0, 1e6] {
-                let lens = Lens { radius, focus, blades: 0 };
+                let lens = Lens { radius, focus_distance: focus, blades: 0 };
                 let camera = Camera::perspective(center, forward, up, 1.0, 8, 6).unwrap().with_lens(lens);
                 // A camera at the origin that looks along −z has the same lens. The origins of its
                 // rays are the lens points of the samples u.
@@ -128,12 +128,12 @@ fn extreme_lenses_give_finite_images() {
         "fNumber 3e38 focusDistance 1",
         "fNumber 1.4 sensorHeight 1e-9 focusDistance 2 blades 3",
     ] {
-        let camera_paths = CameraPathSettings { samples: Some(4), ..CameraPathSettings::default() };
+        let camera_paths = CameraPathSettings { samples_per_pixel: Some(4), ..CameraPathSettings::default() };
         let settings = Settings {
             camera_paths,
             unaimed_paths: 500,
             aimed_paths: 500,
-            allows_balance: false,
+            allows_ray_photon_balance: false,
             ..Settings::default()
         };
         let scene = resolved_scene(&scene(lens)).unwrap();

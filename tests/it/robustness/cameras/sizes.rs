@@ -45,7 +45,7 @@ fn tiny_images_are_finite_with_every_integrator() {
                 }
                 let estimated = algorithm != Algorithm::Raycast;
                 let camera_paths = CameraPathSettings {
-                    samples: Some(1),
+                    samples_per_pixel: Some(1),
                     estimate_error: estimated,
                     max_bounces: 8,
                     ..CameraPathSettings::default()
@@ -54,18 +54,18 @@ fn tiny_images_are_finite_with_every_integrator() {
                     camera_paths,
                     unaimed_paths: 2000,
                     aimed_paths: 2000,
-                    allows_balance: false,
+                    allows_ray_photon_balance: false,
                     final_gathering: FinalGathering::Bsdf,
                     ..Settings::default()
                 };
                 let integrator = algorithm.prepare(&scene, settings);
                 let passes = if estimated { 4 } else { 1 };
                 let interrupted = AtomicBool::new(false);
-                let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
+                let stop = StopCriteria { max_passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
                 let start = RenderResult::without_passes(integrator.as_ref(), size);
                 let rendered = render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
                 let what = format!("{algorithm:?} {camera}");
-                let mean = rendered.film.mean();
+                let mean = rendered.film.mean_picture();
                 assert_eq!(mean.len() as u64, u64::from(size.0) * u64::from(size.1), "{what}");
                 assert!(mean.iter().all(|p| p.is_finite()), "{what}");
                 let counters = rendered.counters;
@@ -76,7 +76,7 @@ fn tiny_images_are_finite_with_every_integrator() {
                     [estimate.error, estimate.noise, estimate.bias, estimate.blur, estimate.shared_paths, estimate.low];
                 assert!(numbers.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {estimate:?}");
                 let maps = estimator.error_maps(&rendered.film);
-                assert!(maps.noise.iter().chain(&maps.bias).all(|x| x.is_finite()), "{what}");
+                assert!(maps.noise.iter().chain(&maps.blur).all(|x| x.is_finite()), "{what}");
             }
         }
     }
@@ -106,11 +106,11 @@ fn images_20000_pixels_long_are_correct() {
         ))
         .unwrap();
         let camera_paths = CameraPathSettings {
-            samples: Some(4),
+            samples_per_pixel: Some(4),
             filter: Filter::new(FilterKind::Box),
             ..CameraPathSettings::default()
         };
-        let settings = Settings { camera_paths, allows_balance: false, ..Settings::default() };
+        let settings = Settings { camera_paths, allows_ray_photon_balance: false, ..Settings::default() };
         let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings), 0);
         for (i, pixel) in image.iter().enumerate() {
             match i as u32 {
@@ -140,7 +140,7 @@ fn tiny_images_have_files_and_metrics() {
             let options = WriteOptions { tone, depth, ..WriteOptions::default() };
             let (file, report) = encode(format, &image, &options).unwrap();
             assert_eq!(report.non_finite, 0);
-            let (back, _) = decode(Path::new("memory"), &file, PixelMeaning::Radiance, None).unwrap();
+            let (back, _) = decode(Path::new("memory"), &file, PixelMeaning::Color, None).unwrap();
             assert_eq!((back.width(), back.height()), (width, height));
             // The bound is half a level times the greatest slope of the inverse sRGB curve,
             // 2.4/1.055 (see `reading_undoes_srgb_to_half_a_level`).

@@ -11,7 +11,7 @@ use caustica::math::{Ray, Transform, warp};
 use caustica::sampling::DiscreteDistribution;
 use caustica::scene::{Material, SceneBuilder};
 use caustica::shape::parametric::SplineBasis;
-use caustica::shape::{Disc, Instance, Mesh, MeshWithBvh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
+use caustica::shape::{Disc, Mesh, MeshInstance, MeshWithBvh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec2, Vec3};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
@@ -48,7 +48,7 @@ fn far_spheres_are_hit_correctly() {
                 continue;
             }
             assert_eq!(found.is_some(), discriminant > DoubleDouble::ZERO, "{ray:?}");
-            let Some(ShapeHit { t, uv }) = found else { continue };
+            let Some(ShapeHit { t, shape_coords: uv }) = found else { continue };
             hits += 1;
             let exact = (-b - discriminant.sqrt()) / a;
             // t is rounded only once.
@@ -91,7 +91,7 @@ fn far_lights_cast_no_shadow_on_themselves() {
     let net: Vec<DVec4> = (0..9).map(|i| control(i % 3, i / 3)).collect();
     let basis = SplineBasis::bezier_basis(3).unwrap();
     let patch = Shape::Patch(Patch::new([&basis, &basis], &net).unwrap());
-    let placed = Shape::Instance(Instance::new(Arc::new(MeshWithBvh::new(one)), squash));
+    let placed = Shape::Instance(MeshInstance::new(Arc::new(MeshWithBvh::new(one)), squash));
     let emitters = [
         LightSurface::Shape(ball),
         LightSurface::Shape(egg),
@@ -100,7 +100,11 @@ fn far_lights_cast_no_shadow_on_themselves() {
         LightSurface::Shape(bell),
         LightSurface::Shape(patch),
         LightSurface::Shape(placed),
-        LightSurface::Triangles { mesh, first: 0, choice: DiscreteDistribution::new([1.0]).unwrap() },
+        LightSurface::Triangles {
+            mesh,
+            first_triangle: 0,
+            triangle_distribution: DiscreteDistribution::new([1.0]).unwrap(),
+        },
     ];
     let mut rng = SmallRng::seed_from_u64(4);
     for (kind, emitter) in emitters.into_iter().enumerate() {
@@ -144,8 +148,12 @@ fn far_sphere_light_loses_no_flux() {
         let eye = place + DVec3::new(0.5, 0.25, -1.5);
         let camera = Camera::perspective(eye, DVec3::new(0.013, -0.027, 1.0), DVec3::Y, 0.3, 8, 8).unwrap();
         let scene = builder.build(camera).unwrap();
-        let camera_paths =
-            CameraPathSettings { samples: Some(16), max_bounces: 1, seed: 5, ..CameraPathSettings::default() };
+        let camera_paths = CameraPathSettings {
+            samples_per_pixel: Some(16),
+            max_bounces: 1,
+            seed: 5,
+            ..CameraPathSettings::default()
+        };
         let method = Algorithm::Path.prepare(&scene, Settings { camera_paths, ..Settings::default() });
         let expected = 0.5 / 1.09f64.sqrt();
         for pixel in render_one_pass(&*method, 0) {

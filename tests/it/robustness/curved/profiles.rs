@@ -222,7 +222,7 @@ fn degree_20_surfaces_are_hit_correctly() {
             match (truth, found) {
                 _ if doubt => doubtful += 1,
                 (None, None) => {}
-                (Some(t), Some(ShapeHit { t: f, uv })) => {
+                (Some(t), Some(ShapeHit { t: f, shape_coords: uv })) => {
                     hits += 1;
                     assert!((f64::from(f) - t).abs() <= 6e-8 * t + 1e-7, "{} {ray:?}: {f} {t}", known.name);
                     let s = known.shape.surface_point(&ray, f, uv);

@@ -13,7 +13,7 @@ fn scenes_cannot_include_scenes() {
         match parse("self.txt", &text) {
             // `#include` begins a comment up to the end of the line, so the scene is empty.
             Err(error) if word == "#include" => assert!(error.to_string().contains("no Group"), "{error}"),
-            Err(error) => assert!(error.text() == word && error.remedy().contains("Group"), "{error}"),
+            Err(error) => assert!(error.offending_text() == word && error.remedy().contains("Group"), "{error}"),
             Ok(_) => panic!("`{word}` was read"),
         }
     }

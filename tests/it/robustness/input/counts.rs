@@ -75,7 +75,7 @@ fn absurd_header_counts_are_refused() {
     }
     for size in ["-Y 16384 +X 16384", "-Y 4294967295 +X 4294967295", "-Y 999999999999 +X 1"] {
         let text = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{size}\n\u{2}\u{2}");
-        assert!(decode(Path::new("a.hdr"), text.as_bytes(), PixelMeaning::Radiance, None).is_err(), "{size}");
+        assert!(decode(Path::new("a.hdr"), text.as_bytes(), PixelMeaning::Color, None).is_err(), "{size}");
     }
     assert!(start.elapsed() < AT_ONCE);
 }

@@ -48,7 +48,7 @@ fn truncated_sized_files_are_refused() {
     let mut whole = b"caustica-grid 1\nsize 3 2 2\ntype f32\n\n".to_vec();
     whole.extend((0..12u8).flat_map(|i| f32::from(i).to_le_bytes()));
     let read = |bytes: &[u8]| grid::decode(Path::new("a.grid"), bytes.len() as u64, bytes, None);
-    assert_eq!(read(&whole).unwrap().values.len(), 12);
+    assert_eq!(read(&whole).unwrap().densities.len(), 12);
     (0..whole.len()).for_each(|cut| assert!(read(&whole[..cut]).is_err(), "cut at {cut}"));
 }
 
@@ -108,7 +108,7 @@ fn truncated_images_are_refused() {
         (written(OutputFormat::Exr, BitDepth::Eight), 0),
         (hdr, 0),
     ] {
-        let read = |bytes: &[u8]| decode(Path::new("a.picture"), bytes, PixelMeaning::Radiance, None);
+        let read = |bytes: &[u8]| decode(Path::new("a.picture"), bytes, PixelMeaning::Color, None);
         assert!(read(&file).is_ok());
         for cut in 0..file.len() - beyond {
             let error = read(&file[..cut]).expect_err("a part is no picture");

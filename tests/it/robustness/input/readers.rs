@@ -33,7 +33,9 @@ fn described(bytes: &[u8]) -> Option<SceneDescription> {
             // The message is computed because this checks that the error's position lies within the
             // text.
             assert!(
-                !error.to_string().is_empty() && !error.remedy().is_empty() && error.text().len() <= bytes.len() * 3
+                !error.to_string().is_empty()
+                    && !error.remedy().is_empty()
+                    && error.offending_text().len() <= bytes.len() * 3
             );
             None
         }
@@ -66,8 +68,9 @@ pub fn render(bytes: &[u8]) {
     let Some(mut description) = described(bytes) else { return };
     (description.camera.value.width, description.camera.value.height) = (2, 2);
     let Some(scene) = resolved(&description, bytes) else { return };
-    let camera_paths = CameraPathSettings { samples: Some(1), max_bounces: 6, ..CameraPathSettings::default() };
-    let settings = Settings { camera_paths, allows_balance: false, ..Settings::default() };
+    let camera_paths =
+        CameraPathSettings { samples_per_pixel: Some(1), max_bounces: 6, ..CameraPathSettings::default() };
+    let settings = Settings { camera_paths, allows_ray_photon_balance: false, ..Settings::default() };
     let pass = Algorithm::Path.prepare(&scene, settings).render_pass(0, &SilentMonitor);
     assert!(pass.image.iter().all(|pixel| pixel.is_finite()), "{:?}", pass.image);
 }
@@ -88,19 +91,19 @@ fn loaded(name: &str, bytes: &[u8]) {
             let vertices = loaded.mesh.positions.len();
             assert!(loaded.mesh.triangles.iter().flatten().all(|v| (*v as usize) < vertices));
             assert!(loaded.mesh.positions.iter().all(|p| p.is_finite()));
-            assert!(loaded.repeated_vertices() <= loaded.vertices);
+            assert!(loaded.repeated_vertex_count() <= loaded.file_vertex_count);
             assert_eq!(
                 loaded.mesh.split_by_material().iter().map(|(_, part)| part.triangles.len()).sum::<usize>(),
                 loaded.mesh.triangles.len()
             );
             assert!(loaded.mesh.mesh_report().components <= loaded.mesh.triangles.len());
-            loaded.mesh.repair(&mesh::MeshRepairs {
-                weld: Some(1e-9),
+            loaded.mesh.repair(&mesh::MeshRepairOptions {
+                weld_tolerance: Some(1e-9),
                 removes_duplicates: true,
                 removes_degenerates: true,
                 orients_outward: true,
             });
-            loaded.mesh.compute_smooth_normals(30.0);
+            loaded.mesh.compute_missing_smooth_normals(30.0);
         }
         Err(error) => assert!(error.to_string().contains(name), "{error}"),
     }
@@ -117,7 +120,7 @@ pub fn mtl(bytes: &[u8]) {
 /// Reads a density grid.
 pub fn grid(bytes: &[u8]) {
     match grid::decode(Path::new("fuzz.grid"), bytes.len() as u64, bytes, FREE) {
-        Ok(grid) => assert!(grid.values.iter().all(|v| v.is_finite() && *v >= 0.0)),
+        Ok(grid) => assert!(grid.densities.iter().all(|v| v.is_finite() && *v >= 0.0)),
         Err(error) => assert!(error.to_string().contains("fuzz.grid"), "{error}"),
     }
 }
@@ -134,12 +137,12 @@ pub fn mitsuba(bytes: &[u8]) {
 
 /// Reads a pbrt scene and checks the imported scene.
 pub fn pbrt(bytes: &[u8]) {
-    let options = ImportOptions { memory: MemoryLimit::Limit(1 << 28), ..ImportOptions::default() };
+    let options = ImportOptions { memory: MemoryLimit::ProcessBytes(1 << 28), ..ImportOptions::default() };
     check_imported(pbrt::decode(&Path::new(NOWHERE).join("fuzz.pbrt"), bytes, &options));
 }
 
 fn import_options() -> ImportOptions {
-    ImportOptions { memory: MemoryLimit::Limit(1 << 31), ..ImportOptions::default() }
+    ImportOptions { memory: MemoryLimit::ProcessBytes(1 << 31), ..ImportOptions::default() }
 }
 
 /// Checks that an imported description equals its printed text, parsed again, and that its meshes
@@ -162,7 +165,7 @@ fn check_imported(imported: Result<ImportedScene, SceneReadError>) {
 /// Reads an image as PNG, OpenEXR or Radiance HDR, and builds a texture and an environment light
 /// from it.
 pub fn picture(bytes: &[u8]) {
-    for meaning in [PixelMeaning::Radiance, PixelMeaning::Data] {
+    for meaning in [PixelMeaning::Color, PixelMeaning::NonColor] {
         match decode(Path::new("fuzz.picture"), bytes, meaning, FREE) {
             Ok((image, _)) => {
                 // Textures and lights are built only from small images: large ones take long and

@@ -35,12 +35,12 @@ fn invalid_density_cells_are_refused_with_index() {
             values[cell] = bad;
             let (column, row, layer) = (cell % 2, cell / 2 % 3, cell / 6);
             let refused = GridDensity::new([2, 3, 4], values.clone(), DAffine3::IDENTITY).unwrap_err();
-            let GridDensityError::Cell { x, y, z, value } = refused else { panic!("{refused}") };
+            let GridDensityError::InvalidDensity { x, y, z, value } = refused else { panic!("{refused}") };
             assert_eq!((x as usize, y as usize, z as usize, value.to_bits()), (column, row, layer, bad.to_bits()));
             let error = put(&values).unwrap_err();
             let place = format!("cell ({column}, {row}, {layer})");
             assert!(error.message().contains(&place) && error.message().contains("at least 0"), "{error}");
-            assert_eq!((error.line(), error.text()), (2, "a.grid"));
+            assert_eq!((error.line(), error.offending_text()), (2, "a.grid"));
             assert!(error.remedy().contains("repair the grid"), "{}", error.remedy());
         }
     }

@@ -59,14 +59,14 @@ fn shading_normals_never_exceed_furnace() {
         for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm] {
             let what = format!("{material}, {relief}, {algorithm:?}");
             let camera_paths = CameraPathSettings {
-                samples: Some(if matches!(*material, "Mirror" | "Thin") { 2 } else { 64 }),
+                samples_per_pixel: Some(if matches!(*material, "Mirror" | "Thin") { 2 } else { 64 }),
                 ..CameraPathSettings::default()
             };
             let settings = Settings {
                 unaimed_paths: 1000,
                 aimed_paths: 1000,
-                radius: Some(0.2),
-                allows_balance: false,
+                initial_gather_radius: Some(0.2),
+                allows_ray_photon_balance: false,
                 camera_paths,
                 ..Settings::default()
             };

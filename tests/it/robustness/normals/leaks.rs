@@ -24,12 +24,12 @@ fn materials(relief: &str) -> String {
 const KINDS: [&str; 5] = ["matt", "gloss", "mirror", "metal", "rough"];
 
 fn settings() -> Settings {
-    let camera_paths = CameraPathSettings { samples: Some(2), ..CameraPathSettings::default() };
+    let camera_paths = CameraPathSettings { samples_per_pixel: Some(2), ..CameraPathSettings::default() };
     Settings {
         unaimed_paths: 2000,
         aimed_paths: 2000,
-        radius: Some(0.2),
-        allows_balance: false,
+        initial_gather_radius: Some(0.2),
+        allows_ray_photon_balance: false,
         camera_paths,
         ..Settings::default()
     }
@@ -72,7 +72,7 @@ fn coarse_ball_is_dark_inside() {
             let traced = tracer.trace(test_key(70), 1 << 14, &|_| {});
             // A photon stores the side of the surface on which it landed. The normal of that side
             // points away from the ball's center.
-            let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.origin().as_vec3()) > 0.0;
+            let outwards = |p: &Photon| p.attributes.normal().dot(p.position + inside.origin().as_vec3()) > 0.0;
             assert!(traced.deposits.surface_photons.iter().all(outwards), "{kind}: photons inside");
         }
     }

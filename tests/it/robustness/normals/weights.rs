@@ -5,7 +5,8 @@
 
 use crate::support::{midpoint_integral, scene_from_text, test_key};
 use caustica::bsdf::{
-    Bsdf, Conductor, Dielectric, MicrofacetScattering, Phong, ThinDielectric, TransportMode, photon_deposit_factor,
+    Bsdf, Conductor, Dielectric, MicrofacetScattering, Phong, ThinDielectric, TransportMode,
+    deposit_shading_normal_correction,
 };
 use caustica::math::{Frame, warp};
 use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
@@ -58,8 +59,9 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
     for degrees in [5.0, 37.0, 70.0, 87.0] {
         let ns = tilted_normal(degrees);
         let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
-        let factor =
-            |i: u64| f64::from(photon_deposit_factor(arrival_direction(test_key(60).child_key(i)), ns, Vec3::Z));
+        let factor = |i: u64| {
+            f64::from(deposit_shading_normal_correction(arrival_direction(test_key(60).child_key(i)), ns, Vec3::Z))
+        };
         let (kept, error) = clamped_mean((0..N).into_par_iter().map(factor));
         let cut = s * s / (MAX_WEIGHT - c);
         assert!(kept <= 1.0 + error && kept >= 1.0 - cut - error, "{degrees}°: {kept} ± {error}");
@@ -136,7 +138,7 @@ fn lossless_bsdfs() -> Vec<(Bsdf, bool)> {
         (metal(0.0), true),
         (metal(0.1), false),
         (metal(1.0), false),
-        (Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Vec3::ONE }), true),
+        (Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Vec3::ONE }), true),
         (Bsdf::Dielectric(Dielectric { eta: 1.5 }), false),
         (Bsdf::dielectric(1.5, 0.1, MicrofacetScattering::Single), false),
         (Bsdf::dielectric(1.5, 1.0, MicrofacetScattering::Single), false),
@@ -214,7 +216,7 @@ fn coarse_ball_flux_matches_its_faces() {
         .iter()
         .map(|t| {
             let each = t.audit.emitted[0] / t.paths as f64;
-            let flux = |p: &caustica::photon::Photon| f64::from(p.data.flux().x);
+            let flux = |p: &caustica::photon::Photon| f64::from(p.attributes.flux().x);
             t.deposits.surface_photons.iter().map(|p| flux(p).min(MAX_WEIGHT * each)).sum()
         })
         .collect();
@@ -229,7 +231,7 @@ fn coarse_ball_flux_matches_its_faces() {
         let beyond = traced
             .iter()
             .flat_map(|t| &t.deposits.surface_photons)
-            .filter(|p| f64::from(p.data.flux().x) > x * each)
+            .filter(|p| f64::from(p.attributes.flux().x) > x * each)
             .count();
         let expected = landed as f64 * s2 / (s2 + (x - 1.0) * (x - 1.0));
         assert!((beyond as f64) < expected + Z * expected.sqrt() + 10.0, "{beyond} beyond {x}, {expected}");
@@ -244,7 +246,7 @@ fn grazing_factors_are_finite() {
     for exponent in 0..45 {
         let z = libm::powf(10.0, -(exponent as f32));
         let wo = DVec3::new(1.0, 0.0, f64::from(z)).normalize().as_vec3();
-        assert!(photon_deposit_factor(wo, ns, Vec3::Z).is_finite() || z < 1e-37, "{z:e}");
+        assert!(deposit_shading_normal_correction(wo, ns, Vec3::Z).is_finite() || z < 1e-37, "{z:e}");
         for (bsdf, _) in lossless_bsdfs() {
             for i in 0..64 {
                 for n in [ns, -ns + 2.0 * ns.z * Vec3::Z] {

@@ -6,7 +6,7 @@ use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::{Key, Purpose};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::parametric::SplineBasis;
 use caustica::shape::{Disc, Revolution, Shape};
 use glam::{DVec2, DVec3};
@@ -37,7 +37,7 @@ fn parabola(pixels: u32) -> Scene {
     b.add_shape(Shape::Revolution(bowl), mirror, Rgb::ZERO);
     b.add_shape(Shape::Disc(Disc::circular_disc(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
     b.add_delta_light(
-        DeltaLightKind::Directional { direction: -DVec3::Y },
+        UnscaledDeltaLight::Directional { direction: -DVec3::Y },
         LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)),
     );
     b.build(flat_camera(DVec3::Y * 0.9, DVec3::Y, PIXEL * f64::from(pixels), pixels)).unwrap()
@@ -66,7 +66,7 @@ fn photons_converge_at_focus() {
             let focus = (DVec3::Y - scene.origin()).as_vec3();
             let off = traced.deposits.surface_photons.iter().map(|p| (p.position - focus).length()).fold(0.0, f32::max);
             assert!(off < 1e-5, "{off}");
-            traced.deposits.surface_photons.iter().map(|p| f64::from(p.data.flux().y)).sum()
+            traced.deposits.surface_photons.iter().map(|p| f64::from(p.attributes.flux().y)).sum()
         })
         .collect();
     let (mean, error) = mean_and_error(&samples);
@@ -92,7 +92,7 @@ fn image_of_focus_shows_all_flux() {
     for algorithm in WITH_PHOTONS {
         assert_finite(algorithm.name(), &rendered(&scene, algorithm, settings(5_000, 4), 4));
     }
-    let pilot = Algorithm::Sppm.prepare(&scene, settings(20_000, 256)).gather_radii().unwrap().caustic;
+    let pilot = Algorithm::Sppm.prepare(&scene, settings(20_000, 256)).initial_gather_radii().unwrap().caustic;
     for (name, radius, k, pixels, samples) in
         [("by pilot", pilot, None, 2, 256), ("wide", (2.0 * PIXEL) as f32, Some(0), 6, 8)]
     {
@@ -101,7 +101,7 @@ fn image_of_focus_shows_all_flux() {
         assert!(2.0 * f64::from(radius) < seen, "{name}: {radius}");
         let expected = 0.5 / PI * flux() / (seen * seen);
         let mean = |seed| {
-            let settings = Settings { radius: Some(radius), gather_k: k, ..settings(1_000, samples) };
+            let settings = Settings { initial_gather_radius: Some(radius), gather_k: k, ..settings(1_000, samples) };
             let camera_paths = CameraPathSettings { seed, ..settings.camera_paths };
             let method = Algorithm::Sppm.prepare(&scene, Settings { camera_paths, ..settings });
             let pass = |i| render_one_pass(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>();

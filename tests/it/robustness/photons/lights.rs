@@ -7,7 +7,7 @@ use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings};
 use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::{Key, Purpose};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Shape, Sphere};
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
@@ -29,7 +29,7 @@ fn scene_lit_by(powers: &[Option<f32>]) -> Scene {
     for (i, power) in powers.iter().enumerate() {
         let position = DVec3::new(i as f64 * 0.3 - 0.5, 2.0, 0.7);
         if let Some(power) = power {
-            b.add_delta_light(DeltaLightKind::Point { position }, LightStrength::Power(Rgb::splat(*power)));
+            b.add_delta_light(UnscaledDeltaLight::Point { position }, LightStrength::Power(Rgb::splat(*power)));
         }
     }
     let camera = Camera::perspective(DVec3::new(0.0, 1.0, 5.0), DVec3::new(0.0, -0.1, -1.0), DVec3::Y, 0.6, 12, 12);
@@ -43,7 +43,7 @@ fn scene_lit_by(powers: &[Option<f32>]) -> Scene {
 fn zero_power_lights_change_nothing() {
     let (dark, lit) = (Some(0.0), Some(50.0));
     ALL.par_iter().for_each(|algorithm| {
-        let settings = || Settings { radius: Some(0.1), ..settings(10_000, 4) };
+        let settings = || Settings { initial_gather_radius: Some(0.1), ..settings(10_000, 4) };
         let seen = |powers: &[Option<f32>]| render_passes(&scene_lit_by(powers), *algorithm, settings(), 2);
         let one = seen(&[None, lit]);
         assert!(one.iter().any(|v| *v != Rgb::ZERO), "{}", algorithm.name());
@@ -76,7 +76,7 @@ fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
     let (x, y, z) = (turn * DVec3::X, turn * DVec3::Y, turn * DVec3::Z);
     b.add_shape(rectangle_around(at, z * 2.0, x * 2.0), black, Rgb::ZERO);
     b.add_shape(rectangle_around(at + y, x * 2.0, z * 2.0), white, Rgb::ZERO);
-    b.add_delta_light(DeltaLightKind::Point { position: at }, LightStrength::Power(Rgb::ONE));
+    b.add_delta_light(UnscaledDeltaLight::Point { position: at }, LightStrength::Power(Rgb::ONE));
     let camera = Camera::orthographic(at + 0.5 * y, y, z, 2.0, 16, 16).unwrap();
     b.build(camera).unwrap()
 }
@@ -95,10 +95,10 @@ fn point_light_in_floor_lights_ceiling() {
         let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
         let traced = tracer.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 16, &|_| {});
-        let flux: f64 = traced.deposits.surface_photons.iter().map(|p| f64::from(p.data.flux().y)).sum();
+        let flux: f64 = traced.deposits.surface_photons.iter().map(|p| f64::from(p.attributes.flux().y)).sum();
         assert!((6.0 * flux - 1.0).abs() < 0.044, "{at} {turn}: {flux}");
         let out = rendered(&scene, Algorithm::Whitted, settings(0, 16), 1);
-        let seen = out.film.mean().iter().map(|v| f64::from(v.y)).sum::<f64>() / 256.0 * 4.0 * PI / 0.5;
+        let seen = out.film.mean_picture().iter().map(|v| f64::from(v.y)).sum::<f64>() / 256.0 * 4.0 * PI / 0.5;
         assert!((6.0 * seen - 1.0).abs() < 5.0 * 0.1 / 64.0, "{at} {turn}: {seen}");
     });
 }
@@ -172,7 +172,7 @@ fn blocked_lights_emit_no_photons() {
     b.add_shape(rectangle_around(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(1.0, 1.0, 0.0), 0.3)), glass, Rgb::ZERO);
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.1)), black, Rgb::ZERO);
-    b.add_delta_light(DeltaLightKind::Point { position: DVec3::Y }, LightStrength::Power(Rgb::ONE));
+    b.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::Y }, LightStrength::Power(Rgb::ONE));
     b.add_shape(rectangle_around(DVec3::Y * 2.0, DVec3::X, DVec3::Z), black, Rgb::ZERO);
     b.add_shape(rectangle_around(DVec3::Y * 1.999_99, DVec3::Z * 0.1, DVec3::X * 0.1), black, Rgb::ONE);
     let scene = b.build(flat_camera(DVec3::new(0.0, 3.0, 0.0), -DVec3::Y, 4.0, 8)).unwrap();
@@ -180,7 +180,7 @@ fn blocked_lights_emit_no_photons() {
         let out = rendered(&scene, algorithm, settings(20_000, 4), 4);
         assert_finite(algorithm.name(), &out);
         assert!(out.film.pixel_means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
-        assert_eq!(out.unaimed.stored + out.aimed.stored, 0);
+        assert_eq!(out.unaimed.stored_photons + out.aimed.stored_photons, 0);
         for report in [out.unaimed, out.aimed].iter().filter(|r| r.emitted_paths > 0) {
             let [emitted, absorbed] = [report.audit.emitted[1], report.audit.absorbed[1]];
             assert!(emitted > 0.0 && (absorbed / emitted - 1.0).abs() < 1e-6, "{:?}", report.audit);

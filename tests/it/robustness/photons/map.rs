@@ -20,7 +20,7 @@ fn estimate(map: &PhotonMap, p: Vec3, radius: f32, k: u32, kernel: Kernel) -> f6
     );
     let levels = nested.radiance;
     assert!(levels.iter().all(|l| l.is_finite()), "{levels:?}");
-    f64::from(nested.whole.radiance.y)
+    f64::from(nested.full_disc.radiance.y)
 }
 
 /// Photons count only for a normal on their side of a wall.
@@ -45,11 +45,11 @@ fn photons_count_on_their_side_only() {
             };
             // The disc has 1250 photons, or the nearest 50. Any kernel gives at least half of their
             // density.
-            assert!(found(Vec3::Z).whole.radiance.y > 5_000.0, "{kernel:?}, k = {k}");
+            assert!(found(Vec3::Z).full_disc.radiance.y > 5_000.0, "{kernel:?}, k = {k}");
             for other in [Vec3::NEG_Z, Vec3::X, Vec3::new(0.6, 0.0, -0.8)] {
                 let other = found(other);
                 assert_eq!(
-                    (other.whole.radiance, other.radiance.map(|l| l.y)),
+                    (other.full_disc.radiance, other.radiance.map(|l| l.y)),
                     (Rgb::ZERO, [0.0; 3]),
                     "{kernel:?}, k = {k}"
                 );

@@ -9,7 +9,7 @@ use caustica::medium::{Medium, PhaseFunction};
 use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::render::RenderResult;
 use caustica::render::error_estimate::{ErrorEstimate, ErrorMaps};
-use caustica::scene::{Body, BuildError, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{Body, BuildError, LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Shape, Sphere};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -33,13 +33,14 @@ fn room(scale: f32, fog: bool) -> Scene {
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(-0.5, -0.7, -0.3), 0.3)), mirror, Rgb::ZERO);
     b.add_shape(rectangle_around(DVec3::Y * 0.99, x * 0.2, z * 0.2), white, Rgb::new(0.5, 0.4, 0.3) * scale);
     let power = LightStrength::Power(Rgb::new(0.3, 0.2, 0.1) * scale);
-    b.add_delta_light(DeltaLightKind::Point { position: DVec3::new(-0.5, 0.5, 0.3) }, power);
-    let spot = DeltaLightKind::Spot { position: DVec3::new(0.5, 0.8, 0.5), axis: -DVec3::Y, inner: 0.3, outer: 0.5 };
+    b.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::new(-0.5, 0.5, 0.3) }, power);
+    let spot =
+        UnscaledDeltaLight::Spot { position: DVec3::new(0.5, 0.8, 0.5), axis: -DVec3::Y, inner: 0.3, outer: 0.5 };
     b.add_delta_light(spot, power);
     if fog {
         let milk = Medium::homogeneous(Rgb::splat(0.2), Rgb::splat(0.8), Rgb::ZERO, PhaseFunction::Isotropic);
         let milk = b.add_medium(milk);
-        let clear = b.add_material(Material::smooth_boundary(Body::body_filled_with_medium(milk)));
+        let clear = b.add_material(Material::smooth_boundary(Body::null_interface_with_medium(milk)));
         b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.1, -0.2), 0.4)), clear, Rgb::ZERO);
     }
     let camera = Camera::perspective(DVec3::Z * 3.4, -DVec3::Z, DVec3::Y, 0.8, 16, 16).unwrap();
@@ -78,7 +79,7 @@ fn powers_at_float_limits_render_finitely() {
     let algorithms = WITH_PHOTONS.into_iter().chain([Algorithm::Path]);
     let jobs: Vec<(Algorithm, bool)> = algorithms.flat_map(|a| [(a, false), (a, true)]).collect();
     jobs.par_iter().for_each(|(algorithm, fog)| {
-        let settings = Settings { allows_balance: !fog, ..settings(4096, 2) };
+        let settings = Settings { allows_ray_photon_balance: !fog, ..settings(4096, 2) };
         let render = |scale: f32| rendered(&room(scale, *fog), *algorithm, settings.clone(), 4);
         let one = render(1.0);
         assert_finite("1 W", &one);
@@ -94,14 +95,14 @@ fn powers_at_float_limits_render_finitely() {
             let wide = |v: &[Rgb]| v.iter().map(|v| v.as_dvec3()).collect::<Vec<_>>();
             let pixels = off(&pixels, &sums(&other));
             let noise = off(&wide(&maps.noise), &wide(&other_maps.noise));
-            let bias = off(&wide(&maps.bias), &wide(&other_maps.bias));
+            let bias = off(&wide(&maps.blur), &wide(&other_maps.blur));
             let ratio = other_estimate.error / estimate.error - 1.0;
             if exponent == 93 {
                 assert_eq!((pixels, noise, bias), (0.0, 0.0, 0.0), "{what}");
                 assert_eq!(estimate, other_estimate, "{what}");
             } else if exponent > 0 {
                 let largest = |v: &[Rgb]| v.iter().map(|v| f64::from(v.max_element())).fold(0.0, f64::max);
-                let [most_noise, most_bias] = [&maps.noise, &maps.bias].map(|map| libm::ldexp(largest(map), -20));
+                let [most_noise, most_bias] = [&maps.noise, &maps.blur].map(|map| libm::ldexp(largest(map), -20));
                 assert!(pixels == 0.0 && noise < most_noise && bias <= most_bias, "{what}: {pixels} {noise} {bias}");
                 assert!(ratio.abs() < libm::ldexp(1.0, -20), "{what}: {ratio}");
             } else {
@@ -129,10 +130,10 @@ fn point_light_flux_matches_closed_form() {
         let pane = b.add_material(Material::thin_dielectric(1.0, Rgb::ONE));
         b.add_shape(rectangle_around(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
         b.add_shape(rectangle_around(DVec3::Y * 0.5, DVec3::Z * 40.0, DVec3::X * 40.0), pane, Rgb::ZERO);
-        let point = DeltaLightKind::Point { position: DVec3::Y };
+        let point = UnscaledDeltaLight::Point { position: DVec3::Y };
         b.add_delta_light(point, LightStrength::Power(Rgb::splat(power as f32)));
         let scene = b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.2, 8)).unwrap();
-        let settings = Settings { radius: Some(0.05), gather_k: Some(0), ..settings(20_000, 4) };
+        let settings = Settings { initial_gather_radius: Some(0.05), gather_k: Some(0), ..settings(20_000, 4) };
         let method = Algorithm::Sppm.prepare(&scene, settings);
         let mean = |i| render_one_pass(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 64.0 / power;
         let (mean, error) = mean_and_error(&(0..16).map(mean).collect::<Vec<f64>>());
@@ -155,7 +156,7 @@ fn photons_beyond_float_range_are_reported() {
         b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), white, Rgb::ZERO);
         for power in powers {
             b.add_delta_light(
-                DeltaLightKind::Point { position: DVec3::ZERO },
+                UnscaledDeltaLight::Point { position: DVec3::ZERO },
                 LightStrength::Power(Rgb::splat(*power)),
             );
         }
@@ -167,12 +168,13 @@ fn photons_beyond_float_range_are_reported() {
     let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let rejected = |paths| {
         let traced = tracer.trace(test_key(9), paths, &|_| {});
-        (traced.deposits.len(), traced.deposits.rejected)
+        (traced.deposits.len(), traced.deposits.rejected_deposits)
     };
     assert_eq!((rejected(1), rejected(16)), ((0, 1), (16, 0)));
     // `Pm` with gather rays needs photon maps that hold direct light.
-    let pass =
-        Algorithm::Pm.prepare(&scene, Settings { radius: Some(0.05), ..settings(1, 1) }).render_pass(0, &SilentMonitor);
+    let pass = Algorithm::Pm
+        .prepare(&scene, Settings { initial_gather_radius: Some(0.05), ..settings(1, 1) })
+        .render_pass(0, &SilentMonitor);
     assert_eq!(pass.counters.rejected_photons, 1);
 
     let folder = tempfile::tempdir().unwrap();

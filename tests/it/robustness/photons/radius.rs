@@ -2,9 +2,9 @@
 
 use super::{HUE, assert_finite, flat_camera, rectangle_around, rendered, settings};
 use caustica::color::Rgb;
-use caustica::integrate::{ALPHA, Algorithm, Settings, SilentMonitor, squared_radius_ratio};
+use caustica::integrate::{Algorithm, DEFAULT_ALPHA, Settings, SilentMonitor, squared_radius_ratio};
 use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use glam::{DVec3, Vec3};
 
 const MILLION: u32 = 1_000_000;
@@ -16,9 +16,9 @@ const MILLION: u32 = 1_000_000;
 #[test]
 fn radius_after_million_passes_matches_gamma_ratio() {
     let z = f64::from(MILLION) + 1.0;
-    let series = 1.0 + (ALPHA - 1.0) * ALPHA / (2.0 * z);
-    let closed = libm::pow(z, ALPHA - 1.0) * series / libm::tgamma(1.0 + ALPHA);
-    let error = (squared_radius_ratio(ALPHA, MILLION) / closed - 1.0).abs();
+    let series = 1.0 + (DEFAULT_ALPHA - 1.0) * DEFAULT_ALPHA / (2.0 * z);
+    let closed = libm::pow(z, DEFAULT_ALPHA - 1.0) * series / libm::tgamma(1.0 + DEFAULT_ALPHA);
+    let error = (squared_radius_ratio(DEFAULT_ALPHA, MILLION) / closed - 1.0).abs();
     assert!(error < 3e6 * f64::EPSILON / 2.0 + 1e-12, "{error:e}");
 }
 
@@ -32,7 +32,7 @@ fn behind_a_pane() -> Scene {
     let pane = b.add_material(Material::thin_dielectric(1.0, Rgb::ONE));
     b.add_shape(rectangle_around(DVec3::ZERO, DVec3::Z, DVec3::X), white, Rgb::ZERO);
     b.add_shape(rectangle_around(DVec3::Y * 0.5, DVec3::Z, DVec3::X), pane, Rgb::ZERO);
-    b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
+    b.add_delta_light(UnscaledDeltaLight::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
     b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.5, 4)).unwrap()
 }
 
@@ -48,11 +48,11 @@ fn behind_a_pane() -> Scene {
 fn discs_after_million_passes_hold_photons() {
     let scene = behind_a_pane();
     for (radius, paths, law) in [(0.1f32, 250_000, true), (1e-9, 20_000, false)] {
-        let settings = Settings { radius: Some(radius), gather_k: Some(0), ..settings(paths, 1000) };
+        let settings = Settings { initial_gather_radius: Some(radius), gather_k: Some(0), ..settings(paths, 1000) };
         let method = Algorithm::Sppm.prepare(&scene, settings);
         let pass = method.render_pass(MILLION, &SilentMonitor);
         assert_eq!((pass.counters.rejected_samples, pass.counters.rejected_photons), (0, 0));
-        let expected = f64::from(radius) * squared_radius_ratio(ALPHA, MILLION).sqrt();
+        let expected = f64::from(radius) * squared_radius_ratio(DEFAULT_ALPHA, MILLION).sqrt();
         for pixel in &pass.nested {
             let found = f64::from(pixel.caustic_disc.unwrap().radius);
             if law {
@@ -67,7 +67,7 @@ fn discs_after_million_passes_hold_photons() {
             assert!(pixel.differences.iter().all(|s| s.is_finite()));
         }
         if law {
-            let stored = pass.aimed.stored as f64;
+            let stored = pass.aimed.stored_photons as f64;
             let mean = pass.image.iter().map(|v| f64::from(v.y)).sum::<f64>() / 16.0;
             assert!(stored > 50_000.0);
             let off = (mean * std::f64::consts::PI / 0.5 - 1.0).abs();
@@ -103,9 +103,9 @@ fn disc_radius_never_falls_below_position_rounding() {
                     &mut PhotonSearchBuffers::default(),
                     |_| Rgb::ONE,
                 );
-                let r = f64::from(found.whole.radius);
+                let r = f64::from(found.full_disc.radius);
                 assert!(r >= 0.99e-5 * f64::from(center.length()) && r <= 1.01e-3 * f64::from(size), "{r}");
-                let part = f64::from(found.whole.radiance.y) * std::f64::consts::PI * r * r / 2000.0;
+                let part = f64::from(found.full_disc.radiance.y) * std::f64::consts::PI * r * r / 2000.0;
                 assert!((part - 1.0).abs() < 0.062 * 0.062 + HUE, "{size:e}, {radius:e}, k = {k}: {part}");
                 assert!(found.radiance.iter().all(|l| l.is_finite()));
             }
@@ -117,7 +117,7 @@ fn disc_radius_never_falls_below_position_rounding() {
 #[test]
 fn renders_with_tiny_radius_are_finite() {
     for radius in [1e-30f32, 1e-12, 1e-6] {
-        let settings = Settings { radius: Some(radius), ..settings(20_000, 4) };
+        let settings = Settings { initial_gather_radius: Some(radius), ..settings(20_000, 4) };
         assert_finite("narrow", &rendered(&behind_a_pane(), Algorithm::Sppm, settings, 4));
     }
 }

@@ -4,7 +4,7 @@ use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::light::Light;
 use caustica::math::BoundingSphere;
-use caustica::scene::{DeltaLightKind, LightStrength, SceneBuilder};
+use caustica::scene::{LightStrength, SceneBuilder, UnscaledDeltaLight};
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
@@ -16,7 +16,7 @@ const ANGLES: [f64; 8] = [0.001, 0.01, 0.028, 0.05, 0.1, 1.0, 40.0, 200.0];
 /// Returns a spotlight at the origin along z, of half angles `inner` and `outer`.
 fn spot(inner: f64, outer: f64, strength: LightStrength) -> Light {
     let mut b = SceneBuilder::new();
-    b.add_delta_light(DeltaLightKind::Spot { position: DVec3::ZERO, axis: DVec3::Z, inner, outer }, strength);
+    b.add_delta_light(UnscaledDeltaLight::Spot { position: DVec3::ZERO, axis: DVec3::Z, inner, outer }, strength);
     let scene = b.build(Camera::perspective(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, 4, 4).unwrap()).unwrap();
     scene.lights()[0].clone()
 }

@@ -2,8 +2,8 @@
 
 use super::{assert_finite, flat_camera, rectangle_around, rendered, settings};
 use caustica::color::Rgb;
-use caustica::integrate::{ALPHA, Algorithm, Settings, squared_radius_ratio};
-use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::integrate::{Algorithm, DEFAULT_ALPHA, Settings, squared_radius_ratio};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -33,7 +33,7 @@ fn wall(thickness: f64, shelf: bool) -> Scene {
         b.add_shape(under, white, Rgb::ZERO);
     }
     b.add_delta_light(
-        DeltaLightKind::Directional { direction: -y },
+        UnscaledDeltaLight::Directional { direction: -y },
         LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)),
     );
     let camera = if shelf { flat_camera(-y * 0.5 * thickness, -y, 3.0, 24) } else { flat_camera(-y, y, 3.0, 24) };
@@ -42,7 +42,7 @@ fn wall(thickness: f64, shelf: bool) -> Scene {
 
 /// Returns settings for estimates of fixed radius (`k` = 0) or by the nearest `k` photons.
 fn gathering(k: u32) -> Settings {
-    Settings { radius: Some(RADIUS as f32), gather_k: Some(k), ..settings(40_000, 4) }
+    Settings { initial_gather_radius: Some(RADIUS as f32), gather_k: Some(k), ..settings(40_000, 4) }
 }
 
 /// The lower side of a wall of any thickness shows no light from its upper side, to the bit.
@@ -56,7 +56,7 @@ fn thin_walls_leak_no_photons() {
         for (algorithm, k) in [(Algorithm::Sppm, 0), (Algorithm::Pm, 50)] {
             let out = rendered(&wall(*thickness, false), algorithm, gathering(k), 2);
             assert_finite(algorithm.name(), &out);
-            assert!(out.aimed.stored > 5_000, "{}", out.aimed.stored);
+            assert!(out.aimed.stored_photons > 5_000, "{}", out.aimed.stored_photons);
             let lit = out.film.pixel_means().filter(|v| *v != DVec3::ZERO).count();
             assert_eq!(lit, 0, "{}, thickness {thickness}", algorithm.name());
         }
@@ -73,7 +73,7 @@ fn thin_walls_leak_no_photons() {
 #[test]
 fn shelf_leak_stays_within_bound() {
     let passes = 6;
-    let radius = |pass| RADIUS * squared_radius_ratio(ALPHA, pass).sqrt();
+    let radius = |pass| RADIUS * squared_radius_ratio(DEFAULT_ALPHA, pass).sqrt();
     let last = radius(passes - 1);
     let gaps = [last / 4.0 * 0.98, last / 4.0 * 1.02, 0.2 * RADIUS, 0.249 * RADIUS, 0.251 * RADIUS, RADIUS];
     gaps.par_iter().for_each(|gap| {
@@ -82,7 +82,7 @@ fn shelf_leak_stays_within_bound() {
         let near = (0..passes).filter(|pass| 4.0 * gap < radius(*pass)).count() as f64 / f64::from(passes);
         let bound = IRRADIANCE * REFLECTANCE / PI * near;
         let middle = |i: usize| (8..16).contains(&(i % 24)) && (8..16).contains(&(i / 24));
-        let mean = out.film.mean();
+        let mean = out.film.mean_picture();
         let sum: f64 = (0..576).filter(|i| middle(*i)).map(|i| f64::from(mean[i].y)).sum();
         println!("{gap}: {} of {bound}", sum / 64.0);
         if near == 0.0 {

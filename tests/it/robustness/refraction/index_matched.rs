@@ -47,9 +47,9 @@ fn index_matched_bodies_change_no_bit() {
     let settings = || Settings {
         unaimed_paths: 2000,
         aimed_paths: 2000,
-        radius: Some(0.1),
-        allows_balance: false,
-        camera_paths: CameraPathSettings { samples: Some(2), ..CameraPathSettings::default() },
+        initial_gather_radius: Some(0.1),
+        allows_ray_photon_balance: false,
+        camera_paths: CameraPathSettings { samples_per_pixel: Some(2), ..CameraPathSettings::default() },
         ..Settings::default()
     };
     let without = room("");
@@ -93,7 +93,7 @@ fn bubble_is_not_culled_as_index_matched() {
             Group {{ MaterialName dark Sphere {{ center 0 0 0  radius 1 }} {more} }}"
         ));
         let settings = Settings {
-            camera_paths: CameraPathSettings { samples: Some(1024), ..CameraPathSettings::default() },
+            camera_paths: CameraPathSettings { samples_per_pixel: Some(1024), ..CameraPathSettings::default() },
             ..Settings::default()
         };
         render_passes(&scene, Algorithm::Path, settings, 16).iter().map(|p| f64::from(p.x)).collect()

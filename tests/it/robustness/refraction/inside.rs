@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 fn mean_radiances(scene: &Scene, renders: u64) -> Vec<f64> {
     let one = |seed| {
         let camera_paths =
-            CameraPathSettings { samples: Some(4), max_bounces: 1000, seed, ..CameraPathSettings::default() };
+            CameraPathSettings { samples_per_pixel: Some(4), max_bounces: 1000, seed, ..CameraPathSettings::default() };
         let image = render_passes(scene, Algorithm::Path, Settings { camera_paths, ..Settings::default() }, 1);
         image.iter().map(|p| f64::from(p.x)).sum::<f64>() / image.len() as f64
     };

@@ -2,7 +2,7 @@
 //! between lobes.
 
 use crate::support::test_key;
-use caustica::bsdf::{Bsdf, Dielectric, ThinDielectric, TransportMode, dielectric_reflectance, refract};
+use caustica::bsdf::{Bsdf, Dielectric, ThinDielectric, TransportMode, dielectric_reflectance_and_cosine, refract};
 use caustica::math::{Frame, warp};
 use caustica::sampling::Dimension;
 use glam::{DVec3, Vec2, Vec3};
@@ -43,7 +43,7 @@ fn total_reflection_begins_at_exact_ulp() {
                 continue;
             }
             let real = to_fixed_point(eta) * to_fixed_point(eta) + to_fixed_point(cos) * to_fixed_point(cos) > one;
-            let (reflectance, cos_t) = dielectric_reflectance(cos, eta);
+            let (reflectance, cos_t) = dielectric_reflectance_and_cosine(cos, eta);
             assert_eq!(cos_t > 0.0, real, "η = {eta:e}, cos = {cos:e}");
             assert!(if real { (0.0..=1.0).contains(&reflectance) } else { reflectance == 1.0 });
             *if real { &mut not } else { &mut total } += 1;
@@ -103,7 +103,7 @@ fn fresnel_keeps_precision_at_any_index() {
             assert!((f64::from(bent.reflectance) - (1.0 - t)).abs() < 6.1e-8);
             assert_eq!(bent.transmitted, -Vec3::Z);
             // A pane of two interfaces transmits t/(2 − t).
-            let pane = ThinDielectric { eta, transmittance: Vec3::ONE }.reflectance_and_transmittance(1.0);
+            let pane = ThinDielectric { eta, internal_transmittance: Vec3::ONE }.reflectance_and_transmittance(1.0);
             // Some eight roundings of 2⁻²⁴.
             assert!((f64::from(pane.1.x) / (t / (2.0 - t)) - 1.0).abs() < 8.0 / 16_777_216.0, "{eta}: {pane:?}");
             assert!((pane.0.x + pane.1.x - 1.0).abs() < 2.0 * f32::EPSILON);

@@ -7,7 +7,7 @@ use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::light::EnvironmentLight;
 use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
-use caustica::scene::{Body, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{Body, LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Plane, Rectangle, Shape};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -128,7 +128,7 @@ fn lit_layers_scene(faces: Faces, contact: Contact, liquid_first: bool, angle: f
     add_face(&mut b, Faces::Rectangles, 2.0, false, black);
     add_face(&mut b, Faces::Rectangles, -2.0, true, floor);
     let axis = DVec3::new(libm::sin(angle), -libm::cos(angle), 0.0);
-    let source = DeltaLightKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
+    let source = UnscaledDeltaLight::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
     b.add_delta_light(source, LightStrength::Power(Vec3::ONE));
     b.build(camera()).unwrap()
 }
@@ -202,7 +202,8 @@ fn touching_blocks_of_one_glass_merge() {
         add_face(&mut b, Faces::Rectangles, 2.0, false, black);
         add_face(&mut b, Faces::Rectangles, -2.0, true, floor);
         let axis = DVec3::new(libm::sin(1.4), -libm::cos(1.4), 0.0);
-        let source = DeltaLightKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
+        let source =
+            UnscaledDeltaLight::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
         b.add_delta_light(source, LightStrength::Power(Vec3::ONE));
         let expected = mean_stack_transmittance(&[1.0, GLASS, 1.0], 1.4);
         assert_mean(
@@ -230,7 +231,7 @@ fn camera_in_liquid_starts_in_liquid() {
             let up = Camera::perspective(DVec3::ZERO, DVec3::Y, DVec3::Z, 0.7, 8, 8).unwrap();
             let scene = b.build(up).unwrap();
             let camera_paths =
-                CameraPathSettings { samples: Some(4), max_bounces: 1000, ..CameraPathSettings::default() };
+                CameraPathSettings { samples_per_pixel: Some(4), max_bounces: 1000, ..CameraPathSettings::default() };
             let samples: Vec<f64> = (0..16)
                 .map(|seed| {
                     let camera_paths = CameraPathSettings { seed, ..camera_paths.clone() };

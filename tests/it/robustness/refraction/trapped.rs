@@ -9,7 +9,7 @@ use caustica::math::{Ray, warp};
 use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::Dimension;
 use caustica::scene::{
-    DeltaLightKind, Effects, InteriorStack, LightStrength, Material, PathEvent, Scene, SceneBuilder,
+    Effects, InteriorStack, LightStrength, Material, PathEvent, Scene, SceneBuilder, UnscaledDeltaLight,
 };
 use caustica::shape::{Plane, Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec2, Vec3};
@@ -82,7 +82,7 @@ fn trapped_directions(n: u64) -> Vec<Vec3> {
 fn trapped_rays_stay_in_cube() {
     for triangles in [false, true] {
         let mut b = cube(triangles);
-        b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+        b.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
         let scene = built(b);
         trapped_directions(400).par_iter().for_each(|direction| {
             let drift = BOUNCES as f32 * 3.0 * f32::EPSILON / 2.0;
@@ -101,7 +101,7 @@ fn trapped_rays_stay_in_slab() {
     let glass = b.add_material(Material::dielectric(1.5, Vec3::ZERO));
     b.add_plane(Plane::new(DVec3::Y, DVec3::Y), glass, Vec3::ZERO);
     b.add_plane(Plane::new(DVec3::NEG_Y, DVec3::NEG_Y), glass, Vec3::ZERO);
-    b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    b.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let middle = Camera::perspective(DVec3::ZERO, DVec3::ONE, DVec3::Y, 0.1, 4, 4).unwrap();
     let scene = b.build(middle).unwrap();
     for i in 1..100 {
@@ -123,7 +123,7 @@ fn trapped_rays_stay_in_ball() {
     let mut b = SceneBuilder::new();
     let glass = b.add_material(Material::dielectric(1.5, Vec3::ZERO));
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -0.9, 0.0), 1.0)), glass, Vec3::ZERO);
-    b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    b.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = built(b);
     // The scene moves the center to the origin. Light starts 0.9 off it.
     let drift = BOUNCES as f32 * 7.0 * 1.74 * f32::EPSILON / 2.0;
@@ -157,7 +157,7 @@ fn trapped_photons_keep_flux_and_terminate() {
     for triangles in [false, true] {
         let mut b = cube(triangles);
         // Every direction within 5° of the diagonal hits faces at more than 49° from their normals.
-        let source = DeltaLightKind::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
+        let source = UnscaledDeltaLight::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
         b.add_delta_light(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
         let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
@@ -165,7 +165,7 @@ fn trapped_photons_keep_flux_and_terminate() {
         let traced = tracer.trace(test_key(3), 1024, &|_| {});
         assert_eq!(traced.audit.stopped, traced.audit.emitted);
         assert_eq!(
-            (traced.audit.escaped, traced.audit.absorbed, traced.audit.roulette),
+            (traced.audit.escaped, traced.audit.absorbed, traced.audit.net_roulette_loss),
             ([0.0; 3], [0.0; 3], [0.0; 3])
         );
         assert_eq!(traced.rays, 1024 * u64::from(BOUNCES + 1));
@@ -180,14 +180,14 @@ fn trapped_camera_paths_terminate() {
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed, Algorithm::Whitted] {
         let mut b = cube(true);
         b.set_background(Vec3::ONE);
-        b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+        b.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
         let camera_paths =
-            CameraPathSettings { samples: Some(4), max_bounces: BOUNCES, ..CameraPathSettings::default() };
+            CameraPathSettings { samples_per_pixel: Some(4), max_bounces: BOUNCES, ..CameraPathSettings::default() };
         let settings = Settings {
             camera_paths,
             unaimed_paths: 100,
             aimed_paths: 100,
-            allows_balance: false,
+            allows_ray_photon_balance: false,
             ..Settings::default()
         };
         let image = render_passes(&built(b), algorithm, settings, 1);

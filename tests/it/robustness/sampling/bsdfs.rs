@@ -2,7 +2,7 @@
 
 use super::{ENDS, corners};
 use caustica::bsdf::{
-    Bsdf, Conductor, Dielectric, MicrofacetScattering, Phong, SMOOTH_ALPHA, ThinDielectric, TransportMode,
+    Bsdf, Conductor, Dielectric, MIN_ROUGH_ALPHA, MicrofacetScattering, Phong, ThinDielectric, TransportMode,
     metal_refractive_index,
 };
 use glam::{Vec2, Vec3};
@@ -18,14 +18,14 @@ fn bsdf_kinds() -> Vec<(Bsdf, f32)> {
         (Bsdf::Black, 0.0),
         (Bsdf::Diffuse(Vec3::ONE), 1.0),
         (Bsdf::Mirror(Vec3::ONE), 1.0),
-        (Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Vec3::new(1.0, 0.5, 0.0) }), 3.0),
-        (Bsdf::ThinDielectric(ThinDielectric { eta: 1e6, transmittance: Vec3::ONE }), 1.02),
+        (Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Vec3::new(1.0, 0.5, 0.0) }), 3.0),
+        (Bsdf::ThinDielectric(ThinDielectric { eta: 1e6, internal_transmittance: Vec3::ONE }), 1.02),
     ];
     for shininess in [0.0, 1.0, 1e3, 1e6, 1e9, 1e20] {
         kinds.push((Bsdf::Phong(Phong::new(Vec3::splat(0.5), Vec3::splat(1e9), shininess)), 2.0));
         kinds.push((Bsdf::Phong(Phong::new(Vec3::ZERO, Vec3::ONE, shininess)), 2.0));
     }
-    for alpha in [0.0, 1e-4, SMOOTH_ALPHA, 0.1, 1.0] {
+    for alpha in [0.0, 1e-4, MIN_ROUGH_ALPHA, 0.1, 1.0] {
         kinds.push((Bsdf::Conductor(Conductor::new(eta, k, alpha, MicrofacetScattering::Single)), 1.0));
         kinds.push((Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::ONE, alpha, MicrofacetScattering::Single)), 1.0));
         // A transmittance of about 10⁻⁶ is sampled in steps of 2⁻²⁴. The weight corrects an error
@@ -36,7 +36,7 @@ fn bsdf_kinds() -> Vec<(Bsdf, f32)> {
         );
     }
     // Light that microfacets scatter more than once has a pdf that only resembles it.
-    for alpha in [SMOOTH_ALPHA, 0.01, 0.1, 1.0] {
+    for alpha in [MIN_ROUGH_ALPHA, 0.01, 0.1, 1.0] {
         let multiple = MicrofacetScattering::Multiple;
         kinds.push((Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::ONE, alpha, multiple)), 5.0));
         kinds.extend([1e-6, 0.5, 1.0 + 1e-4, 1.5, 1e6].map(|eta| (Bsdf::dielectric(eta, alpha, multiple), 40.0)));
@@ -109,7 +109,7 @@ fn bsdfs_never_sample_the_horizon() {
 /// Lobes below the least roughness are delta lobes, so they need no chi-square test.
 #[test]
 fn narrowest_lobes_become_delta() {
-    let alpha = SMOOTH_ALPHA.next_down();
+    let alpha = MIN_ROUGH_ALPHA.next_down();
     for bsdf in [
         Bsdf::Conductor(Conductor::new(Vec3::ONE, Vec3::ONE, alpha, MicrofacetScattering::Single)),
         Bsdf::dielectric(1.5, alpha, MicrofacetScattering::Single),
@@ -118,5 +118,5 @@ fn narrowest_lobes_become_delta() {
         assert!(bsdf.is_specular());
     }
     assert_eq!(Bsdf::dielectric(1.5, 1e-4, MicrofacetScattering::Single), Bsdf::Dielectric(Dielectric { eta: 1.5 }));
-    assert!(!Bsdf::dielectric(1.5, SMOOTH_ALPHA, MicrofacetScattering::Single).is_specular());
+    assert!(!Bsdf::dielectric(1.5, MIN_ROUGH_ALPHA, MicrofacetScattering::Single).is_specular());
 }

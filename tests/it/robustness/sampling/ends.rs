@@ -61,7 +61,7 @@ fn other_samplers_are_valid_at_extreme_samples() {
     }
     for u in ENDS {
         let w = Wavelength::sample(u);
-        assert!((Wavelength::SHORTEST..=Wavelength::LONGEST).contains(&w.nanometres()) && w.pdf() > 0.0);
+        assert!((Wavelength::SHORTEST_NM..=Wavelength::LONGEST_NM).contains(&w.nanometres()) && w.pdf() > 0.0);
         assert!(w.weight().is_finite() && Wavelength::from_byte_code(w.byte_code()).is_some());
     }
     for (kind, radius) in [
@@ -77,7 +77,7 @@ fn other_samplers_are_valid_at_extreme_samples() {
         }
     }
     for blades in [0, 3, 5, 64] {
-        let lens = Lens { radius: 0.5, focus: 2.0, blades };
+        let lens = Lens { radius: 0.5, focus_distance: 2.0, blades };
         let eye = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 8, 6).unwrap().with_lens(lens);
         for u in corners() {
             let ray = eye.generate_ray(Vec2::new(4.0, 3.0), Some(u));
@@ -124,7 +124,7 @@ fn lights_are_valid_at_extreme_samples() {
     assert_eq!(scene.lights().len(), 11);
     let ball = |center: Vec3, radius: f32| BoundingSphere { center, radius };
     for light in scene.lights() {
-        let place = light.center().unwrap_or(Vec3::ZERO);
+        let place = light.center_or_surface_point().unwrap_or(Vec3::ZERO);
         let start = light.representative_point().unwrap_or(place);
         let points = [
             Vec3::ZERO,

@@ -41,7 +41,7 @@ fn trace(scene: &Scene, index: u64) -> TracedPhotons {
 fn white_surfaces_terminate_no_photon() {
     let TracedPhotons { deposits: Deposits { surface_photons: photons, .. }, audit, rays, .. } =
         trace(&room("1 1 1", 0.0), 0);
-    assert_eq!((audit.stopped, audit.roulette, audit.absorbed), (audit.emitted, [0.0; 3], [0.0; 3]));
+    assert_eq!((audit.stopped, audit.net_roulette_loss, audit.absorbed), (audit.emitted, [0.0; 3], [0.0; 3]));
     assert_eq!(photons.len() as u64, u64::from(PATHS) * u64::from(BOUNCES + 1));
     assert_eq!(rays, photons.len() as u64);
 }
@@ -55,7 +55,7 @@ fn black_surfaces_terminate_every_photon() {
             trace(&room(albedo, 0.0), 0);
         assert_eq!((photons.len() as u32, rays), (PATHS, u64::from(PATHS)), "{albedo}");
         assert_eq!((audit.absorbed, audit.stopped), (audit.emitted, [0.0; 3]), "{albedo}");
-        assert!(audit.roulette.iter().all(|r| r.is_finite() && r.abs() < 1e-30), "{albedo}: {audit:?}");
+        assert!(audit.net_roulette_loss.iter().all(|r| r.is_finite() && r.abs() < 1e-30), "{albedo}: {audit:?}");
     }
 }
 
@@ -72,9 +72,9 @@ fn zero_channel_stays_zero() {
         .map(|i| {
             let TracedPhotons { deposits: Deposits { surface_photons: photons, .. }, audit, .. } = trace(&scene, i);
             assert_eq!(audit.stopped[..2], [0.0; 2]);
-            let on = photons[..].iter().filter(|p| p.data.flux().x == 0.0);
+            let on = photons[..].iter().filter(|p| p.attributes.flux().x == 0.0);
             let twice = 2.0 * 3.0 / f64::from(PATHS);
-            let mut strengths = on.map(|p| f64::from(p.data.flux().z) / twice - 1.0);
+            let mut strengths = on.map(|p| f64::from(p.attributes.flux().z) / twice - 1.0);
             assert!(strengths.all(|off| off.abs() < 1e-5), "{audit:?}");
             // A surviving photon lands once more for each allowed bounce.
             let survivors = (photons.len() - PATHS as usize) / BOUNCES as usize;
@@ -88,7 +88,12 @@ fn zero_channel_stays_zero() {
 
 fn settings(samples: u32, max_bounces: u32, seed: u64) -> Settings {
     Settings {
-        camera_paths: CameraPathSettings { samples: Some(samples), max_bounces, seed, ..CameraPathSettings::default() },
+        camera_paths: CameraPathSettings {
+            samples_per_pixel: Some(samples),
+            max_bounces,
+            seed,
+            ..CameraPathSettings::default()
+        },
         ..Settings::default()
     }
 }
@@ -105,8 +110,8 @@ fn camera_paths_follow_same_roulette() {
         let quick = Settings {
             unaimed_paths: 100,
             aimed_paths: 100,
-            radius: Some(0.1),
-            allows_balance: false,
+            initial_gather_radius: Some(0.1),
+            allows_ray_photon_balance: false,
             ..settings(4, 10, 0)
         };
         let image = render_passes(&dark, algorithm, quick, 1);

@@ -2,7 +2,7 @@
 
 use caustica::camera::Camera;
 use caustica::color::Rgb;
-use caustica::scene::{BuildError, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use caustica::scene::{BuildError, LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
 use caustica::shape::{Plane, Shape, Sphere};
 use glam::DVec3;
 
@@ -15,7 +15,7 @@ fn balls(places: &[(DVec3, f64)], plane: bool) -> Result<Scene, BuildError> {
     if plane {
         b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Rgb::ZERO);
     }
-    b.add_delta_light(DeltaLightKind::Point { position: DVec3::ONE }, LightStrength::Physical(Rgb::ONE));
+    b.add_delta_light(UnscaledDeltaLight::Point { position: DVec3::ONE }, LightStrength::Physical(Rgb::ONE));
     b.build(Camera::perspective(DVec3::Z * 5.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap())
 }
 
@@ -45,15 +45,15 @@ fn too_small_shapes_are_refused() {
 fn positions_near_double_limit_are_refused() {
     // The boxes are unbounded, so their center is not a number.
     let boundless = [(DVec3::splat(1e308), 1e308), (DVec3::splat(-1e308), 1e308)];
-    assert_eq!(balls(&boundless, false).err(), Some(BuildError::TooLarge(f64::INFINITY)));
+    assert_eq!(balls(&boundless, false).err(), Some(BuildError::ExtentTooLarge(f64::INFINITY)));
     for far in [1e13, 1e155, 1e200, 1e308, f64::MAX] {
         for center in [DVec3::X * far, DVec3::splat(far), DVec3::new(-far, far, 0.0)] {
             for places in [&[(center, 1.0), (DVec3::ZERO, 1.0)][..], &[(center, 1.0), (-center, 1.0)]] {
                 let refused = balls(places, false).err();
-                assert!(matches!(refused, Some(BuildError::TooLarge(_))), "{places:?}: {refused:?}");
+                assert!(matches!(refused, Some(BuildError::ExtentTooLarge(_))), "{places:?}: {refused:?}");
             }
         }
         let refused = balls(&[(DVec3::ZERO, far)], false).err();
-        assert!(matches!(refused, Some(BuildError::TooLarge(_))), "{far}: {refused:?}");
+        assert!(matches!(refused, Some(BuildError::ExtentTooLarge(_))), "{far}: {refused:?}");
     }
 }

@@ -71,7 +71,7 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
     assert!(differ * 200 < all, "{differ} of {all} pixels differ");
 
     // The photons differ, because they are emitted towards a domain of another size.
-    let settings = Settings { radius: Some(0.05), ..low_cost_settings() };
+    let settings = Settings { initial_gather_radius: Some(0.05), ..low_cost_settings() };
     let seen = |scene| -> Vec<Vec<f64>> {
         let images = pictures(scene, Algorithm::Hybrid, settings.clone(), 4 * PASSES);
         images.iter().map(|image| summary(image, SIZE)).collect()
@@ -87,7 +87,8 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
 #[test]
 fn huge_floor_does_not_blur_caustics() {
     let settings = || Settings { aimed_paths: 250_000, ..low_cost_settings() };
-    let radius = |floor| Algorithm::Hybrid.prepare(&scene_on_floor(floor), settings()).gather_radii().unwrap().caustic;
+    let radius =
+        |floor| Algorithm::Hybrid.prepare(&scene_on_floor(floor), settings()).initial_gather_radii().unwrap().caustic;
     let (flat, round) = (radius(FLAT), radius(ROUND));
     assert!((round / flat - 1.0).abs() < 0.1, "{round} on a sphere, {flat} on a disc");
 }
@@ -100,7 +101,7 @@ fn flux(scene: &Scene, mask: StoreMask, counts: impl Fn(glam::DVec3) -> bool) ->
     let tracer = PhotonTracer { scene, source: &source, mask, max_bounces: 20 };
     let photons = tracer.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 17, &|_| {}).deposits.surface_photons;
     let landed = photons.iter().filter(|p| counts(p.position.as_dvec3() + scene.origin()));
-    landed.map(|p| f64::from(p.data.flux().y)).sum()
+    landed.map(|p| f64::from(p.attributes.flux().y)).sum()
 }
 
 /// Glass and stone half a unit below a light shade a floor of any size.

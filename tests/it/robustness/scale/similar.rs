@@ -162,15 +162,26 @@ impl Similarity {
             LightDescription::Directional(DirectionalLightDescription { direction, strength }) => {
                 self.vector(direction);
                 match strength {
-                    DirectionalLightStrength::Color(_) | DirectionalLightStrength::Irradiance(_) => {}
+                    DirectionalLightStrength::LegacyColor(_) | DirectionalLightStrength::Irradiance(_) => {}
                 }
             }
-            LightDescription::Spot(SpotLightDescription { position, aim, angle: _, penumbra: _, strength }) => {
+            LightDescription::Spot(SpotLightDescription {
+                position,
+                aim,
+                full_cone_angle_degrees: _,
+                penumbra_degrees: _,
+                strength,
+            }) => {
                 self.aim(aim);
                 self.point(position);
                 self.intensity(strength);
             }
-            LightDescription::Projector(ProjectorLightDescription { pose, angle: _, path: _, strength })
+            LightDescription::Projector(ProjectorLightDescription {
+                pose,
+                vertical_fov_degrees: _,
+                path: _,
+                strength,
+            })
             | LightDescription::Goniometric(GoniometricLightDescription { pose, distribution: _, strength }) => {
                 self.aim(&mut pose.aim);
                 self.point(&mut pose.position);
@@ -214,7 +225,7 @@ impl Similarity {
         match strength {
             // This strength is the radiance of a white surface at the scene's center, which does
             // not depend on scale.
-            PointLightStrength::Color(_) => {}
+            PointLightStrength::LegacyColor(_) => {}
             PointLightStrength::Intensity(watts) | PointLightStrength::Power(watts) => self.area(watts),
         }
     }
@@ -262,11 +273,13 @@ impl Similarity {
     fn material(&self, material: &mut MaterialDescription) {
         let MaterialDescription { name: _, kind, emission, normal_perturbation, medium: _ } = material;
         match kind {
-            MaterialKindDescription::Dielectric(DielectricDescription { attenuation, .. }) => match attenuation {
-                DielectricAbsorption::None => {}
-                DielectricAbsorption::Coefficient(sigma) => self.per_length(sigma),
-                DielectricAbsorption::Tint { color: _, distance } => self.length(distance),
-            },
+            MaterialKindDescription::Dielectric(DielectricDescription { absorption: attenuation, .. }) => {
+                match attenuation {
+                    DielectricAbsorption::None => {}
+                    DielectricAbsorption::Coefficient(sigma) => self.per_length(sigma),
+                    DielectricAbsorption::Tint { color: _, distance } => self.length(distance),
+                }
+            }
             MaterialKindDescription::Phong(_)
             | MaterialKindDescription::Diffuse(_)
             | MaterialKindDescription::Mirror(_)

@@ -5,7 +5,7 @@ use super::maps::maps;
 use crate::robustness::triangles::closed::sphere_mesh;
 use caustica::accel::ShapeHit;
 use caustica::math::{Ray, Transform, offset_ray_origin, warp};
-use caustica::shape::{Instance, Mesh, MeshWithBvh, Shape};
+use caustica::shape::{Mesh, MeshInstance, MeshWithBvh, Shape};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
@@ -53,7 +53,7 @@ fn instance_hits_match_double_double_transforms() {
     maps().into_par_iter().for_each(|(name, map)| {
         let exact = Affine::from(map);
         let transform = Transform::new(map).unwrap();
-        let instance = Shape::Instance(Instance::new(Arc::clone(&mesh), transform));
+        let instance = Shape::Instance(MeshInstance::new(Arc::clone(&mesh), transform));
         let size = map.matrix3.x_axis.length() + map.matrix3.y_axis.length() + map.matrix3.z_axis.length();
         let shrink = exact.inverse_rows().map(|r| r.value().length_squared()).iter().sum::<f64>().sqrt();
         let mut rng = SmallRng::seed_from_u64(5);
@@ -92,7 +92,7 @@ fn instance_hits_match_double_double_transforms() {
             let found = instance.intersect(&ray);
             assert_eq!(found.is_some(), expected.is_some(), "{name} {ray:?}: {found:?} {expected:?}");
             assert_eq!(instance.occludes(&ray), found.is_some(), "{name} {ray:?}");
-            let (Some(ShapeHit { t, uv }), Some(exactly)) = (found, expected) else { continue };
+            let (Some(ShapeHit { t, shape_coords: uv }), Some(exactly)) = (found, expected) else { continue };
             hits += 1;
             let off = (f64::from(t) - exactly).abs();
             assert!(
@@ -146,7 +146,7 @@ fn instances_leak_no_rays() {
     let turn = maps()[2].1;
     for map in [turn, DAffine3::from_scale(DVec3::splat(1e-6)) * turn, DAffine3::from_scale(DVec3::splat(1e6)) * turn] {
         let transform = Transform::new(map).unwrap();
-        let instance = Shape::Instance(Instance::new(Arc::clone(&mesh), transform));
+        let instance = Shape::Instance(MeshInstance::new(Arc::clone(&mesh), transform));
         let mut rng = SmallRng::seed_from_u64(6);
         for _ in 0..200_000 {
             let from = transform.transform_point((closed.inside)(&mut rng).as_dvec3()).as_vec3();

@@ -26,7 +26,7 @@ fn quarter_turns_are_exact() {
         let expected = DMat3::from_cols(x, DVec3::Y, z);
         assert_eq!(TransformStep::RotateY(angle).matrix().matrix3, expected, "{angle}");
         assert_eq!(TransformStep::Rotate { axis: DVec3::Y * 3.0, angle }.matrix().matrix3, expected, "{angle}");
-        let moving = Motion::default().preceded_by_steps([TransformStep::RotateY(2.0 * angle).motion_step()]);
+        let moving = Motion::default().preceded_by_factors([TransformStep::RotateY(2.0 * angle).motion_factor()]);
         assert_eq!(moving.at_time(0.5).matrix3, expected, "{angle}");
     }
 }

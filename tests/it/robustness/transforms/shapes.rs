@@ -242,7 +242,7 @@ fn shape_hits_match_double_double_transforms() {
             }
             let found = shape.intersect(&ray);
             assert_eq!(found.is_some(), known.t.is_some(), "{own:?} {name} {ray:?}: {found:?} {:?}", known.t);
-            let (Some(ShapeHit { t, uv }), Some(exactly)) = (found, known.t) else { continue };
+            let (Some(ShapeHit { t, shape_coords: uv }), Some(exactly)) = (found, known.t) else { continue };
             hits += 1;
             let off = (f64::from(t) - exactly).abs();
             assert!(off <= known.blur, "{own:?} {name} {ray:?}: {t} {exactly}, off by {off:e} of {:e}", known.blur);

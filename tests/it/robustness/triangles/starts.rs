@@ -134,7 +134,8 @@ fn rectangle_rooms_trap_rays_from_their_edges() {
         let corner = |i: u32| low + x * f64::from(i & 1) + y * f64::from(i >> 1 & 1) + z * f64::from(i >> 2);
         let near = |ray: &Ray| {
             let hits = faces.iter().filter_map(|f| f.intersect(ray).map(|hit| (hit, f)));
-            hits.min_by(|a, b| a.0.t.total_cmp(&b.0.t)).map(|(ShapeHit { t, uv }, f)| f.surface_point(ray, t, uv))
+            hits.min_by(|a, b| a.0.t.total_cmp(&b.0.t))
+                .map(|(ShapeHit { t, shape_coords: uv }, f)| f.surface_point(ray, t, uv))
         };
         let mut rng = SmallRng::seed_from_u64(9);
         let (mut left, mut lost) = (0, 0);

@@ -51,10 +51,16 @@ fn a_spatial_join_agrees_with_brute_force() {
             .map(|i| {
                 let min = Vec3::new(chance(), chance(), chance());
                 let max = min + Vec3::new(chance(), chance(), chance()) * size;
-                BoundaryFace { primitive: PrimitiveIndex::Other(i), bounds: Bounds { min, max }, object: i % 3 }
+                BoundaryFace {
+                    primitive: PrimitiveIndex::Other(i),
+                    bounds: Bounds { min, max },
+                    boundary_object: i % 3,
+                }
             })
             .collect();
-        let one = |a: &BoundaryFace| faces.iter().any(|b| a.object != b.object && a.bounds.overlaps(&b.bounds));
+        let one = |a: &BoundaryFace| {
+            faces.iter().any(|b| a.boundary_object != b.boundary_object && a.bounds.overlaps(&b.bounds))
+        };
         let expected: Vec<bool> = faces.iter().map(one).collect();
         assert!(count < 100 || expected.contains(&true) && expected.contains(&false));
         assert_eq!(SpatialSelfJoin::faces_near_other_objects(&faces, &|_, _| true), expected, "{count}");
@@ -64,7 +70,7 @@ fn a_spatial_join_agrees_with_brute_force() {
 #[test]
 fn too_many_overlaps_flag_every_face() {
     let bounds = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
-    let face = |i| BoundaryFace { primitive: PrimitiveIndex::Other(i), bounds, object: i % 2 };
+    let face = |i| BoundaryFace { primitive: PrimitiveIndex::Other(i), bounds, boundary_object: i % 2 };
     let faces: Vec<BoundaryFace> = (0..3000).map(face).collect();
     assert_eq!(SpatialSelfJoin::faces_near_other_objects(&faces, &|_, _| false), vec![true; 3000]);
     assert_eq!(SpatialSelfJoin::faces_near_other_objects(&faces[..100], &|_, _| false), vec![false; 100]);

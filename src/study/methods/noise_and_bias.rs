@@ -11,8 +11,8 @@ use glam::DVec3;
 pub(super) struct NoiseAndBias {
     pub squared_errors: Vec<f64>,
     pub squared_noises: Vec<f64>,
-    pub noise2: f64,
-    pub bias2: f64,
+    pub squared_noise: f64,
+    pub squared_bias: f64,
     pub rmse: f64,
 }
 
@@ -34,8 +34,8 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
         for ((square, noise), picture) in squared_errors.iter_mut().zip(&mut squared_noises).zip(pictures) {
             let pixel = picture[i].as_dvec3();
             let error = references.unbiased_squared_error(i, pixel);
-            *square += scale.clamped_relative_product(i, error);
-            *noise += scale.clamped_relative_product(i, whole * (pixel - mean).length_squared());
+            *square += scale.clamped_relative_squared_error(i, error);
+            *noise += scale.clamped_relative_squared_error(i, whole * (pixel - mean).length_squared());
             plain += error;
         }
     }
@@ -44,7 +44,7 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
     let noise2 = squared_noises.iter().sum::<f64>() / seeds;
     let bias2 = squared_errors.iter().sum::<f64>() / seeds - noise2;
     let rmse = (plain / (3.0 * pixels * seeds)).max(0.0).sqrt();
-    NoiseAndBias { squared_errors, squared_noises, noise2, bias2, rmse }
+    NoiseAndBias { squared_errors, squared_noises, squared_noise: noise2, squared_bias: bias2, rmse }
 }
 
 /// Returns the mean of pixel `i` over `pictures`.
@@ -54,11 +54,11 @@ pub(super) fn mean_pixel_over_pictures(pictures: &[Vec<Rgb>], i: usize) -> DVec3
 
 /// Returns the relative error of each pixel, as a root mean square over seeds. It is 0 if the
 /// estimated mean square is negative.
-pub(super) fn pixel_errors(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> Vec<f32> {
+pub(super) fn relative_pixel_errors(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> Vec<f32> {
     let scale = references.relative_error_weights();
     let square = |i: usize| {
         let counts = |picture: &Vec<Rgb>| {
-            scale.clamped_relative_product(i, references.unbiased_squared_error(i, picture[i].as_dvec3()))
+            scale.clamped_relative_squared_error(i, references.unbiased_squared_error(i, picture[i].as_dvec3()))
         };
         (pictures.iter().map(counts).sum::<f64>() / pictures.len() as f64).max(0.0).sqrt() as f32
     };

@@ -4,9 +4,9 @@
 /// requires. `$needs` is a value with a method `interior_kind`, for example
 /// [`Effects`](crate::scene::Effects).
 ///
-/// `for_interior!(effects, <I> trace::<I>(scene))` names the type `I`. Path loops are compiled for
-/// each type, so that scenes without dielectric bodies or media do not pay for them.
-macro_rules! for_interior {
+/// `with_interior_type!(effects, <I> trace::<I>(scene))` names the type `I`. Path loops are
+/// compiled for each type, so that scenes without dielectric bodies or media do not pay for them.
+macro_rules! with_interior_type {
     ($needs:expr, <$interior:ident> $body:expr) => {
         match $needs.interior_kind() {
             $crate::scene::InteriorKind::Spectral => {
@@ -24,4 +24,4 @@ macro_rules! for_interior {
         }
     };
 }
-pub(crate) use for_interior;
+pub(crate) use with_interior_type;

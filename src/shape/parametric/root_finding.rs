@@ -39,7 +39,7 @@ pub(super) const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 pub(super) const PIECE_OVERLAP: f64 = 1e-10;
 
 /// Size of a piece, relative to the surface, below which a tangential hit counts as one point.
-pub(super) const POINT_SIZE: f64 = 1e-6;
+pub(super) const TANGENT_HIT_RELATIVE_SIZE: f64 = 1e-6;
 
 /// Result of a test whether a ray hits a surface within a box of surface parameters.
 pub(super) enum RootClassification<X> {
@@ -50,5 +50,5 @@ pub(super) enum RootClassification<X> {
     /// The test does not decide; the box must be halved.
     Unclear,
     /// The ray lies in the surface over the whole box, up to rounding.
-    Inside,
+    LineInSurface,
 }

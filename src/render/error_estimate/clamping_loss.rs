@@ -10,22 +10,22 @@ use glam::DVec3;
 ///
 /// The mean removed radiance is the bias of the picture, up to the sign.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub(super) struct ClampedLightSums {
+pub(super) struct ClampingLossSums {
     /// Sum of the removed radiance, for each pixel and channel.
     removed: BinnedSums<3>,
     /// Sum over passes and channels of the squared removed radiance, for each pixel.
     squares: BinnedSums<1>,
 }
 
-impl ClampedLightSums {
+impl ClampingLossSums {
     pub fn new(pixels: usize) -> Self {
         Self { removed: BinnedSums::new(pixels), squares: BinnedSums::new(pixels) }
     }
 
     /// Adds a pass. `removed` is the radiance that clamping removed from each pixel in it.
     pub fn add(&mut self, removed: &[Rgb]) {
-        self.removed.add(|i| removed[i].as_dvec3().to_array());
-        self.squares.add(|i| [removed[i].as_dvec3().length_squared()]);
+        self.removed.add_to_all_pixels(|i| removed[i].as_dvec3().to_array());
+        self.squares.add_to_all_pixels(|i| [removed[i].as_dvec3().length_squared()]);
     }
 
     /// Adds the passes of `other`, which must have the same number of pixels.
@@ -35,8 +35,8 @@ impl ClampedLightSums {
     }
 
     /// Returns the number of pixels; `None` if the two sums disagree on it, as in damaged files.
-    pub fn pixels(&self) -> Option<usize> {
-        (self.removed.len() == self.squares.len()).then(|| self.removed.len())
+    pub fn pixel_count(&self) -> Option<usize> {
+        (self.removed.pixel_count() == self.squares.pixel_count()).then(|| self.removed.pixel_count())
     }
 
     /// Returns the squared relative bias that clamping causes in the mean of `n` passes, averaged
@@ -46,9 +46,9 @@ impl ClampedLightSums {
     pub fn squared_bias(&self, error_weights: &RelativeErrorWeights, n: f64) -> (f64, f64) {
         let weights = error_weights.pixel_weights();
         let [bias, variance] = sums_of_values(weights.len(), |i| {
-            let sum = DVec3::from_array(self.removed.value(i));
-            let [squares] = self.squares.value(i);
-            let square = error_weights.clamped_relative_product(i, (sum.dot(sum) - squares) / (n * (n - 1.0)));
+            let sum = DVec3::from_array(self.removed.pixel_sums(i));
+            let [squares] = self.squares.pixel_sums(i);
+            let square = error_weights.clamped_relative_squared_error(i, (sum.dot(sum) - squares) / (n * (n - 1.0)));
             let pass_variance = (weights[i] * (squares - sum.dot(sum) / n) / (n - 1.0)).clamp(0.0, n);
             let variance = 2.0 * (pass_variance / n) * (pass_variance / n) + 4.0 * square.max(0.0) * pass_variance / n;
             [square, variance]

@@ -13,9 +13,11 @@ const SCALE_QUANTILE: f64 = 0.99;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct ColorScale {
     /// Error that the first colour of the scale shows.
-    pub from: f64,
+    #[serde(rename = "from")]
+    pub first_color_error: f64,
     /// Error that the last colour of the scale shows. Larger errors have the same colour.
-    pub to: f64,
+    #[serde(rename = "to")]
+    pub last_color_error: f64,
 }
 
 /// Returns the pixels of an error map. For PNG, also returns their colour scale.
@@ -37,7 +39,7 @@ pub(super) fn error_map(
     let to = if kind == ErrorMapKind::Flip { 1.0 } else { color_scale_end(&means) };
     let color = if kind == ErrorMapKind::Signed { diverging_color } else { sequential_color };
     let from = if kind == ErrorMapKind::Signed { -to } else { 0.0 };
-    (means.iter().map(|v| color(v / to)).collect(), Some(ColorScale { from, to }))
+    (means.iter().map(|v| color(v / to)).collect(), Some(ColorScale { first_color_error: from, last_color_error: to }))
 }
 
 /// Returns the error of each pixel by channel. FLIP and relative errors are equal in all channels.
@@ -93,20 +95,23 @@ mod tests {
         values[8] = [0.5; 3];
         let (a, b) = (image_of_one_row(&values), image_of_one_row(&vec![[0.0; 3]; 200]));
         let (colors, meaning) = error_map(ErrorMapKind::Absolute, &a, &b, &[], OutputFormat::Png);
-        assert_eq!(meaning, Some(ColorScale { from: 0.0, to: 1.0 }));
+        assert_eq!(meaning, Some(ColorScale { first_color_error: 0.0, last_color_error: 1.0 }));
         assert_eq!(
             [colors[0], colors[7], colors[8]],
             [sequential_color(1.0), sequential_color(1.0), sequential_color(0.5)]
         );
         let (colors, meaning) = error_map(ErrorMapKind::Signed, &b, &a, &[], OutputFormat::Png);
-        assert_eq!(meaning, Some(ColorScale { from: -1.0, to: 1.0 }));
+        assert_eq!(meaning, Some(ColorScale { first_color_error: -1.0, last_color_error: 1.0 }));
         assert_eq!((colors[0], colors[8]), (diverging_color(-1.0), diverging_color(-0.5)));
         let same = error_map(ErrorMapKind::Absolute, &a, &a, &[], OutputFormat::Png);
-        assert_eq!((same.0[0], same.1), (sequential_color(0.0), Some(ColorScale { from: 0.0, to: 1.0 })));
+        assert_eq!(
+            (same.0[0], same.1),
+            (sequential_color(0.0), Some(ColorScale { first_color_error: 0.0, last_color_error: 1.0 }))
+        );
         // One differing pixel sets the scale, because the quantile of all errors is 0.
         let mut one = vec![[0.0_f32; 3]; 200];
         one[3] = [4.0; 3];
         let single = error_map(ErrorMapKind::Absolute, &image_of_one_row(&one), &b, &[], OutputFormat::Png).1;
-        assert_eq!(single, Some(ColorScale { from: 0.0, to: 4.0 }));
+        assert_eq!(single, Some(ColorScale { first_color_error: 0.0, last_color_error: 4.0 }));
     }
 }

@@ -130,13 +130,13 @@ pub(super) fn parse_radiance_limit(text: &str) -> Result<f32, String> {
 }
 
 /// Parses a length above zero, in scene units.
-pub(super) fn parse_length(text: &str) -> Result<f32, String> {
+pub(super) fn parse_positive_length(text: &str) -> Result<f32, String> {
     let value = text.parse::<f32>().ok().filter(|x| *x > 0.0 && x.is_finite());
     value.ok_or_else(|| format!("`{text}` is not a length: write a number above 0, in scene units"))
 }
 
 /// Parses a length of at least zero, in units of the mesh file.
-pub(super) fn parse_distance(text: &str) -> Result<f64, String> {
+pub(super) fn parse_nonnegative_length(text: &str) -> Result<f64, String> {
     parse_number_where(text, |x| x >= 0.0)
         .ok_or_else(|| format!("`{text}` is not a length: write a number of at least 0"))
 }

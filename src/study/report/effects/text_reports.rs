@@ -1,7 +1,7 @@
 //! CSV and Markdown reports of a study of effects.
 
-use super::{ReportContext, clock_name, percent_of_mean_text};
-use crate::study::report::plain::{csv_row, escape_markdown, markdown_table};
+use super::{EffectReportHeader, clock_name, percent_of_mean_text};
+use crate::study::report::csv_and_markdown::{csv_row, escape_markdown, markdown_table};
 use crate::study::report::text::{
     count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text,
 };
@@ -37,19 +37,19 @@ pub fn csv_report(findings: &EffectStudyResult) -> String {
         table += &csv_row(&[
             decision.effect.to_string(),
             decision.is_simulated.to_string(),
-            decision.is_forced_by_user().to_string(),
+            decision.is_forced_against_need().to_string(),
             decision.reason.to_string(),
-            number_cell(&|f| Some(f.cost.seconds)),
-            number_cell(&|f| f.cost.seconds_error),
-            number_cell(&|f| Some(f.cost.ratio)),
-            number_cell(&|f| Some(f.cost.setup)),
+            number_cell(&|f| Some(f.cost.seconds_per_pass)),
+            number_cell(&|f| f.cost.seconds_standard_error),
+            number_cell(&|f| Some(f.cost.time_ratio)),
+            number_cell(&|f| Some(f.cost.setup_seconds)),
             number_cell(&|f| Some(f.cost.rays)),
             number_cell(&|f| Some(f.cost.gathers)),
             number_cell(&|f| Some(f.cost.gathered_photons)),
             number_cell(&|f| Some(f.contribution.rmse)),
             number_cell(&|f| f.contribution.relative_rmse),
-            number_cell(&|f| Some(f.contribution.adds)),
-            number_cell(&|f| Some(f.contribution.removes)),
+            number_cell(&|f| Some(f.contribution.added_radiance)),
+            number_cell(&|f| Some(f.contribution.removed_radiance)),
         ]);
     }
     table
@@ -57,33 +57,33 @@ pub fn csv_report(findings: &EffectStudyResult) -> String {
 
 /// Report of a study of effects as Markdown.
 #[must_use]
-pub fn markdown_report(about: &ReportContext, findings: &EffectStudyResult) -> String {
-    let passes = findings.whole.passes.len();
+pub fn markdown_report(about: &EffectReportHeader, findings: &EffectStudyResult) -> String {
+    let passes = findings.full_picture_cost.pass_seconds.len();
     let a_pass = |n: u64| count_text(n as f64 / passes as f64);
     let mut text = format!(
         "# Cost and contribution of effects: {}\n\nCaustica {}, {}, seed {}, passes of each picture: {passes}. Seconds are {}. Each effect \
          was left out once. The whole picture: {:.1} ms, {} rays and {} gathered photons per pass, mean radiance {} W/(m² sr).\n\n",
-        escape_markdown(&about.scene),
+        escape_markdown(&about.scene_name),
         env!("CARGO_PKG_VERSION"),
         about.integrator,
         about.seed,
         clock_name(findings.clock),
-        1e3 * findings.whole.total_pass_seconds() / passes as f64,
-        a_pass(findings.whole.counters.total_rays()),
-        a_pass(findings.whole.counters.gathered_photons),
-        three_digit_text(findings.mean),
+        1e3 * findings.full_picture_cost.total_pass_seconds() / passes as f64,
+        a_pass(findings.full_picture_cost.counters.total_rays()),
+        a_pass(findings.full_picture_cost.counters.gathered_photons),
+        three_digit_text(findings.mean_radiance),
     );
     let row = |EffectResult { decision, cost, contribution, .. }: &EffectResult| {
-        let error = cost.seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
+        let error = cost.seconds_standard_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         vec![
             decision.effect.to_string(),
-            signed_milliseconds_text(cost.seconds) + &error,
-            format!("{:.2}", cost.ratio),
+            signed_milliseconds_text(cost.seconds_per_pass) + &error,
+            format!("{:.2}", cost.time_ratio),
             signed_count_text(cost.rays),
             signed_count_text(cost.gathered_photons),
             contribution.relative_rmse.map_or(three_digit_text(contribution.rmse), percent_text),
-            percent_of_mean_text(contribution.adds, findings.mean),
-            percent_of_mean_text(contribution.removes, findings.mean),
+            percent_of_mean_text(contribution.added_radiance, findings.mean_radiance),
+            percent_of_mean_text(contribution.removed_radiance, findings.mean_radiance),
         ]
     };
     let rows: Vec<Vec<String>> = findings.effects.iter().map(row).collect();
@@ -91,7 +91,7 @@ pub fn markdown_report(about: &ReportContext, findings: &EffectStudyResult) -> S
         ["effect", "ms per pass", "time ratio", "rays per pass", "gathered photons", "changes", "adds", "takes"];
     text += &markdown_table(&heads, &rows);
     for decision in findings.plan.decisions.iter().filter(|d| !d.is_simulated) {
-        let state = if decision.is_forced_by_user() { "forced off, though " } else { "off: " };
+        let state = if decision.is_forced_against_need() { "forced off, though " } else { "off: " };
         text += &format!("\n- {}: {state}{}", decision.effect, escape_markdown(&decision.reason.to_string()));
     }
     text + "\n"
@@ -111,7 +111,7 @@ mod tests {
     fn every_effect_has_a_row() {
         let scene = diffuse_sphere_on_floor(8, 6);
         let mut settings = Settings::default();
-        settings.camera_paths.effects = EffectOverrides::PLANNED.with_effect(Effect::Environment);
+        settings.camera_paths.effects = EffectOverrides::NO_OVERRIDES.with_forced_on(Effect::Environment);
         let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings);
         let findings = study.run(2, &AtomicBool::new(false), &SilentMonitor, |_| {}).unwrap();
         let table = csv_report(&findings);
@@ -120,7 +120,7 @@ mod tests {
         assert!(rows.iter().any(|row| row.starts_with("shadows,true,false,")));
         // An effect that is off has empty cells.
         assert!(rows.iter().any(|row| row.starts_with("caustics,false,") && row.ends_with(",,,,,,,,,,,")));
-        let about = ReportContext { scene: "a_b.txt".into(), integrator: "whitted", seed: 3, exposure: 0.0 };
+        let about = EffectReportHeader { scene_name: "a_b.txt".into(), integrator: "whitted", seed: 3, exposure: 0.0 };
         let text = markdown_report(&about, &findings);
         assert!(text.contains(": a\\_b.txt") && text.contains("| shadows | ") && text.contains("- caustics: off: "));
         assert!(text.contains("| environment | "));

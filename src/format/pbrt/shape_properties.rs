@@ -12,10 +12,10 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Distance between a two-sided lamp's front and the added back, relative to the lamp's size.
-const SIDE_DISTANCE: f64 = 1e-4;
+const RELATIVE_BACK_DISTANCE: f64 = 1e-4;
 
 /// Bytes of memory for each vertex and each triangle of a copied mesh.
-const MEMORY_PER_ELEMENT: u64 = 100;
+const MEMORY_PER_MESH_ELEMENT: u64 = 100;
 
 /// True if the shape has no inside: it is a disc, a tube or an open mesh.
 pub(super) fn is_sheet(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<TriangleMesh>>) -> bool {
@@ -42,20 +42,20 @@ pub(super) fn back_side_shape(
     files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<Option<ShapeDescription>> {
     Ok(if let ShapeDescription::Disc(DiscDescription { center, normal, radius }) = shape {
-        let center = *center - normal.normalize() * (SIDE_DISTANCE * radius);
+        let center = *center - normal.normalize() * (RELATIVE_BACK_DISTANCE * radius);
         Some(ShapeDescription::Disc(DiscDescription { center, normal: -*normal, radius: *radius }))
     } else if let ShapeDescription::Mesh(MeshDescription { path, .. }) = shape
         && is_sheet(shape, meshes)
     {
         let Some(front) = meshes.get(&path.value) else { return Ok(None) };
-        files.count_memory(MEMORY_PER_ELEMENT * (front.positions.len() + front.triangles.len()) as u64)?;
+        files.reserve_memory(MEMORY_PER_MESH_ELEMENT * (front.positions.len() + front.triangles.len()) as u64)?;
         let mut back = (**front).clone();
         let mut normals = vec![DVec3::ZERO; back.positions.len()];
         for triangle in &back.triangles {
             let [a, b, c] = triangle.map(|i| back.positions[i as usize]);
             triangle.iter().for_each(|i| normals[*i as usize] += (b - a).cross(c - a));
         }
-        let distance = SIDE_DISTANCE * back.bounds_diagonal();
+        let distance = RELATIVE_BACK_DISTANCE * back.bounds_diagonal();
         for (position, normal) in back.positions.iter_mut().zip(normals) {
             *position -= normal.normalize_or_zero() * distance;
         }

@@ -1,6 +1,6 @@
 //! The graphics state of pbrt: transforms, material, media and area light of the next shape.
 
-use super::files::{PbrtPlace, ReadResult};
+use super::files::{PbrtSourceLocation, ReadResult};
 use super::parameters::Parameters;
 use crate::format::description::TransformStep;
 use crate::math::Transform;
@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use std::rc::Rc;
 
 /// Rotations of at most this angle are ignored \[radians].
-const LEAST_ROTATION: f64 = 1e-9;
+const MIN_ROTATION_RADIANS: f64 = 1e-9;
 
 /// Transforms from object to world space at the start and the end of the shutter interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,10 +30,11 @@ impl MovingTransform {
     }
 }
 
-/// Motion of an object over the shutter interval: a translation and a rotation about `center`.
+/// Motion of an object over the shutter interval: a translation and a rotation about
+/// `rotation_center`.
 pub(super) struct ObjectMotion {
     /// Center of the rotation in world space: the origin of the object when the shutter opens.
-    pub center: DVec3,
+    pub rotation_center: DVec3,
     /// The translation, then the rotation if there is any. The rotation is applied first.
     pub steps: Vec<TransformStep>,
     /// True if the object's scale or shear also changes. `steps` do not include this change.
@@ -57,11 +58,11 @@ pub(super) fn object_motion(transform: &MovingTransform) -> Option<ObjectMotion>
         // q and −q are one rotation. This one has the smaller angle.
         let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
         let angle = 2.0 * libm::atan2(rotation.xyz().length(), rotation.w);
-        if angle > LEAST_ROTATION {
+        if angle > MIN_ROTATION_RADIANS {
             steps.push(TransformStep::Rotate { axis: rotation.xyz().normalize(), angle: angle.to_degrees() });
         }
     }
-    Some(ObjectMotion { center: start.translation, steps, omits_scale })
+    Some(ObjectMotion { rotation_center: start.translation, steps, omits_scale })
 }
 
 /// Directive `AreaLightSource`, which applies to the shapes that follow.
@@ -79,7 +80,7 @@ pub(super) enum CurrentMaterial {
     /// Name of a material, and the position of the directive that uses it.
     ///
     /// The material may be defined later.
-    Named(Rc<str>, PbrtPlace),
+    Named(Rc<str>, PbrtSourceLocation),
 }
 
 /// pbrt's graphics state, which applies to the directives that follow.
@@ -88,7 +89,7 @@ pub(super) struct GraphicsState {
     /// Current transform from object to world space.
     pub transform: MovingTransform,
     /// For the transforms at shutter start and shutter end: true if transform directives change it.
-    pub is_active: [bool; 2],
+    pub is_transform_active: [bool; 2],
     /// True if the shapes that follow are turned inside out (`ReverseOrientation`).
     pub is_reversed: bool,
     /// Material of the shapes that follow.
@@ -104,7 +105,7 @@ impl GraphicsState {
     pub fn new() -> Self {
         Self {
             transform: MovingTransform::IDENTITY,
-            is_active: [true; 2],
+            is_transform_active: [true; 2],
             is_reversed: false,
             material: CurrentMaterial::Numbered(0),
             area_light: None,
@@ -115,9 +116,9 @@ impl GraphicsState {
     /// At each active time (shutter start or end), replaces the current transform T by T · `map`.
     ///
     /// So `map` is applied to points first.
-    pub fn concatenate(&mut self, map: DAffine3, place: &PbrtPlace) -> ReadResult<()> {
+    pub fn concatenate(&mut self, map: DAffine3, place: &PbrtSourceLocation) -> ReadResult<()> {
         for i in 0..2 {
-            if self.is_active[i] {
+            if self.is_transform_active[i] {
                 let product = self.transform.0[i] * map;
                 if !(product.is_finite() && product.matrix3.determinant() != 0.0) {
                     return Err(place.error("the transform is singular or too large", "use scales other than 0"));
@@ -132,7 +133,7 @@ impl GraphicsState {
     /// or end).
     pub fn set_transform(&mut self, transform: MovingTransform) {
         for i in 0..2 {
-            if self.is_active[i] {
+            if self.is_transform_active[i] {
                 self.transform.0[i] = transform.0[i];
             }
         }
@@ -140,7 +141,7 @@ impl GraphicsState {
 }
 
 /// Returns the affine map of a transform directive, such as `Rotate`, with the numbers `n`.
-pub(super) fn transform_map(directive: &str, n: &[f64], place: &PbrtPlace) -> ReadResult<DAffine3> {
+pub(super) fn directive_transform(directive: &str, n: &[f64], place: &PbrtSourceLocation) -> ReadResult<DAffine3> {
     let vector = |i: usize| DVec3::new(n[i], n[i + 1], n[i + 2]);
     let invalid = |message: &str| place.error(message, "correct the numbers of the transform");
     match directive {
@@ -177,14 +178,14 @@ pub(super) fn transform_map(directive: &str, n: &[f64], place: &PbrtPlace) -> Re
 mod tests {
     use super::*;
 
-    fn place() -> PbrtPlace {
-        PbrtPlace { file: "test".into(), line: 1 }
+    fn place() -> PbrtSourceLocation {
+        PbrtSourceLocation { file: "test".into(), line: 1 }
     }
 
     /// pbrt's camera looks along +z, with +x to the right.
     #[test]
     fn look_at_maps_the_view_to_z() {
-        let map = transform_map("LookAt", &[1.0, 2.0, 3.0, 1.0, 2.0, 13.0, 0.0, 1.0, 0.0], &place()).unwrap();
+        let map = directive_transform("LookAt", &[1.0, 2.0, 3.0, 1.0, 2.0, 13.0, 0.0, 1.0, 0.0], &place()).unwrap();
         assert!(map.transform_point3(DVec3::new(1.0, 2.0, 8.0)).abs_diff_eq(5.0 * DVec3::Z, 1e-12));
         assert!(map.transform_vector3(DVec3::X).abs_diff_eq(DVec3::X, 1e-12));
     }
@@ -193,10 +194,10 @@ mod tests {
     fn matrices_are_in_column_order() {
         let mut numbers = DMat4::IDENTITY.to_cols_array();
         numbers[12..15].copy_from_slice(&[1.0, 2.0, 3.0]);
-        let map = transform_map("Transform", &numbers, &place()).unwrap();
+        let map = directive_transform("Transform", &numbers, &place()).unwrap();
         assert_eq!(map.translation, DVec3::new(1.0, 2.0, 3.0));
         numbers[3] = 1.0;
-        assert!(transform_map("Transform", &numbers, &place()).is_err());
+        assert!(directive_transform("Transform", &numbers, &place()).is_err());
     }
 
     #[test]
@@ -204,8 +205,8 @@ mod tests {
         let start = DAffine3::from_translation(DVec3::X);
         let end = DAffine3::from_translation(DVec3::new(1.0, 4.0, 0.0)) * DAffine3::from_rotation_z(0.5);
         let motion = object_motion(&MovingTransform([start, end])).unwrap();
-        assert_eq!((motion.center, motion.omits_scale), (DVec3::X, false));
-        let around = DAffine3::from_translation(motion.center);
+        assert_eq!((motion.rotation_center, motion.omits_scale), (DVec3::X, false));
+        let around = DAffine3::from_translation(motion.rotation_center);
         let full = around * TransformStep::composed_matrix(&motion.steps) * around.inverse() * start;
         assert!(full.abs_diff_eq(end, 1e-12));
         let scaled = MovingTransform([start, start * DAffine3::from_scale(DVec3::splat(2.0))]);

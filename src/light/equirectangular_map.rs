@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 pub enum EmissionPictureError {
     /// A pixel is negative or not finite after scaling.
     #[error("the value in column {x}, row {y} is {value}: repair the picture so that all are finite and none below 0")]
-    Value {
+    InvalidPixel {
         /// Column of the invalid pixel, counted from 0 at the left.
         x: u32,
         /// Row of the invalid pixel, counted from 0 at the top.
@@ -22,19 +22,19 @@ pub enum EmissionPictureError {
     },
     /// The picture has no pixels.
     #[error(transparent)]
-    Size(#[from] PictureSizeError),
+    InvalidSize(#[from] PictureSizeError),
 }
 
 /// Multiplies all pixels of a picture by `scale`.
 ///
 /// # Errors
-/// [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
-pub(super) fn scale_emission_picture(mut picture: Image, scale: Rgb) -> Result<Image, EmissionPictureError> {
+/// [`EmissionPictureError::InvalidPixel`] if a scaled pixel is negative or not finite.
+pub(super) fn scale_and_validate_picture(mut picture: Image, scale: Rgb) -> Result<Image, EmissionPictureError> {
     let width = picture.width();
     for (i, pixel) in picture.pixels_mut().iter_mut().enumerate() {
         let value = *pixel * scale;
         if !(value.is_finite() && value.cmpge(Rgb::ZERO).all()) {
-            return Err(EmissionPictureError::Value { x: i as u32 % width, y: i as u32 / width, value });
+            return Err(EmissionPictureError::InvalidPixel { x: i as u32 % width, y: i as u32 / width, value });
         }
         *pixel = value;
     }
@@ -64,9 +64,9 @@ impl EquirectangularMap {
     /// Creates a map whose values are the pixels of `map` times `scale`.
     ///
     /// # Errors
-    /// [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
+    /// [`EmissionPictureError::InvalidPixel`] if a scaled pixel is negative or not finite.
     pub fn new(map: Image, scale: Rgb) -> Result<Self, EmissionPictureError> {
-        let map = scale_emission_picture(map, scale)?;
+        let map = scale_and_validate_picture(map, scale)?;
         let (w, h) = (map.width() as usize, map.height() as usize);
         let row_edge_cosines: Vec<f64> = (0..=h).map(|row| cos(PI * row as f64 / h as f64)).collect();
         let brightness = |x: usize, y: usize| f64::from(color::channel_mean(map.pixels()[y * w + x]));

@@ -3,7 +3,7 @@
 use super::frame::LiveFrame;
 use super::live_page::{LivePage, LiveState};
 use super::pace::Pace;
-use super::status::{CurvePoint, ForecastReport, Phase, PlanReport};
+use super::status::{ErrorCurvePoint, ForecastReport, PlanReport, RenderStage};
 use crate::integrate::SurfaceAovs;
 use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria};
 use glam::Vec3;
@@ -17,19 +17,19 @@ const MAX_CURVE_POINTS: usize = 400;
 /// Publisher of one render on a live page. The render's thread calls it when the render begins,
 /// after each pass, and at the end.
 #[derive(Debug)]
-pub struct LiveRender<'a> {
+pub struct RenderPublisher<'a> {
     page: &'a LivePage,
     /// Number of the render on its page, see [`LivePage::begin_render`].
     number: u32,
     /// Time at which loading of the scene began.
     load_start: Instant,
     picture_pace: Pace,
-    map_pace: Pace,
-    curve: Arc<Vec<CurvePoint>>,
+    error_map_pace: Pace,
+    error_curve: Arc<Vec<ErrorCurvePoint>>,
     forecast: Option<Arc<ForecastReport>>,
 }
 
-impl<'a> LiveRender<'a> {
+impl<'a> RenderPublisher<'a> {
     /// Begins a new render on `page`. `load_start` is the time at which loading of its scene began.
     #[must_use]
     pub fn begin(page: &'a LivePage, load_start: Instant) -> Self {
@@ -39,8 +39,8 @@ impl<'a> LiveRender<'a> {
             number: page.begin_render(),
             load_start,
             picture_pace,
-            map_pace,
-            curve: Arc::default(),
+            error_map_pace: map_pace,
+            error_curve: Arc::default(),
             forecast: None,
         }
     }
@@ -57,8 +57,8 @@ impl<'a> LiveRender<'a> {
     }
 
     /// Publishes the phase that the render has entered.
-    pub fn set_phase(&self, phase: Phase) {
-        self.publish(|state, _| state.status.phase = phase);
+    pub fn publish_stage(&self, phase: RenderStage) {
+        self.publish(|state, _| state.status.stage = phase);
     }
 
     /// Publishes a preview of `size` (width, height) pixels as the newest picture.
@@ -72,15 +72,15 @@ impl<'a> LiveRender<'a> {
     }
 
     /// Publishes the plan and the limits of the render, before its first pass.
-    pub fn begin_passes(&self, plan: PlanReport, stop: &StopCriteria<'_>, size: (u32, u32)) {
+    pub fn publish_plan_and_limits(&self, plan: PlanReport, stop: &StopCriteria<'_>, size: (u32, u32)) {
         self.publish(|state, _| {
             let status = &mut state.status;
-            status.phase = Phase::Passes;
+            status.stage = RenderStage::Passes;
             status.end_reason = None;
             status.size = size;
             status.plan = Some(Arc::new(plan));
-            status.pass_limit = stop.passes;
-            status.time_limit = stop.time.map(|time| time.as_secs_f64());
+            status.pass_limit = stop.max_passes;
+            status.time_limit_seconds = stop.time_limit.map(|time| time.as_secs_f64());
             status.error_limit = stop.target.map(|target| target.error);
             status.confidence = stop.target.map(ErrorTarget::interval_confidence);
         });
@@ -89,14 +89,14 @@ impl<'a> LiveRender<'a> {
     /// Adds the error estimate of a pass, if there is one, to the error curve. Publishes the
     /// picture, unless the last publication was too recent.
     ///
-    /// The last pass is not published here, but by [`LiveRender::end`].
-    pub fn after_pass(&mut self, progress: &PassProgress<'_>, stop: &StopCriteria<'_>) {
+    /// The last pass is not published here, but by [`RenderPublisher::publish_end`].
+    pub fn publish_pass_if_due(&mut self, progress: &PassProgress<'_>, stop: &StopCriteria<'_>) {
         if let Some((estimate, forecast)) = &progress.error
             && estimate.error.is_finite()
-            && self.curve.len() < MAX_CURVE_POINTS
+            && self.error_curve.len() < MAX_CURVE_POINTS
         {
-            let point = CurvePoint::new(estimate, progress.rendered.wall.as_secs_f64());
-            Arc::make_mut(&mut self.curve).push(point);
+            let point = ErrorCurvePoint::new(estimate, progress.rendered.wall_time.as_secs_f64());
+            Arc::make_mut(&mut self.error_curve).push(point);
             self.forecast = Some(Arc::new(ForecastReport::new(estimate, forecast, stop)));
         }
         let start = Instant::now();
@@ -106,32 +106,32 @@ impl<'a> LiveRender<'a> {
         self.publish_result(progress.rendered);
         self.picture_pace.record(start, Instant::now());
         let start = Instant::now();
-        if self.map_pace.is_due(start) && self.page.take_map_request() {
-            self.publish_maps(progress.rendered);
-            self.map_pace.record(start, Instant::now());
+        if self.error_map_pace.is_due(start) && self.page.take_error_map_request() {
+            self.publish_error_maps(progress.rendered);
+            self.error_map_pace.record(start, Instant::now());
         }
     }
 
     /// Publishes the surface AOVs that `find` returns, if a browser has asked for surface AOVs.
     /// `size` is the size of the picture.
-    pub fn publish_wanted_surfaces(&self, size: (u32, u32), find: impl FnOnce() -> Option<SurfaceAovs>) {
-        if self.page.take_surface_request()
+    pub fn publish_wanted_surface_aovs(&self, size: (u32, u32), find: impl FnOnce() -> Option<SurfaceAovs>) {
+        if self.page.take_surface_aov_request()
             && let Some(aovs) = find()
         {
             self.publish(|state, sequence| {
-                state.surfaces = Some(Arc::new(LiveFrame::from_surface_aovs(sequence, size, &aovs)));
+                state.surface_aovs = Some(Arc::new(LiveFrame::from_surface_aovs(sequence, size, &aovs)));
             });
             // Requests from before the publication are served.
-            self.page.take_surface_request();
+            self.page.take_surface_aov_request();
         }
     }
 
     /// Publishes the final result of a render. `phase` is [`Phase::Stopped`] or [`Phase::Ended`].
-    pub fn publish_end(&mut self, rendered: &RenderResult, phase: Phase) {
+    pub fn publish_end(&mut self, rendered: &RenderResult, phase: RenderStage) {
         self.publish_result(rendered);
-        self.publish_maps(rendered);
+        self.publish_error_maps(rendered);
         self.publish(|state, _| {
-            state.status.phase = phase;
+            state.status.stage = phase;
             state.status.end_reason = Some(rendered.end_reason);
         });
     }
@@ -144,9 +144,9 @@ impl<'a> LiveRender<'a> {
             state.picture = Some(Arc::new(LiveFrame { sequence, ..frame }));
             let status = &mut state.status;
             status.passes = rendered.film.passes();
-            status.seconds = rendered.wall.as_secs_f64();
+            status.seconds = rendered.wall_time.as_secs_f64();
             status.first_pixels_seconds.get_or_insert(seconds);
-            status.curve = self.curve.clone();
+            status.error_curve = self.error_curve.clone();
             status.forecast.clone_from(&self.forecast);
             status.counters = rendered.counters;
             status.unaimed = rendered.unaimed;
@@ -155,9 +155,9 @@ impl<'a> LiveRender<'a> {
     }
 
     /// Publishes maps of the estimated error; does nothing if the error is not estimated yet.
-    fn publish_maps(&self, rendered: &RenderResult) {
+    fn publish_error_maps(&self, rendered: &RenderResult) {
         if let Some(maps) = LiveFrame::from_error_maps(0, rendered) {
-            self.publish(|state, sequence| state.maps = Some(Arc::new(LiveFrame { sequence, ..maps })));
+            self.publish(|state, sequence| state.error_maps = Some(Arc::new(LiveFrame { sequence, ..maps })));
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::format::description::{
     PictureEncoding, Span, Spanned, TexcoordTransformDescription, TextureDescription, TextureKindDescription, WrapMode,
 };
 use crate::format::import_notes::ImportNotes;
-use crate::image::{Image, RgbaLevels, decode_rgba_levels};
+use crate::image::{Image, QuantizedRgba, decode_quantized_rgba};
 use glam::{DVec2, DVec3, Vec3};
 use gltf::image::Source;
 use gltf::texture::{MagFilter, WrappingMode};
@@ -35,7 +35,7 @@ pub(super) enum GltfTextureUse {
     /// One linear channel, from 0 for red to 3 for alpha, multiplied by the given factor.
     Channel(usize, f64),
     /// GGX α: (green channel · given factor)².
-    Roughness(f64),
+    GgxAlpha(f64),
     /// Mask from the given factor and cutoff: 1 where alpha times factor reaches the cutoff, else
     /// 0.
     AlphaMask(f64, f64),
@@ -45,14 +45,14 @@ pub(super) enum GltfTextureUse {
 
 /// Values of a texture for one use: a constant, or a texture of the imported scene.
 #[derive(Clone, Debug)]
-pub(super) enum GltfTextureValues {
+pub(super) enum GltfConvertedTexture {
     /// Common value of all pixels.
     Constant(DVec3),
     /// Name of a texture in the imported scene, and the mean of its values.
     Texture(Spanned<String>, DVec3),
 }
 
-impl GltfTextureValues {
+impl GltfConvertedTexture {
     /// Returns the mean of all pixels.
     pub fn mean(&self) -> DVec3 {
         match self {
@@ -62,61 +62,61 @@ impl GltfTextureValues {
 }
 
 /// Textures and embedded pictures of the imported scene so far.
-pub(super) struct GltfPictures<'a> {
+pub(super) struct GltfTextures<'a> {
     context: &'a FileContext<'a>,
     buffers: &'a GltfBuffers<'a>,
     /// Decoded pictures by image index; `None` for an image in an unsupported format.
-    decoded: HashMap<usize, Option<Rc<RgbaLevels>>>,
+    decoded: HashMap<usize, Option<Rc<QuantizedRgba>>>,
     /// Converted images, as paths of embedded pictures or as constants, by image index and use.
-    embedded: HashMap<(usize, String), GltfTextureValues>,
+    converted_pictures: HashMap<(usize, String), GltfConvertedTexture>,
     /// Names of the imported scene's textures. A key combines picture, wrap mode and transform.
-    names: HashMap<String, Spanned<String>>,
+    texture_names_by_content: HashMap<String, Spanned<String>>,
     /// Textures of the imported scene.
     pub textures: Vec<Spanned<TextureDescription>>,
     /// Embedded pictures, by path.
     pub pictures: BTreeMap<String, Arc<Image>>,
 }
 
-impl<'a> GltfPictures<'a> {
+impl<'a> GltfTextures<'a> {
     /// Returns an empty table of textures and pictures; decodes nothing yet.
     pub fn new(context: &'a FileContext<'a>, buffers: &'a GltfBuffers<'a>) -> Self {
         Self {
             context,
             buffers,
             decoded: HashMap::new(),
-            embedded: HashMap::new(),
-            names: HashMap::new(),
+            converted_pictures: HashMap::new(),
+            texture_names_by_content: HashMap::new(),
             textures: Vec::new(),
             pictures: BTreeMap::new(),
         }
     }
 
     /// Converts a texture for the use `wanted`; `None` if its picture has an unsupported format.
-    pub fn texture_values(
+    pub fn convert_texture(
         &mut self,
         reference: &TextureReference<'_>,
         wanted: GltfTextureUse,
         notes: &mut ImportNotes,
-    ) -> ReadResult<Option<GltfTextureValues>> {
+    ) -> ReadResult<Option<GltfConvertedTexture>> {
         let Some(image) = reference.texture.source() else {
             let place = format!("textures[{}]", reference.texture.index());
             notes.add_unsupported("textures in other formats than PNG and JPEG are left out", place);
             return Ok(None);
         };
         let key = (image.index(), format!("{wanted:?}"));
-        let values = match self.embedded.get(&key) {
+        let values = match self.converted_pictures.get(&key) {
             Some(values) => values.clone(),
             None => {
                 let Some(levels) = self.decoded_levels(image.index(), &image, notes)? else { return Ok(None) };
-                let values = self.embed_picture(&levels, wanted)?;
-                self.embedded.insert(key, values.clone());
+                let values = self.embed_converted_picture(&levels, wanted)?;
+                self.converted_pictures.insert(key, values.clone());
                 values
             }
         };
         Ok(Some(match values {
-            GltfTextureValues::Constant(_) => values,
-            GltfTextureValues::Texture(path, mean) => {
-                GltfTextureValues::Texture(self.texture_name(reference, path, notes), mean)
+            GltfConvertedTexture::Constant(_) => values,
+            GltfConvertedTexture::Texture(path, mean) => {
+                GltfConvertedTexture::Texture(self.texture_name(reference, path, notes), mean)
             }
         }))
     }
@@ -158,14 +158,14 @@ impl<'a> GltfPictures<'a> {
         }
         let coordinates = reference.transform;
         let key = format!("{} {wrap:?} {coordinates:?}", path.value);
-        if let Some(name) = self.names.get(&key) {
+        if let Some(name) = self.texture_names_by_content.get(&key) {
             return name.clone();
         }
         let name = format!("texture{}", self.textures.len());
         let kind = TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates };
         self.textures.push(Spanned::new(TextureDescription { name: name.clone(), kind }, Span::default()));
         let name = Spanned::new(name, Span::default());
-        self.names.insert(key, name.clone());
+        self.texture_names_by_content.insert(key, name.clone());
         name
     }
 
@@ -177,7 +177,7 @@ impl<'a> GltfPictures<'a> {
         index: usize,
         image: &gltf::Image<'_>,
         notes: &mut ImportNotes,
-    ) -> ReadResult<Option<Rc<RgbaLevels>>> {
+    ) -> ReadResult<Option<Rc<QuantizedRgba>>> {
         if let Some(decoded) = self.decoded.get(&index) {
             return Ok(decoded.clone());
         }
@@ -186,7 +186,7 @@ impl<'a> GltfPictures<'a> {
             Source::View { view, .. } => self.buffers.view_bytes(&view)?.into_vec(),
             Source::Uri { uri, .. } => self.context.read_uri(&place, uri)?,
         };
-        let levels = decode_rgba_levels(self.context.path, &bytes, self.context.free_memory())
+        let levels = decode_quantized_rgba(self.context.path, &bytes, self.context.free_memory())
             .map_err(|e| self.context.error(&place, e))?
             .map(Rc::new);
         if levels.is_none() {
@@ -200,9 +200,13 @@ impl<'a> GltfPictures<'a> {
     ///
     /// Returns the path of the picture in place of a texture's name. Equal pixels give a constant,
     /// and no picture.
-    fn embed_picture(&mut self, levels: &RgbaLevels, wanted: GltfTextureUse) -> ReadResult<GltfTextureValues> {
+    fn embed_converted_picture(
+        &mut self,
+        levels: &QuantizedRgba,
+        wanted: GltfTextureUse,
+    ) -> ReadResult<GltfConvertedTexture> {
         self.context.check_memory(12 * levels.pixels.len() as u64)?;
-        let greatest = f64::from(levels.greatest);
+        let greatest = f64::from(levels.max_level);
         let srgb = if matches!(wanted, GltfTextureUse::Color(_)) { levels.srgb_table() } else { Vec::new() };
         let gray = |value: f64| Vec3::splat(value as f32);
         let value = |pixel: &[u16; 4]| {
@@ -213,7 +217,7 @@ impl<'a> GltfPictures<'a> {
                     Vec3::new(r, g, b) * factor.as_vec3()
                 }
                 GltfTextureUse::Channel(k, factor) => gray(channel(k) * factor),
-                GltfTextureUse::Roughness(factor) => {
+                GltfTextureUse::GgxAlpha(factor) => {
                     let roughness = channel(1) * factor;
                     gray(roughness * roughness)
                 }
@@ -230,14 +234,14 @@ impl<'a> GltfPictures<'a> {
         };
         let pixels: Vec<Rgb> = levels.pixels.iter().map(value).collect();
         if pixels.iter().all(|pixel| *pixel == pixels[0]) {
-            return Ok(GltfTextureValues::Constant(pixels[0].as_dvec3()));
+            return Ok(GltfConvertedTexture::Constant(pixels[0].as_dvec3()));
         }
         let mean = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / pixels.len() as f64;
         let path = format!("picture{}", self.pictures.len());
         let image =
             Image::from_pixels(levels.width, levels.height, pixels).map_err(|e| self.context.error("images", e))?;
         self.pictures.insert(path.clone(), Arc::new(image));
-        Ok(GltfTextureValues::Texture(Spanned::new(path, Span::default()), mean))
+        Ok(GltfConvertedTexture::Texture(Spanned::new(path, Span::default()), mean))
     }
 }
 
@@ -277,7 +281,7 @@ impl<'a> TextureReference<'a> {
 
     /// True if all numbers of the transform are finite and no scale is 0.
     pub fn has_valid_transform(&self) -> bool {
-        let TexcoordTransformDescription { scale, rotate, offset } = self.transform;
+        let TexcoordTransformDescription { scale, rotation_degrees: rotate, offset } = self.transform;
         scale.is_finite() && scale.x != 0.0 && scale.y != 0.0 && rotate.is_finite() && offset.is_finite()
     }
 }
@@ -289,7 +293,7 @@ fn texcoord_transform_description(offset: [f64; 2], rotation: f64, scale: [f64; 
     let (sin, cos) = (libm::sin(rotation), libm::cos(rotation));
     TexcoordTransformDescription {
         scale: scale.into(),
-        rotate: rotation.to_degrees(),
+        rotation_degrees: rotation.to_degrees(),
         offset: DVec2::new(offset[0] + scale[1] * sin, 1.0 - offset[1] - scale[1] * cos),
     }
 }

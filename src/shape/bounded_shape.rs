@@ -1,4 +1,4 @@
-//! [`AnalyticShape`], which every bounded shape implements.
+//! [`BoundedShape`], which every bounded shape implements.
 
 use super::surface_point::{ShapeSample, SolidAngleSampleResult, SurfacePoint};
 use super::texture_mapping::TexCoord;
@@ -6,8 +6,8 @@ use crate::accel::ShapeHit;
 use crate::math::{BoundingSphere, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Bounded shape in world space; [`Shape`](super::Shape) dispatches to it.
-pub(super) trait AnalyticShape: Sized {
+/// Bounded shape in world space, of any kind; [`Shape`](super::Shape) dispatches to it.
+pub(super) trait BoundedShape: Sized {
     /// Nearest hit of `ray` with a ray parameter in (0, `ray.t_max`); `None` if there is none.
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit>;
 
@@ -23,7 +23,7 @@ pub(super) trait AnalyticShape: Sized {
 
     /// Texture coordinates at the world-space surface point `p`, as the shape itself defines them.
     ///
-    /// `uv` is that of the [`ShapeHit`] at `p`. By default, the texture
+    /// `uv` is `shape_coords` of the [`ShapeHit`] at `p`. By default, the texture
     /// coordinates are `uv` and their gradients are zero.
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         TexCoord { uv: uv.as_dvec2(), ..TexCoord::default() }
@@ -47,7 +47,7 @@ pub(super) trait AnalyticShape: Sized {
     /// Samples a point of the surface, with its pdf per area; `u` is uniform in \[0, 1)².
     fn sample(&self, u: Vec2) -> ShapeSample;
 
-    /// Pdf of [`AnalyticShape::sample`] at `point`, per area \[1/length²].
+    /// Pdf of [`BoundedShape::sample`] at `point`, per area \[1/length²].
     ///
     /// The default is for uniform samples: 1 over the area.
     #[inline]

@@ -9,35 +9,35 @@ use std::time::{Duration, Instant};
 
 /// Smallest time between two updates, as a multiple of the time that an update takes. It keeps the
 /// time of updates below 1 % of a render.
-const MIN_INTERVAL_FACTOR: u32 = 100;
+const MIN_INTERVAL_UPDATE_RATIO: u32 = 100;
 
 /// Writer of the pictures of an unfinished render.
 ///
 /// Each file is whole at any time: [`image::write`] renames a complete file to its name.
-pub(super) struct PictureUpdates<'a> {
+pub(super) struct PictureUpdater<'a> {
     paths: &'a [PathBuf],
     options: &'a WriteOptions,
     interval: Duration,
     /// Earliest time of the next update; `None` before the first one.
-    next: Option<Instant>,
+    next_update: Option<Instant>,
     /// True after a file could not be written. No update follows.
     failed: bool,
 }
 
-impl<'a> PictureUpdates<'a> {
+impl<'a> PictureUpdater<'a> {
     /// Makes a writer that updates the pictures at `paths` after the first pass, and then at most
     /// once per `interval`.
     pub fn new(paths: &'a [PathBuf], options: &'a WriteOptions, interval: Duration) -> Self {
-        Self { paths, options, interval, next: None, failed: false }
+        Self { paths, options, interval, next_update: None, failed: false }
     }
 
     /// Writes the mean of `film` if an update is due.
     ///
     /// An error ends the updates with a warning. The render goes on, because the file may be
     /// writable at its end.
-    pub fn update(&mut self, film: &Film) {
+    pub fn update_if_due(&mut self, film: &Film) {
         let start = Instant::now();
-        if self.failed || self.next.is_some_and(|next| start < next) {
+        if self.failed || self.next_update.is_some_and(|next| start < next) {
             return;
         }
         if let Err(error) = self.write(film) {
@@ -45,13 +45,13 @@ impl<'a> PictureUpdates<'a> {
             self.failed = true;
         }
         let now = Instant::now();
-        self.next = Some(now + self.interval.max((now - start) * MIN_INTERVAL_FACTOR));
+        self.next_update = Some(now + self.interval.max((now - start) * MIN_INTERVAL_UPDATE_RATIO));
     }
 
     /// Writes the mean of `film` to all paths.
     fn write(&self, film: &Film) -> Result<(), Box<dyn Error>> {
         let (width, height) = film.size();
-        let picture = Image::from_pixels(width, height, film.mean())?;
+        let picture = Image::from_pixels(width, height, film.mean_picture())?;
         for path in self.paths {
             image::write(path, &picture, self.options)?;
         }
@@ -75,26 +75,26 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (path, options) = (folder.path().join("a.exr"), WriteOptions::default());
         let red = || image::read(&path).unwrap().pixels()[0].x;
-        let mut updates = PictureUpdates::new(std::slice::from_ref(&path), &options, Duration::from_secs(1000));
-        updates.update(&film(1.0));
+        let mut updates = PictureUpdater::new(std::slice::from_ref(&path), &options, Duration::from_secs(1000));
+        updates.update_if_due(&film(1.0));
         assert_eq!(red(), 1.0);
-        updates.update(&film(2.0));
+        updates.update_if_due(&film(2.0));
         assert_eq!(red(), 1.0);
-        updates.next = Some(Instant::now());
-        updates.update(&film(3.0));
+        updates.next_update = Some(Instant::now());
+        updates.update_if_due(&film(3.0));
         assert_eq!(red(), 3.0);
-        assert!(updates.next.unwrap() > Instant::now() + Duration::from_secs(900));
+        assert!(updates.next_update.unwrap() > Instant::now() + Duration::from_secs(900));
     }
 
     #[test]
     fn updates_end_after_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let (path, options) = (folder.path().join("later/a.exr"), WriteOptions::default());
-        let mut updates = PictureUpdates::new(std::slice::from_ref(&path), &options, Duration::ZERO);
-        updates.update(&film(1.0));
+        let mut updates = PictureUpdater::new(std::slice::from_ref(&path), &options, Duration::ZERO);
+        updates.update_if_due(&film(1.0));
         std::fs::create_dir(folder.path().join("later")).unwrap();
-        updates.next = None;
-        updates.update(&film(1.0));
+        updates.next_update = None;
+        updates.update_if_due(&film(1.0));
         assert!(!path.exists());
     }
 }

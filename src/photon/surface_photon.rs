@@ -10,9 +10,9 @@ use glam::{Vec2, Vec3};
 /// 1.5·10⁻⁵ of the sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(super) struct PackedFlux {
-    sum: f32,
-    red: u16,
-    green: u16,
+    channel_sum: f32,
+    red_fraction: u16,
+    green_fraction: u16,
 }
 
 impl PackedFlux {
@@ -24,7 +24,7 @@ impl PackedFlux {
             return None;
         }
         let fraction = |c: f32| (c / sum * 65_535.0 + 0.5) as u16;
-        Some(Self { sum, red: fraction(flux.x), green: fraction(flux.y) })
+        Some(Self { channel_sum: sum, red_fraction: fraction(flux.x), green_fraction: fraction(flux.y) })
     }
 
     /// Returns the flux with a density estimate share stored in the lowest four bits of its channel
@@ -34,21 +34,21 @@ impl PackedFlux {
     /// with `steps` < 16. Storing it changes the flux by less than the factor 1 ± 2⁻¹⁹.
     #[inline]
     fn with_packed_share(self, steps: u8) -> Self {
-        Self { sum: f32::from_bits(self.sum.to_bits() & !15 | u32::from(steps)), ..self }
+        Self { channel_sum: f32::from_bits(self.channel_sum.to_bits() & !15 | u32::from(steps)), ..self }
     }
 
     /// Returns the unpacked flux \[W].
     #[inline]
     pub fn flux(self) -> Rgb {
-        let (red, green) = (f32::from(self.red), f32::from(self.green));
+        let (red, green) = (f32::from(self.red_fraction), f32::from(self.green_fraction));
         // Multiplying by the sum first would give subnormal numbers if the sum is very small.
-        Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * (1.0 / 65_535.0) * self.sum
+        Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * (1.0 / 65_535.0) * self.channel_sum
     }
 }
 
-/// All data of a stored photon except its position, in 20 bytes.
+/// Attributes of a stored photon: all but its position, in 20 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub struct PhotonData {
+pub struct PhotonAttributes {
     flux: PackedFlux,
     /// Direction towards the previous path vertex, in octahedral coordinates.
     incident: [u16; 2],
@@ -67,7 +67,7 @@ pub struct Photon {
     /// Position on the surface.
     pub position: Vec3,
     /// Incident direction, tangent plane, flux and wavelength.
-    pub data: PhotonData,
+    pub attributes: PhotonAttributes,
 }
 
 impl Photon {
@@ -80,7 +80,7 @@ impl Photon {
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, incident: Vec3, normal: Vec3) -> Option<Self> {
         let flux = PackedFlux::new(flux).filter(|_| position.is_finite())?;
-        let mut data = PhotonData {
+        let mut data = PhotonAttributes {
             flux,
             incident: encode_octahedral(incident),
             normal: [normal.x, normal.y, normal.z].map(|c| (c * NORMAL_SCALE).round() as i8),
@@ -88,7 +88,7 @@ impl Photon {
             plane_offset: 0.0,
         };
         data.plane_offset = data.normal().dot(position);
-        Some(Self { position, data })
+        Some(Self { position, attributes: data })
     }
 
     /// Returns the photon with `wavelength_code`, a
@@ -96,20 +96,23 @@ impl Photon {
     #[inline]
     #[must_use]
     pub fn with_wavelength_code(self, wavelength_code: u8) -> Self {
-        Self { data: PhotonData { wavelength_code, ..self.data }, ..self }
+        Self { attributes: PhotonAttributes { wavelength_code, ..self.attributes }, ..self }
     }
 
-    /// Returns the photon with [`PhotonData::density_estimate_share`] set to
+    /// Returns the photon with [`PhotonAttributes::density_estimate_share`] set to
     /// `steps`/[`SHARE_STEPS`].
     #[inline]
     #[must_use]
     pub fn with_density_estimate_share(self, steps: u8) -> Self {
-        Self { data: PhotonData { flux: self.data.flux.with_packed_share(steps), ..self.data }, ..self }
+        Self {
+            attributes: PhotonAttributes { flux: self.attributes.flux.with_packed_share(steps), ..self.attributes },
+            ..self
+        }
     }
 }
 
-/// Number of steps of a stored [`PhotonData::density_estimate_share`]: the integer `SHARE_STEPS`
-/// stands for a share of 1.
+/// Number of steps of a stored [`PhotonAttributes::density_estimate_share`]: the integer
+/// `SHARE_STEPS` stands for a share of 1.
 pub(super) const SHARE_STEPS: u8 = 15;
 
 /// Factor from a unit normal to its stored components, which are 8-bit integers.
@@ -119,8 +122,10 @@ const NORMAL_SCALE: f32 = 127.0;
 /// compared with the quantized normals of photons.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentPlane {
-    point: Vec3,
-    normal: Vec3,
+    /// Query point, divided by [`NORMAL_SCALE`].
+    scaled_point: Vec3,
+    /// Unit normal, divided by [`NORMAL_SCALE`].
+    scaled_normal: Vec3,
 }
 
 impl TangentPlane {
@@ -128,11 +133,11 @@ impl TangentPlane {
     #[inline]
     #[must_use]
     pub fn new(point: Vec3, normal: Vec3) -> Self {
-        Self { point: point / NORMAL_SCALE, normal: normal / NORMAL_SCALE }
+        Self { scaled_point: point / NORMAL_SCALE, scaled_normal: normal / NORMAL_SCALE }
     }
 }
 
-impl PhotonData {
+impl PhotonAttributes {
     /// Returns the cosine between the photon's normal and the normal of `plane`, and the signed
     /// height \[length] of the query point over the photon's tangent plane.
     ///
@@ -141,7 +146,7 @@ impl PhotonData {
     #[must_use]
     pub fn normal_cosine_and_height(&self, plane: &TangentPlane) -> (f32, f32) {
         let normal = Vec3::from(self.normal.map(f32::from));
-        (normal.dot(plane.normal), normal.dot(plane.point) - self.plane_offset)
+        (normal.dot(plane.scaled_normal), normal.dot(plane.scaled_point) - self.plane_offset)
     }
 
     /// Returns the flux that the photon carries \[W].
@@ -158,7 +163,7 @@ impl PhotonData {
     #[inline]
     #[must_use]
     pub fn density_estimate_share(&self) -> f32 {
-        (self.flux.sum.to_bits() & 15) as f32 * (1.0 / SHARE_STEPS as f32)
+        (self.flux.channel_sum.to_bits() & 15) as f32 * (1.0 / SHARE_STEPS as f32)
     }
 
     /// Wavelength of the photon as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code);
@@ -228,7 +233,7 @@ mod tests {
 
     #[test]
     fn photon_record_sizes_are_fixed() {
-        assert_eq!((size_of::<PhotonData>(), size_of::<Photon>()), (20, 32));
+        assert_eq!((size_of::<PhotonAttributes>(), size_of::<Photon>()), (20, 32));
     }
 
     #[test]
@@ -239,7 +244,7 @@ mod tests {
             let normal = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightPosition));
             let scale = [1e-33, 1.0, 1e30][i as usize % 3];
             let flux = key.uniform_2d(Dimension::Film).extend(key.uniform_1d(Dimension::Light)) * scale;
-            let packed = Photon::new(normal, flux, from, normal).unwrap().data;
+            let packed = Photon::new(normal, flux, from, normal).unwrap().attributes;
             assert!((packed.incident_direction() - from).length() < 1e-4);
             assert!((packed.normal() - normal).length() < 0.01);
             let (cosine, height) = packed.normal_cosine_and_height(&TangentPlane::new(normal * 3.0, -normal));

@@ -1,7 +1,7 @@
 //! Volume photons: photons stored at scattering points in participating media.
 
 use super::packet::{LANES, LineQuery, PointPacket, indices_of_set_bits};
-use super::record::{PackedFlux, decode_octahedral, encode_octahedral};
+use super::surface_photon::{PackedFlux, decode_octahedral, encode_octahedral};
 use crate::accel::BoxTree;
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, morton_order};

@@ -13,23 +13,23 @@ const STEPS: u32 = 16;
 
 /// Largest number of moving shapes whose motion is measured. If there are more, every n-th shape is
 /// measured.
-const MAX_SHAPES: usize = 4096;
+const MAX_MEASURED_SHAPES: usize = 4096;
 
 /// Number of film points along each side of the film at which camera motion is measured.
 const FILM_POINTS: u32 = 5;
 
 /// Cameras and pixel sizes with which the motion of points while the shutter is open is measured in
 /// pixels.
-struct FilmMotionExtent {
+struct MotionLengthMeter {
     /// The camera at times 0, 1/[`STEPS`], …, 1 of the shutter interval.
     cameras: Vec<Camera>,
     /// Width and height of the film \[pixels].
     size: Vec2,
     /// Width of a pixel at the center of the photon domain \[length].
-    pixel: f64,
+    pixel_width: f64,
 }
 
-impl FilmMotionExtent {
+impl MotionLengthMeter {
     fn new(scene: &Scene) -> Self {
         let moved = |step| match scene.animation.as_ref().and_then(|animation| animation.camera.as_ref()) {
             Some((camera, motion)) => {
@@ -37,13 +37,13 @@ impl FilmMotionExtent {
             }
             None => scene.camera,
         };
-        let (width, growth) = scene.camera.pixel_footprint();
+        let (width, growth) = scene.camera.pixel_footprint_and_growth();
         let distance = scene.photon_domain().center.distance(scene.camera.center().as_vec3());
         let (columns, rows) = scene.camera.size();
         Self {
             cameras: (0..=STEPS).map(moved).collect(),
             size: Vec2::new(columns as f32, rows as f32),
-            pixel: f64::from(width + growth * distance),
+            pixel_width: f64::from(width + growth * distance),
         }
     }
 
@@ -51,7 +51,7 @@ impl FilmMotionExtent {
     ///
     /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
     /// Film points outside the picture are clamped to its edge.
-    fn length_on_film(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
+    fn film_length_in_pixels(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         let film = |(step, camera): (u32, &Camera)| {
             let at = camera.connect_to_point(position(step).as_vec3(), None)?.film_position;
             Some(at.clamp(Vec2::ZERO, self.size))
@@ -70,8 +70,8 @@ impl FilmMotionExtent {
     /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
     /// The measure serves objects outside the picture. Their shadows and caustics may fall into the
     /// picture, and move about as far as the objects.
-    fn length_in_scene(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
-        (0..STEPS).map(|step| position(step).distance(position(step + 1))).sum::<f64>() / self.pixel
+    fn scene_length_in_pixels(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
+        (0..STEPS).map(|step| position(step).distance(position(step + 1))).sum::<f64>() / self.pixel_width
     }
 }
 
@@ -90,7 +90,7 @@ fn box_corners((min, max): (DVec3, DVec3)) -> impl Iterator<Item = DVec3> {
 
 /// Returns a function from a number of steps (see [`STEPS`]) to the position of a moving point, in
 /// scene coordinates. `point` is its position at mid-shutter.
-fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec3 + use<'_> {
+fn trajectory_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec3 + use<'_> {
     let before = motion.at_time(MID_SHUTTER).inverse().transform_point3(point);
     move |step| motion.at_time(step_time(step)).transform_point3(before)
 }
@@ -105,18 +105,18 @@ fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec
 /// A distance through the scene is divided by the width of a pixel at the center of the photon
 /// domain.
 #[must_use]
-pub fn motion_on_film(scene: &Scene) -> f32 {
+pub fn max_motion_in_pixels(scene: &Scene) -> f32 {
     let Some(animation) = &scene.animation else { return 0.0 };
-    let film = FilmMotionExtent::new(scene);
+    let film = MotionLengthMeter::new(scene);
     let mut longest = 0.0f64;
 
     // Measure moving shapes by the corners of their boxes.
-    let every = animation.shapes.len().div_ceil(MAX_SHAPES).max(1);
+    let every = animation.shapes.len().div_ceil(MAX_MEASURED_SHAPES).max(1);
     for (shape, motion) in animation.shapes.iter().step_by(every) {
         let maps: Vec<_> = (0..=STEPS).map(|step| motion.at_time(step_time(step))).collect();
         for corner in box_corners(shape.bounds_f64()) {
             let position = |step: u32| maps[step as usize].transform_point3(corner);
-            longest = longest.max(film.length_on_film(&position)).max(film.length_in_scene(&position));
+            longest = longest.max(film.film_length_in_pixels(&position)).max(film.scene_length_in_pixels(&position));
         }
     }
 
@@ -126,7 +126,7 @@ pub fn motion_on_film(scene: &Scene) -> f32 {
         let center = scene.lights[*i].representative_point().unwrap_or(domain.center).as_dvec3();
         let reach = if kind.changes_by_rotation() { f64::from(domain.radius) } else { 0.0 };
         for corner in box_corners((center - reach, center + reach)) {
-            longest = longest.max(film.length_in_scene(&moved_from_mid_shutter(motion, corner)));
+            longest = longest.max(film.scene_length_in_pixels(&trajectory_from_mid_shutter(motion, corner)));
         }
     }
 
@@ -144,8 +144,8 @@ pub fn motion_on_film(scene: &Scene) -> f32 {
                 HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) => None,
             });
             longest = longest.max(match plane {
-                Some((_, motion)) => film.length_on_film(&moved_from_mid_shutter(motion, seen)),
-                None => film.length_on_film(&|_| seen),
+                Some((_, motion)) => film.film_length_in_pixels(&trajectory_from_mid_shutter(motion, seen)),
+                None => film.film_length_in_pixels(&|_| seen),
             });
         }
     }

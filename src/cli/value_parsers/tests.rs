@@ -42,7 +42,11 @@ fn times_sizes_and_exposures_have_ranges() {
     assert_eq!((parse_exposure_stops("+1.5"), parse_exposure_stops("-64")), (Ok(1.5), Ok(-64.0)));
     assert!(parse_threads("0").is_err() && parse_threads("1025").is_err() && parse_threads("1k") == Ok(1000));
     assert!(["0", "1.01", "NaN"].iter().all(|text| parse_alpha(text).is_err()) && parse_alpha("1") == Ok(1.0));
-    assert!(parse_length("0").is_err() && parse_length("NaN").is_err() && parse_length("0.5").is_ok());
+    assert!(
+        parse_positive_length("0").is_err()
+            && parse_positive_length("NaN").is_err()
+            && parse_positive_length("0.5").is_ok()
+    );
 }
 
 #[test]
@@ -92,7 +96,11 @@ fn fractions_and_bounds_have_ranges() {
 fn points_lengths_and_angles_have_ranges() {
     assert_eq!(parse_point("1,-2.5, 3e2"), Ok(DVec3::new(1.0, -2.5, 300.0)));
     assert!(["1,2", "1,2,3,4", "1,2,x", "1,2,inf", ""].iter().all(|text| parse_point(text).is_err()));
-    assert!(parse_distance("0") == Ok(0.0) && parse_distance("-1").is_err() && parse_distance("nan").is_err());
+    assert!(
+        parse_nonnegative_length("0") == Ok(0.0)
+            && parse_nonnegative_length("-1").is_err()
+            && parse_nonnegative_length("nan").is_err()
+    );
     assert!(parse_positive_factor("0").is_err() && parse_positive_factor("1e-3") == Ok(1e-3));
     assert!(parse_degrees("180") == Ok(180.0) && parse_degrees("181").is_err());
 }

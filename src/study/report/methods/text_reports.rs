@@ -8,7 +8,7 @@ use crate::study::methods::fit::{
     mean_confidence_interval,
 };
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
-use crate::study::report::plain::{csv_row, escape_markdown, markdown_code_block, markdown_table};
+use crate::study::report::csv_and_markdown::{csv_row, escape_markdown, markdown_code_block, markdown_table};
 use crate::study::report::text::{count_text, duration_text, error_percent_text};
 use serde::Serialize;
 
@@ -52,21 +52,21 @@ pub fn csv_report(found: &MethodStudyResult) -> String {
                 method.label.clone(),
                 method.algorithm.name().to_owned(),
                 c.passes.to_string(),
-                number(c.seconds),
-                number(c.wall),
-                number(method.setup),
+                number(c.cpu_seconds),
+                number(c.wall_seconds),
+                number(method.setup_seconds),
                 number(c.rays),
                 number(c.photon_paths),
                 number(c.mean_squared_error()),
                 low,
                 high,
-                number(c.noise2),
-                number(c.bias2),
+                number(c.squared_noise),
+                number(c.squared_bias),
                 c.mean_square_of_estimated_error().map_or(String::new(), number),
                 number(c.rmse),
                 number(c.flip),
                 c.squared_errors.iter().map(f64::to_string).collect::<Vec<_>>().join(";"),
-                method.command.clone(),
+                method.render_command.clone(),
             ]);
         }
     }
@@ -79,11 +79,13 @@ struct MethodStudyJson<'f> {
     program: &'f str,
     machine: &'f str,
     scene: &'f str,
-    command: &'f str,
+    #[serde(rename = "command")]
+    study_command: &'f str,
     width: u32,
     height: u32,
     seeds: u32,
-    budget: f64,
+    #[serde(rename = "budget")]
+    cpu_seconds_per_seed: f64,
     #[serde(rename = "share")]
     thread_time_share: f64,
     interrupted: bool,
@@ -105,16 +107,22 @@ struct ReferenceJson<'f> {
 struct MethodJson<'f> {
     label: &'f str,
     algorithm: &'static str,
-    command: &'f str,
-    setup: f64,
+    #[serde(rename = "command")]
+    render_command: &'f str,
+    #[serde(rename = "setup")]
+    setup_seconds: f64,
     alpha: f64,
-    radii: Option<[f32; 2]>,
+    #[serde(rename = "radii")]
+    gather_radii: Option<[f32; 2]>,
     checkpoints: &'f [ConvergenceCheckpoint],
     fit: &'f Option<ConvergenceFit>,
-    theory: PredictedSlopesJson,
+    #[serde(rename = "theory")]
+    predicted_slopes: PredictedSlopesJson,
     verdict: String,
-    reaches: Vec<TimeToErrorJson>,
-    tenth: TimeToError,
+    #[serde(rename = "reaches")]
+    times_to_target_errors: Vec<TimeToErrorJson>,
+    #[serde(rename = "tenth")]
+    time_to_tenth_error: TimeToError,
 }
 
 /// JSON of the slopes that theory predicts for a method's error, noise and bias.
@@ -127,9 +135,10 @@ struct PredictedSlopesJson {
 
 #[derive(Serialize)]
 struct TimeToErrorJson {
-    error: f64,
+    #[serde(rename = "error")]
+    target_error: f64,
     #[serde(flatten)]
-    reach: TimeToError,
+    time_to_error: TimeToError,
 }
 
 /// Returns the report of a study of methods as JSON: everything but pixels. Infinite values are
@@ -141,36 +150,36 @@ pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json
     let analysis = MethodStudyAnalysis::new(found);
     let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
         let law = |quantity| judged.predicted_convergence_slopes(method, quantity);
-        let target = |(error, reach): (f64, TimeToError)| TimeToErrorJson { error, reach };
+        let target = |(error, reach): (f64, TimeToError)| TimeToErrorJson { target_error: error, time_to_error: reach };
         MethodJson {
             label: &method.label,
             algorithm: method.algorithm.name(),
-            command: &method.command,
-            setup: method.setup,
+            render_command: &method.render_command,
+            setup_seconds: method.setup_seconds,
             alpha: method.alpha,
-            radii: method.radii,
+            gather_radii: method.gather_radii,
             checkpoints: &method.checkpoints,
             fit: &judged.fit,
-            theory: PredictedSlopesJson {
+            predicted_slopes: PredictedSlopesJson {
                 error: law(ErrorComponent::Error),
                 noise: law(ErrorComponent::Noise),
                 bias: law(ErrorComponent::Bias),
             },
             verdict: judged.verdict.to_string(),
-            reaches: TARGET_ERRORS.into_iter().zip(judged.reaches).map(target).collect(),
-            tenth: judged.tenth,
+            times_to_target_errors: TARGET_ERRORS.into_iter().zip(judged.times_to_target_errors).map(target).collect(),
+            time_to_tenth_error: judged.time_to_tenth_error,
         }
     });
     let report = MethodStudyJson {
         schema: SCHEMA,
         program: &found.program,
         machine: &found.machine,
-        scene: &found.scene,
-        command: &found.command,
+        scene: &found.scene_path,
+        study_command: &found.study_command,
         width: found.reference.picture.width(),
         height: found.reference.picture.height(),
         seeds: found.seeds,
-        budget: found.budget,
+        cpu_seconds_per_seed: found.cpu_seconds_per_seed,
         thread_time_share: found.thread_time_share,
         interrupted: found.interrupted,
         warnings: study_warnings(found),
@@ -190,13 +199,13 @@ pub fn markdown_report(found: &MethodStudyResult) -> String {
         found.reference.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
     let mut text = format!(
         "# Error over time: {}\n\n{}. {}. Seeds: {} of each method, up to {} of processor time each. Reference: {}{own_error}.\n\n{}",
-        escape_markdown(&found.scene),
+        escape_markdown(&found.scene_path),
         escape_markdown(&found.program),
         escape_markdown(&found.machine),
         found.seeds,
-        duration_text(found.budget),
+        duration_text(found.cpu_seconds_per_seed),
         escape_markdown(&found.reference.source),
-        markdown_code_block(&found.command),
+        markdown_code_block(&found.study_command),
     );
     for warning in study_warnings(found) {
         text += &format!("\n> {}\n", escape_markdown(&warning));
@@ -213,8 +222,8 @@ pub fn markdown_report(found: &MethodStudyResult) -> String {
         vec![
             method.label.clone(),
             of(ConvergenceCheckpoint::mean_squared_error),
-            of(|c| c.noise2),
-            of(|c| c.bias2),
+            of(|c| c.squared_noise),
+            of(|c| c.squared_bias),
             slope_interval_text(fit.and_then(|f| f.error)),
             fit.map_or("–".to_owned(), |_| {
                 slope_range_text(judged.predicted_convergence_slopes(method, ErrorComponent::Error))
@@ -229,8 +238,8 @@ pub fn markdown_report(found: &MethodStudyResult) -> String {
             let (time, work) = time_to_error_text(reach, method.algorithm.traces_photons());
             if work.is_empty() { time } else { format!("{time} ({})", work.join(", ")) }
         };
-        let reaches = judged.reaches.iter().chain([&judged.tenth]).map(reach);
-        [method.label.clone(), duration_text(method.setup)].into_iter().chain(reaches).collect()
+        let reaches = judged.times_to_target_errors.iter().chain([&judged.time_to_tenth_error]).map(reach);
+        [method.label.clone(), duration_text(method.setup_seconds)].into_iter().chain(reaches).collect()
     });
     let heads = ["method", "setup", "10 %", "5 %", "2 %", "1 %", "a tenth of the last error"];
     text += &format!("\n## Time to reach an error\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));
@@ -240,7 +249,7 @@ pub fn markdown_report(found: &MethodStudyResult) -> String {
             "\n### {}\n\n{}\n{}",
             escape_markdown(&method.label),
             checkpoints_markdown(method),
-            markdown_code_block(&method.command)
+            markdown_code_block(&method.render_command)
         );
     }
     text
@@ -250,12 +259,12 @@ fn checkpoints_markdown(method: &MethodResult) -> String {
     let row = |c: &ConvergenceCheckpoint| {
         vec![
             c.passes.to_string(),
-            duration_text(c.seconds),
+            duration_text(c.cpu_seconds),
             count_text(c.rays),
             count_text(c.photon_paths),
             square_root_percent_text(c.mean_squared_error()),
-            square_root_percent_text(c.noise2),
-            square_root_percent_text(c.bias2),
+            square_root_percent_text(c.squared_noise),
+            square_root_percent_text(c.squared_bias),
         ]
     };
     let rows: Vec<Vec<String>> = method.checkpoints.iter().map(row).collect();
