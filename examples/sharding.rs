@@ -1,7 +1,7 @@
 //! Error and cost of a render in shards, on the reference room:
 //!
 //! ```sh
-//! cargo run --release --example sharding -- error [PHOTONS] [PASSES] [SHARDS]
+//! cargo run --release --example sharding -- error [PHOTONS] [PASSES] [SHARDS] [SEED]
 //! cargo run --release --example sharding -- cost [EDGE …]
 //! ```
 //!
@@ -103,10 +103,11 @@ fn shard(settings: &Settings, passes: std::ops::Range<u32>, work: &mut Work) -> 
 }
 
 /// Renders in shards, and prints estimated and true error.
-fn compare_errors(photons: u32, passes: u32, shards: u32) -> Result<(), Box<dyn Error>> {
+fn compare_errors(photons: u32, passes: u32, shards: u32, seed: u64) -> Result<(), Box<dyn Error>> {
     let mut settings =
         Settings { unaimed_paths: photons, aimed_paths: photons / 2, allows_ray_photon_balance: false, ..settings() };
     settings.camera_paths.samples_per_pixel = Some(1);
+    settings.camera_paths.seed = seed;
     let mut work = Work::default();
     let mut total: Option<RenderResult> = None;
     let size = passes / shards;
@@ -183,7 +184,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let numbers: Vec<u32> = words.iter().skip(1).map(|word| word.parse()).collect::<Result<_, _>>()?;
     let number = |i: usize, default: u32| numbers.get(i).copied().unwrap_or(default);
     match words.first().map(String::as_str) {
-        Some("error") => compare_errors(number(0, 1000), number(1, PASSES), number(2, SHARDS)),
+        Some("error") => compare_errors(number(0, 1000), number(1, PASSES), number(2, SHARDS), number(3, 0).into()),
         Some("cost") if numbers.is_empty() => print_costs(&[64, 128, 256, 512]),
         Some("cost") => print_costs(&numbers),
         _ => Err("the first word is `error` or `cost`".into()),

@@ -103,6 +103,7 @@ Group {
 
 /// Each group of an algorithm has the mean of that group in path tracing.
 #[test]
+#[ignore = "long: many samples by several integrators"]
 fn algorithms_agree_on_each_light_group() {
     let scene = scene_from_text(GROUPS);
     let passes = 24;

@@ -135,6 +135,7 @@ fn is_large(path: &Path) -> bool {
 }
 
 #[test]
+#[ignore = "long: conversions of many scenes"]
 fn converted_mitsuba_scenes_render_to_the_same_bits() {
     check_conversion(world_scenes().into_iter().filter(|path| !is_large(path)));
 }

@@ -67,6 +67,7 @@ fn check_conversion(scenes: impl IntoIterator<Item = PathBuf>) {
 }
 
 #[test]
+#[ignore = "long: conversions of many scenes"]
 fn pbrt_scenes_convert_to_the_same_bits() {
     check_conversion(["cell", "smoke"].map(|name| project_path(&format!("tests/data/pbrt/{name}.pbrt"))));
     if let Some(folder) = world_data_folder("pbrt-v3") {

@@ -235,6 +235,7 @@ fn data_files_hold_every_checkpoint() {
 }
 
 #[test]
+#[ignore = "long: a browser"]
 fn browser_shows_the_page() {
     let Some(browser) = Browser::find() else {
         eprintln!("skipped: no chromium, chromium-browser or google-chrome in PATH");

@@ -34,6 +34,7 @@ fn white_ball_in_fog() -> Scene {
 /// The mean may differ from 1 by five standard errors, and by the bias of photon beams near the
 /// boundaries, whose kernel is 0.03 wide.
 #[test]
+#[ignore = "long: many samples of weights"]
 fn indirect_light_weights_in_fog_sum_to_one() {
     const SAMPLES: u32 = 8;
     const PHOTONS: u32 = 4000;

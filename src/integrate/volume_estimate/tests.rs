@@ -108,6 +108,7 @@ fn parallel_light(pass: u64, estimate: VolumeEstimator) -> VolumePhotons {
 /// Along a ray beside the wall and across parallel light, the scattered radiance is σs/(4π) ·
 /// exp(−σt s) · (1 − exp(−σt L))/σt.
 #[test]
+#[ignore = "long: statistics against a closed form"]
 fn estimates_beside_a_wall_match_single_scattering() {
     for estimate in [VolumeEstimator::Beams, VolumeEstimator::BeamRadiance, VolumeEstimator::Points] {
         for part in [0.02, 0.5, 2.0f32] {

@@ -33,6 +33,7 @@ fn check_methods_agree_on_floor(name: &str, material: &str) {
 }
 
 #[test]
+#[ignore = "long: many samples by several integrators"]
 fn integrators_agree_on_mix_of_receiver_and_caster() {
     let mix =
         "Diffuse a { reflectance .9 .7 .5 } Mirror b { reflectance .9 .8 .7 } Mix m { first a second b amount .4 }";
@@ -40,6 +41,7 @@ fn integrators_agree_on_mix_of_receiver_and_caster() {
 }
 
 #[test]
+#[ignore = "long: many samples by several integrators"]
 fn integrators_agree_on_smooth_plastic() {
     check_methods_agree_on_floor("smooth plastic", "CoatedDiffuse m { reflectance .9 .5 .2  indexOfRefraction 1.8 }");
 }

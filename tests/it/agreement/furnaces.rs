@@ -74,6 +74,7 @@ fn lossless_materials_vanish_in_furnace() {
 /// loses 1.2 % along the normal and 11 % at 85°. Glass loses 0.1 % and 1.2 % on its way through two
 /// interfaces. It also loses up to 14 % of the tenth that is reflected inside.
 #[test]
+#[ignore = "long: many samples by several integrators"]
 fn rough_materials_lose_only_stated_energy() {
     let frosted = |alpha| Material::rough_boundary(Body::new(1.5), alpha);
     let metal = |alpha| Material::conductor(Vec3::ZERO, Vec3::splat(2.0), alpha);
@@ -115,6 +116,7 @@ fn phong_albedo(kd: f64, ks: f64, s: f64, theta: f64) -> f64 {
 ///
 /// The view is narrow, so all its rays have nearly the same angle.
 #[test]
+#[ignore = "long: many samples by several integrators"]
 fn glossy_material_shows_its_furnace_albedo() {
     let (kd, ks, s) = (0.4, 3.0, 12.0);
     for theta in [0.2f64, 1.1] {
@@ -147,6 +149,7 @@ fn glossy_material_shows_its_furnace_albedo() {
 /// Radiance 1 is that of walls with the albedo kd + 2ks/(s + 2) = 0.75, the upper bound of the
 /// BRDF.
 #[test]
+#[ignore = "long: many samples by several integrators"]
 fn integrators_agree_on_glossy_walls() {
     let mut b = SceneBuilder::new();
     let wall = b.add_material(Material::phong(grey(0.25), grey(1.5), 4.0));

@@ -62,6 +62,7 @@ fn check_density_moments(what: &str, m: &Moments) {
 /// 1/N. n is the expected number of photons in the disc, N that of all photons, and c the kernel's
 /// noise factor.
 #[test]
+#[ignore = "long: statistics against a closed form"]
 fn fixed_radius_noise_matches_kernel() {
     for kernel in KERNELS {
         let radius = 0.1;

@@ -130,6 +130,7 @@ fn stored_photon_fluxes(at: Placement, aimed: bool, mask: StoreMask, passes: u32
 }
 
 #[test]
+#[ignore = "long: statistics against a closed form"]
 fn similarity_transforms_preserve_flux() {
     let here = stored_photon_fluxes(HERE, true, StoreMask::CAUSTIC, PASSES, 1 << 15);
     let all = stored_photon_fluxes(HERE, false, StoreMask::ALL, PASSES, 1 << 15);
@@ -161,6 +162,7 @@ fn similarity_transforms_preserve_flux() {
 /// Random numbers depend on the seed alone, so paths are the same, except for a few photons that
 /// rounding sends on another path.
 #[test]
+#[ignore = "long: statistics against a closed form"]
 fn similarity_transforms_preserve_radiance() {
     let mean = |at: Placement| mean_radiance_per_pass(&room_scene(at), estimates_at_photons(), 8);
     let here = mean(HERE);
@@ -178,6 +180,7 @@ fn similarity_transforms_preserve_radiance() {
 /// Unaimed passes that store photons of every kind hold the same caustic photons as unaimed passes
 /// that store only caustics.
 #[test]
+#[ignore = "long: statistics against a closed form"]
 fn aimed_emission_preserves_caustics() {
     let aimed = stored_photon_fluxes(HERE, true, StoreMask::CAUSTIC, 32, 1 << 15);
     let everywhere = stored_photon_fluxes(HERE, false, StoreMask::CAUSTIC, 32, 1 << 17);

@@ -132,6 +132,7 @@ fn floor_photon_maps(scene: &Scene) -> Vec<PhotonMap> {
 /// The expected value of a density estimate is the kernel's weighted mean of irradiance, at any
 /// radius and position.
 #[test]
+#[ignore = "long: statistics against a closed form"]
 fn estimates_have_exact_kernel_bias() {
     for lamp in &LAMPS {
         let scene = photon_only_scene(floor_under_lamp(lamp));

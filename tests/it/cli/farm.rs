@@ -173,6 +173,7 @@ fn hopeless_shards_end_the_farm() {
 /// Waves of shards follow until the estimated error is low enough, or the largest number of passes
 /// is reached. The picture has the bits of one render of these passes.
 #[test]
+#[ignore = "long: many runs of the program"]
 fn waves_follow_until_the_error_is_reached() {
     let slurm = FakeSlurm::new(1001);
     let words = "--shards 2 --passes 7 -o out.exr --target-error 4%";

@@ -100,6 +100,7 @@ fn kill_and_continue(kills: u32) {
 
 #[cfg(unix)]
 #[test]
+#[ignore = "long: many runs of the program"]
 fn killed_renders_go_on_from_the_film() {
     kill_and_continue(8);
 }
@@ -209,6 +210,7 @@ fn clocks_that_go_back_lose_no_film() {
 /// Films that exceed `--memory` are refused before their sums are read. The limit that a command
 /// names is enough for it.
 #[test]
+#[ignore = "long: many runs of the program"]
 fn films_count_in_the_memory_limit() {
     let sandbox = CliSandbox::new();
     let size = "--size 400x300 --spp 1 --photons 1k --no-prefix-rays";
@@ -286,6 +288,7 @@ fn merging_many_films_takes_the_memory_of_two() {
 
 /// The films of all parts of a render add up to the bits of one render, in any order.
 #[test]
+#[ignore = "long: many runs of the program"]
 fn merged_parts_have_the_bits_of_one_render() {
     let sandbox = CliSandbox::new();
     sandbox.render("box.txt", &flags("whole", 7, "--film whole.film")).expect(0, &[]);

@@ -112,6 +112,7 @@ fn interrupted_study_reports_finished_rounds() {
 }
 
 #[test]
+#[ignore = "long: many runs of the program"]
 fn interrupted_references_are_discarded() {
     let sandbox = CliSandbox::new();
     let mut study = Render::start(&sandbox, "study box.txt --budget 1h --save-truth a.exr,b.exr");

@@ -31,6 +31,7 @@ fn methods(report: &Value) -> Vec<&str> {
 }
 
 #[test]
+#[ignore = "long: many runs of the program"]
 fn study_commands_repeat_it_bit_for_bit() {
     let sandbox = with_references();
     sandbox.put("my box.txt", sandbox.bytes("box.txt"));
@@ -61,6 +62,7 @@ fn study_commands_repeat_it_bit_for_bit() {
 }
 
 #[test]
+#[ignore = "long: many runs of the program"]
 fn study_prints_table_and_writes_data() {
     let sandbox = with_references();
     let made = run(&sandbox, &format!("study box.txt --truth a.exr,b.exr -o a.json {LEAST}"));
@@ -103,6 +105,7 @@ fn study_references_are_cached() {
 }
 
 #[test]
+#[ignore = "long: many runs of the program"]
 fn knobs_vary_one_at_a_time() {
     let sandbox = with_references();
     let line = "study box.txt --knobs hybrid --truth a.exr,b.exr --seeds 2 --passes 1 --photons 1k --json";

@@ -25,6 +25,7 @@ fn same_seed_gives_same_bytes() {
 /// Settings that docs/guide/command-line.md lists as determining the bits of the image do change
 /// it.
 #[test]
+#[ignore = "long: many runs of the program"]
 fn light_settings_change_the_image() {
     let sandbox = CliSandbox::new();
     let sppm = "--integrator sppm --passes 2";
@@ -62,6 +63,7 @@ fn light_settings_change_the_image() {
 }
 
 #[test]
+#[ignore = "long: many runs of the program"]
 fn timed_render_can_be_repeated() {
     let sandbox = CliSandbox::new();
     let ended =

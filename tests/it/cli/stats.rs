@@ -41,6 +41,7 @@ fn stats(more: &str) -> Value {
 }
 
 #[test]
+#[ignore = "long: many runs of the program"]
 fn docs_describe_exactly_every_stats_field() {
     let mut found = BTreeSet::new();
     let balanced = CliSandbox::new();

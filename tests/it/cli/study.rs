@@ -39,6 +39,7 @@ fn plan_lists_work_of_each_effect() {
 }
 
 #[test]
+#[ignore = "long: many runs of the program"]
 fn effect_overrides_reach_every_command() {
     let sandbox = CliSandbox::new();
     sandbox.render("box.txt", "-o a.png --effects +caustics,-shadows").expect(0, &["without shadows"]);
@@ -49,6 +50,7 @@ fn effect_overrides_reach_every_command() {
 }
 
 #[test]
+#[ignore = "long: many runs of the program"]
 fn effect_study_prints_table_or_json() {
     let sandbox = CliSandbox::new();
     let table = study(&sandbox, "");

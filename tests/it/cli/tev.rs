@@ -127,6 +127,7 @@ fn refused_connections_give_one_warning() {
 
 /// The picture exceeds what the system stores for a connection.
 #[test]
+#[ignore = "long: many runs of the program"]
 fn viewers_that_do_not_read_hold_no_render_up() {
     let sandbox = CliSandbox::new();
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();

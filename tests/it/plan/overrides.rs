@@ -82,6 +82,7 @@ fn called_for(picture: &Picture) -> Effects {
 }
 
 #[test]
+#[ignore = "long: renders of many scenes"]
 fn disabling_needed_effect_changes_image() {
     let scene = everything();
     for algorithm in ALGORITHMS {

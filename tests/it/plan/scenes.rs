@@ -42,6 +42,7 @@ fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<Stri
 /// Pilots of large meshes take most of the time. So each scene is rendered only by the default
 /// integrator and one other.
 #[test]
+#[ignore = "long: renders of many scenes"]
 fn shipped_scenes_match_with_all_effects_on() {
     let mut wrong = Vec::new();
     let paths = ["scenes", "tests/scenes"].into_iter().flat_map(|folder| files(&project_path(folder)));
@@ -66,6 +67,7 @@ fn course() -> Vec<(PathBuf, Scene)> {
 }
 
 #[test]
+#[ignore = "long: renders of many scenes"]
 fn course_scenes_match_with_all_effects_on() {
     let wrong: Vec<String> =
         course().iter().flat_map(|(path, scene)| differences(path, scene, &Algorithm::ALL)).collect();

@@ -148,6 +148,7 @@ fn photons_obey_beer_over_million_boundaries() {
 /// It runs through 200 boundaries from a floor to a directional light. An interior stack holds
 /// twelve bodies.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn shadow_rays_cross_more_bodies_than_stack_holds() {
     for filled in [Filled::Media, Filled::Bodies] {
         let mut b = SceneBuilder::new();

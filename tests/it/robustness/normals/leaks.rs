@@ -47,6 +47,7 @@ fn assert_dark(inside: &Scene, what: &str) {
 /// A closed ball of flat faces with smooth shading normals is black inside, under a sky and a
 /// light.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn coarse_ball_is_dark_inside() {
     for kind in KINDS {
         for relief in ["", "bump lumps  bumpHeight .5"] {
@@ -82,6 +83,7 @@ fn coarse_ball_is_dark_inside() {
 ///
 /// The map would tilt normals below the horizon, but normals never tilt that far.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn bumps_below_horizon_leak_no_light() {
     for relief in ["bump lumps  bumpHeight 1000", "bump lumps  bumpHeight -1e9", "normalMap down", "normalMap aside"] {
         for kind in KINDS {

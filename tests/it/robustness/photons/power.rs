@@ -75,6 +75,7 @@ fn sums(rendered: &RenderResult) -> Vec<DVec3> {
 /// relative to light of 2⁻¹⁰⁰. Pixels of about 2⁻⁵ thus have a relative error of 2⁻¹⁷, and their
 /// noise is a tenth of them. So an error estimate has a relative error of 2·10·2⁻¹⁷.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn powers_at_float_limits_render_finitely() {
     let algorithms = WITH_PHOTONS.into_iter().chain([Algorithm::Path]);
     let jobs: Vec<(Algorithm, bool)> = algorithms.flat_map(|a| [(a, false), (a, true)]).collect();
@@ -123,6 +124,7 @@ fn powers_at_float_limits_render_finitely() {
 /// blurs it by (r²/12)·6. There are sixteen passes: t with 15 degrees of freedom exceeds 7 once in
 /// 10⁵ times.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn point_light_flux_matches_closed_form() {
     for power in [1e-30, 1.0, 1e30] {
         let mut b = SceneBuilder::new();

@@ -115,6 +115,7 @@ fn disc_radius_never_falls_below_position_rounding() {
 
 /// A full render is finite with the smallest radius that a user can set.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn renders_with_tiny_radius_are_finite() {
     for radius in [1e-30f32, 1e-12, 1e-6] {
         let settings = Settings { initial_gather_radius: Some(radius), ..settings(20_000, 4) };

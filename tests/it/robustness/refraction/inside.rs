@@ -28,6 +28,7 @@ fn narrow_camera(center: DVec3, direction: DVec3, angle: f64) -> Camera {
 /// Under a sky of radiance 1, its radiance is n²(1 − R). Beyond the critical angle, only the black
 /// bottom is seen.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn sky_is_seen_through_snells_window() {
     for n in [0.6f64, 1.33, 1.5, 3.0] {
         let critical = if n > 1.0 { libm::asin(1.0 / n) } else { 1.6 };
@@ -67,6 +68,7 @@ fn sky_is_seen_through_snells_window() {
 ///
 /// At less than 1/n of the radius from the center, no ray outwards is totally reflected.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn radiance_in_glass_scales_by_squared_index() {
     for (n, off) in [(1.5f64, 0.6), (1.1, 0.85), (0.7, 0.99), (2.4, 0.4)] {
         let mut b = SceneBuilder::new();
@@ -87,6 +89,7 @@ fn radiance_in_glass_scales_by_squared_index() {
 /// That is the body with the higher priority at the camera's position. Radiance over n² is
 /// invariant along a ray.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn overlapping_bodies_resolve_by_priority() {
     let scene = |priorities: [u8; 2], at: f64, order: bool| {
         let mut b = SceneBuilder::new();

@@ -150,6 +150,7 @@ fn transmitted_fractions(scene: &Scene) -> Vec<f64> {
 /// This holds in any order of hits, and also for an overlap and a liquid of higher priority. A gap
 /// of a hundredth acts as a film of air.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn liquid_touches_its_glass() {
     let wet = [1.0, GLASS, LIQUID, GLASS, 1.0];
     let film = [1.0, GLASS, 1.0, LIQUID, 1.0, GLASS, 1.0];
@@ -220,6 +221,7 @@ fn touching_blocks_of_one_glass_merge() {
 ///
 /// Under a sky of radiance 1, they then have the radiance n² of the liquid through any layers.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn camera_in_liquid_starts_in_liquid() {
     for faces in [Faces::Planes, Faces::Rectangles, Faces::Triangles] {
         for (contact, first) in [(Contact::Apart(0.0), false), (Contact::Apart(0.0), true), (Contact::Priority, false)]

@@ -60,6 +60,7 @@ const ROUND: &str = "Sphere { center 0 -100000 0  radius 100000 }";
 /// and mirrors, edges move ten times as far. So one pixel in a thousand differs; five times as many
 /// are allowed.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn sphere_of_radius_100000_acts_as_flat_floor() {
     let (flat, round) = (scene_on_floor(FLAT), scene_on_floor(ROUND));
     // `whitted` samples all lights and chooses none.
@@ -85,6 +86,7 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
 /// Both pilots take the third quartile of 512 photons, whose rank has a standard deviation of 2 %.
 /// Radii vary twofold over the ranks, so this is less than a tenth of a radius.
 #[test]
+#[ignore = "long: many samples of a hard case"]
 fn huge_floor_does_not_blur_caustics() {
     let settings = || Settings { aimed_paths: 250_000, ..low_cost_settings() };
     let radius =
