@@ -23,7 +23,7 @@
 //! ```
 //! use caustica::camera::Camera;
 //! use caustica::integrate::{Algorithm, Settings, SilentMonitor};
-//! use caustica::scene::{LightStrength, Material, SceneBuilder, DeltaLightKind};
+//! use caustica::scene::{LightStrength, Material, SceneBuilder, UnscaledDeltaLight};
 //! use caustica::shape::{Plane, Shape, Sphere};
 //! use glam::{DVec3, Vec3};
 //!
@@ -34,7 +34,7 @@
 //!     .add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO)
 //!     .add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), glass, Vec3::ZERO)
 //!     .add_delta_light(
-//!         DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
+//!         UnscaledDeltaLight::Point { position: DVec3::new(2.0, 4.0, 0.0) },
 //!         LightStrength::Power(Vec3::splat(200.0)),
 //!     );
 //! let (center, direction) = (DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0));
@@ -240,7 +240,7 @@ pub use integrate::Settings;
 /// let scene = builder.build(Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 16, 12)?)?;
 ///
 /// let interrupted = AtomicBool::new(false);
-/// let stop = StopCriteria { passes: Some(2), ..StopCriteria::unlimited(&interrupted) };
+/// let stop = StopCriteria { max_passes: Some(2), ..StopCriteria::unlimited(&interrupted) };
 /// let integrator = Algorithm::Path.prepare(&scene, Settings::default());
 /// let integrator = integrator.as_ref();
 /// let start = RenderResult::without_passes(integrator, (16, 12));
@@ -249,7 +249,7 @@ pub use integrate::Settings;
 ///     caustica::render(start, numbers, integrator, &stop, &SilentMonitor, |progress| {
 ///         println!("{} passes", progress.passes);
 ///     });
-/// let picture = Image::from_pixels(16, 12, rendered.film.mean())?;
+/// let picture = Image::from_pixels(16, 12, rendered.film.mean_picture())?;
 /// assert_eq!(rendered.film.passes(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -77,7 +77,8 @@ impl SimdBox {
 
 /// Node of the binary tree, which is stored in preorder.
 ///
-/// The left child is the next node. The right child is `2 · left` nodes after this one.
+/// The left child is the next node. The right child is `2 · left_primitive_count` nodes
+/// after this one.
 #[derive(Clone, Copy)]
 pub(super) struct BinaryNode {
     pub bounds: SimdBox,

@@ -44,8 +44,8 @@ impl LeafHit {
         }
     }
 
-    /// Barycentric weights of a triangle's second and third corner, or `uv` of the hit of
-    /// another primitive.
+    /// Barycentric weights of a triangle's second and third corner, or `shape_coords` of
+    /// the hit of another primitive.
     #[inline]
     pub fn barycentric(&self) -> (f32, f32) {
         (

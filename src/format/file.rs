@@ -38,7 +38,8 @@ impl SceneFile {
         Self::read_with_options(path, &(), &ImportOptions::default())
     }
 
-    /// Reads the file at `path` by the importer of its extension, or of `options.format`.
+    /// Reads the file at `path` by the importer of its extension, or of
+    /// `options.format_extension`.
     ///
     /// Refuses a scene that would exceed the memory of `options`. `monitor` receives the paths of
     /// other files that the importer opens.

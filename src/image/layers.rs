@@ -36,7 +36,8 @@ impl ExrLayer {
 
 /// Checks whether [`write_layers`] can write to `path`, without changing a file.
 ///
-/// # Errors [`WriteError::LayersNotSupported`] if the extension is not `.exr`, or the error of
+/// # Errors
+/// [`WriteError::LayersNotSupported`] if the extension is not `.exr`, or the error of
 /// [`check_replaceable`].
 pub fn check_layers_path(path: &Path) -> Result<(), WriteError> {
     check_exr_extension(path)?;

@@ -139,7 +139,7 @@ impl IndirectWeights {
     /// receiver: if `index` is below the number of continued paths.
     ///
     /// A pilot traces a single path per pixel (`count` is 1). It continues with the probability
-    /// `continued`/`samples`, by the random number `u` in \[0, 1).
+    /// `continued_paths`/`samples_per_pixel`, by the random number `u` in \[0, 1).
     #[inline]
     pub fn continues_at_receiver(&self, (index, count): (u32, u32), u: f32) -> bool {
         if count == 1 {

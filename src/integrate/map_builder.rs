@@ -298,8 +298,8 @@ impl<'a> PhotonMapBuilder<'a> {
         media && self.traces_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
-    /// Returns `mask`, with `beams` true if the estimator for media reads photon beams, and false
-    /// if it reads photon points.
+    /// Returns `mask`, with `stores_beams` true if the estimator for media reads photon beams, and
+    /// false if it reads photon points.
     fn mask_for_volume_estimator(&self, mask: StoreMask) -> StoreMask {
         StoreMask { stores_beams: self.settings.volume_estimator == VolumeEstimator::Beams, ..mask }
     }

@@ -11,7 +11,7 @@ pub(super) fn positive_median(values: impl Iterator<Item = f64>) -> Option<f64> 
 /// Returns the mean of `value` over a box of pixels: those at most `reach` columns and rows from
 /// pixel `center`.
 ///
-/// Pixels are indexed by rows from the top, in a picture of `size` (width, height).
+/// Pixels are indexed by rows from the top, in a picture of (`width`, `height`) pixels.
 pub(super) fn box_mean(
     value: impl Fn(usize) -> f64,
     center: usize,

@@ -51,7 +51,7 @@ impl PrefixWeights {
     /// Returns the weights of the light that each of a pixel's `samples` camera paths finds.
     /// `prefix` counts the prefix rays of the pixel.
     ///
-    /// The first `lookup_count` camera paths read photon maps.
+    /// The first `lookups` camera paths read photon maps.
     pub fn of_camera_paths(samples: u32, lookups: u32, prefix: PixelPrefixRayCounts) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.unaimed));
         let lookup = 1.0 / (lookups as f32 + f32::from(prefix.lookups));

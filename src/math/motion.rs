@@ -34,13 +34,13 @@ impl MotionFactor {
 
 /// Affine map as a function of time: 0 is the opening of the shutter, 1 its closing.
 ///
-/// The map is a product of steps, so points under a rotation move along true circles.
+/// The map is a product of factors, so points under a rotation move along true circles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Factors of the product of maps, from left to right. The last factor is applied to points
     /// first.
     ///
-    /// Adjacent steps that do not depend on time are merged.
+    /// Adjacent factors that do not depend on time are merged.
     factors: Vec<MotionFactor>,
 }
 
@@ -51,16 +51,16 @@ impl Motion {
         Self::default().preceded_by_factors([MotionFactor::Fixed(map)])
     }
 
-    /// This motion with `steps` applied before it.
+    /// This motion with `factors` applied before it.
     ///
-    /// A point is mapped by the last of `steps` first, and by this motion last.
+    /// A point is mapped by the last of `factors` first, and by this motion last.
     #[must_use]
-    pub fn preceded_by_factors(&self, steps: impl IntoIterator<Item = MotionFactor>) -> Self {
+    pub fn preceded_by_factors(&self, factors: impl IntoIterator<Item = MotionFactor>) -> Self {
         let mut all = self.factors.clone();
-        for step in steps {
-            match (all.last_mut(), step) {
+        for factor in factors {
+            match (all.last_mut(), factor) {
                 (Some(MotionFactor::Fixed(outer)), MotionFactor::Fixed(inner)) => *outer *= inner,
-                _ => all.push(step),
+                _ => all.push(factor),
             }
         }
         Self { factors: all }

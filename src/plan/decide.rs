@@ -209,7 +209,7 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             need(features.lights + features.emitting_media > 0 || hazy, EffectReason::NoLight)?;
             any(receivers, EffectReason::NoReceiver)?;
             any(scattering, EffectReason::BlackReceivers)?;
-            // If the scene has a soft light, `one_flat_object` is false, because continued paths
+            // If the scene has a soft light, `is_one_flat_object` is false, because continued paths
             // may hit that light.
             need(!features.is_one_flat_object, EffectReason::OneFlatObject)?;
             Ok(EffectReason::Objects(scattering, "may light other objects"))

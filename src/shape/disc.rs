@@ -7,9 +7,10 @@ use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform, exact_cross, warp};
 use glam::{DVec2, DVec3, Vec2};
 
-/// Disc or ellipse: the points `center + x·a + y·b` with x² + y² ≤ 1.
+/// Disc or ellipse: the points c + x·a + y·b with x² + y² ≤ 1, where c is `center`, a is
+/// `semi_axis_a` and b is `semi_axis_b`.
 ///
-/// The outer side is the side of `a × b`. `shape_coords` of a [`ShapeHit`] is (x, y).
+/// The outer side is the side of a × b. `shape_coords` of a [`ShapeHit`] is (x, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     center: DVec3,

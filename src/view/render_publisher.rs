@@ -56,9 +56,9 @@ impl<'a> RenderPublisher<'a> {
         self.page.publish(self.number, change);
     }
 
-    /// Publishes the phase that the render has entered.
-    pub fn publish_stage(&self, phase: RenderStage) {
-        self.publish(|state, _| state.status.stage = phase);
+    /// Publishes the stage that the render has entered.
+    pub fn publish_stage(&self, stage: RenderStage) {
+        self.publish(|state, _| state.status.stage = stage);
     }
 
     /// Publishes a preview of `size` (width, height) pixels as the newest picture.
@@ -126,12 +126,13 @@ impl<'a> RenderPublisher<'a> {
         }
     }
 
-    /// Publishes the final result of a render. `phase` is [`Phase::Stopped`] or [`Phase::Ended`].
-    pub fn publish_end(&mut self, rendered: &RenderResult, phase: RenderStage) {
+    /// Publishes the final result of a render. `stage` is [`RenderStage::Stopped`] or
+    /// [`RenderStage::Ended`].
+    pub fn publish_end(&mut self, rendered: &RenderResult, stage: RenderStage) {
         self.publish_result(rendered);
         self.publish_error_maps(rendered);
         self.publish(|state, _| {
-            state.status.stage = phase;
+            state.status.stage = stage;
             state.status.end_reason = Some(rendered.end_reason);
         });
     }

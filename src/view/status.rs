@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Largest number of points of the forecast error curve.
 const FORECAST_POINTS: u32 = 24;
 
-/// Phase of a render, as the live page shows it.
+/// Stage of a render, as the live page shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RenderStage {
@@ -171,7 +171,7 @@ pub struct LiveStatus {
     pub render_number: u32,
     /// Sequence number of the publication. It rises with each publication on the page.
     pub sequence: u32,
-    /// Phase that the render has reached.
+    /// Stage that the render has reached.
     #[serde(rename = "phase")]
     pub stage: RenderStage,
     /// Reason why the render ended; `None` while it goes on.

@@ -97,7 +97,7 @@ pub(super) struct CostEstimate {
 impl CostEstimateReport {
     /// Creates the report of a pilot by the algorithm of `method`.
     ///
-    /// `may_miss_caustics` is true if that algorithm finds caustics of the scene only by chance.
+    /// `misses_caustics` is true if that algorithm finds caustics of the scene only by chance.
     /// `setup` is the time of preparation, and `pass_seconds` the time of each pass after the first
     /// \[s]. `default` holds the stop criteria of a render without limits, and `preview` those of a
     /// render with `--preview` alone.

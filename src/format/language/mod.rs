@@ -27,10 +27,10 @@ use glam::DVec3;
 use super::camera::{CAMERA_BLOCK_PARSERS, CameraDescription, parse_camera, parse_moving_camera, write_camera};
 use super::description::{ObjectGroup, SceneDescription};
 use super::error::{SceneError, SourceText};
-use super::lights::{LIGHTS, LightDescription, parse_lights_block, write_light};
-use super::materials::{MATERIALS, MaterialDescription, parse_materials_block, write_material};
+use super::lights::{LIGHT_BLOCK_PARSERS, LightDescription, parse_lights_block, write_light};
+use super::materials::{MATERIAL_BLOCK_PARSERS, MaterialDescription, parse_materials_block, write_material};
 use super::media::{MEDIUM_BLOCK_PARSERS, MediumDescription, parse_media_block, write_medium};
-use super::shapes::SHAPES;
+use super::shapes::SHAPE_BLOCK_PARSERS;
 use super::span::{Span, Spanned};
 use super::textures::{TEXTURE_BLOCK_PARSERS, TextureDescription, parse_textures_block, write_texture};
 use fields::parse_block_fields;
@@ -59,11 +59,11 @@ fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
     [
         ("cameras", block_schemas(CAMERA_BLOCK_PARSERS)),
         ("background", vec![&BACKGROUND]),
-        ("lights", block_schemas(LIGHTS)),
+        ("lights", block_schemas(LIGHT_BLOCK_PARSERS)),
         ("textures", block_schemas(TEXTURE_BLOCK_PARSERS)),
         ("media", block_schemas(MEDIUM_BLOCK_PARSERS)),
-        ("materials", block_schemas(MATERIALS)),
-        ("shapes", block_schemas(SHAPES)),
+        ("materials", block_schemas(MATERIAL_BLOCK_PARSERS)),
+        ("shapes", block_schemas(SHAPE_BLOCK_PARSERS)),
     ]
 }
 

@@ -10,7 +10,7 @@ use super::writer::SceneWriter;
 use crate::format::description::{GroupItem, ObjectDescription, ObjectGroup};
 use crate::format::error::SceneError;
 use crate::format::materials::{parse_material_index, parse_material_name};
-use crate::format::shapes::{SHAPES, parse_shape, write_shape};
+use crate::format::shapes::{SHAPE_BLOCK_PARSERS, parse_shape, write_shape};
 use crate::format::span::Spanned;
 use crate::format::transform_step::TransformStep;
 
@@ -21,7 +21,7 @@ const NESTING_OBJECT_KEYWORDS: [&str; 3] = ["Group", "Transform", "Moving"];
 const NON_OBJECT_ITEM_KEYWORDS: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
 
 fn object_keywords() -> Vec<&'static str> {
-    block_keywords(&NESTING_OBJECT_KEYWORDS, SHAPES)
+    block_keywords(&NESTING_OBJECT_KEYWORDS, SHAPE_BLOCK_PARSERS)
 }
 
 /// Parses a `Group` block. Its `keyword` has been read.
@@ -91,7 +91,7 @@ fn unexpected_item_error<'a>(parser: &Parser<'a>, word: Token<'a>) -> SceneError
 }
 
 fn is_object_keyword(word: &str) -> bool {
-    NESTING_OBJECT_KEYWORDS.contains(&word) || SHAPES.iter().any(|entry| entry.block.matches_keyword(word))
+    NESTING_OBJECT_KEYWORDS.contains(&word) || SHAPE_BLOCK_PARSERS.iter().any(|entry| entry.block.matches_keyword(word))
 }
 
 /// Parses an object and boxes it, so that stack frames of the recursive parser stay small.

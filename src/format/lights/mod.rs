@@ -62,8 +62,8 @@ trait LightBlock: Sized {
 /// Function that converts the parsed fields of a light block to a light.
 type ParseLight = fn(&BlockFields<'_>) -> Result<LightDescription, SceneError>;
 
-/// Defines [`LightDescription`] and [`LIGHTS`] from the list of kinds: variant, and type that
-/// implements [`LightBlock`]. The order of the list is that of the language reference.
+/// Defines [`LightDescription`] and [`LIGHT_BLOCK_PARSERS`] from the list of kinds: variant, and
+/// type that implements [`LightBlock`]. The order of the list is that of the language reference.
 macro_rules! light_kinds {
     ($($(#[$doc:meta])* $kind:ident($description:ident),)*) => {
         /// A light as the scene file describes it.
@@ -88,7 +88,7 @@ macro_rules! light_kinds {
         })*
 
         /// Light blocks of the scene language, each with the function that converts its fields.
-        pub(super) static LIGHTS: &[BlockParser<ParseLight>] = &[
+        pub(super) static LIGHT_BLOCK_PARSERS: &[BlockParser<ParseLight>] = &[
             $(BlockParser { block: $description::BLOCK, parse: |f| $description::parse(f).map(Into::into) },)*
         ];
 
@@ -189,7 +189,7 @@ pub(super) fn parse_lights_block<'a>(
     parser.parse_list_block(
         block,
         ("numLights", "light"),
-        &block_keywords(&["numLights", "Moving"], LIGHTS),
+        &block_keywords(&["numLights", "Moving"], LIGHT_BLOCK_PARSERS),
         |parser, word| {
             if word.text == EnvironmentRadiance::BLOCK.keyword && std::mem::replace(&mut has_environment, true) {
                 return Err(parser.repeated_word_error(word));
@@ -204,11 +204,11 @@ pub(super) fn parse_lights_block<'a>(
 /// Parses a light, or a `Moving` block that holds a light. Its keyword `word` has been read.
 fn parse_light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<LightDescription>, SceneError> {
     if word.text == "Moving" {
-        let mut movable = block_keywords(&["Moving"], LIGHTS);
+        let mut movable = block_keywords(&["Moving"], LIGHT_BLOCK_PARSERS);
         movable.retain(|keyword| *keyword != EnvironmentRadiance::BLOCK.keyword);
         let (steps, light) = parse_moving_block(parser, word, &movable, parse_light)?;
         return Ok(Spanned::new(LightDescription::Moving { steps, light: Box::new(light) }, word.span()));
     }
-    let (entry, fields) = parse_block_by_keyword(parser, word, LIGHTS)?;
+    let (entry, fields) = parse_block_by_keyword(parser, word, LIGHT_BLOCK_PARSERS)?;
     Ok(Spanned::new((entry.parse)(&fields)?, word.span()))
 }

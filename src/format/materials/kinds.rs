@@ -78,8 +78,9 @@ enum BoundedBody {
 /// Function that converts the parsed fields of a material block to a material.
 type ParseMaterial = for<'a> fn(&Parser<'a>, &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError>;
 
-/// Defines [`MaterialKindDescription`] and [`MATERIALS`] from the list of kinds: variant, and type
-/// that implements [`MaterialBlock`]. The order of the list is that of the language reference.
+/// Defines [`MaterialKindDescription`] and [`MATERIAL_BLOCK_PARSERS`] from the list of kinds:
+/// variant, and type that implements [`MaterialBlock`]. The order of the list is that of the
+/// language reference.
 macro_rules! material_kinds {
     ($($(#[$doc:meta])* $kind:ident($description:ident),)*) => {
         /// Reflection and transmission of a material: one variant per model.
@@ -95,7 +96,7 @@ macro_rules! material_kinds {
         })*
 
         /// Material blocks of the scene language, each with the function that converts its fields.
-        pub(in crate::format) static MATERIALS: &[BlockParser<ParseMaterial>] = &[
+        pub(in crate::format) static MATERIAL_BLOCK_PARSERS: &[BlockParser<ParseMaterial>] = &[
             $(BlockParser { block: $description::BLOCK, parse: |p, f| $description::parse(p, f).map(Into::into) },)*
         ];
 

@@ -101,7 +101,7 @@ pub(super) fn parse_materials_block<'a>(
     }
     parser.scope.clear_materials();
     let mut materials = Vec::new();
-    let allowed = block_keywords(&["numMaterials"], MATERIALS);
+    let allowed = block_keywords(&["numMaterials"], MATERIAL_BLOCK_PARSERS);
     parser.parse_list_block(block, ("numMaterials", "material"), &allowed, |parser, word| {
         let (name, material) = match parse_and_register_name(parser) {
             Ok(name) => (name.clone(), parse_material(parser, word, name)),
@@ -163,7 +163,7 @@ fn parse_material<'a>(
     word: Token<'a>,
     name: Option<String>,
 ) -> Result<MaterialDescription, SceneError> {
-    let (BlockParser { block, parse }, f) = parse_block_by_keyword(parser, word, MATERIALS)?;
+    let (BlockParser { block, parse }, f) = parse_block_by_keyword(parser, word, MATERIAL_BLOCK_PARSERS)?;
     let f = &f;
     let kind = parse(parser, f)?;
     let has_field = |name| block.find_field(name).is_some();

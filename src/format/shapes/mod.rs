@@ -68,8 +68,8 @@ trait ShapeBlock: Sized {
 /// Function that converts the parsed fields of a shape block to a shape.
 type ParseShape = fn(&BlockFields<'_>) -> Result<ShapeDescription, SceneError>;
 
-/// Defines [`ShapeDescription`] and [`SHAPES`] from the list of kinds: variant, and type that
-/// implements [`ShapeBlock`]. The order of the list is that of the language reference.
+/// Defines [`ShapeDescription`] and [`SHAPE_BLOCK_PARSERS`] from the list of kinds: variant, and
+/// type that implements [`ShapeBlock`]. The order of the list is that of the language reference.
 macro_rules! shape_kinds {
     ($($(#[$doc:meta])* $kind:ident($description:ident),)*) => {
         /// Geometry of a surface, in object space.
@@ -85,7 +85,7 @@ macro_rules! shape_kinds {
         })*
 
         /// Shape blocks of the scene language, each with the function that converts its fields.
-        pub(super) static SHAPES: &[BlockParser<ParseShape>] = &[
+        pub(super) static SHAPE_BLOCK_PARSERS: &[BlockParser<ParseShape>] = &[
             $(BlockParser { block: $description::BLOCK, parse: |f| $description::parse(f).map(Into::into) },)*
         ];
 
@@ -177,6 +177,6 @@ pub(super) fn parse_shape<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
 ) -> Result<(ShapeDescription, Option<DVec3>), SceneError> {
-    let (entry, f) = parse_block_by_keyword(parser, word, SHAPES)?;
+    let (entry, f) = parse_block_by_keyword(parser, word, SHAPE_BLOCK_PARSERS)?;
     Ok(((entry.parse)(&f)?, f.optional_value("emission")))
 }

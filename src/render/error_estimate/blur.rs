@@ -151,7 +151,7 @@ impl BlurEstimate {
 /// Returns ‖bias‖² / ‖D₀‖²: the squared blur, divided by the squared difference of density
 /// estimates with full and half discs.
 ///
-/// `product_ratio` is D₀·D₁ / ‖D₀‖² = qc and `squared` is ‖D₁‖² / ‖D₀‖² = q² in the model of
+/// `correlation` is D₀·D₁ / ‖D₀‖² = qc and `squared` is ‖D₁‖² / ‖D₀‖² = q² in the model of
 /// [`BlurEstimate::from_differences`]. [`NON_SMOOTH_BIAS_RATIOS`] limits the result.
 fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
     let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(NON_SMOOTH_BIAS_RATIOS[0].0)));

@@ -35,8 +35,8 @@ impl ErrorForecast {
     /// Creates the forecast from an error estimate.
     ///
     /// `law` holds two numbers: the exponent α by which gather radii shrink, and the kernel's
-    /// [`Kernel::nested_difference_variance_ratio`](crate::photon::Kernel).
-    /// `law` is `None` without photon estimates.
+    /// [`Kernel::nested_difference_variance_ratio`](crate::photon::Kernel). `law` is `None` without
+    /// photon estimates.
     pub(super) fn new(estimate: ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
         let fireflies = n * estimate.fireflies.squared_error_of_fireflies();

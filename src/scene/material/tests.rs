@@ -44,7 +44,8 @@ fn every_kind_of_material_is_tested() {
 }
 
 /// A coat with a BSDF of its own is selected by a random number at each hit. A hit gets a random
-/// number only if `is_chosen_by_chance` is true for its material; else the base is always selected.
+/// number only if `chooses_bsdf_randomly` is true for its material; else the base is always
+/// selected.
 #[test]
 fn materials_with_a_separate_coat_are_chosen_by_chance() {
     let mut coats = 0;

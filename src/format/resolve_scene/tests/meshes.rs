@@ -20,7 +20,7 @@ impl TemporaryMeshFolder {
     }
 
     fn resolve_scene_with_objects(&self, body: &str) -> Scene {
-        resolve_in_folder(self.0.path(), &format!("{MATERIALS}Group {{ MaterialName b {body} }}")).unwrap()
+        resolve_in_folder(self.0.path(), &format!("{MATERIAL_BLOCK_PARSERS}Group {{ MaterialName b {body} }}")).unwrap()
     }
 
     fn resolve_error_message(&self, body: &str) -> String {
@@ -157,7 +157,7 @@ fn file_materials_can_have_textures() {
     let reflectance_seen_from_front =
         |scene: &Scene, x: f64| visible_reflectance(scene, dvec3(x, 0.3, 9.0), Vec3::NEG_Z);
     for text in [body.to_owned(), format!("Moving {{ Translate 0 0 -.001 {body} }}")] {
-        for materials in ["", MATERIALS] {
+        for materials in ["", MATERIAL_BLOCK_PARSERS] {
             let scene = resolve_in_folder(folder.0.path(), &format!("{materials}Group {{ {text} }}")).unwrap();
             assert!(
                 is_nearly_equal(reflectance_seen_from_front(&scene, 0.25), vec3(0.5, 0.0, 0.0))

@@ -51,14 +51,15 @@ fn is_nearly_equal(a: Vec3, b: Vec3) -> bool {
     (a - b).abs().max_element() < 1e-5
 }
 
-const MATERIALS: &str = "Materials { Diffuse a { reflectance .1 .1 .1 } Diffuse b { reflectance .2 .2 .2 } }\n";
+const MATERIAL_BLOCK_PARSERS: &str =
+    "Materials { Diffuse a { reflectance .1 .1 .1 } Diffuse b { reflectance .2 .2 .2 } }\n";
 
 #[test]
 fn the_current_material_crosses_group_borders() {
     let ball = |x: i32| format!("Sphere {{ center {x} 0 0 radius .4 }}");
     let [zero, one, two, three, four] = [0, 1, 2, 3, 4].map(ball);
     let scene = resolve_scene_text(&format!(
-        "{MATERIALS} Group {{ {zero} MaterialName b {one} Group {{ {two} MaterialIndex 0 {three} }} {four} }}"
+        "{MATERIAL_BLOCK_PARSERS} Group {{ {zero} MaterialName b {one} Group {{ {two} MaterialIndex 0 {three} }} {four} }}"
     ));
     let seen = [0, 1, 2, 3, 4].map(|x| visible_reflectance(&scene, dvec3(f64::from(x), 0.0, 5.0), Vec3::NEG_Z).x);
     assert_eq!(seen, [0.1, 0.2, 0.2, 0.1, 0.1]);
@@ -69,13 +70,13 @@ fn objects_before_any_material_use_the_first() {
     let ball = "Group { Sphere { center 0 0 0 radius 1 } }";
     let at = |text: &str| visible_reflectance(&resolve_scene_text(text), dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z);
     assert_eq!(at(ball), Vec3::ONE);
-    assert_eq!(at(&format!("{MATERIALS}{ball}")), Vec3::splat(0.1));
+    assert_eq!(at(&format!("{MATERIAL_BLOCK_PARSERS}{ball}")), Vec3::splat(0.1));
 }
 
 #[test]
 fn unknown_material_names_are_refused() {
     // The parser finds such names in a file; a description may be changed after it.
-    let text = format!("{CAMERA}{MATERIALS}Group {{ MaterialName b }}");
+    let text = format!("{CAMERA}{MATERIAL_BLOCK_PARSERS}Group {{ MaterialName b }}");
     let mut description = parse("a.txt", &text).unwrap();
     description.materials.pop();
     let error = resolve(&description, &SourceText::new("a.txt", &text), Path::new("")).unwrap_err();

@@ -16,7 +16,7 @@ const LEAF_FACES: usize = 8;
 const PAIRS_PER_FACE: usize = 1000;
 
 /// Margin by which bounding boxes are expanded, divided by their coordinates and size. It exceeds
-/// the position errors of two surface points (see `SurfacePoint::error`).
+/// the position errors of two surface points (see `SurfacePoint::position_error`).
 const RELATIVE_MARGIN: f32 = 16.0 * f32::EPSILON;
 
 /// One flag for each primitive of a scene: true if a boundary of another object may coincide with
@@ -49,7 +49,7 @@ impl CoincidentFlags {
 struct BoundaryFace {
     primitive: PrimitiveIndex,
     bounds: Bounds,
-    /// Index of the mesh or shape that the face belongs to, in the list of extents.
+    /// Index of the mesh or shape that the face belongs to, in the list of boundary objects.
     boundary_object: u32,
 }
 
@@ -147,7 +147,7 @@ fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool
     mesh_bounds
 }
 
-/// Returns a flag for each extent: true if its box overlaps the box of another extent.
+/// Returns a flag for each boundary object: true if its box overlaps the box of another one.
 fn flag_overlapping_bounds(extents: &[BoundaryObjectBounds]) -> Vec<bool> {
     let face = |(extent, i): (&BoundaryObjectBounds, u32)| BoundaryFace {
         primitive: PrimitiveIndex::Other(i),
