@@ -98,7 +98,7 @@ fn reflections_agree_from_camera_and_light() {
 }
 
 #[test]
-#[ignore = "long: many samples by several integrators"]
+#[ignore = "long: t-tests of adjoint transport"]
 fn refractions_agree_from_camera_and_light() {
     for (name, material, object) in [
         ("glass", "Dielectric m { indexOfRefraction 1.5  absorption .2 .6 1 }", BALL),

@@ -74,7 +74,7 @@ fn lossless_materials_vanish_in_furnace() {
 /// loses 1.2 % along the normal and 11 % at 85°. Glass loses 0.1 % and 1.2 % on its way through two
 /// interfaces. It also loses up to 14 % of the tenth that is reflected inside.
 #[test]
-#[ignore = "long: many samples by several integrators"]
+#[ignore = "long: furnaces of many materials"]
 fn rough_materials_lose_only_stated_energy() {
     let frosted = |alpha| Material::rough_boundary(Body::new(1.5), alpha);
     let metal = |alpha| Material::conductor(Vec3::ZERO, Vec3::splat(2.0), alpha);
@@ -116,7 +116,7 @@ fn phong_albedo(kd: f64, ks: f64, s: f64, theta: f64) -> f64 {
 ///
 /// The view is narrow, so all its rays have nearly the same angle.
 #[test]
-#[ignore = "long: many samples by several integrators"]
+#[ignore = "long: furnaces of a glossy material"]
 fn glossy_material_shows_its_furnace_albedo() {
     let (kd, ks, s) = (0.4, 3.0, 12.0);
     for theta in [0.2f64, 1.1] {

@@ -23,7 +23,7 @@ fn compare_forms(name: &str, method: Method, max_relative_errors: (f64, f64)) {
 }
 
 #[test]
-#[ignore = "long: many samples by several integrators"]
+#[ignore = "long: renders of imported scenes"]
 fn imported_glass_and_mirror_match_ours() {
     compare_forms("cbox-caustic", Method::Hybrid, (0.15, 0.03));
 }
@@ -34,7 +34,7 @@ fn imported_rough_surfaces_match_ours() {
 }
 
 #[test]
-#[ignore = "long: many samples by several integrators"]
+#[ignore = "long: renders of imported scenes"]
 fn imported_fog_matches_ours() {
     compare_forms("fog", Method::Path, (0.1, 0.03));
 }

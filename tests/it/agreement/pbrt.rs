@@ -115,7 +115,7 @@ fn our_passes(path: &Path, max_bounces: u32) -> Vec<Vec<Rgb>> {
 }
 
 #[test]
-#[ignore = "long: many samples by several integrators"]
+#[ignore = "long: renders of imported scenes"]
 fn imported_scenes_match_pictures_of_pbrt() {
     let Some(folder) = world_data_folder("pbrt-v4") else { return };
     for Reference { scene: (group, name), max_bounces, tolerance: [of_mean, of_tiles] } in REFERENCES {
@@ -136,7 +136,7 @@ fn imported_scenes_match_pictures_of_pbrt() {
 /// A path tracer of its own shows both: with that rule, it gives pbrt's picture. With fog on both
 /// sides, it gives ours.
 #[test]
-#[ignore = "long: many samples by several integrators"]
+#[ignore = "long: renders of an imported scene"]
 fn fog_behind_sheets_explains_spotfog() {
     let Some(folder) = world_data_folder("pbrt-v4") else { return };
     let theirs = read_reference(&folder, "spotfog-ref");

@@ -124,7 +124,7 @@ fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut RenderSetting
 }
 
 #[test]
-#[ignore = "long: renders of many scenes"]
+#[ignore = "long: renders of many random scenes"]
 fn path_images_match_with_all_effects_on() {
     let each = |seed| CHEAP.into_iter().filter_map(move |algorithm| check(seed, algorithm, |_| {}));
     report(&seeds(1000).flat_map(each).collect::<Vec<_>>());

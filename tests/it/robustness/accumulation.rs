@@ -24,7 +24,7 @@ const CONSTANT: Rgb = Rgb::new(0.1, 0.7, 3e-5);
 
 /// The mean of 10⁹ equal passes, added one by one to a film of one pixel, is exact to rounding.
 #[test]
-#[ignore = "long: many samples of a hard case"]
+#[ignore = "long: a billion samples"]
 fn mean_of_constant_survives_billion_samples() {
     let mut film = Film::new(1, 1);
     for _ in 0..1_000_000_000u32 {

@@ -160,7 +160,7 @@ fn coplanar_and_collinear_photons_are_found() {
 /// A map of ten million photons, in a cube and on a wall, finds the same numbers of photons as a
 /// linear scan.
 #[test]
-#[ignore = "long: many samples of a hard case"]
+#[ignore = "long: ten million photons"]
 fn ten_million_photons_are_estimated_correctly() {
     let n = 10_000_000u64;
     let place = |i: u64| if i.is_multiple_of(2) { random(i) } else { random(i) * Vec3::new(1.0, 1.0, 0.0) };

@@ -213,7 +213,7 @@ fn distance_off_shape(own: UnitShape, exact: &Affine, s: &SurfacePoint, hit: DVe
 /// The hit point lies within its stated error, and a ray that leaves it outwards does not hit the
 /// shape again.
 #[test]
-#[ignore = "long: many samples of a hard case"]
+#[ignore = "long: many rays in exact arithmetic"]
 fn shape_hits_match_double_double_transforms() {
     let shapes = [UnitShape::Ball, UnitShape::Disc, UnitShape::Square, UnitShape::Tube, UnitShape::Bowl];
     let cases: Vec<(UnitShape, &str, DAffine3)> =
