@@ -1,6 +1,6 @@
 //! Short lists of the leaves near a box, for many short rays in that box.
 
-use super::build::ARITY;
+use super::build::{ARITY, OTHER_PRIMITIVE_BIT};
 use super::bvh8::{Boxes8, Bvh8};
 use crate::math::Bounds;
 use wide::f32x8;
@@ -50,6 +50,21 @@ impl LeafList {
             }
         }
         Some(list)
+    }
+
+    /// True if no primitive is near the box.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Index of the only primitive near the box, if there is just one and it is not a triangle.
+    #[must_use]
+    pub fn single_other_primitive(&self) -> Option<u32> {
+        match self.leaves() {
+            [leaf] if leaf & OTHER_PRIMITIVE_BIT != 0 => Some(leaf ^ OTHER_PRIMITIVE_BIT),
+            _ => None,
+        }
     }
 
     /// References to the leaves of this list, as nodes store them for their children.

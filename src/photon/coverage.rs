@@ -18,6 +18,16 @@ const PROBES: u32 = 16;
 /// times.
 pub(super) const MIN_COVERAGE: f32 = 0.05;
 
+/// Largest rise of a probe hit above the plane of the disc that counts as flat, divided by the
+/// radius.
+///
+/// A flat surface is hit in this plane up to rounding errors. Such hits must count as flat.
+const MAX_FLAT_RISE: f32 = 1e-3;
+
+/// Bound on the rounding error of a probe ray's origin, divided by the largest coordinate of the
+/// disc's center.
+const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
+
 /// Returns the coverage: the kernel's integral over the real surface around `p`, divided by its
 /// integral over a flat disc.
 ///
@@ -28,7 +38,7 @@ pub(super) const MIN_COVERAGE: f32 = 0.05;
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));
-    coverage_by_probes(scene, &primitives, p, normal, radius, kernel, key)
+    coverage_near(scene, &primitives, p, normal, radius, kernel, key)
 }
 
 /// Box that contains all probe rays of [`disc_coverage`] at `p`.
@@ -38,6 +48,28 @@ fn probe_bounds(p: Vec3, normal: Vec3, radius: f32) -> Bounds {
     let rounding = 1e-4 * radius + 1e-5 * p.abs().max_element();
     let half = height + around + rounding;
     Bounds { min: p - half, max: p + half }
+}
+
+/// Computes [`disc_coverage`], if `primitives` are the scene's primitives near the disc.
+#[inline]
+fn coverage_near(
+    scene: &Scene,
+    primitives: &NearPrimitives<'_>,
+    p: Vec3,
+    normal: Vec3,
+    radius: f32,
+    kernel: Kernel,
+    key: Key,
+) -> f32 {
+    // Most discs lie in one large flat shape, far from its edges. All probe rays would find it, no
+    // higher than `MAX_FLAT_RISE`, so the coverage would be 1.
+    let tolerance = radius * (0.5 * MAX_FLAT_RISE);
+    let rounding = p.abs().max_element() * RELATIVE_PROBE_ERROR;
+    if rounding < tolerance && primitives.are_one_shape_around_disc(p, normal, radius, tolerance) {
+        1.0
+    } else {
+        coverage_by_probes(scene, primitives, p, normal, radius, kernel, key)
+    }
 }
 
 /// Computes [`disc_coverage`] from probe rays. The rays are intersected only with `primitives`, the
@@ -64,9 +96,7 @@ fn coverage_by_probes(
         let cos = scene.geometric_normal_at(&ray, &hit).dot(normal).abs();
         if cos > MIN_NORMAL_COSINE {
             let rise = (height - hit.t) / radius;
-            // A flat surface is hit at `height` up to rounding errors. Such hits must count as
-            // flat.
-            let shape = if rise.abs() < 1e-3 {
+            let shape = if rise.abs() < MAX_FLAT_RISE {
                 shape
             } else {
                 kernel.unnormalized_value_or_zero(d.length_squared() + rise * rise)
@@ -95,7 +125,7 @@ pub fn nested_disc_coverage(
     let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));
     let mut radius = radius;
     [(); NESTED_DISC_COUNT].map(|()| {
-        let covered = coverage_by_probes(scene, &primitives, p, normal, radius, kernel, key);
+        let covered = coverage_near(scene, &primitives, p, normal, radius, kernel, key);
         radius *= std::f32::consts::FRAC_1_SQRT_2;
         covered
     })

@@ -4,6 +4,7 @@ use super::Scene;
 use super::geometry::{Geometry, Hit};
 use crate::accel::LeafList;
 use crate::math::{Bounds, Ray};
+use glam::Vec3;
 
 /// The primitives of a scene near a box, for many rays that stay in this box.
 ///
@@ -26,6 +27,22 @@ impl<'a> NearPrimitives<'a> {
         let geometry = &scene.geometry;
         let moving = geometry.moving_hierarchy.as_ref().and_then(|moving| moving.leaves_overlapping_bounds(bounds));
         Self { geometry, resting: geometry.resting_hierarchy.leaves_overlapping_bounds(bounds), moving }
+    }
+
+    /// True if one shape is the only primitive near the box, and contains the disc of `radius`
+    /// around `center`, perpendicular to the unit vector `normal`.
+    ///
+    /// Distances up to `tolerance` from the shape count as zero. False if that is not known.
+    #[inline]
+    #[must_use]
+    pub fn are_one_shape_around_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {
+        let Self { geometry, resting: Some(resting), moving } = self else { return false };
+        let nothing_moves = geometry.moving_hierarchy.is_none() || moving.as_ref().is_some_and(LeafList::is_empty);
+        nothing_moves
+            && geometry.planes.is_empty()
+            && resting
+                .single_other_primitive()
+                .is_some_and(|i| geometry.shapes.resting()[i as usize].contains_disc(center, normal, radius, tolerance))
     }
 
     /// The nearest intersection of `ray`, for 0 < t < `ray.t_max`; `None` if the ray hits nothing.

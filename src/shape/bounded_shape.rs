@@ -74,6 +74,16 @@ pub(super) trait BoundedShape: Sized {
         None
     }
 
+    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`, lies
+    /// in the shape.
+    ///
+    /// Distances up to `tolerance` from the shape count as zero. False by default: the shape may
+    /// contain the disc or not.
+    #[inline]
+    fn contains_disc(&self, _center: Vec3, _normal: Vec3, _radius: f32, _tolerance: f32) -> bool {
+        false
+    }
+
     /// Bound on the position error of a hit along the ray, relative to the distance of the hit.
     #[inline]
     fn relative_hit_error(&self) -> f32 {

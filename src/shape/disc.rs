@@ -5,7 +5,7 @@ use super::hit::{ray_to_f64, round_t_if_in_range};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform, exact_cross, warp};
-use glam::{DVec2, DVec3, Vec2};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Disc or ellipse: the points c + x·a + y·b with x² + y² ≤ 1, where c is `center`, a is
 /// `semi_axis_a` and b is `semi_axis_b`.
@@ -70,6 +70,16 @@ impl Disc {
 }
 
 impl BoundedShape for Disc {
+    #[inline]
+    fn contains_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {
+        let (offset, radius, tolerance) = (center.as_dvec3() - self.center, f64::from(radius), f64::from(tolerance));
+        let distance = self.normal.dot(offset).abs() + radius * self.normal.cross(normal.as_dvec3()).length();
+        let [a, b] = self.dual_basis;
+        let steepest = (a.length_squared() + b.length_squared()).sqrt();
+        let at = DVec2::new(a.dot(offset), b.dot(offset)).length();
+        distance <= tolerance && at + steepest * (radius + tolerance) <= 1.0
+    }
+
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let (a, b) = (map.transform_vector(self.semi_axis_a), map.transform_vector(self.semi_axis_b));
         let (a, b) = if map.swaps_handedness() { (b, a) } else { (a, b) };

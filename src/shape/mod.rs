@@ -220,6 +220,17 @@ impl Shape {
         dispatch!(self, s, _w => s.solid_angle_pdf(from))
     }
 
+    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`, lies
+    /// in the shape.
+    ///
+    /// Distances up to `tolerance` from the shape count as zero. False if that is not known: only
+    /// rectangles and discs are tested.
+    #[inline]
+    #[must_use]
+    pub(crate) fn contains_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {
+        dispatch!(self, s, _w => s.contains_disc(center, normal, radius, tolerance))
+    }
+
     /// Bound on the position error of a hit along the ray, relative to the distance of the hit.
     #[inline]
     #[must_use]

@@ -127,6 +127,17 @@ impl Rectangle {
 }
 
 impl BoundedShape for Rectangle {
+    #[inline]
+    fn contains_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {
+        let (offset, radius, tolerance) = (center.as_dvec3() - self.corner, f64::from(radius), f64::from(tolerance));
+        let distance = self.normal.dot(offset).abs() + radius * self.normal.cross(normal.as_dvec3()).length();
+        let is_within_edges = |dual: DVec3| {
+            let (at, reach) = (dual.dot(offset), dual.length() * (radius + tolerance));
+            at >= reach && at + reach <= 1.0
+        };
+        distance <= tolerance && self.dual_basis.into_iter().all(is_within_edges)
+    }
+
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let [e0, e1] = self.edges.map(|e| map.transform_vector(e));
         let (e0, e1) = if map.swaps_handedness() { (e1, e0) } else { (e0, e1) };

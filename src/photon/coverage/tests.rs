@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::sampling::Purpose;
 use crate::scene::{Material, SceneBuilder};
-use crate::shape::{Rectangle, Shape, Sphere};
+use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
 
 fn scene_of_shapes(shapes: &[Shape]) -> Scene {
@@ -139,5 +139,52 @@ fn sphere_has_full_box_coverage() {
     for p in [DVec3::Y, DVec3::NEG_Y] {
         let (mean, sigma) = mean_coverage(&ball, p, Vec3::Y, 0.45, Kernel::Box);
         assert!((mean - 1.0).abs() < 5.0 * sigma + 1e-3, "{mean} ± {sigma}");
+    }
+}
+
+/// Where one flat shape contains the disc, probe rays find the coverage 1 to the bit; elsewhere,
+/// and near the edges, the disc is not taken for covered.
+#[test]
+fn discs_within_one_flat_shape_are_covered_without_probes() {
+    let shapes = [
+        rectangle_shape([3.0, 0.5, 1.0], DVec3::new(2.0, 1.0, 0.2), DVec3::new(-0.5, 0.3, 2.0)),
+        Shape::Disc(Disc::new(DVec3::new(3.5, 1.0, 2.0), DVec3::new(1.2, 0.4, 0.0), DVec3::new(0.1, 0.3, 1.5))),
+    ];
+    for shape in shapes {
+        let scene = scene_of_shapes(std::slice::from_ref(&shape));
+        let shape = shape.translated(-scene.origin());
+        let (mut certain, mut partial) = (0, 0);
+        for i in 0..4000u64 {
+            let key = Key::new(5).purpose_key(Purpose::Test).child_key(i);
+            let u = sobol_2d(0, key, Dimension::CoverageProbe);
+            let point = shape.sample(u).point;
+            let radius = [0.5, 0.2, 0.05, 0.01][i as usize % 4];
+            let sign = if i % 3 == 0 { -1.0 } else { 1.0 };
+            // Some normals are tilted by more than the tolerance.
+            let tilt = if i % 7 == 0 { 1e-3 } else { 1e-5 };
+            let normal = (point.ng * sign + Frame::from_normal(point.ng).s * tilt).normalize();
+            let primitives = NearPrimitives::new(&scene, &probe_bounds(point.p, normal, radius));
+            let tolerance = radius * (0.5 * MAX_FLAT_RISE);
+            let found = coverage_by_probes(&scene, &primitives, point.p, normal, radius, Kernel::Epanechnikov, key);
+            let contains = primitives.are_one_shape_around_disc(point.p, normal, radius, tolerance);
+            assert!(!contains || found == 1.0, "{i}: {found}");
+            assert!(!contains || i % 7 != 0, "{i}: tilted");
+            certain += u32::from(contains);
+            partial += u32::from(found < 1.0);
+        }
+        assert!(certain > 1500 && partial > 500, "{certain} {partial}");
+    }
+}
+
+/// A second shape near the disc may hide a part of it, so probe rays must measure the coverage.
+#[test]
+fn further_shapes_near_a_disc_need_probes() {
+    let floor = rectangle_shape([-1.0, 0.0, 1.0], DVec3::X * 2.0, DVec3::Z * -2.0);
+    let ball = |x: f64| Shape::Sphere(Sphere::new(DVec3::new(x, 0.05, 0.0), 0.05));
+    for (x, expected) in [(0.05, false), (0.5, true)] {
+        let scene = scene_of_shapes(&[floor.clone(), ball(x)]);
+        let p = (-scene.origin()).as_vec3();
+        let primitives = NearPrimitives::new(&scene, &probe_bounds(p, Vec3::Y, 0.1));
+        assert_eq!(primitives.are_one_shape_around_disc(p, Vec3::Y, 0.1, 1e-4), expected, "{x}");
     }
 }
