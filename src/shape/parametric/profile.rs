@@ -6,6 +6,7 @@ use super::root_finding::{
     MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, RootClassification,
     TANGENT_HIT_RELATIVE_SIZE,
 };
+use arrayvec::ArrayVec;
 
 /// Polynomial piece of a profile: radius and height (ρ, y) as functions of x in \[−1, 1].
 #[derive(Clone, Copy, Debug)]
@@ -14,6 +15,29 @@ pub struct ProfilePiece<'a> {
     pub coefficients: &'a [Coefficient<2>],
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     pub point_error_bound: f64,
+}
+
+/// Capacity of the list of intervals that are still to be searched.
+///
+/// Sixty halvings shrink an interval of x to the size of rounding errors, and the list has room for
+/// them.
+const MAX_INTERVALS: usize = 64;
+
+/// Interval of a piece's curve parameter x.
+#[derive(Clone, Copy, Debug)]
+struct XInterval {
+    middle: f64,
+    half: f64,
+}
+
+impl XInterval {
+    const WHOLE: Self = Self { middle: 0.0, half: 1.0 };
+
+    /// The upper and the lower half, so that the lower one is the last.
+    fn halves(self) -> [Self; 2] {
+        let half = 0.5 * self.half;
+        [Self { middle: self.middle + half, half }, Self { middle: self.middle - half, half }]
+    }
 }
 
 /// Bounds on the terms aₖ xᵏ with k ≥ 2 of a polynomial over \[−1, 1], for each component.
@@ -40,62 +64,81 @@ impl ProfilePiece<'_> {
     /// the size of the whole surface \[object-space length]. Intervals of x are halved until each
     /// has no root, one root, or the size of a rounding error.
     pub fn nearest_hit(&self, ray: &CylindricalRay, t: &mut ArcLengthInterval, size: f64) -> Option<(f64, f64)> {
-        let degree = self.coefficients.len() - 1;
-        let mut boxes = [(0.0, 0.0); 64];
-        boxes[0] = (0.0, 1.0);
-        let mut count = 1;
         let mut found = None;
-        let mut own = [[0.0; 2]; MAX_DEGREE + 1];
-        while count > 0 {
-            count -= 1;
-            let (middle, half) = boxes[count];
-            let a = if half == 1.0 {
-                self.coefficients
-            } else {
-                own[..=degree].copy_from_slice(self.coefficients);
-                reparametrize(&mut own[..=degree], middle, half);
-                &own[..=degree]
-            };
-            let (rest, turn) = higher_term_and_derivative_bounds(a);
-            let reach = [a[1][0].abs() + rest[0], a[1][1].abs() + rest[1]];
-            let range = |i: usize| [a[0][i] - reach[i], a[0][i] + reach[i]];
-            let mut cut = false;
-            for interval in ray.clip_to_ring(range(0), range(1), *t, self.point_error_bound) {
-                if interval.is_empty() {
-                    continue;
-                }
-                let extent = reach[0].max(reach[1]);
-                let touched = match classify_roots(a, (rest, turn), ray, interval, self.point_error_bound) {
-                    RootClassification::NoRoot => None,
-                    RootClassification::Root(x, at) => Some((middle + half * x, at)),
-                    _ if extent <= 4.0 * self.point_error_bound => Some((middle, 0.5 * (interval.lo + interval.hi))),
-                    RootClassification::LineInSurface if extent <= TANGENT_HIT_RELATIVE_SIZE * size => {
-                        Some((middle, 0.5 * (interval.lo + interval.hi)))
-                    }
-                    RootClassification::LineInSurface => None,
-                    RootClassification::Unclear => {
-                        cut = true;
-                        None
-                    }
-                };
-                if let Some((x, at)) = touched
-                    && t.lo <= at
-                    && at <= t.hi
-                {
-                    t.hi = at;
-                    found = Some((x, at));
-                }
-            }
-            // Sixty halvings shrink an interval of x to the size of rounding errors, and the stack
-            // has room for them.
-            if cut && count + 2 <= boxes.len() {
-                let half = 0.5 * half;
-                boxes[count] = (middle + half, half);
-                boxes[count + 1] = (middle - half, half);
-                count += 2;
-            }
+        if self.must_halve(self.coefficients, XInterval::WHOLE, ray, t, size, &mut found) {
+            self.search_halves(ray, t, size, &mut found);
         }
         found
+    }
+
+    /// Searches both halves of the piece for a nearer hit than `found`, as
+    /// [`ProfilePiece::nearest_hit`] does.
+    #[cold]
+    fn search_halves(
+        &self,
+        ray: &CylindricalRay,
+        t: &mut ArcLengthInterval,
+        size: f64,
+        found: &mut Option<(f64, f64)>,
+    ) {
+        let mut intervals: ArrayVec<XInterval, MAX_INTERVALS> = XInterval::WHOLE.halves().into_iter().collect();
+        let mut own = [[0.0; 2]; MAX_DEGREE + 1];
+        let own = &mut own[..self.coefficients.len()];
+        while let Some(interval) = intervals.pop() {
+            own.copy_from_slice(self.coefficients);
+            reparametrize(own, interval.middle, interval.half);
+            if self.must_halve(own, interval, ray, t, size, found) && intervals.remaining_capacity() >= 2 {
+                intervals.extend(interval.halves());
+            }
+        }
+    }
+
+    /// Searches the part of the piece over `interval` for a nearer hit than `found`. Returns true if
+    /// the interval must be halved, since it may have further hits.
+    ///
+    /// `a` are the coefficients of the part, for the powers of its own parameter in \[−1, 1].
+    #[inline]
+    fn must_halve(
+        &self,
+        a: &[Coefficient<2>],
+        interval: XInterval,
+        ray: &CylindricalRay,
+        t: &mut ArcLengthInterval,
+        size: f64,
+        found: &mut Option<(f64, f64)>,
+    ) -> bool {
+        let XInterval { middle, half } = interval;
+        let (rest, turn) = higher_term_and_derivative_bounds(a);
+        let reach = [a[1][0].abs() + rest[0], a[1][1].abs() + rest[1]];
+        let range = |i: usize| [a[0][i] - reach[i], a[0][i] + reach[i]];
+        let mut must_halve = false;
+        for interval in ray.clip_to_ring(range(0), range(1), *t, self.point_error_bound) {
+            if interval.is_empty() {
+                continue;
+            }
+            let extent = reach[0].max(reach[1]);
+            let touched = match classify_roots(a, (rest, turn), ray, interval, self.point_error_bound) {
+                RootClassification::NoRoot => None,
+                RootClassification::Root(x, at) => Some((middle + half * x, at)),
+                _ if extent <= 4.0 * self.point_error_bound => Some((middle, 0.5 * (interval.lo + interval.hi))),
+                RootClassification::LineInSurface if extent <= TANGENT_HIT_RELATIVE_SIZE * size => {
+                    Some((middle, 0.5 * (interval.lo + interval.hi)))
+                }
+                RootClassification::LineInSurface => None,
+                RootClassification::Unclear => {
+                    must_halve = true;
+                    None
+                }
+            };
+            if let Some((x, at)) = touched
+                && t.lo <= at
+                && at <= t.hi
+            {
+                t.hi = at;
+                *found = Some((x, at));
+            }
+        }
+        must_halve
     }
 }
 

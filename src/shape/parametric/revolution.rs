@@ -1,5 +1,7 @@
 //! Surfaces of revolution, intersected in the plane of their profiles.
 
+mod proximity;
+
 use super::cylindrical_ray::{ArcLengthInterval, CylindricalRay, polar_radius_and_direction};
 use super::polynomial::{Coefficient, evaluate_with_derivative};
 use super::profile::ProfilePiece;
@@ -42,6 +44,19 @@ pub struct Revolution {
     to_world: Transform,
     /// World-space area \[length²].
     area: f64,
+    /// Bound on the world-space coordinates of all points \[length].
+    coordinate_bound: f64,
+}
+
+/// Hit of a ray on a leaf of a profile.
+struct LeafHit {
+    leaf: usize,
+    /// Parameter of the leaf in \[−1, 1].
+    x: f64,
+    /// Ray parameter of the hit, in the range of the ray.
+    t: f32,
+    /// Object-space point of the hit.
+    point: DVec3,
 }
 
 /// Profile curve in object space, divided into nearly straight pieces, which are called leaves.
@@ -120,7 +135,13 @@ impl Revolution {
         profile.leaf_distribution = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
         let to_world = Transform::IDENTITY.translated(DVec3::new(0.0, middle, 0.0));
         let area = profile.leaf_distribution.weight_sum();
-        Ok(Self { profile: Arc::new(profile), to_world, area })
+        Ok(Self::from_profile(Arc::new(profile), to_world, area))
+    }
+
+    /// Surface of a profile under the map `to_world`, with the world-space area `area`.
+    fn from_profile(profile: Arc<RevolutionProfile>, to_world: Transform, area: f64) -> Self {
+        let coordinate_bound = world_coordinate_bound(&to_world, profile.bounding_radius);
+        Self { profile, to_world, area, coordinate_bound }
     }
 
     /// Line of `ray` in object space, followed by [`ObjectRay::distance_to_base`] and
@@ -150,24 +171,14 @@ impl Revolution {
     fn surface_at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
         let profile = &self.profile;
         let p = self.to_world.transform_point(profile.leaf_point(leaf, x, radial));
-        let scale = world_coordinate_bound(&self.to_world, profile.bounding_radius);
         let normal = self.to_world.transform_normal(profile.leaf_normal(leaf, x, radial)).normalize();
-        SurfacePoint { shape_coords: uv, ..SurfacePoint::from_f64(p, normal, scale * PARAMETRIC_ERROR_FACTOR) }
-    }
-}
-
-impl BoundedShape for Revolution {
-    fn transformed(&self, map: &Transform) -> Option<Self> {
-        let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
-        let profile = &self.profile;
-        let area = match to_world.uniform_scale() {
-            Some(scale) => scale * scale * profile.leaf_distribution.weight_sum(),
-            None => (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &to_world)).sum(),
-        };
-        Some(Self { profile: Arc::clone(profile), to_world, area })
+        let scale = self.coordinate_bound * PARAMETRIC_ERROR_FACTOR;
+        SurfacePoint { shape_coords: uv, ..SurfacePoint::from_f64(p, normal, scale) }
     }
 
-    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    /// Nearest hit of `ray` with a ray parameter in (0, `ray.t_max`); `None` if there is none.
+    #[inline]
+    fn nearest_leaf_hit(&self, ray: &Ray) -> Option<LeafHit> {
         let (line, start, length) = self.cylindrical_object_ray(ray)?;
         let size = self.profile.bounding_radius;
         let end = f64::from(ray.t_max) * length - start;
@@ -184,9 +195,29 @@ impl BoundedShape for Revolution {
         });
         let (leaf, x, at) = found?;
         let t = round_t_if_in_range(ray, (start + at) / length)?;
-        let p = line.base + line.direction * at;
-        let (u, v) = (self.profile.leaf_to_profile_parameter(leaf, x), self.angle_in_turns(p, leaf));
+        Some(LeafHit { leaf, x, t, point: line.base + line.direction * at })
+    }
+}
+
+impl BoundedShape for Revolution {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
+        let profile = &self.profile;
+        let area = match to_world.uniform_scale() {
+            Some(scale) => scale * scale * profile.leaf_distribution.weight_sum(),
+            None => (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &to_world)).sum(),
+        };
+        Some(Self::from_profile(Arc::clone(profile), to_world, area))
+    }
+
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let LeafHit { leaf, x, t, point } = self.nearest_leaf_hit(ray)?;
+        let (u, v) = (self.profile.leaf_to_profile_parameter(leaf, x), self.angle_in_turns(point, leaf));
         Some(ShapeHit { t, shape_coords: Vec2::new(u as f32, v as f32) })
+    }
+
+    fn occludes(&self, ray: &Ray) -> bool {
+        self.nearest_leaf_hit(ray).is_some()
     }
 
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
@@ -231,7 +262,7 @@ impl BoundedShape for Revolution {
     }
 
     fn translated(&self, by: DVec3) -> Self {
-        Self { to_world: self.to_world.translated(by), ..self.clone() }
+        Self::from_profile(Arc::clone(&self.profile), self.to_world.translated(by), self.area)
     }
 
     fn area(&self) -> f64 {

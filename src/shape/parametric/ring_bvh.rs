@@ -1,9 +1,14 @@
 //! Bounding volume hierarchy of rings around the y axis, with eight children per node.
 
 use super::cylindrical_ray::{ArcLengthInterval, CylindricalRay};
+use arrayvec::ArrayVec;
 
 /// Number of children of a node.
 const ARITY: usize = 8;
+
+/// Number of entries of the stack of a traversal. A tree over all rings of a surface has fewer than
+/// eight levels.
+const MAX_STACK_ENTRIES: usize = 8 * ARITY;
 
 /// Bit of a child reference in a node: set if the child is a leaf.
 const LEAF_BIT: u32 = 1 << 31;
@@ -29,6 +34,18 @@ pub struct RingBounds {
 }
 
 impl RingBounds {
+    /// The ring with all bounds moved outward by `margin`.
+    pub fn expanded(self, margin: f64) -> Self {
+        let expand = |[low, high]: [f64; 2]| [low - margin, high + margin];
+        Self { radius: expand(self.radius), height: expand(self.height) }
+    }
+
+    /// True if the rings share a radius and a height.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        let meet = |a: [f64; 2], b: [f64; 2]| a[0] <= b[1] && b[0] <= a[1];
+        meet(self.radius, other.radius) && meet(self.height, other.height)
+    }
+
     /// Smallest ring around both rings.
     pub fn union(self, other: Self) -> Self {
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
@@ -97,12 +114,9 @@ impl RingBvh {
     ) {
         let dy = ray.direction.y;
         let inverse = if dy.abs() < 1e-300 { 1e300 } else { 1.0 / dy };
-        let mut stack = [(0u32, 0.0); 8 * ARITY];
-        stack[0] = (0, t.lo);
-        let mut count = 1;
-        while count > 0 {
-            count -= 1;
-            let (child, entry) = stack[count];
+        let mut stack: ArrayVec<(u32, f64), MAX_STACK_ENTRIES> = ArrayVec::new();
+        stack.push((0, t.lo));
+        while let Some((child, entry)) = stack.pop() {
             if entry > t.hi {
                 continue;
             }
@@ -125,16 +139,15 @@ impl RingBvh {
             }
             // Pushes the children that the ray may hit, so that the nearest child is on top of the
             // stack.
-            let start = count;
+            let start = stack.len();
             for (i, entry) in entries.into_iter().enumerate() {
                 if entry < f64::INFINITY {
-                    let mut at = count;
+                    let mut at = stack.len();
+                    stack.push((node.children[i], entry));
                     while at > start && stack[at - 1].1 < entry {
-                        stack[at] = stack[at - 1];
+                        stack.swap(at, at - 1);
                         at -= 1;
                     }
-                    stack[at] = (node.children[i], entry);
-                    count += 1;
                 }
             }
         }

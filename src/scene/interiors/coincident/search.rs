@@ -3,8 +3,9 @@
 use crate::accel::PrimitiveIndex;
 use crate::math::Bounds;
 use crate::scene::geometry::{Geometry, HitPrimitive};
-use crate::shape::Shape;
+use crate::shape::{Revolution, Shape};
 use glam::DVec3;
+use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -19,27 +20,50 @@ const PAIRS_PER_FACE: usize = 1000;
 /// the position errors of two surface points (see `SurfacePoint::position_error`).
 const RELATIVE_MARGIN: f32 = 16.0 * f32::EPSILON;
 
-/// One flag for each primitive of a scene: true if a boundary of another object may coincide with
-/// the primitive.
+/// The part of a shape with which a boundary of another object may coincide.
+#[derive(Clone, Debug, PartialEq)]
+enum CoincidentPart {
+    Nothing,
+    Everything,
+    /// Flags of intervals of a profile, see [`Revolution::profile_intervals_near`].
+    ProfileIntervals(Vec<bool>),
+}
+
+impl CoincidentPart {
+    /// Adds intervals of a profile.
+    fn add_intervals(&mut self, intervals: Vec<bool>) {
+        match self {
+            Self::Nothing => *self = Self::ProfileIntervals(intervals),
+            Self::Everything => {}
+            Self::ProfileIntervals(flags) => flags.iter_mut().zip(intervals).for_each(|(flag, new)| *flag |= new),
+        }
+    }
+}
+
+/// The parts of a scene's primitives with which a boundary of another object may coincide.
 ///
 /// `triangles` is empty if no triangle is flagged, and `shapes` if no shape is.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct CoincidentFlags {
+    /// One flag for each triangle.
     triangles: Arc<[bool]>,
-    shapes: Arc<[bool]>,
+    shapes: Arc<[CoincidentPart]>,
     /// True if all primitives are flagged, because a moving or unbounded boundary may be anywhere.
     all_flagged: bool,
 }
 
 impl CoincidentFlags {
-    /// True if a boundary of another object may coincide with `primitive`.
+    /// True if a boundary of another object may coincide with `primitive` at the hit.
     #[inline]
     pub fn may_coincide(&self, primitive: HitPrimitive) -> bool {
-        let flag = |flags: &[bool], i: u32| flags.get(i as usize).copied().unwrap_or(false);
         self.all_flagged
             || match primitive {
-                HitPrimitive::Triangle(i, _) => flag(&self.triangles, i),
-                HitPrimitive::Shape(i, _) => flag(&self.shapes, i),
+                HitPrimitive::Triangle(i, _) => self.triangles.get(i as usize).copied().unwrap_or(false),
+                HitPrimitive::Shape(i, coords) => match self.shapes.get(i as usize) {
+                    None | Some(CoincidentPart::Nothing) => false,
+                    Some(CoincidentPart::Everything) => true,
+                    Some(CoincidentPart::ProfileIntervals(flags)) => flags[Revolution::profile_interval(coords.x)],
+                },
                 HitPrimitive::Plane(_) => false,
             }
     }
@@ -110,23 +134,45 @@ pub(in crate::scene) fn flag_coincident_primitives(
             faces.push(BoundaryFace { primitive: PrimitiveIndex::Triangle(i as u32), bounds, boundary_object: object });
         }
     }
+    let margin = |a: &BoundaryFace, b: &BoundaryFace| {
+        f64::from(extents[a.boundary_object as usize].margin + extents[b.boundary_object as usize].margin)
+    };
+    // Liquids in glasses share the axis of the glass. For such pairs, the parts of both surfaces
+    // that may coincide are found later.
+    let coaxial_pairs = RefCell::new(Vec::new());
     let near = |a: &BoundaryFace, b: &BoundaryFace| {
-        let margin = f64::from(extents[a.boundary_object as usize].margin + extents[b.boundary_object as usize].margin);
+        let margin = margin(a, b);
         match (a.primitive, b.primitive) {
             (PrimitiveIndex::Triangle(i), PrimitiveIndex::Triangle(j)) => {
                 let [a, b] = [i, j].map(|i| geometry.mesh.corners(i as usize).map(|p| p.as_dvec3()));
                 !(lie_on_one_side_of_plane(&a, &b, margin) || lie_on_one_side_of_plane(&b, &a, margin))
             }
-            (PrimitiveIndex::Other(_), _) | (_, PrimitiveIndex::Other(_)) => true,
+            (PrimitiveIndex::Other(i), PrimitiveIndex::Other(j)) => match (&geometry.shapes[i], &geometry.shapes[j]) {
+                (Shape::Revolution(first), Shape::Revolution(second)) if first.shares_axis(second) => {
+                    coaxial_pairs.borrow_mut().push((i.min(j), i.max(j), margin));
+                    false
+                }
+                _ => true,
+            },
+            (PrimitiveIndex::Other(_), PrimitiveIndex::Triangle(_))
+            | (PrimitiveIndex::Triangle(_), PrimitiveIndex::Other(_)) => true,
         }
     };
     let found = SpatialSelfJoin::faces_near_other_objects(&faces, &near);
     let mut triangles = vec![false; geometry.triangle_object.len()];
-    let mut shapes = vec![false; geometry.shapes.len()];
-    for (face, found) in faces.iter().zip(found) {
+    let mut shapes = vec![CoincidentPart::Nothing; geometry.shapes.len()];
+    for (face, _) in faces.iter().zip(found).filter(|(_, found)| *found) {
         match face.primitive {
-            PrimitiveIndex::Triangle(i) => triangles[i as usize] = found,
-            PrimitiveIndex::Other(i) => shapes[i as usize] = found,
+            PrimitiveIndex::Triangle(i) => triangles[i as usize] = true,
+            PrimitiveIndex::Other(i) => shapes[i as usize] = CoincidentPart::Everything,
+        }
+    }
+    let mut coaxial_pairs = coaxial_pairs.into_inner();
+    coaxial_pairs.dedup();
+    for (i, j, margin) in coaxial_pairs {
+        if let (Shape::Revolution(first), Shape::Revolution(second)) = (&geometry.shapes[i], &geometry.shapes[j]) {
+            shapes[i as usize].add_intervals(first.profile_intervals_near(second, margin));
+            shapes[j as usize].add_intervals(second.profile_intervals_near(first, margin));
         }
     }
     CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), all_flagged: false }

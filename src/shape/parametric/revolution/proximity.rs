@@ -1,0 +1,169 @@
+//! The parts of a surface of revolution that may touch another one around the same axis.
+
+use super::super::polynomial::{MAX_DEGREE, reparametrize};
+use super::super::ring_bvh::RingBounds;
+use super::{Revolution, RevolutionProfile};
+use glam::{DMat3, DVec3};
+
+/// Number of equal intervals of the profile parameter, of which each is near another surface or
+/// not.
+const PROFILE_INTERVALS: usize = 1024;
+
+/// Largest deviation of two axes that count as one, relative to the size of the surface. It is far
+/// below the distance within which surfaces may touch.
+const AXIS_TOLERANCE: f64 = 1e-9;
+
+/// Map from the radii and heights of one surface of revolution to those of another around the same
+/// axis.
+struct CoaxialMap {
+    radius_factor: f64,
+    height_factor: f64,
+    height_offset: f64,
+}
+
+impl CoaxialMap {
+    /// Map from the object space of `from` to that of `to`; `None` if their axes differ.
+    fn new(from: &Revolution, to: &Revolution) -> Option<Self> {
+        let map = *to.to_world.inverse() * *from.to_world.forward();
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = map.matrix3;
+        let largest = x.abs().max(y.abs()).max(z.abs()).max_element();
+        let is_zero = |value: f64, size: f64| value.abs() <= AXIS_TOLERANCE * size;
+        let keeps_axis = [x.y, z.y, y.x, y.z].into_iter().all(|value| is_zero(value, largest));
+        let keeps_circles =
+            is_zero(x.dot(z), largest * largest) && is_zero(x.length_squared() - z.length_squared(), largest * largest);
+        let DVec3 { x: aside, y: height_offset, z: behind } = map.translation;
+        let same_line = is_zero(aside, to.profile.bounding_radius) && is_zero(behind, to.profile.bounding_radius);
+        (keeps_axis && keeps_circles && same_line).then(|| Self {
+            radius_factor: x.length(),
+            height_factor: y.y,
+            height_offset,
+        })
+    }
+
+    fn map_ring(&self, ring: RingBounds) -> RingBounds {
+        let [a, b] = ring.height.map(|y| y * self.height_factor + self.height_offset);
+        RingBounds { radius: ring.radius.map(|r| r * self.radius_factor), height: [a.min(b), a.max(b)] }
+    }
+}
+
+impl Revolution {
+    /// True if the axes of both surfaces are one line and both have circles around it.
+    pub(crate) fn shares_axis(&self, other: &Self) -> bool {
+        CoaxialMap::new(other, self).is_some()
+    }
+
+    /// Index of the interval that holds the profile parameter `u`, in the result of
+    /// [`Revolution::profile_intervals_near`].
+    #[inline]
+    pub(crate) fn profile_interval(u: f32) -> usize {
+        ((u * PROFILE_INTERVALS as f32) as usize).min(PROFILE_INTERVALS - 1)
+    }
+
+    /// Returns a flag for each of equal intervals of the profile parameter: false if the surface is
+    /// farther than `margin` \[world length] from `other` there.
+    ///
+    /// All flags are true if the surfaces do not share their axis.
+    pub(crate) fn profile_intervals_near(&self, other: &Self, margin: f64) -> Vec<bool> {
+        let Some(map) = CoaxialMap::new(other, self) else { return vec![true; PROFILE_INTERVALS] };
+        let inverse = self.to_world.inverse().matrix3;
+        let scale =
+            (inverse.x_axis.length_squared() + inverse.y_axis.length_squared() + inverse.z_axis.length_squared())
+                .sqrt();
+        let reach = margin * scale + self.profile.point_error_bound;
+        let other_error = other.profile.point_error_bound;
+        let mut is_near = vec![false; PROFILE_INTERVALS];
+        for (leaf, own) in self.profile.leaves.iter().enumerate() {
+            let expanded = |ring: RingBounds| map.map_ring(ring.expanded(other_error)).expanded(reach);
+            let near_leaves =
+                (0..other.profile.leaves.len()).filter(|i| expanded(other.profile.leaves[*i].ring).overlaps(&own.ring));
+            let pieces = near_leaves.flat_map(|i| other.profile.pieces_of_leaf(i));
+            let pieces: Vec<RingBounds> = pieces.map(|(_, ring)| expanded(ring)).collect();
+            for (interval, ring) in self.profile.pieces_of_leaf(leaf) {
+                is_near[interval] |= pieces.iter().any(|piece| piece.overlaps(&ring));
+            }
+        }
+        // A rounded parameter may lie in the interval beside its own.
+        let with_neighbours = |i: usize| is_near[i.saturating_sub(1)..(i + 2).min(PROFILE_INTERVALS)].contains(&true);
+        (0..PROFILE_INTERVALS).map(with_neighbours).collect()
+    }
+}
+
+impl RevolutionProfile {
+    /// The parts of a leaf in each interval of the profile parameter: index of the interval, and a
+    /// ring around the part.
+    fn pieces_of_leaf(&self, leaf: usize) -> impl Iterator<Item = (usize, RingBounds)> + '_ {
+        let (middle, half) = (self.leaves[leaf].parameter_center, self.leaves[leaf].parameter_half_width);
+        let coefficients = self.leaf_polynomial_coefficients(leaf);
+        let count = PROFILE_INTERVALS as f64;
+        let interval = |parameter: f64| ((parameter * count) as usize).min(PROFILE_INTERVALS - 1);
+        (interval(middle - half)..=interval(middle + half)).map(move |index| {
+            let [start, end] = [index, index + 1].map(|i| ((i as f64 / count - middle) / half).clamp(-1.0, 1.0));
+            let mut own = [[0.0; 2]; MAX_DEGREE + 1];
+            let own = &mut own[..coefficients.len()];
+            own.copy_from_slice(coefficients);
+            reparametrize(own, 0.5 * (start + end), 0.5 * (end - start));
+            let range = |axis: usize| {
+                let reach: f64 = own[1..].iter().map(|c| c[axis].abs()).sum();
+                [own[0][axis] - reach, own[0][axis] + reach]
+            };
+            (index, RingBounds { radius: range(0), height: range(1) })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::spline::SplineBasis;
+    use super::*;
+    use crate::math::Transform;
+    use crate::shape::bounded_shape::BoundedShape;
+    use glam::{DAffine3, DVec2, Vec2};
+
+    fn surface(basis: &SplineBasis, controls: &[[f64; 2]]) -> Revolution {
+        let controls: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
+        Revolution::new(basis, &controls).unwrap()
+    }
+
+    /// Where a liquid and its glass are within the margin, the interval of each is flagged; nearly
+    /// all other intervals are not.
+    #[test]
+    fn flags_cover_what_is_near_and_little_more() {
+        let (basis, margin) = (SplineBasis::bezier_basis(4).unwrap(), 0.003);
+        let wall = [[0.2, 0.0], [0.6, 0.1], [0.4, 0.9], [0.5, 1.6]];
+        let liquid = [[0.0, 0.2], [0.8, 0.2], [0.8, 1.0], [0.0, 1.0]];
+        let map = Transform::IDENTITY.translated(DVec3::new(3.0, -1.0, 0.5));
+        let (wall, liquid) = (surface(&basis, &wall), surface(&basis, &liquid).translated(DVec3::Y * 0.01));
+        let [wall, liquid] = [wall, liquid].map(|s| s.transformed(&map).unwrap());
+        for (a, b) in [(&wall, &liquid), (&liquid, &wall)] {
+            assert!(a.shares_axis(b));
+            let flags = a.profile_intervals_near(b, margin);
+            let points = |s: &Revolution| -> Vec<(f32, DVec3)> {
+                (0..4000).map(|i| i as f32 / 4000.0).map(|u| (u, s.point_at_uv(Vec2::new(u, 0.3)))).collect()
+            };
+            let others = points(b);
+            let mut near = vec![false; PROFILE_INTERVALS];
+            for (u, p) in points(a) {
+                near[Revolution::profile_interval(u)] |= others.iter().any(|(_, q)| p.distance(*q) < margin);
+            }
+            let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
+            assert!(near.iter().zip(&flags).all(|(near, flag)| *flag || !*near));
+            assert!(count(&near) > 0 && count(&flags) < count(&near) + 30, "{} {}", count(&near), count(&flags));
+        }
+    }
+
+    #[test]
+    fn surfaces_beside_or_across_each_other_do_not_share_an_axis() {
+        let line = SplineBasis::bezier_basis(2).unwrap();
+        let tube = surface(&line, &[[1.0, -1.0], [1.0, 1.0]]);
+        let moved = |map: Transform| tube.transformed(&map).unwrap();
+        assert!(tube.shares_axis(&moved(Transform::IDENTITY.translated(DVec3::Y * 0.3))));
+        for other in [
+            moved(Transform::IDENTITY.translated(DVec3::X * 1e-6)),
+            moved(Transform::new(DAffine3::from_rotation_z(0.01)).unwrap()),
+            moved(Transform::new(DAffine3::from_scale(DVec3::new(1.0, 1.0, 1.01))).unwrap()),
+        ] {
+            assert!(!tube.shares_axis(&other));
+            assert_eq!(tube.profile_intervals_near(&other, 1e-3), vec![true; PROFILE_INTERVALS]);
+        }
+    }
+}
