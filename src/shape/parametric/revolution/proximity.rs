@@ -147,7 +147,7 @@ mod tests {
             }
             let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
             assert!(near.iter().zip(&flags).all(|(near, flag)| *flag || !*near));
-            assert!(count(&near) > 0 && count(&flags) < count(&near) + 30, "{} {}", count(&near), count(&flags));
+            assert!(count(&near) > 0 && count(&flags) < PROFILE_INTERVALS / 16, "{} {}", count(&near), count(&flags));
         }
     }
 
