@@ -37,7 +37,7 @@ impl GatherGuide {
     ///
     /// Returns `None` if the guide has no photon directions.
     #[inline]
-    pub fn sample(&self, choice: f32, u: Vec2) -> Option<Vec3> {
+    pub fn sample_direction(&self, choice: f32, u: Vec2) -> Option<Vec3> {
         let chosen = ((choice * self.directions.len() as f32) as usize).min(self.directions.len().checked_sub(1)?);
         Some(
             Frame::from_normal(self.directions[chosen])

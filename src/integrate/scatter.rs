@@ -89,7 +89,7 @@ fn sample_bsdf_or_guide<I: Interior>(vertex: &PathVertex<'_, I>, task: &PathTask
         sample.pdf = mixed;
         return Some(sample);
     }
-    let Some(wi) = task.scratch.gather_guide.sample(2.0 * lobe, u) else {
+    let Some(wi) = task.scratch.gather_guide.sample_direction(2.0 * lobe, u) else {
         return surface.sample(2.0 * lobe, u, TransportMode::Radiance);
     };
     let reflected = surface.bsdf_cosine(wi);

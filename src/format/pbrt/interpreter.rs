@@ -33,8 +33,8 @@ const MAX_INCLUDE_DEPTH: usize = 32;
 /// Greatest number of included files.
 const MAX_INCLUDES: usize = 100_000;
 
-/// Greatest depth of nested attribute blocks.
-const MAX_ATTRIBUTE_DEPTH: usize = 10_000;
+/// Greatest number of graphics states that nested attribute blocks save.
+const MAX_SAVED_STATES: usize = 10_000;
 
 /// Greatest depth of object instances inside object definitions.
 const MAX_INSTANCE_DEPTH: usize = 64;
@@ -419,7 +419,7 @@ impl<'a> Interpreter<'a> {
     }
 
     fn save_state(&mut self, place: &PbrtSourceLocation) -> ReadResult<()> {
-        if self.saved.len() >= MAX_ATTRIBUTE_DEPTH {
+        if self.saved.len() >= MAX_SAVED_STATES {
             return Err(place.error("attribute blocks nest too deep", "close the blocks: `AttributeEnd`"));
         }
         self.files.reserve_memory(MEMORY_PER_STATE)?;

@@ -12,13 +12,17 @@ fn samples_follow_the_pdf() {
         let n = 20_000;
         let covered = (0..n).map(|i| {
             let key = Key::new(2).purpose_key(Purpose::Test).child_key(i);
-            let w = guide.sample(key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+            let w =
+                guide.sample_direction(key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
             guide.pdf(w.unwrap()).filter(|pdf| *pdf > 0.0).map_or(0.0, |pdf| 1.0 / f64::from(pdf))
         });
         let mean = covered.sum::<f64>() / n as f64;
         assert!((mean / (cones * one) - 1.0).abs() < 2e-3, "{mean} {cones}");
     }
-    assert_eq!((GatherGuide::default().sample(0.5, Vec2::ZERO), GatherGuide::default().pdf(Vec3::Z)), (None, None));
+    assert_eq!(
+        (GatherGuide::default().sample_direction(0.5, Vec2::ZERO), GatherGuide::default().pdf(Vec3::Z)),
+        (None, None)
+    );
 }
 
 fn uniform_random_numbers(i: u64) -> (f32, Vec2) {
@@ -47,8 +51,9 @@ fn each_cone_is_sampled_evenly() {
     let directions = vec![Vec3::X, Vec3::Y, Vec3::Z];
     let mut guide = GatherGuide { directions: directions.clone() };
     let n = 30_000;
-    let samples: Vec<Vec3> =
-        (0..n).filter_map(|i| guide.sample(uniform_random_numbers(i).0, uniform_random_numbers(i).1)).collect();
+    let samples: Vec<Vec3> = (0..n)
+        .filter_map(|i| guide.sample_direction(uniform_random_numbers(i).0, uniform_random_numbers(i).1))
+        .collect();
     for direction in directions {
         let near: Vec<f64> = samples.iter().map(|w| f64::from(w.dot(direction))).filter(|cos| *cos > 0.9).collect();
         let third = n as f64 / 3.0;
@@ -58,5 +63,5 @@ fn each_cone_is_sampled_evenly() {
         assert!((off / half - 1.0).abs() < 5.0 / (3.0 * third).sqrt(), "{off}");
     }
     guide.clear();
-    assert_eq!(guide.sample(0.5, Vec2::ZERO), None);
+    assert_eq!(guide.sample_direction(0.5, Vec2::ZERO), None);
 }

@@ -119,3 +119,22 @@ fn distributions_refuse_invalid_weights() {
     }
     assert!(SquareGridDistribution::new(0, &[]).is_none() && SquareGridDistribution::new(3, &[1.0; 9]).is_none());
 }
+
+#[test]
+fn an_interval_is_that_of_a_binary_search() {
+    let histogram = SquareGridDistribution::new(SIDE, &grid_weights_with_zeros()).unwrap();
+    let (rows, columns) = histogram.first_candidates.split_at(SIDE);
+    for row in 0..SIDE {
+        let cdfs = [
+            (histogram.row_cdf.as_slice(), rows),
+            (histogram.cumulative_column_probabilities(row), &columns[row * SIDE..(row + 1) * SIDE]),
+        ];
+        for (bounds, candidates) in cdfs {
+            let ends = bounds.iter().flat_map(|b| [*b, b.next_up(), b.next_down().max(0.0)]).filter(|u| *u < 1.0);
+            for u in ends.chain(random_points_in_square(100).map(|u| u.x)) {
+                let expected = bounds.partition_point(|b| *b <= u).clamp(1, SIDE) - 1;
+                assert_eq!(find_interval(bounds, candidates, u).0, expected, "{u}");
+            }
+        }
+    }
+}

@@ -4,8 +4,9 @@ use super::*;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::scene::{Body, Material, SceneBuilder};
+use crate::shape::parametric::SplineBasis;
 use crate::shape::{Plane, Sphere};
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 
 /// Returns the numbers of flagged triangles in a scene of two glass cubes: a unit cube, and the
 /// same cube after `scale` and `shift`.
@@ -37,6 +38,22 @@ fn only_faces_that_may_coincide_are_flagged() {
     for x in [0.25, 0.999, 1.001, 2.0] {
         assert_eq!(beside(x), if x == 0.999 { [2, 8] } else { [0, 0] }, "{x}");
     }
+}
+
+/// A glass from height −1 to 1 and a liquid from 0 to 3 share the wall from 0 to 1.
+#[test]
+fn coaxial_surfaces_are_flagged_where_they_meet() {
+    let mut builder = SceneBuilder::new();
+    for (index, heights) in [(1.5, [-1.0, 1.0]), (1.33, [0.0, 3.0])] {
+        let material = builder.add_material(Material::smooth_boundary(Body::new(index)));
+        let wall = heights.map(|height| DVec2::new(1.0, height));
+        let tube = Revolution::new(&SplineBasis::bezier_basis(2).unwrap(), &wall).unwrap();
+        builder.add_shape(Shape::Revolution(tube), material, Rgb::ZERO);
+    }
+    let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
+    let scene = builder.build(camera).unwrap();
+    let may = |(shape, u)| scene.coincident.may_coincide(HitPrimitive::Shape(shape, Vec2::new(u, 0.3)));
+    assert_eq!([(0, 0.25), (0, 0.75), (1, 0.2), (1, 0.8)].map(may), [false, true, true, false]);
 }
 
 #[test]
