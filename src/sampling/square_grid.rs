@@ -14,7 +14,8 @@ pub struct SquareGridDistribution {
     row_cdf: Vec<f32>,
     /// Cumulative probabilities of the columns in each row: `side + 1` numbers per row.
     column_cdfs: Vec<f32>,
-    /// [`first_candidates`] of the rows, then those of the columns in each row: `side` numbers each.
+    /// [`first_candidates`] of the rows, then those of the columns in each row: `side` numbers
+    /// each.
     first_candidates: Vec<u16>,
 }
 
@@ -113,8 +114,8 @@ fn cumulative_probabilities(weights: &[f64]) -> Vec<f32> {
     std::iter::once(0.0).chain(inner).collect()
 }
 
-/// Returns, for n intervals with the ends `bounds`, the index of the first end above each of 0, 1/n,
-/// 2/n … 1 − 1/n.
+/// Returns, for n intervals with the ends `bounds`, the index of the first end above each of 0,
+/// 1/n, 2/n … 1 − 1/n.
 ///
 /// A search that begins there takes few steps on average (cutpoint method, Chen and Asau 1974).
 fn first_candidates(bounds: &[f32]) -> impl Iterator<Item = u16> + '_ {

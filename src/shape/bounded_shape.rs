@@ -74,8 +74,8 @@ pub(super) trait BoundedShape: Sized {
         None
     }
 
-    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`, lies
-    /// in the shape.
+    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`,
+    /// lies in the shape.
     ///
     /// Distances up to `tolerance` from the shape count as zero. False by default: the shape may
     /// contain the disc or not.

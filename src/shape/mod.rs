@@ -220,8 +220,8 @@ impl Shape {
         dispatch!(self, s, _w => s.solid_angle_pdf(from))
     }
 
-    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`, lies
-    /// in the shape.
+    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`,
+    /// lies in the shape.
     ///
     /// Distances up to `tolerance` from the shape count as zero. False if that is not known: only
     /// rectangles and discs are tested.
