@@ -26,6 +26,8 @@ const MAX_FLAT_RISE: f32 = 1e-3;
 
 /// Bound on the rounding error of a probe ray's origin, divided by the largest coordinate of the
 /// disc's center.
+///
+/// A further error, about 10⁻⁷ of the radius, is far below [`MAX_FLAT_RISE`].
 const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Returns the coverage: the kernel's integral over the real surface around `p`, divided by its
@@ -34,7 +36,7 @@ const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
 /// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface. If
 /// the surface ends, bends or is occluded, the estimate is too dark (boundary bias, Jensen 2001,
 /// section 7.2.3). Division by the coverage corrects this bias. Probe rays along −`normal` measure
-/// the coverage. It is at least 0.05, exactly 1 on a flat surface, and may exceed 1 on a slope.
+/// the coverage, unless one flat shape contains the disc. It is at least 0.05, exactly 1 on a flat surface, and may exceed 1 on a slope.
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));
@@ -50,7 +52,7 @@ fn probe_bounds(p: Vec3, normal: Vec3, radius: f32) -> Bounds {
     Bounds { min: p - half, max: p + half }
 }
 
-/// Computes [`disc_coverage`], if `primitives` are the scene's primitives near the disc.
+/// Computes [`disc_coverage`]; `primitives` must be the scene's primitives near the disc.
 #[inline]
 fn coverage_near(
     scene: &Scene,
@@ -62,10 +64,11 @@ fn coverage_near(
     key: Key,
 ) -> f32 {
     // Most discs lie in one large flat shape, far from its edges. All probe rays would find it, no
-    // higher than `MAX_FLAT_RISE`, so the coverage would be 1.
+    // higher than `MAX_FLAT_RISE`, so the coverage would be 1. Half of that rise is for distance and
+    // tilt of the shape, the other half for rounding errors of the probe rays.
     let tolerance = radius * (0.5 * MAX_FLAT_RISE);
     let rounding = p.abs().max_element() * RELATIVE_PROBE_ERROR;
-    if rounding < tolerance && primitives.are_one_shape_around_disc(p, normal, radius, tolerance) {
+    if rounding < tolerance && primitives.only_shape_contains_disc(p, normal, radius, tolerance) {
         1.0
     } else {
         coverage_by_probes(scene, primitives, p, normal, radius, kernel, key)
@@ -111,7 +114,7 @@ fn coverage_by_probes(
 /// Returns the coverage, as [`disc_coverage`] defines it, of each disc of a
 /// [`NestedRadianceEstimate`](super::NestedRadianceEstimate), largest disc first.
 ///
-/// `radius` is the radius of the largest disc \[length]. Each disc has its own 16 probe rays: with
+/// `radius` is the radius of the largest disc \[length]. Each disc that needs them has its own 16 probe rays: with
 /// fewer rays, the coverage would be noisier, which would bias the division by it.
 #[must_use]
 pub fn nested_disc_coverage(

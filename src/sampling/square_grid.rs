@@ -124,7 +124,9 @@ fn first_candidates(bounds: &[f32]) -> impl Iterator<Item = u16> + '_ {
 }
 
 /// Returns the index of the interval that contains `u`, the relative position of `u` in it, and its
-/// length, which is above 0. `bounds` are the ends of a power of two of intervals, and `candidates`
+/// length, which is above 0.
+///
+/// `bounds` are the ends of the intervals, whose number must be a power of two. `candidates` are
 /// their [`first_candidates`].
 #[inline]
 fn find_interval(bounds: &[f32], candidates: &[u16], u: f32) -> (usize, f32, f32) {

@@ -29,13 +29,13 @@ impl<'a> NearPrimitives<'a> {
         Self { geometry, resting: geometry.resting_hierarchy.leaves_overlapping_bounds(bounds), moving }
     }
 
-    /// True if one shape is the only primitive near the box, and contains the disc of `radius`
-    /// around `center`, perpendicular to the unit vector `normal`.
+    /// True if the only primitive near the box is one shape, and this shape contains the disc of
+    /// `radius` around `center`, as `Shape::contains_disc` defines it.
     ///
-    /// Distances up to `tolerance` from the shape count as zero. False if that is not known.
+    /// False if that is not known.
     #[inline]
     #[must_use]
-    pub fn are_one_shape_around_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {
+    pub fn only_shape_contains_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {
         let Self { geometry, resting: Some(resting), moving } = self else { return false };
         let nothing_moves = geometry.moving_hierarchy.is_none() || moving.as_ref().is_some_and(LeafList::is_empty);
         nothing_moves

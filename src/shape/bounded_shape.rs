@@ -74,11 +74,10 @@ pub(super) trait BoundedShape: Sized {
         None
     }
 
-    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`,
-    /// lies in the shape.
+    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`, is
+    /// at most `tolerance` from the plane of the shape, and at least `tolerance` inside its edges.
     ///
-    /// Distances up to `tolerance` from the shape count as zero. False by default: the shape may
-    /// contain the disc or not.
+    /// False by default: the shape may contain the disc or not.
     #[inline]
     fn contains_disc(&self, _center: Vec3, _normal: Vec3, _radius: f32, _tolerance: f32) -> bool {
         false

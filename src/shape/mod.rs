@@ -220,11 +220,10 @@ impl Shape {
         dispatch!(self, s, _w => s.solid_angle_pdf(from))
     }
 
-    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`,
-    /// lies in the shape.
+    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`, is
+    /// at most `tolerance` from the plane of the shape, and at least `tolerance` inside its edges.
     ///
-    /// Distances up to `tolerance` from the shape count as zero. False if that is not known: only
-    /// rectangles and discs are tested.
+    /// False if that is not known: only rectangles and discs are tested.
     #[inline]
     #[must_use]
     pub(crate) fn contains_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {

@@ -142,8 +142,8 @@ fn sphere_has_full_box_coverage() {
     }
 }
 
-/// Where one flat shape contains the disc, probe rays find the coverage 1 to the bit; elsewhere,
-/// and near the edges, the disc is not taken for covered.
+/// Where [`NearPrimitives::only_shape_contains_disc`] is true, probe rays find exactly 1. It is
+/// false for tilted normals.
 #[test]
 fn discs_within_one_flat_shape_are_covered_without_probes() {
     let shapes = [
@@ -166,7 +166,7 @@ fn discs_within_one_flat_shape_are_covered_without_probes() {
             let primitives = NearPrimitives::new(&scene, &probe_bounds(point.p, normal, radius));
             let tolerance = radius * (0.5 * MAX_FLAT_RISE);
             let found = coverage_by_probes(&scene, &primitives, point.p, normal, radius, Kernel::Epanechnikov, key);
-            let contains = primitives.are_one_shape_around_disc(point.p, normal, radius, tolerance);
+            let contains = primitives.only_shape_contains_disc(point.p, normal, radius, tolerance);
             assert!(!contains || found == 1.0, "{i}: {found}");
             assert!(!contains || i % 7 != 0, "{i}: tilted");
             certain += u32::from(contains);
@@ -185,6 +185,6 @@ fn further_shapes_near_a_disc_need_probes() {
         let scene = scene_of_shapes(&[floor.clone(), ball(x)]);
         let p = (-scene.origin()).as_vec3();
         let primitives = NearPrimitives::new(&scene, &probe_bounds(p, Vec3::Y, 0.1));
-        assert_eq!(primitives.are_one_shape_around_disc(p, Vec3::Y, 0.1, 1e-4), expected, "{x}");
+        assert_eq!(primitives.only_shape_contains_disc(p, Vec3::Y, 0.1, 1e-4), expected, "{x}");
     }
 }

@@ -65,7 +65,7 @@ impl ProfilePiece<'_> {
     /// has no root, one root, or the size of a rounding error.
     pub fn nearest_hit(&self, ray: &CylindricalRay, t: &mut ArcLengthInterval, size: f64) -> Option<(f64, f64)> {
         let mut found = None;
-        if self.must_halve(self.coefficients, XInterval::WHOLE, ray, t, size, &mut found) {
+        if self.search_interval(self.coefficients, XInterval::WHOLE, ray, t, size, &mut found) {
             self.search_halves(ray, t, size, &mut found);
         }
         found
@@ -87,18 +87,18 @@ impl ProfilePiece<'_> {
         while let Some(interval) = intervals.pop() {
             own.copy_from_slice(self.coefficients);
             reparametrize(own, interval.middle, interval.half);
-            if self.must_halve(own, interval, ray, t, size, found) && intervals.remaining_capacity() >= 2 {
+            if self.search_interval(own, interval, ray, t, size, found) && intervals.remaining_capacity() >= 2 {
                 intervals.extend(interval.halves());
             }
         }
     }
 
-    /// Searches the part of the piece over `interval` for a nearer hit than `found`. Returns true
-    /// if the interval must be halved, since it may have further hits.
+    /// Searches the part of the piece over `interval`. A nearer hit (x, τ) replaces `found` and moves
+    /// the end of `t`. Returns true if the interval must be halved, since it may have further hits.
     ///
     /// `a` are the coefficients of the part, for the powers of its own parameter in \[−1, 1].
     #[inline]
-    fn must_halve(
+    fn search_interval(
         &self,
         a: &[Coefficient<2>],
         interval: XInterval,
@@ -112,17 +112,17 @@ impl ProfilePiece<'_> {
         let reach = [a[1][0].abs() + rest[0], a[1][1].abs() + rest[1]];
         let range = |i: usize| [a[0][i] - reach[i], a[0][i] + reach[i]];
         let mut must_halve = false;
-        for interval in ray.clip_to_ring(range(0), range(1), *t, self.point_error_bound) {
-            if interval.is_empty() {
+        for taus in ray.clip_to_ring(range(0), range(1), *t, self.point_error_bound) {
+            if taus.is_empty() {
                 continue;
             }
             let extent = reach[0].max(reach[1]);
-            let touched = match classify_roots(a, (rest, turn), ray, interval, self.point_error_bound) {
+            let touched = match classify_roots(a, (rest, turn), ray, taus, self.point_error_bound) {
                 RootClassification::NoRoot => None,
                 RootClassification::Root(x, at) => Some((middle + half * x, at)),
-                _ if extent <= 4.0 * self.point_error_bound => Some((middle, 0.5 * (interval.lo + interval.hi))),
+                _ if extent <= 4.0 * self.point_error_bound => Some((middle, 0.5 * (taus.lo + taus.hi))),
                 RootClassification::LineInSurface if extent <= TANGENT_HIT_RELATIVE_SIZE * size => {
-                    Some((middle, 0.5 * (interval.lo + interval.hi)))
+                    Some((middle, 0.5 * (taus.lo + taus.hi)))
                 }
                 RootClassification::LineInSurface => None,
                 RootClassification::Unclear => {

@@ -6,8 +6,8 @@ use arrayvec::ArrayVec;
 /// Number of children of a node.
 const ARITY: usize = 8;
 
-/// Number of entries of the stack of a traversal. A tree over all rings of a surface has fewer than
-/// eight levels.
+/// Number of entries of the stack of a traversal. Each level replaces one entry by up to eight, so
+/// they suffice for nine levels: 8⁹ rings.
 const MAX_STACK_ENTRIES: usize = 8 * ARITY;
 
 /// Bit of a child reference in a node: set if the child is a leaf.

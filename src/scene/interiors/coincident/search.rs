@@ -16,6 +16,9 @@ const LEAF_FACES: usize = 8;
 /// all faces count as possibly coincident.
 const PAIRS_PER_FACE: usize = 1000;
 
+/// Greatest number of pairs of profile leaves that are tested. Their tests take about a second.
+const MAX_PROFILE_LEAF_PAIRS: usize = 100_000_000;
+
 /// Margin by which bounding boxes are expanded, divided by their coordinates and size. It exceeds
 /// the position errors of two surface points (see `SurfacePoint::position_error`).
 const RELATIVE_MARGIN: f32 = 16.0 * f32::EPSILON;
@@ -42,11 +45,12 @@ impl CoincidentPart {
 
 /// The parts of a scene's primitives with which a boundary of another object may coincide.
 ///
-/// `triangles` is empty if no triangle is flagged, and `shapes` if no shape is.
+/// Both lists are empty if `all_flagged`, or if no boxes of boundary objects overlap.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct CoincidentFlags {
     /// One flag for each triangle.
     triangles: Arc<[bool]>,
+    /// One part for each shape.
     shapes: Arc<[CoincidentPart]>,
     /// True if all primitives are flagged, because a moving or unbounded boundary may be anywhere.
     all_flagged: bool,
@@ -167,15 +171,36 @@ pub(in crate::scene) fn flag_coincident_primitives(
             PrimitiveIndex::Other(i) => shapes[i as usize] = CoincidentPart::Everything,
         }
     }
-    let mut coaxial_pairs = coaxial_pairs.into_inner();
-    coaxial_pairs.dedup();
-    for (i, j, margin) in coaxial_pairs {
-        if let (Shape::Revolution(first), Shape::Revolution(second)) = (&geometry.shapes[i], &geometry.shapes[j]) {
-            shapes[i as usize].add_intervals(first.profile_intervals_near(second, margin));
-            shapes[j as usize].add_intervals(second.profile_intervals_near(first, margin));
+    flag_coaxial_pairs(geometry, coaxial_pairs.into_inner(), &mut shapes);
+    CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), all_flagged: false }
+}
+
+/// Flags the parts of coaxial surfaces of revolution that are near each other. A pair holds the
+/// indices of two shapes, the lower one first, and the distance within which they may coincide.
+///
+/// Whole surfaces are flagged if the search would take too long.
+fn flag_coaxial_pairs(geometry: &Geometry, mut pairs: Vec<(u32, u32, f64)>, shapes: &mut [CoincidentPart]) {
+    // The join tests two faces of one tree leaf in both orders.
+    pairs.sort_unstable_by_key(|(i, j, _)| (*i, *j));
+    pairs.dedup_by_key(|(i, j, _)| (*i, *j));
+    let mut budget = MAX_PROFILE_LEAF_PAIRS;
+    for (i, j, margin) in pairs {
+        let (Shape::Revolution(first), Shape::Revolution(second)) = (&geometry.shapes[i], &geometry.shapes[j]) else {
+            continue;
+        };
+        let indices = [i as usize, j as usize];
+        if indices.iter().all(|i| shapes[*i] == CoincidentPart::Everything) {
+            continue;
+        }
+        match budget.checked_sub(first.profile_leaf_count().saturating_mul(second.profile_leaf_count())) {
+            Some(rest) => {
+                budget = rest;
+                shapes[indices[0]].add_intervals(first.profile_intervals_near(second, margin));
+                shapes[indices[1]].add_intervals(second.profile_intervals_near(first, margin));
+            }
+            None => indices.iter().for_each(|i| shapes[*i] = CoincidentPart::Everything),
         }
     }
-    CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), all_flagged: false }
 }
 
 /// Returns the bounds of each mesh that bounds a dielectric body; `None` for other meshes and for

@@ -5,13 +5,16 @@ use super::super::ring_bvh::RingBounds;
 use super::{Revolution, RevolutionProfile};
 use glam::{DMat3, DVec3};
 
-/// Number of equal intervals of the profile parameter, of which each is near another surface or
-/// not.
+/// Number of equal intervals of the profile parameter. Each has one flag.
 const PROFILE_INTERVALS: usize = 1024;
 
-/// Largest deviation of two axes that count as one, relative to the size of the surface. It is far
-/// below the distance within which surfaces may touch.
+/// Largest deviation of two axes that count as one, relative to the size of the surface.
 const AXIS_TOLERANCE: f64 = 1e-9;
+
+/// Largest condition number, by the Frobenius norm, of a map to world space for which
+/// [`AXIS_TOLERANCE`] stays far below the distance within which surfaces may touch. It is 3 for a
+/// rotation.
+const MAX_CONDITION: f64 = 10.0;
 
 /// Map from the radii and heights of one surface of revolution to those of another around the same
 /// axis.
@@ -22,15 +25,25 @@ struct CoaxialMap {
 }
 
 impl CoaxialMap {
-    /// Map from the object space of `from` to that of `to`; `None` if their axes differ.
+    /// Map from the object space of `from` to that of `to`.
+    ///
+    /// `None` if their axes differ, if circles of one are ellipses of the other, or if a map to
+    /// world space is too uneven to tell.
     fn new(from: &Revolution, to: &Revolution) -> Option<Self> {
+        let is_even = |surface: &Revolution| {
+            let (forward, inverse) = (surface.to_world.forward().matrix3, surface.to_world.inverse().matrix3);
+            frobenius_norm(forward) * frobenius_norm(inverse) <= MAX_CONDITION
+        };
+        if !(is_even(from) && is_even(to)) {
+            return None;
+        }
         let map = *to.to_world.inverse() * *from.to_world.forward();
         let DMat3 { x_axis: x, y_axis: y, z_axis: z } = map.matrix3;
         let largest = x.abs().max(y.abs()).max(z.abs()).max_element();
         let is_zero = |value: f64, size: f64| value.abs() <= AXIS_TOLERANCE * size;
         let keeps_axis = [x.y, z.y, y.x, y.z].into_iter().all(|value| is_zero(value, largest));
-        let keeps_circles =
-            is_zero(x.dot(z), largest * largest) && is_zero(x.length_squared() - z.length_squared(), largest * largest);
+        let across = x.length_squared();
+        let keeps_circles = is_zero(x.dot(z), across) && is_zero(across - z.length_squared(), across);
         let DVec3 { x: aside, y: height_offset, z: behind } = map.translation;
         let same_line = is_zero(aside, to.profile.bounding_radius) && is_zero(behind, to.profile.bounding_radius);
         (keeps_axis && keeps_circles && same_line).then(|| Self {
@@ -47,9 +60,15 @@ impl CoaxialMap {
 }
 
 impl Revolution {
-    /// True if the axes of both surfaces are one line and both have circles around it.
+    /// True if both surfaces surely have one axis, and circles of one around it are circles of the
+    /// other.
     pub(crate) fn shares_axis(&self, other: &Self) -> bool {
         CoaxialMap::new(other, self).is_some()
+    }
+
+    /// Number of leaves of the profile.
+    pub(crate) fn profile_leaf_count(&self) -> usize {
+        self.profile.leaves.len()
     }
 
     /// Index of the interval that holds the profile parameter `u`, in the result of
@@ -62,22 +81,18 @@ impl Revolution {
     /// Returns a flag for each of equal intervals of the profile parameter: false if the surface is
     /// farther than `margin` \[world length] from `other` there.
     ///
-    /// All flags are true if the surfaces do not share their axis.
+    /// All flags are true unless [`Revolution::shares_axis`].
     pub(crate) fn profile_intervals_near(&self, other: &Self, margin: f64) -> Vec<bool> {
         let Some(map) = CoaxialMap::new(other, self) else { return vec![true; PROFILE_INTERVALS] };
-        let inverse = self.to_world.inverse().matrix3;
-        let scale =
-            (inverse.x_axis.length_squared() + inverse.y_axis.length_squared() + inverse.z_axis.length_squared())
-                .sqrt();
-        let reach = margin * scale + self.profile.point_error_bound;
+        let reach = margin * frobenius_norm(self.to_world.inverse().matrix3) + self.profile.point_error_bound;
         let other_error = other.profile.point_error_bound;
+        let in_own_space = |ring: RingBounds| map.map_ring(ring.expanded(other_error)).expanded(reach);
+        let other_leaves: Vec<RingBounds> = other.profile.leaves.iter().map(|leaf| in_own_space(leaf.ring)).collect();
         let mut is_near = vec![false; PROFILE_INTERVALS];
         for (leaf, own) in self.profile.leaves.iter().enumerate() {
-            let expanded = |ring: RingBounds| map.map_ring(ring.expanded(other_error)).expanded(reach);
-            let near_leaves =
-                (0..other.profile.leaves.len()).filter(|i| expanded(other.profile.leaves[*i].ring).overlaps(&own.ring));
+            let near_leaves = (0..other_leaves.len()).filter(|i| other_leaves[*i].overlaps(&own.ring));
             let pieces = near_leaves.flat_map(|i| other.profile.pieces_of_leaf(i));
-            let pieces: Vec<RingBounds> = pieces.map(|(_, ring)| expanded(ring)).collect();
+            let pieces: Vec<RingBounds> = pieces.map(|(_, ring)| in_own_space(ring)).collect();
             for (interval, ring) in self.profile.pieces_of_leaf(leaf) {
                 is_near[interval] |= pieces.iter().any(|piece| piece.overlaps(&ring));
             }
@@ -86,6 +101,11 @@ impl Revolution {
         let with_neighbours = |i: usize| is_near[i.saturating_sub(1)..(i + 2).min(PROFILE_INTERVALS)].contains(&true);
         (0..PROFILE_INTERVALS).map(with_neighbours).collect()
     }
+}
+
+/// Root of the sum of the squares of all entries, which bounds the factor on lengths.
+fn frobenius_norm(matrix: DMat3) -> f64 {
+    matrix.to_cols_array().iter().map(|entry| entry * entry).sum::<f64>().sqrt()
 }
 
 impl RevolutionProfile {
