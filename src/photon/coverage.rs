@@ -36,7 +36,8 @@ const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
 /// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface. If
 /// the surface ends, bends or is occluded, the estimate is too dark (boundary bias, Jensen 2001,
 /// section 7.2.3). Division by the coverage corrects this bias. Probe rays along −`normal` measure
-/// the coverage, unless one flat shape contains the disc. It is at least 0.05, exactly 1 on a flat surface, and may exceed 1 on a slope.
+/// the coverage, unless one flat shape contains the disc. The coverage is at least 0.05, exactly 1
+/// on a flat surface, and may exceed 1 on a slope.
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));
@@ -64,8 +65,8 @@ fn coverage_near(
     key: Key,
 ) -> f32 {
     // Most discs lie in one large flat shape, far from its edges. All probe rays would find it, no
-    // higher than `MAX_FLAT_RISE`, so the coverage would be 1. Half of that rise is for distance and
-    // tilt of the shape, the other half for rounding errors of the probe rays.
+    // higher than `MAX_FLAT_RISE`, so the coverage would be 1. Half of that rise is for distance
+    // and tilt of the shape, the other half for rounding errors of the probe rays.
     let tolerance = radius * (0.5 * MAX_FLAT_RISE);
     let rounding = p.abs().max_element() * RELATIVE_PROBE_ERROR;
     if rounding < tolerance && primitives.only_shape_contains_disc(p, normal, radius, tolerance) {
@@ -114,8 +115,8 @@ fn coverage_by_probes(
 /// Returns the coverage, as [`disc_coverage`] defines it, of each disc of a
 /// [`NestedRadianceEstimate`](super::NestedRadianceEstimate), largest disc first.
 ///
-/// `radius` is the radius of the largest disc \[length]. Each disc that needs them has its own 16 probe rays: with
-/// fewer rays, the coverage would be noisier, which would bias the division by it.
+/// `radius` is the radius of the largest disc \[length]. Each disc that needs probe rays has its own
+/// 16: with fewer rays, the coverage would be noisier, which would bias the division by it.
 #[must_use]
 pub fn nested_disc_coverage(
     scene: &Scene,

@@ -93,8 +93,9 @@ impl ProfilePiece<'_> {
         }
     }
 
-    /// Searches the part of the piece over `interval`. A nearer hit (x, τ) replaces `found` and moves
-    /// the end of `t`. Returns true if the interval must be halved, since it may have further hits.
+    /// Searches the part of the piece over `interval`. A nearer hit (x, τ) replaces `found` and
+    /// moves the end of `t`. Returns true if the interval must be halved, since it may have further
+    /// hits.
     ///
     /// `a` are the coefficients of the part, for the powers of its own parameter in \[−1, 1].
     #[inline]

@@ -11,8 +11,8 @@ fn surface(basis: &SplineBasis, controls: &[[f64; 2]]) -> Revolution {
     Revolution::new(basis, &controls).unwrap()
 }
 
-/// Asserts that the intervals of `a` are flagged that are within `margin` of `b`, and at most 1/16 of
-/// all intervals. Points at two opposite azimuths stand for the circles around the axis.
+/// Asserts that the intervals of `a` are flagged that are within `margin` of `b`, and at most 1/16
+/// of all intervals. Points at two opposite azimuths stand for the circles around the axis.
 #[track_caller]
 fn assert_flags(a: &Revolution, b: &Revolution, margin: f64) {
     let points = |s: &Revolution| -> Vec<(f32, DVec3)> {
