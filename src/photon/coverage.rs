@@ -115,8 +115,8 @@ fn coverage_by_probes(
 /// Returns the coverage, as [`disc_coverage`] defines it, of each disc of a
 /// [`NestedRadianceEstimate`](super::NestedRadianceEstimate), largest disc first.
 ///
-/// `radius` is the radius of the largest disc \[length]. Each disc that needs probe rays has its own
-/// 16: with fewer rays, the coverage would be noisier, which would bias the division by it.
+/// `radius` is the radius of the largest disc \[length]. Each disc that needs probe rays has its
+/// own 16: with fewer rays, the coverage would be noisier, which would bias the division by it.
 #[must_use]
 pub fn nested_disc_coverage(
     scene: &Scene,
