@@ -16,7 +16,7 @@ const LEAF_FACES: usize = 8;
 /// all faces count as possibly coincident.
 const PAIRS_PER_FACE: usize = 1000;
 
-/// Greatest number of pairs of profile leaves that are tested. Their tests take about a second.
+/// Greatest number of pairs of profile leaves that are tested. It bounds the time of the search.
 const MAX_PROFILE_LEAF_PAIRS: usize = 100_000_000;
 
 /// Margin by which bounding boxes are expanded, divided by their coordinates and size. It exceeds
@@ -171,19 +171,23 @@ pub(in crate::scene) fn flag_coincident_primitives(
             PrimitiveIndex::Other(i) => shapes[i as usize] = CoincidentPart::Everything,
         }
     }
-    flag_coaxial_pairs(geometry, coaxial_pairs.into_inner(), &mut shapes);
+    flag_coaxial_pairs(geometry, coaxial_pairs.into_inner(), MAX_PROFILE_LEAF_PAIRS, &mut shapes);
     CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), all_flagged: false }
 }
 
 /// Flags the parts of coaxial surfaces of revolution that are near each other. A pair holds the
 /// indices of two shapes, the lower one first, and the distance within which they may coincide.
 ///
-/// Whole surfaces are flagged if the search would take too long.
-fn flag_coaxial_pairs(geometry: &Geometry, mut pairs: Vec<(u32, u32, f64)>, shapes: &mut [CoincidentPart]) {
+/// Tests at most `budget` pairs of profile leaves. Whole surfaces are flagged if that is too few.
+fn flag_coaxial_pairs(
+    geometry: &Geometry,
+    mut pairs: Vec<(u32, u32, f64)>,
+    mut budget: usize,
+    shapes: &mut [CoincidentPart],
+) {
     // The join tests two faces of one tree leaf in both orders.
     pairs.sort_unstable_by_key(|(i, j, _)| (*i, *j));
     pairs.dedup_by_key(|(i, j, _)| (*i, *j));
-    let mut budget = MAX_PROFILE_LEAF_PAIRS;
     for (i, j, margin) in pairs {
         let (Shape::Revolution(first), Shape::Revolution(second)) = (&geometry.shapes[i], &geometry.shapes[j]) else {
             continue;

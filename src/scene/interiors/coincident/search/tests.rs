@@ -3,7 +3,7 @@
 use super::*;
 use crate::camera::Camera;
 use crate::color::Rgb;
-use crate::scene::{Body, Material, SceneBuilder};
+use crate::scene::{Body, Material, Scene, SceneBuilder};
 use crate::shape::parametric::SplineBasis;
 use crate::shape::{Plane, Sphere};
 use glam::{DVec2, Vec2, Vec3};
@@ -40,9 +40,8 @@ fn only_faces_that_may_coincide_are_flagged() {
     }
 }
 
-/// A glass from height −1 to 1 and a liquid from 0 to 3 share the wall from 0 to 1.
-#[test]
-fn coaxial_surfaces_are_flagged_where_they_meet() {
+/// Scene of a glass from height −1 to 1 and a liquid from 0 to 3, which share the wall from 0 to 1.
+fn coaxial_tubes() -> Scene {
     let mut builder = SceneBuilder::new();
     for (index, heights) in [(1.5, [-1.0, 1.0]), (1.33, [0.0, 3.0])] {
         let material = builder.add_material(Material::smooth_boundary(Body::new(index)));
@@ -51,9 +50,27 @@ fn coaxial_surfaces_are_flagged_where_they_meet() {
         builder.add_shape(Shape::Revolution(tube), material, Rgb::ZERO);
     }
     let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
-    let scene = builder.build(camera).unwrap();
+    builder.build(camera).unwrap()
+}
+
+#[test]
+fn coaxial_surfaces_are_flagged_where_they_meet() {
+    let scene = coaxial_tubes();
     let may = |(shape, u)| scene.coincident.may_coincide(HitPrimitive::Shape(shape, Vec2::new(u, 0.3)));
     assert_eq!([(0, 0.25), (0, 0.75), (1, 0.2), (1, 0.8)].map(may), [false, true, true, false]);
+}
+
+/// Each tube has one leaf, so there is one pair of leaves to test.
+#[test]
+fn coaxial_surfaces_beyond_the_budget_are_flagged_as_a_whole() {
+    let scene = coaxial_tubes();
+    let flagged = |budget| {
+        let mut parts = vec![CoincidentPart::Nothing; 2];
+        flag_coaxial_pairs(&scene.geometry, vec![(0, 1, 1e-6); 2], budget, &mut parts);
+        parts
+    };
+    assert_eq!(flagged(0), [CoincidentPart::Everything, CoincidentPart::Everything]);
+    assert!(flagged(1).iter().all(|part| matches!(part, CoincidentPart::ProfileIntervals(_))));
 }
 
 #[test]
