@@ -219,6 +219,7 @@ fn render_scene(
     setup.balance = integrator.ray_photon_balance();
     setup.setup_seconds = start.elapsed().as_secs_f64();
     let stop = render_limits(arguments).stop_criteria(algorithm, integrator.as_ref(), &INTERRUPTED);
+    let stop = StopCriteria { time_before_passes: start.elapsed(), ..stop };
     let (numbers, stop) = shard_passes_and_stop(arguments, stop)?;
     let mut film = None;
     let mut before = None;

@@ -19,8 +19,11 @@ pub struct StopCriteria<'a> {
     pub min_passes: u32,
     /// Largest number of passes; `None` for no limit.
     pub max_passes: Option<u32>,
-    /// Wall time after which the render ends; `None` for no limit. The last pass is completed.
+    /// Wall time of the render; `None` for no limit. The render ends after the pass whose end is
+    /// nearest to it, as far as the mean time of the passes foretells the next one.
     pub time_limit: Option<Duration>,
+    /// Wall time before the first pass that counts towards `time_limit`: loading and pilots.
+    pub time_before_passes: Duration,
     /// Estimated error at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
     /// True to give up `target` if bias keeps the error above it after any number of passes. The
@@ -99,6 +102,23 @@ pub struct RenderResult {
     pub wall_time: Duration,
 }
 
+/// Wall times of the passes of a render.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PassTimes {
+    /// Time of all passes.
+    pub total: Duration,
+    /// Mean time of a pass; zero without passes.
+    pub mean: Duration,
+}
+
+impl PassTimes {
+    /// Returns the times of `passes` passes that took the time `total`.
+    #[must_use]
+    pub fn new(total: Duration, passes: u32) -> Self {
+        Self { total, mean: total.checked_div(passes).unwrap_or_default() }
+    }
+}
+
 /// Progress of a render after a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct PassProgress<'a> {
@@ -126,7 +146,8 @@ pub(super) const GIVE_UP_BIAS_FACTOR: f64 = 0.8;
 /// A new render begins with [`RenderResult::without_passes`] and the passes `0..u32::MAX`. A
 /// render that continues an earlier one gets its result. Picture and error estimate have the same
 /// bits as after one render without interruption. The pass limit of `stop` counts all passes of
-/// `rendered`, but its time limit only the time of this call.
+/// `rendered`, but its time limit only [`StopCriteria::time_before_passes`] and the time of this
+/// call.
 ///
 /// Calls `after_pass` after each pass. If [`ProgressMonitor::is_cancelled`] becomes true, the
 /// render ends without the current pass.
@@ -139,14 +160,14 @@ pub fn render(
     mut after_pass: impl FnMut(&PassProgress<'_>),
 ) -> RenderResult {
     let start = Instant::now();
-    let wall = rendered.wall_time;
+    let (passes_before, wall) = (rendered.film.passes(), rendered.wall_time);
 
     // Estimate the error of the earlier passes, which may suffice.
     let mut schedule = EstimateSchedule::default();
     (1..=rendered.film.passes()).for_each(|passes| _ = schedule.advance_if_due(passes));
     if rendered.film.passes() > 0 {
         let error = rendered.estimate_error(stop.target);
-        if let Some(end_reason) = stop.end_reason(rendered.film.passes(), error.as_ref(), Duration::ZERO) {
+        if let Some(end_reason) = stop.end_reason(rendered.film.passes(), error.as_ref(), PassTimes::default()) {
             rendered.end_reason = end_reason;
             return rendered;
         }
@@ -183,7 +204,9 @@ pub fn render(
         let error = if schedule.advance_if_due(passes) { rendered.estimate_error(stop.target) } else { None };
         let no_pass_is_left =
             || rendered.pass_numbers.first_missing(numbers.clone()).is_none().then_some(EndReason::Passes);
-        let end_reason = stop.end_reason(passes, error.as_ref(), start.elapsed()).or_else(no_pass_is_left);
+        let end_reason = stop
+            .end_reason(passes, error.as_ref(), PassTimes::new(start.elapsed(), passes - passes_before))
+            .or_else(no_pass_is_left);
         after_pass(&PassProgress { passes, rendered: &rendered, end_reason, error });
         let is_interrupted = stop.interrupted.load(Ordering::Relaxed);
         let end_reason = is_interrupted.then_some(EndReason::Interrupted).or(end_reason);
@@ -298,17 +321,25 @@ impl<'a> StopCriteria<'a> {
     /// Returns criteria under which only `interrupted` ends a render.
     #[must_use]
     pub fn unlimited(interrupted: &'a AtomicBool) -> Self {
-        Self { min_passes: 1, max_passes: None, time_limit: None, target: None, ends_at_bias_floor: false, interrupted }
+        Self {
+            min_passes: 1,
+            max_passes: None,
+            time_limit: None,
+            time_before_passes: Duration::ZERO,
+            target: None,
+            ends_at_bias_floor: false,
+            interrupted,
+        }
     }
 
-    /// Returns the reason to end the render after `passes` passes and after the time `elapsed`;
-    /// `None` to go on. `error` is the estimated error, if it was estimated now.
+    /// Returns the reason to end the render after `passes` passes, which took `times`; `None` to go
+    /// on. `error` is the estimated error, if it was estimated now.
     #[must_use]
     pub fn end_reason(
         &self,
         passes: u32,
         error: Option<&(ErrorEstimate, ErrorForecast)>,
-        elapsed: Duration,
+        times: PassTimes,
     ) -> Option<EndReason> {
         if self.interrupted.load(Ordering::Relaxed) {
             return Some(EndReason::Interrupted);
@@ -320,7 +351,9 @@ impl<'a> StopCriteria<'a> {
             return None;
         }
         let by_error = error.and_then(|(estimate, forecast)| self.end_reason_by_error(estimate, forecast));
-        let is_time_up = self.time_limit.is_some_and(|most| elapsed >= most);
+        // Half a pass more than the limit is as far from it as half a pass less.
+        let expected_middle_of_next_pass = self.time_before_passes + times.total + times.mean / 2;
+        let is_time_up = self.time_limit.is_some_and(|limit| expected_middle_of_next_pass >= limit);
         by_error.or(is_time_up.then_some(EndReason::Time))
     }
 

@@ -26,7 +26,7 @@ pub const DEFAULT_TIME_LIMIT: Duration = Duration::from_secs(5 * 60);
 pub struct RenderLimits {
     /// Largest number of passes; `None` for no limit.
     pub max_passes: Option<u32>,
-    /// Wall time after which the render ends; `None` for no limit. The last pass is completed.
+    /// Wall time of the render; `None` for no limit. See [`StopCriteria::time_limit`].
     pub time_limit: Option<Duration>,
     /// Estimated relative error at which the render ends; `None` for no limit. See [`ErrorTarget`].
     pub target_error: Option<f64>,

@@ -13,7 +13,7 @@ mod pass_set;
 #[cfg(test)]
 mod test_integrator;
 
-pub use driver::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
+pub use driver::{EndReason, ErrorTarget, PassProgress, PassTimes, RenderResult, StopCriteria, render};
 pub use expected_end::ExpectedEnd;
 pub use film::Film;
 pub use film_file::{FilmFile, FilmFileError, FilmHeader, InputDigest, read_film_header, read_pass_numbers};

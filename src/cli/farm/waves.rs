@@ -3,8 +3,7 @@
 use super::division::ShardDivision;
 use crate::cli::interrupt::INTERRUPTED;
 use crate::render::error_estimate::StopForecast;
-use crate::render::{EndReason, ErrorTarget, RenderResult, StopCriteria};
-use std::time::Duration;
+use crate::render::{EndReason, ErrorTarget, PassTimes, RenderResult, StopCriteria};
 
 /// Step that follows after a wave of jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +26,7 @@ pub(super) enum NextWave {
 pub(super) fn next_wave(rendered: &RenderResult, division: ShardDivision, target: ErrorTarget, most: u32) -> NextWave {
     let estimated = rendered.estimate_error(Some(target));
     let stop = StopCriteria { target: Some(target), ..StopCriteria::unlimited(&INTERRUPTED) };
-    match stop.end_reason(rendered.film.passes(), estimated.as_ref(), Duration::ZERO) {
+    match stop.end_reason(rendered.film.passes(), estimated.as_ref(), PassTimes::default()) {
         Some(EndReason::Target) => return NextWave::TargetReached,
         Some(EndReason::BiasFloor) => return NextWave::TargetUnreachable,
         Some(EndReason::Passes | EndReason::Time | EndReason::Interrupted) | None => {}

@@ -24,7 +24,8 @@ pub(super) fn render_passes(
     let (passes, target) = (stop.max_passes, stop.target);
     progress.set_pass_number(passes_before + 1, passes);
     // With an error target, the remaining time is known only after the first error estimate.
-    progress.set_time_left(stop.time_limit.filter(|_| target.is_none()));
+    let time_left = stop.time_limit.map(|limit| limit.saturating_sub(stop.time_before_passes));
+    progress.set_time_left(time_left.filter(|_| target.is_none()));
     let began = Instant::now();
     render(before, numbers, integrator, stop, progress, |standing| {
         let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes - passes_before);
@@ -63,7 +64,8 @@ pub(super) fn render_passes(
 /// unknown.
 ///
 /// It is unknown if there is an error target, and the last pass did not estimate the error.
-/// `passes` is the number of passes so far. `forecast` predicts the passes until the error target
+/// `passes` is the number of passes so far, and `elapsed` the time since the first of them began.
+/// `forecast` predicts the passes until the error target
 /// of `stop`; it is ignored if `stop` has no target.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
@@ -80,6 +82,7 @@ fn time_until_stop(
         StopForecast::Passes(range) => Some(of_passes(range.median)),
         StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
     });
+    let elapsed = stop.time_before_passes + elapsed;
     let by_time = stop.time_limit.map(|time| time.saturating_sub(elapsed).as_secs_f64());
     let all = [stop.max_passes.map(of_passes), by_time, by_target];
     let least = all.into_iter().flatten().min_by(f64::total_cmp)?;

@@ -21,7 +21,7 @@ use rayon::ThreadPool;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Time that the camera must rest after the user has moved it, before pilots begin.
 const SETTLING_TIME: Duration = Duration::from_millis(300);
@@ -208,11 +208,12 @@ impl<'a> Job<'a> {
             Err(error) => return self.publish_memory_error(error),
         };
         self.live.publish_stage(RenderStage::Pilots);
+        let start = Instant::now();
         let integrator = pool.install(|| algorithm.prepare(scene, settings));
         if let Err(error) = check_photon_memory(integrator.expected_photons(), picture_bytes, free()) {
             return self.publish_memory_error(error);
         }
-        self.render_passes(scene, &camera_paths, integrator.as_ref(), algorithm);
+        self.render_passes(scene, &camera_paths, integrator.as_ref(), (algorithm, start));
     }
 
     /// Publishes surface AOVs of `scene` if a browser has asked for them.
@@ -230,18 +231,20 @@ impl<'a> Job<'a> {
     }
 
     /// Renders passes until the job is cancelled. The render pauses when it reaches its limits.
-    /// Once it is resumed, it has no limits.
+    /// Once it is resumed, it has no limits. `start` is the time at which `algorithm` began its
+    /// pilots.
     fn render_passes(
         &mut self,
         scene: &Scene,
         settings: &CameraPathSettings,
         integrator: &dyn Integrator,
-        algorithm: Algorithm,
+        (algorithm, start): (Algorithm, Instant),
     ) {
         let size = scene.camera().size();
         let control = self.control.clone();
         let JobContext { arguments, pool, .. } = self.context;
         let limited = arguments.limits().stop_criteria(algorithm, integrator, &control.pause_requested);
+        let limited = StopCriteria { time_before_passes: start.elapsed(), ..limited };
         let unlimited = StopCriteria {
             // A second pass of ray casting would repeat the first.
             max_passes: (algorithm == Algorithm::Raycast).then_some(1),

@@ -122,6 +122,25 @@ fn a_cancelled_pass_stops_early_and_is_dropped() {
     }
 }
 
+/// A render of 10 s whose loading and pilots took 2 s.
+#[test]
+fn a_timed_render_ends_at_the_nearest_pass() {
+    let interrupted = AtomicBool::new(false);
+    let limit = Some(Duration::from_secs(10));
+    let timed = StopCriteria { time_before_passes: Duration::from_secs(2), ..stop_criteria(None, limit, &interrupted) };
+    let end = |passes: u32, pass_seconds: u64| {
+        let total = Duration::from_secs(u64::from(passes) * pass_seconds);
+        timed.end_reason(passes, None, PassTimes::new(total, passes))
+    };
+    // Passes end after 5, 8 and 11 s.
+    assert_eq!([1, 2, 3].map(|passes| end(passes, 3)), [None, None, Some(EndReason::Time)]);
+    // Passes end after 7 and 12 s, and after 6 and 10 s.
+    assert_eq!([1, 2].map(|passes| end(passes, 5)), [None, Some(EndReason::Time)]);
+    assert_eq!([1, 2].map(|passes| end(passes, 4)), [None, Some(EndReason::Time)]);
+    // The first pass ends after 9 s, the second after 16 s.
+    assert_eq!(end(1, 7), Some(EndReason::Time));
+}
+
 #[test]
 fn time_and_interrupts_end_after_a_whole_pass() {
     let interrupted = AtomicBool::new(false);
