@@ -19,8 +19,9 @@ use crate::scene::{Effect, Effects, Interior, PathEvent, Scene, with_interior_ty
 use glam::{DVec2, Vec2};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
-/// Number of camera rays per pixel that search images of lamps.
+/// Largest number of camera rays per pixel that search images of lamps.
 const MAX_RAYS_PER_PIXEL: u32 = 16;
 
 /// Largest number of lamps whose images are searched.
@@ -28,7 +29,13 @@ const MAX_LAMPS: usize = 64;
 
 /// Number of the [`MAX_RAYS_PER_PIXEL`] that each pixel gets. The others go through pixels near
 /// predicted images.
-const MIN_RAYS_PER_PIXEL: u32 = 4;
+const MIN_RAYS_PER_PIXEL: u32 = 2;
+
+/// Part of the predicted noise of all candidates that may come from candidates which are left out.
+///
+/// Most candidates have little noise: without this limit, nine of ten searches would be for a
+/// thousandth of the noise.
+const MAX_OMITTED_NOISE_FRACTION: f64 = 1e-3;
 
 /// Least throughput, as a mean over RGB, of a chain of specular vertices that is followed.
 ///
@@ -123,15 +130,8 @@ pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<LampImageCont
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::LampImages);
     let effects = renderer.policy.effects;
     let search = ImageSearch { scene, effects, lamps, key };
-    let (width, height) = scene.camera().size();
-    let columns = width.div_ceil(TILE_SIZE);
-    let tiles = columns * height.div_ceil(TILE_SIZE);
-    let found: Vec<FoundLampImage> = with_interior_type!(effects, <I> {
-        let images = |tile| search.images_in_tile::<I>(tile % columns * TILE_SIZE, tile / columns * TILE_SIZE);
-        (0..tiles).into_par_iter().flat_map_iter(images).collect()
-    });
+    let images = with_interior_type!(effects, <I> search.distinct_images::<I>());
     let lens_radius = search.lens_radius() as f32;
-    let images = distinct_images(found, lens_radius);
     images_by_pixel(&images, scene.camera(), &renderer.settings.camera_paths.filter, lens_radius)
 }
 
@@ -162,38 +162,68 @@ struct ImageSearch<'a> {
 }
 
 impl ImageSearch<'_> {
-    /// Returns the distinct images that camera rays find through the tile whose upper left pixel is
-    /// in column `left`, row `top`.
-    fn images_in_tile<I: Interior>(&self, left: u32, top: u32) -> Vec<FoundLampImage> {
-        let camera = self.scene.camera();
-        let (width, height) = camera.size();
-        let has_lens = self.lens_radius() > 0.0;
-        let (columns, rows) = (left..width.min(left + TILE_SIZE), top..height.min(top + TILE_SIZE));
-        let pixels = f64::from(columns.end - left) * f64::from(rows.end - top);
+    /// Returns the images of all lamps, without repetitions.
+    fn distinct_images<I: Interior>(&self) -> Vec<FoundLampImage> {
+        let (width, height) = self.scene.camera().size();
+        let tiles: Vec<Vec<(u32, u32)>> = (0..height)
+            .step_by(TILE_SIZE as usize)
+            .flat_map(|top| (0..width).step_by(TILE_SIZE as usize).map(move |left| (left, top)))
+            .map(|(left, top)| {
+                let columns = left..width.min(left + TILE_SIZE);
+                (top..height.min(top + TILE_SIZE)).flat_map(|y| columns.clone().map(move |x| (x, y))).collect()
+            })
+            .collect();
 
-        // Find lamps near camera rays. After a few rays per pixel, only pixels near a predicted
-        // image get more.
-        let (mut candidates, mut stack) = (Vec::new(), Vec::new());
-        let tile: Vec<(u32, u32)> = rows.flat_map(|y| columns.clone().map(move |x| (x, y))).collect();
-        let mut searched = tile.clone();
-        for index in 0..MAX_RAYS_PER_PIXEL {
-            if index == MIN_RAYS_PER_PIXEL {
-                searched = pixels_near_images(&tile, &candidates);
-            }
-            for &(x, y) in &searched {
-                let sampler = Sampler::new(self.key.pixel_key(x, y), index, MAX_RAYS_PER_PIXEL);
-                let point = CameraPoint {
-                    film: Vec2::new(x as f32, y as f32) + sampler.get_2d(Dimension::Film),
-                    on_lens: has_lens.then(|| camera.sample_lens(sampler.get_2d(Dimension::Lens))),
-                };
-                self.find_candidates::<I>(point, sampler, &mut candidates, &mut stack);
-            }
+        // Find lamps near a few camera rays through each pixel. Leave out those with little noise,
+        // first in each tile to save memory.
+        let first_candidates = |tile: &Vec<(u32, u32)>| {
+            let mut candidates = self.candidates_near_rays::<I>(tile, 0..MIN_RAYS_PER_PIXEL);
+            let least = least_searched_noise(&candidates, 0.5 * MAX_OMITTED_NOISE_FRACTION);
+            candidates.retain(|candidate| candidate.noise >= least);
+            candidates
+        };
+        let first: Vec<Vec<Candidate>> = tiles.par_iter().map(first_candidates).collect();
+        let least = least_searched_noise(first.iter().flatten(), 0.5 * MAX_OMITTED_NOISE_FRACTION);
+
+        // Find more lamps near the predicted images, and move to the images.
+        let images = |(tile, mut candidates): (&Vec<(u32, u32)>, Vec<Candidate>)| {
+            candidates.retain(|candidate| candidate.noise >= least);
+            let near = pixels_near_images(tile, &candidates);
+            let more = self.candidates_near_rays::<I>(&near, MIN_RAYS_PER_PIXEL..MAX_RAYS_PER_PIXEL);
+            candidates.extend(more.into_iter().filter(|candidate| candidate.noise >= least));
+            self.search_images::<I>(candidates, (MAX_SEARCHES_PER_PIXEL * tile.len() as f64) as u32)
+        };
+        let found: Vec<FoundLampImage> = tiles.par_iter().zip(first).flat_map_iter(images).collect();
+        let mut distinct = ImageSet::new(self.lens_radius() as f32);
+        for image in found {
+            distinct.insert(image);
         }
-        candidates.sort_by(|a: &Candidate, b: &Candidate| b.noise.total_cmp(&a.noise));
+        distinct.images
+    }
 
-        // Move to the images near these rays, and from found images to their other parts.
+    /// Returns the lamps near camera rays through `pixels`. `indices` are the numbers of the rays
+    /// of each pixel, below [`MAX_RAYS_PER_PIXEL`].
+    fn candidates_near_rays<I: Interior>(&self, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<Candidate> {
+        let camera = self.scene.camera();
+        let has_lens = self.lens_radius() > 0.0;
+        let (mut candidates, mut stack) = (Vec::new(), Vec::new());
+        for (index, &(x, y)) in indices.flat_map(|index| pixels.iter().map(move |pixel| (index, pixel))) {
+            let sampler = Sampler::new(self.key.pixel_key(x, y), index, MAX_RAYS_PER_PIXEL);
+            let point = CameraPoint {
+                film: Vec2::new(x as f32, y as f32) + sampler.get_2d(Dimension::Film),
+                on_lens: has_lens.then(|| camera.sample_lens(sampler.get_2d(Dimension::Lens))),
+            };
+            self.find_candidates::<I>(point, sampler, &mut candidates, &mut stack);
+        }
+        candidates
+    }
+
+    /// Moves from `candidates` to the images near them, and from found images to their other parts.
+    /// Makes at most `searches` searches, for the noisiest candidates first. Returns the distinct
+    /// images.
+    fn search_images<I: Interior>(&self, mut candidates: Vec<Candidate>, mut searches: u32) -> Vec<FoundLampImage> {
+        candidates.sort_by(|a: &Candidate, b: &Candidate| b.noise.total_cmp(&a.noise));
         let mut images = ImageSet::new(self.lens_radius() as f32);
-        let mut searches = (MAX_SEARCHES_PER_PIXEL * pixels) as u32;
         let mut parts = Vec::new();
         for candidate in candidates {
             parts.push(candidate);
@@ -314,6 +344,21 @@ impl ImageSearch<'_> {
     }
 }
 
+/// Returns the least noise of a candidate at which its image is searched.
+///
+/// The candidates below it have together at most the part `omitted_fraction` of the predicted noise
+/// of all `candidates`.
+fn least_searched_noise<'a>(candidates: impl IntoIterator<Item = &'a Candidate>, omitted_fraction: f64) -> f64 {
+    let mut noises: Vec<f64> = candidates.into_iter().map(|candidate| candidate.noise).collect();
+    noises.sort_by(f64::total_cmp);
+    let mut rest = omitted_fraction * noises.iter().sum::<f64>();
+    let searched = noises.into_iter().find(|noise| {
+        rest -= noise;
+        rest < 0.0
+    });
+    searched.unwrap_or(0.0)
+}
+
 /// Returns the pixels of `tile`, as columns and rows, that are at most one pixel from the pixel of
 /// an image that `candidates` predict.
 fn pixels_near_images(tile: &[(u32, u32)], candidates: &[Candidate]) -> Vec<(u32, u32)> {
@@ -383,16 +428,6 @@ impl ImageSet {
             image.light == light && image.chain == chain && image.image.disc_point(film, on_lens).length_squared() < 1.0
         })
     }
-}
-
-/// Returns `found` without repetitions: an image is left out if one before it, of the same lamp
-/// over the same chain, covers the point at which it was found.
-fn distinct_images(found: Vec<FoundLampImage>, lens_radius: f32) -> Vec<FoundLampImage> {
-    let mut distinct = ImageSet::new(lens_radius);
-    for image in found {
-        distinct.insert(image);
-    }
-    distinct.images
 }
 
 /// Returns the images of `images` in each pixel that the pixel filter reaches, sorted by pixels.

@@ -22,13 +22,29 @@ fn mirror_scene(mirror: Shape, lamp: Sphere, film: f64) -> Scene {
 /// Returns the distinct images of the lamps of `scene`.
 fn images_in(scene: &Scene) -> Vec<FoundLampImage> {
     let key = Key::new(1).purpose_key(Purpose::LampImages);
-    let search = ImageSearch { scene, effects: Effects::ALL, lamps: lamp_spheres(scene), key };
-    let corners = (0..SIZE).step_by(TILE_SIZE as usize);
-    let tiles = corners.clone().flat_map(|y| corners.clone().map(move |x| (x, y)));
-    distinct_images(
-        tiles.flat_map(|(x, y)| search.images_in_tile::<NoInterior>(x, y)).collect(),
-        search.lens_radius() as f32,
-    )
+    ImageSearch { scene, effects: Effects::ALL, lamps: lamp_spheres(scene), key }.distinct_images::<NoInterior>()
+}
+
+/// A bright lamp and one that is a thousand times dimmer, side by side: noise is proportional to
+/// the squared radiance, so the search leaves out the dim lamp. Two lamps of the same radiance are
+/// both found.
+#[test]
+fn lamps_of_negligible_noise_are_not_searched() {
+    let images_of_two = |second_radiance: f32| {
+        let mut b = SceneBuilder::new();
+        let black = b.add_material(Material::black());
+        for (x, radiance) in [(-0.3, 10.0), (0.3, second_radiance)] {
+            let lamp = Sphere::new(DVec3::new(x, 0.0, -6.0), 0.004);
+            b.add_shape(Shape::Sphere(lamp), black, Rgb::splat(radiance));
+        }
+        let camera = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 0.2, SIZE, SIZE).unwrap();
+        let mut lights: Vec<u32> = images_in(&b.build(camera).unwrap()).into_iter().map(|image| image.light).collect();
+        lights.sort_unstable();
+        lights.dedup();
+        lights
+    };
+    assert_eq!(images_of_two(10.0), [0, 1]);
+    assert_eq!(images_of_two(0.01), [0]);
 }
 
 /// A mirror ball of radius 1 reflects parallel rays evenly: a lamp that is far away and has the
