@@ -61,7 +61,7 @@ pub struct RectangleLightDescription {
     pub strength: AreaLightStrength,
 }
 
-static AREA_STRENGTH_FIELDS: &[FieldSchema] = &[
+const AREA_STRENGTH_FIELDS: &[FieldSchema] = &[
     field_schema("radiance", FieldKind::Color, "radiance of the emitting side; give one of the two")
         .with_unit("W/(m² sr)"),
     field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),

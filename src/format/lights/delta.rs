@@ -23,7 +23,7 @@ pub enum PointLightStrength {
 }
 
 /// Fields for the strength of a point light or spotlight; a block has exactly one of them.
-pub(super) static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
+pub(super) const POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
     field_schema(
         "color",
         FieldKind::Color,
@@ -35,7 +35,7 @@ pub(super) static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
 ];
 
 /// Fields for the strength of a projector or goniometric light; a block has exactly one of them.
-pub(super) static PATTERN_STRENGTH_FIELDS: &[FieldSchema] = &[
+pub(super) const PATTERN_STRENGTH_FIELDS: &[FieldSchema] = &[
     field_schema("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1")
         .with_unit("W/sr"),
     field_schema("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of the two")

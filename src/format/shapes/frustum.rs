@@ -34,7 +34,7 @@ pub struct ConeDescription {
     pub is_capped: bool,
 }
 
-static CAPS_FIELDS: &[FieldSchema] =
+const CAPS_FIELDS: &[FieldSchema] =
     &[field_schema("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").with_default_word("yes")];
 
 static CYLINDER: BlockSchema = block_schema("Cylinder", "cylinder of any direction, closed unless `caps` is `no`")

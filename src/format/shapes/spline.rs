@@ -40,7 +40,7 @@ pub struct NurbsDescription {
 
 const DEGREE_RANGE: FieldRange = FieldRange::ClosedInterval(1.0, MAX_DEGREE as f64);
 
-static DEGREE_FIELDS: &[FieldSchema] = &[
+const DEGREE_FIELDS: &[FieldSchema] = &[
     field_schema("degreeU", FieldKind::WholeNumber, "degree along u")
         .with_range(DEGREE_RANGE)
         .with_default_numbers(&[3.0]),

@@ -3,7 +3,8 @@
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::format::error::SceneError;
-use crate::format::language::fields::{BlockFields, FromFieldValue};
+use crate::format::language::field_value::FieldValue;
+use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
 use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::Resolver;
@@ -96,7 +97,7 @@ impl ShapeBlock for TriangleDescription {
 ///
 /// # Errors
 /// If only one or two of the fields are present.
-fn parse_three_optional_fields<T: FromFieldValue>(
+fn parse_three_optional_fields<T: FieldValue>(
     f: &BlockFields<'_>,
     names: [&str; 3],
 ) -> Result<Option<[T; 3]>, SceneError> {

@@ -1,13 +1,13 @@
 //! The block `Conductor`.
 
-use super::fields::{MULTIPLE_SCATTERING_FIELD, ROUGHNESS_FIELD, with_multiple_scattering, write_multiple_scattering};
+use super::fields::{MULTIPLE_SCATTERING_FIELD, ROUGHNESS_FIELD, with_multiple_scattering};
 use super::{BoundedBody, MaterialBlock};
 use crate::bsdf::{METAL_NAMES, metal_refractive_index};
 use crate::color::Rgb;
 use crate::format::error::SceneError;
+use crate::format::language::field_table::{BlockCodec, FieldGroup, field_table};
 use crate::format::language::fields::BlockFields;
-use crate::format::language::parser::Parser;
-use crate::format::language::schema::{BlockSchema, FieldKind, FieldRange, block_schema, field_schema};
+use crate::format::language::schema::{BlockSchema, FieldKind, FieldList, FieldRange, block_schema, field_schema};
 use crate::format::language::writer::SceneWriter;
 use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
@@ -55,44 +55,35 @@ impl MetalDescription {
     }
 }
 
-static CONDUCTOR: BlockSchema = block_schema("Conductor", "metal; opaque, reflects on both sides")
-    .with_fields(&[
+field_table!(ConductorDescription {
+    metal: METAL,
+    roughness: ROUGHNESS_FIELD,
+    has_multiple_scattering: MULTIPLE_SCATTERING_FIELD,
+});
+
+/// Fields that state the complex refractive index of a conductor.
+const METAL: FieldGroup<MetalDescription> = FieldGroup {
+    fields: FieldList::own(&[
         field_schema("metal", FieldKind::Name, "a metal by name; give this, or `eta` and `k`"),
         field_schema("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
             .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
         field_schema("k", FieldKind::Color, "k of the complex index")
             .with_range(FieldRange::ClosedInterval(0.0, MAX_REFRACTIVE_INDEX)),
-        ROUGHNESS_FIELD,
-        MULTIPLE_SCATTERING_FIELD,
-    ])
-    .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
+    ]),
+    parse: parse_metal,
+    write: write_metal,
+};
 
 impl MaterialBlock for ConductorDescription {
-    const BLOCK: &'static BlockSchema = &CONDUCTOR;
+    const BLOCK: &'static BlockSchema = &block_schema("Conductor", "metal; opaque, reflects on both sides")
+        .with_table(Self::FIELDS)
+        .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
     const BODY: BoundedBody = BoundedBody::None;
-
-    fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
-        Ok(Self {
-            metal: parse_metal(f)?,
-            roughness: f.value_or_default("roughness")?,
-            has_multiple_scattering: f.field_word_or_default("multipleScattering")? == "yes",
-        })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        write_metal(out, &self.metal)?;
-        out.write_number_or_texture("roughness", &self.roughness)?;
-        write_multiple_scattering(out, self.has_multiple_scattering)
-    }
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let (eta, k) = complex_refractive_index(r, &self.metal)?;
         let metal = Material::conductor(eta, k, r.resolve_fraction_parameter(&self.roughness, requirements)?);
         Ok(with_multiple_scattering(metal, self.has_multiple_scattering))
-    }
-
-    fn texture_names(&self) -> Vec<&Spanned<String>> {
-        self.roughness.texture_name().into_iter().collect()
     }
 
     fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
@@ -116,7 +107,7 @@ fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
 }
 
 /// Writes the fields that state the complex index.
-fn write_metal(out: &mut SceneWriter<'_, '_>, metal: &MetalDescription) -> fmt::Result {
+fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
     match metal {
         MetalDescription::Named(name) => out.write_name_field("metal", name),
         MetalDescription::Index { eta, k } => {

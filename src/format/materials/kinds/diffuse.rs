@@ -3,10 +3,8 @@
 use super::fields::UNIT_RANGE;
 use super::{BoundedBody, MaterialBlock};
 use crate::format::error::SceneError;
-use crate::format::language::fields::BlockFields;
-use crate::format::language::parser::Parser;
+use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
-use crate::format::language::writer::SceneWriter;
 use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
 use crate::format::resolve::Resolver;
@@ -15,7 +13,6 @@ use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
 use crate::scene::Material;
 use glam::DVec3;
-use std::fmt;
 
 /// A Lambertian surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,30 +21,20 @@ pub struct DiffuseDescription {
     pub reflectance: TexturedValue<DVec3>,
 }
 
-static DIFFUSE: BlockSchema = block_schema("Diffuse", "Lambertian reflection")
-    .with_fields(&[field_schema("reflectance", FieldKind::ColorOrTexture, "albedo")
+field_table!(DiffuseDescription {
+    reflectance: field_schema("reflectance", FieldKind::ColorOrTexture, "albedo")
         .with_range(UNIT_RANGE)
-        .make_required()])
-    .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
+        .make_required(),
+});
 
 impl MaterialBlock for DiffuseDescription {
-    const BLOCK: &'static BlockSchema = &DIFFUSE;
+    const BLOCK: &'static BlockSchema = &block_schema("Diffuse", "Lambertian reflection")
+        .with_table(Self::FIELDS)
+        .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
     const BODY: BoundedBody = BoundedBody::None;
-
-    fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
-        Ok(Self { reflectance: f.value_or_default("reflectance")? })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.write_color_or_texture("reflectance", &self.reflectance)
-    }
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         Ok(Material::diffuse(r.resolve_reflectance_parameter(&self.reflectance, requirements)?))
-    }
-
-    fn texture_names(&self) -> Vec<&Spanned<String>> {
-        self.reflectance.texture_name().into_iter().collect()
     }
 
     fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {

@@ -1,9 +1,7 @@
 //! Fields that several kinds of materials have.
 
 use crate::format::language::schema::{FieldKind, FieldRange, FieldSchema, field_schema};
-use crate::format::language::writer::SceneWriter;
 use crate::scene::Material;
-use std::fmt;
 
 pub(super) const UNIT_RANGE: FieldRange = FieldRange::ClosedInterval(0.0, 1.0);
 pub(super) const TRANSMITTANCE_RANGE: FieldRange = FieldRange::LeftOpenInterval(0.0, 1.0);
@@ -14,16 +12,12 @@ pub(super) const ROUGHNESS_FIELD: FieldSchema =
         .with_default_numbers(&[0.0]);
 pub(super) const MULTIPLE_SCATTERING_FIELD: FieldSchema =
     field_schema("multipleScattering", FieldKind::Word(&["yes", "no"]), "`no`: light between microfacets is lost")
-        .with_default_word("yes");
+        .with_default_word("yes")
+        .omit_default();
 pub(super) const PRIORITY_FIELD: FieldSchema =
     field_schema("priority", FieldKind::WholeNumber, "where bodies overlap, the highest priority counts")
         .with_range(FieldRange::ClosedInterval(0.0, 255.0))
         .with_default_numbers(&[0.0]);
-
-/// Writes the field `multipleScattering`, unless it has its default.
-pub(super) fn write_multiple_scattering(out: &mut SceneWriter<'_, '_>, multiple_scattering: bool) -> fmt::Result {
-    if multiple_scattering { Ok(()) } else { out.write_field("multipleScattering", "no") }
-}
 
 /// Returns `material`, with light that several microfacets scatter if `multiple_scattering` is
 /// true.

@@ -3,11 +3,11 @@
 use super::fields::UNIT_RANGE;
 use super::{BoundedBody, MaterialBlock};
 use crate::format::error::SceneError;
+use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::fields::{BlockFields, ParsedField};
 use crate::format::language::parser::Parser;
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
 use crate::format::language::text::clip_for_message;
-use crate::format::language::writer::SceneWriter;
 use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::references::material_index;
 use crate::format::resolve::Resolver;
@@ -15,7 +15,6 @@ use crate::format::resolve::textures::TextureRequirements;
 use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
 use crate::scene::Material;
-use std::fmt;
 
 /// Largest accepted nesting depth of mixes. Each level can double the number of materials in a mix.
 const MAX_MIX_DEPTH: u8 = 8;
@@ -31,18 +30,18 @@ pub struct MixDescription {
     pub second_probability: TexturedValue<f64>,
 }
 
-static MIX: BlockSchema = block_schema("Mix", "one of two materials at each point, chosen at random")
-    .with_fields(&[
-        field_schema("first", FieldKind::Name, "name of a material that stands before this one").make_required(),
-        field_schema("second", FieldKind::Name, "name of a material that stands before this one").make_required(),
-        field_schema("amount", FieldKind::NumberOrTexture, "share of the second material")
-            .with_range(UNIT_RANGE)
-            .make_required(),
-    ])
-    .with_shared_fields(&[EMISSION_FIELDS]);
+field_table!(MixDescription {
+    first: field_schema("first", FieldKind::Name, "name of a material that stands before this one").make_required(),
+    second: field_schema("second", FieldKind::Name, "name of a material that stands before this one").make_required(),
+    second_probability: field_schema("amount", FieldKind::NumberOrTexture, "share of the second material")
+        .with_range(UNIT_RANGE)
+        .make_required(),
+});
 
 impl MaterialBlock for MixDescription {
-    const BLOCK: &'static BlockSchema = &MIX;
+    const BLOCK: &'static BlockSchema = &block_schema("Mix", "one of two materials at each point, chosen at random")
+        .with_table(Self::FIELDS)
+        .with_shared_fields(&[EMISSION_FIELDS]);
     const BODY: BoundedBody = BoundedBody::None;
 
     fn parse<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
@@ -53,19 +52,9 @@ impl MaterialBlock for MixDescription {
         Ok(Self { first, second, second_probability: amount })
     }
 
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.write_name_field("first", &self.first)?;
-        out.write_name_field("second", &self.second)?;
-        out.write_number_or_texture("amount", &self.second_probability)
-    }
-
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let (first, second) = (material_index(r, &self.first)?, material_index(r, &self.second)?);
         Ok(Material::mix(first, second, r.resolve_fraction_parameter(&self.second_probability, requirements)?))
-    }
-
-    fn texture_names(&self) -> Vec<&Spanned<String>> {
-        self.second_probability.texture_name().into_iter().collect()
     }
 
     fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {

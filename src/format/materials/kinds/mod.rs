@@ -26,6 +26,7 @@ pub use phong::PhongDescription;
 pub use thin_dielectric::ThinDielectricDescription;
 
 use crate::format::error::SceneError;
+use crate::format::language::field_table::BlockCodec;
 use crate::format::language::fields::BlockFields;
 use crate::format::language::parser::Parser;
 use crate::format::language::schema::{BlockParser, BlockSchema};
@@ -37,7 +38,7 @@ use crate::scene::Material;
 use std::fmt;
 
 /// A kind of material in the scene language: its block, and what the block means.
-trait MaterialBlock: Sized {
+trait MaterialBlock: BlockCodec {
     /// Schema of the block: keyword, fields and help.
     ///
     /// A block with the field `medium` has a medium, one with `bump` a bump map or normal map.
@@ -49,10 +50,9 @@ trait MaterialBlock: Sized {
     /// Converts the parsed fields of a block, without emission, normal perturbation and medium.
     ///
     /// The `parser` knows the materials before this one.
-    fn parse<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError>;
-
-    /// Writes the fields of the block, without emission, normal perturbation and medium.
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result;
+    fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
+        Self::parse_fields(f)
+    }
 
     /// Converts the description to a material of the renderer, without emission, normal
     /// perturbation and medium.
@@ -62,7 +62,9 @@ trait MaterialBlock: Sized {
 
     /// Returns the names of the textures that the parameters use, without those of bump maps and
     /// emission.
-    fn texture_names(&self) -> Vec<&Spanned<String>>;
+    fn texture_names(&self) -> Vec<&Spanned<String>> {
+        self.field_textures()
+    }
 
     /// Returns the field that may be the name of a texture or the path of a picture file; `None` if
     /// the field is absent, or if textured fields hold names only.
