@@ -97,7 +97,7 @@ impl<T: FieldValue> FieldEntry<T> for FieldSchema {
     }
 }
 
-/// Function that fails if a field, which is present in the block, violates a rule on several fields.
+/// Function that fails if a field, which is present in the block, disagrees with other fields.
 pub(in crate::format) type FieldCheck = fn(&BlockFields<'_>, &ParsedField<'_, '_>) -> Result<(), SceneError>;
 
 /// A field whose value must agree with the fields before it.
@@ -135,7 +135,7 @@ impl<T: FieldValue> FieldEntry<T> for CheckedField {
     }
 }
 
-/// Several fields that together state one value of type `T`, which is no texture.
+/// Several fields that together state one value of type `T`.
 pub(in crate::format) struct FieldGroup<T: 'static> {
     /// Fields of the group.
     pub fields: FieldList,
@@ -143,6 +143,8 @@ pub(in crate::format) struct FieldGroup<T: 'static> {
     pub parse: fn(&BlockFields<'_>) -> Result<T, SceneError>,
     /// Function that writes the fields that state a value.
     pub write: fn(&T, &mut SceneWriter<'_, '_>) -> fmt::Result,
+    /// Function that returns the name of the texture in a value; `None` if it holds none.
+    pub texture_name: fn(&T) -> Option<&Spanned<String>>,
 }
 
 impl<T> FieldGroup<T> {
@@ -161,7 +163,7 @@ impl<T> FieldEntry<T> for FieldGroup<T> {
         (self.write)(value, out)
     }
 
-    fn texture_name<'v>(&self, _: &'v T) -> Option<&'v Spanned<String>> {
-        None
+    fn texture_name<'v>(&self, value: &'v T) -> Option<&'v Spanned<String>> {
+        (self.texture_name)(value)
     }
 }

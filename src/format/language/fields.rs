@@ -372,11 +372,6 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         T::from_parsed_value(self.value)
     }
 
-    /// Returns the curve in a field of kind [`FieldKind::Curve`].
-    pub fn profile_curve(&self) -> ProfileCurve {
-        ProfileCurve { basis: self.value.basis, controls: self.value.points.clone() }
-    }
-
     /// Returns the curve that has the control points in this field and the given polynomial
     /// `basis`.
     ///

@@ -52,6 +52,7 @@ pub(super) const ABSORPTION: FieldGroup<DielectricAbsorption> = FieldGroup {
     ]),
     parse: parse_absorption,
     write: write_absorption,
+    texture_name: |_| None,
 };
 
 /// Returns the absorption inside a dielectric, from the field `absorption` or `tint`; none if both

@@ -6,6 +6,7 @@
 mod absorption;
 mod emission;
 mod kinds;
+mod metal;
 mod normals;
 mod references;
 mod refraction;
@@ -13,6 +14,7 @@ mod refraction;
 pub use absorption::DielectricAbsorption;
 pub use emission::EmissionDescription;
 pub use kinds::*;
+pub use metal::MetalDescription;
 pub use normals::NormalPerturbationDescription;
 pub(super) use references::{material_index, parse_material_index, parse_material_name};
 pub use refraction::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, RefractiveIndexDescription};

@@ -69,6 +69,7 @@ pub(super) const REFRACTION: FieldGroup<RefractiveIndexDescription> = FieldGroup
     ]),
     parse: parse_refraction,
     write: write_refraction,
+    texture_name: |_| None,
 };
 
 /// Keywords of fields that state the refractive index. A block has at most one of these fields.

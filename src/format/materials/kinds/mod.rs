@@ -1,8 +1,8 @@
 //! Kinds of materials in the scene language.
 //!
-//! Each kind of material has a file with its description, its block, the reading and writing of the
-//! block, and its conversion to a material of the scene. The list in this file is the only other
-//! place that names the kind.
+//! Each kind of material has a file with its description, its table of fields, from which reading
+//! and writing follow, and its conversion to a material of the scene. The list in this file is the
+//! only other place that names the kind.
 
 mod coated_diffuse;
 mod conductor;
@@ -16,7 +16,7 @@ mod phong;
 mod thin_dielectric;
 
 pub use coated_diffuse::CoatedDiffuseDescription;
-pub use conductor::{ConductorDescription, MetalDescription};
+pub use conductor::ConductorDescription;
 pub use dielectric::DielectricDescription;
 pub use diffuse::DiffuseDescription;
 pub use mirror::MirrorDescription;

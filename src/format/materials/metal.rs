@@ -1,0 +1,93 @@
+//! Complex refractive index of a `Conductor`: description, fields, reading, writing and conversion.
+
+use super::refraction::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX};
+use crate::bsdf::{METAL_NAMES, metal_refractive_index};
+use crate::color::Rgb;
+use crate::format::error::SceneError;
+use crate::format::language::field_table::FieldGroup;
+use crate::format::language::fields::BlockFields;
+use crate::format::language::schema::{FieldKind, FieldList, FieldRange, field_schema};
+use crate::format::language::writer::SceneWriter;
+use crate::format::resolve::{Resolver, rgb};
+use crate::format::span::Spanned;
+use glam::DVec3;
+use std::fmt;
+
+/// Complex index of refraction of a conductor: that of a named metal, or given numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MetalDescription {
+    /// Name of a metal with a known complex index.
+    Named(Spanned<String>),
+    /// Index η + ik, relative to the surroundings.
+    Index {
+        /// Real part η of the complex index of refraction, above 0.
+        eta: DVec3,
+        /// Imaginary part k of the complex index of refraction, at least 0.
+        k: DVec3,
+    },
+}
+
+impl MetalDescription {
+    /// Returns the conductor index η + ik, with each component clamped to the range that materials
+    /// accept.
+    #[must_use]
+    pub fn with_clamped_index(eta: DVec3, k: DVec3) -> Self {
+        let [least, greatest] = [MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX].map(DVec3::splat);
+        Self::Index { eta: eta.clamp(least, greatest), k: k.clamp(DVec3::ZERO, greatest) }
+    }
+}
+
+/// Fields that state the complex refractive index of a conductor.
+pub(super) const METAL: FieldGroup<MetalDescription> = FieldGroup {
+    fields: FieldList::own(&[
+        field_schema("metal", FieldKind::Name, "a metal by name; give this, or `eta` and `k`"),
+        field_schema("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
+            .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
+        field_schema("k", FieldKind::Color, "k of the complex index")
+            .with_range(FieldRange::ClosedInterval(0.0, MAX_REFRACTIVE_INDEX)),
+    ]),
+    parse: parse_metal,
+    write: write_metal,
+    texture_name: |_| None,
+};
+
+/// Parses the complex refractive index of a conductor, or the name of its metal.
+fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
+    for index in ["eta", "k"] {
+        f.forbid_both_fields("metal", index)?;
+    }
+    if let Some(name) = f.optional_value("metal") {
+        return Ok(MetalDescription::Named(name));
+    }
+    if f.get("k").is_none() {
+        // If both `metal` and `eta` are absent, this error names both.
+        f.require_one_field_of(&["metal", "eta"])?;
+    }
+    Ok(MetalDescription::Index { eta: f.value_or_default("eta")?, k: f.value_or_default("k")? })
+}
+
+/// Writes the fields that state the complex index.
+fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+    match metal {
+        MetalDescription::Named(name) => out.write_name_field("metal", name),
+        MetalDescription::Index { eta, k } => {
+            out.write_vec3("eta", *eta)?;
+            out.write_vec3("k", *k)
+        }
+    }
+}
+
+/// Returns η and k of a metal's complex refractive index η + ik, for red, green and blue.
+pub(super) fn complex_refractive_index(
+    r: &Resolver<'_>,
+    described: &MetalDescription,
+) -> Result<(Rgb, Rgb), SceneError> {
+    match described {
+        MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
+        MetalDescription::Named(name) => metal_refractive_index(name).ok_or_else(|| {
+            let message = format!("no metal is called `{}`", name.value);
+            let help = format!("known are {}; of others, give `eta` and `k`", METAL_NAMES.join(", "));
+            SceneError::error_at_span(r.source, name.span, message, "unknown name", help)
+        }),
+    }
+}
