@@ -3,26 +3,26 @@
 #[cfg(feature = "view")]
 use super::ViewArguments;
 use super::pictures::PictureArguments;
+use super::scene_args::SceneArguments;
 use super::shard::Shard;
 use super::value_parsers::{
-    parse_alpha, parse_bytes, parse_confidence, parse_count, parse_duration, parse_exposure_stops, parse_gather_count,
-    parse_picture_size, parse_positive_count, parse_positive_length, parse_radiance_limit, parse_relative_error,
-    parse_seed, parse_seed_count, parse_threads,
+    parse_alpha, parse_confidence, parse_count, parse_duration, parse_gather_count, parse_positive_count,
+    parse_positive_length, parse_radiance_limit, parse_relative_error, parse_seed,
 };
-use super::{ConvertArguments, DiffArguments, FarmArguments, FilmArguments, FrameRange, MergeArguments, MeshArguments};
+use super::{
+    ConvertArguments, DiffArguments, FarmArguments, FilmArguments, FrameRange, MergeArguments, MeshArguments,
+    StudyArguments,
+};
 use crate::camera::{CropWindow, FilterKind};
-use crate::format::{IMPORTERS, ImportOptions, SCENE_TEXT_EXTENSIONS};
 use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 use crate::render::error_estimate::Confidence;
-use crate::stats::MemoryLimit;
 #[cfg(feature = "view")]
 use crate::view::{ListenAddress, TevAddress};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
-use std::str::FromStr;
 use std::time::Duration;
 
 /// Photon-mapping renderer that estimates the error of its pictures.
@@ -180,61 +180,6 @@ pub struct EffectsArguments {
     /// -EFFECT, separated by commas. `caustica plan` lists the effects
     #[arg(long, allow_hyphen_values = true, value_name = "EFFECTS", default_value = "auto")]
     pub effects: EffectOverrides,
-}
-
-/// Flags for reading scenes of other programs.
-#[derive(Clone, Debug, Default, Args)]
-pub struct ImportArguments {
-    /// Format of the scene, by its file extension; `None` for that of the file.
-    #[arg(long, help = scene_format_help(), value_parser = parse_scene_format, value_name = "EXTENSION")]
-    pub format: Option<String>,
-
-    /// Refuse a scene if anything in it is ignored or approximated, instead of warning
-    #[arg(long)]
-    pub strict: bool,
-
-    /// Let a scene of another program name files outside its own folder
-    #[arg(long)]
-    pub allow_outside: bool,
-}
-
-impl ImportArguments {
-    /// Returns the options for reading a scene with these flags. `memory` limits the memory that
-    /// reading may take.
-    pub(super) fn import_options(&self, memory: MemoryLimit) -> ImportOptions {
-        ImportOptions { memory, format_extension: self.format.clone(), allows_outside_files: self.allow_outside }
-    }
-}
-
-/// The scene file, and flags for picture size, threads and memory.
-#[derive(Clone, Debug, Args)]
-pub struct SceneArguments {
-    /// Scene file.
-    #[arg(help = scene_file_help())]
-    pub scene: PathBuf,
-
-    #[command(flatten)]
-    pub import: ImportArguments,
-
-    /// Picture size, such as 1280x720  [default: the scene's]
-    #[arg(long, value_parser = parse_picture_size, value_name = "WxH")]
-    pub size: Option<(u32, u32)>,
-
-    /// Number of threads  [default: one per core]
-    #[arg(long, value_parser = parse_threads, value_name = "N")]
-    pub threads: Option<u32>,
-
-    /// Memory limit of the program, such as 4G or 512M. Work that needs more is refused before it
-    /// begins  [default: the free memory]
-    #[arg(long, value_parser = parse_bytes, value_name = "SIZE")]
-    pub memory: Option<u64>,
-}
-
-impl SceneArguments {
-    /// Returns the limit of `--memory`, or else the system's free memory.
-    pub(super) fn memory_limit(&self) -> MemoryLimit {
-        self.memory.map_or(MemoryLimit::System, MemoryLimit::ProcessBytes)
-    }
 }
 
 /// Arguments of `render`.
@@ -429,191 +374,4 @@ pub struct EstimateArguments {
     /// Print only the result, errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
-}
-
-/// Fields of [`StudyModeArguments`] that configure a study of methods. Their flags conflict with
-/// `--effects`.
-const METHOD_STUDY_FLAGS: [&str; 8] =
-    ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
-
-/// Flags of `study` that choose a study of effects or a study of methods.
-///
-/// `effects` chooses a study of effects. All other flags belong to a study of methods.
-#[derive(Debug, Args)]
-pub struct StudyModeArguments {
-    /// Render the picture with and without each effect of the plan, to measure its cost and
-    /// contribution
-    #[arg(long, conflicts_with_all = METHOD_STUDY_FLAGS)]
-    pub effects: bool,
-
-    /// Measure how the error of these methods falls with time, such as path,sppm  [default, without
-    /// --variant and --knobs: those of path, pm, ppm, sppm and hybrid that differ in the scene]
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
-    pub methods: Vec<Algorithm>,
-
-    /// Measure a method with its own flags in addition to the common ones, such as
-    /// "sppm --gather-k 20"; may be given several times
-    #[arg(long = "variant", value_name = "METHOD FLAGS")]
-    pub variants: Vec<String>,
-
-    /// Measure the method with its default settings, and with one setting changed at a time
-    #[arg(long, value_enum, value_name = "METHOD")]
-    pub knobs: Option<Algorithm>,
-
-    /// Processor time per seed and method, such as 60s or 5m
-    #[arg(long, value_parser = parse_duration, default_value = "60s", value_name = "TIME")]
-    pub budget: Duration,
-
-    /// Number of pictures per method, with the seeds --seed, --seed + 1 and so on. Several pictures
-    /// separate noise from bias
-    #[arg(long, value_parser = parse_seed_count, default_value = "8", value_name = "N")]
-    pub seeds: u32,
-
-    /// Reference pictures to measure errors against: auto (two pictures, rendered first),
-    /// A.exr,B.exr (two independent pictures) or A.exr (one picture, taken as exact)
-    #[arg(long, default_value = "auto", value_name = "FILES")]
-    pub truth: ReferenceSource,
-
-    /// Processor time of each of the two references of --truth auto  [default: four times --budget]
-    #[arg(long, value_parser = parse_duration, value_name = "TIME")]
-    pub truth_time: Option<Duration>,
-
-    /// Files for the two references of --truth auto: A.exr,B.exr
-    #[arg(long, value_name = "FILES", value_parser = parse_file_pair)]
-    pub save_truth: Option<(PathBuf, PathBuf)>,
-}
-
-/// Source of the reference pictures that errors are measured against: value of `--truth`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ReferenceSource {
-    /// Two independent references, which the study renders first.
-    Auto,
-    /// File of one reference picture, which is taken as exact.
-    OneFile(PathBuf),
-    /// Files of two reference pictures with independent noise.
-    TwoFiles(PathBuf, PathBuf),
-}
-
-impl FromStr for ReferenceSource {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "auto" => Ok(Self::Auto),
-            _ if text.contains(',') => parse_file_pair(text).map(|(a, b)| Self::TwoFiles(a, b)),
-            _ => Ok(Self::OneFile(text.into())),
-        }
-    }
-}
-
-/// Parses two different file names separated by a comma.
-fn parse_file_pair(text: &str) -> Result<(PathBuf, PathBuf), String> {
-    match text.split(',').collect::<Vec<_>>()[..] {
-        [a, b] if a == b => Err(format!("`{a}` is named twice: two references must be independent")),
-        [a, b] if !a.is_empty() && !b.is_empty() => Ok((a.into(), b.into())),
-        _ => Err(format!("`{text}` names no two files: write A.exr,B.exr")),
-    }
-}
-
-/// Arguments of `study`.
-#[derive(Debug, Args)]
-#[command(mut_arg("integrator", |integrator| integrator.requires("effects").conflicts_with_all(METHOD_STUDY_FLAGS)))]
-pub struct StudyArguments {
-    #[command(flatten)]
-    pub kind: StudyModeArguments,
-
-    #[command(flatten)]
-    pub scene: SceneArguments,
-
-    /// Write a report: .html (a page with the pictures, in one file), .json (all figures), .csv or
-    /// .md; may be given several times
-    #[arg(short, long = "output", value_name = "FILE")]
-    pub output: Vec<PathBuf>,
-
-    #[command(flatten)]
-    pub method: MethodArguments,
-
-    /// Effects that the full picture simulates, as with --effects of `caustica render`
-    #[arg(long, visible_alias = "wish", allow_hyphen_values = true, value_name = "EFFECTS", default_value = "auto")]
-    pub simulate: EffectOverrides,
-
-    /// Number of passes of each picture, or largest number of each method  [default: 4 with
-    /// --effects, else limited by --budget]
-    #[arg(long, value_parser = parse_positive_count, value_name = "N")]
-    pub passes: Option<u32>,
-
-    /// Exposure of the full picture on the page in stops: +1 is twice as bright
-    #[arg(long, default_value = "0", value_parser = parse_exposure_stops, allow_negative_numbers = true, value_name = "STOPS")]
-    pub exposure: f32,
-
-    /// Print JSON
-    #[arg(long)]
-    pub json: bool,
-
-    /// Print only the result, errors and warnings
-    #[arg(short, long)]
-    pub quiet: bool,
-}
-
-/// File extensions of all scene formats.
-fn scene_extensions() -> impl Iterator<Item = &'static str> {
-    IMPORTERS.iter().flat_map(|importer| importer.extensions()).copied()
-}
-
-/// Help of `--format`, which lists the extensions of all scene formats.
-fn scene_format_help() -> String {
-    let known = join_with_or(scene_extensions().map(str::to_owned).collect());
-    format!("Format of the scene, by its file extension: {known}  [default: by the extension of the file]")
-}
-
-/// Help of the scene file, which lists the extensions of all importers.
-fn scene_file_help() -> String {
-    let foreign = scene_extensions().filter(|extension| !SCENE_TEXT_EXTENSIONS.contains(extension));
-    let kinds = std::iter::once("scene text".to_owned()).chain(foreign.map(|extension| format!(".{extension}")));
-    format!("Scene file: {}", join_with_or(kinds.collect()))
-}
-
-/// Joins words by commas, the last two by "or".
-fn join_with_or(mut words: Vec<String>) -> String {
-    let last = words.pop().unwrap_or_default();
-    if words.is_empty() { last } else { format!("{} or {last}", words.join(", ")) }
-}
-
-/// Parses the file extension of a scene format.
-fn parse_scene_format(text: &str) -> Result<String, String> {
-    let wanted = text.trim_start_matches('.').to_ascii_lowercase();
-    if scene_extensions().any(|extension| extension == wanted) {
-        return Ok(wanted);
-    }
-    let known = scene_extensions().collect::<Vec<_>>().join(", ");
-    Err(format!("`{text}` is no scene format: write one of {known}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn help_of_format_names_every_extension() {
-        let words = words_of_help("format");
-        for extension in scene_extensions() {
-            assert!(words.iter().any(|word| word == extension), "{extension}");
-        }
-    }
-
-    #[test]
-    fn help_of_scene_names_every_imported_format() {
-        let words = words_of_help("scene");
-        for extension in scene_extensions().filter(|extension| !SCENE_TEXT_EXTENSIONS.contains(extension)) {
-            assert!(words.iter().any(|word| word == extension), "{extension}");
-        }
-    }
-
-    /// Returns the words in the help text of the argument `id` of all commands that read a scene.
-    fn words_of_help(id: &str) -> Vec<String> {
-        let command = SceneArguments::augment_args(clap::Command::new("render"));
-        let argument = command.get_arguments().find(|argument| argument.get_id() == id).unwrap();
-        let help = argument.get_help().unwrap().to_string();
-        help.split(|c: char| !c.is_alphanumeric()).map(str::to_owned).collect()
-    }
 }

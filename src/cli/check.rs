@@ -1,7 +1,7 @@
 //! `caustica check`: reads a scene and everything that it names, and renders nothing.
 
-use super::args::SceneArguments;
 use super::scene::{import_warnings, load_scene_and_file, replace_control_characters, with_thread_pool};
+use super::scene_args::SceneArguments;
 use super::value_parsers::count_with_noun;
 use super::{CommandFailure, Exit};
 use crate::format::SceneFile;

@@ -1,9 +1,9 @@
 //! `caustica convert`: writes any scene that can be read as scene text.
 
-use super::args::ImportArguments;
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::progress::{InputFileCollector, print_message};
 use super::scene::{import_warnings, read_scene_file};
+use super::scene_args::ImportArguments;
 use super::{CommandFailure, Exit};
 use crate::format::ConvertedScene;
 use crate::format::grid::{self, GridEncoding};

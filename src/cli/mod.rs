@@ -27,6 +27,7 @@ mod progress;
 mod render;
 mod report;
 mod scene;
+mod scene_args;
 mod settings;
 mod shard;
 mod study;
@@ -36,9 +37,7 @@ mod value_parsers;
 #[cfg(feature = "view")]
 mod view;
 
-pub use args::{
-    Arguments, Command, EstimateArguments, MethodArguments, PlanArguments, RenderArguments, StudyArguments,
-};
+pub use args::{Arguments, Command, EstimateArguments, MethodArguments, PlanArguments, RenderArguments};
 pub use convert::ConvertArguments;
 pub use diff::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
 pub use failure::{CommandFailure, Exit};
@@ -49,6 +48,7 @@ pub use merge::MergeArguments;
 pub use mesh::MeshArguments;
 pub use pictures::PictureArguments;
 pub use shard::Shard;
+pub use study::StudyArguments;
 #[cfg(feature = "view")]
 pub use view::ViewArguments;
 

@@ -1,7 +1,7 @@
 //! Loading of a command's scene, and its thread pool.
 
-use super::args::{ImportArguments, SceneArguments};
 use super::progress::print_message;
+use super::scene_args::{ImportArguments, SceneArguments};
 use super::{CommandFailure, Exit};
 use crate::format::mesh::MeshReadMonitor;
 use crate::format::{ResolvedScene, SceneFile, SceneReadError};

@@ -115,7 +115,7 @@ pub(super) struct CameraPose {
 
 const PICTURE_SIZE_RANGE: FieldRange = FieldRange::ClosedInterval(1.0, 65_536.0);
 
-static VIEW_FIELDS: &[FieldSchema] = &[
+const VIEW_FIELDS: &[FieldSchema] = &[
     field_schema("center", FieldKind::Point, "the pinhole, the lens center, or the center of an orthographic picture")
         .make_required()
         .mark_as_mit_6837_syntax(),
@@ -127,7 +127,7 @@ static VIEW_FIELDS: &[FieldSchema] = &[
         .mark_as_mit_6837_syntax(),
 ];
 
-static PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
+const PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
     field_schema("width", FieldKind::WholeNumber, "picture width")
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[960.0])

@@ -124,7 +124,7 @@ type ParseDensity = fn(&BlockFields<'_>) -> Result<DensityDescription, SceneErro
 
 const COEFFICIENT_RANGE: FieldRange = FieldRange::ClosedInterval(0.0, MAX_MEDIUM_COEFFICIENT);
 
-static OPTICAL_FIELDS: &[FieldSchema] = &[
+const OPTICAL_FIELDS: &[FieldSchema] = &[
     field_schema("absorption", FieldKind::Color, "absorption coefficient σa")
         .with_range(COEFFICIENT_RANGE)
         .with_default_numbers(&[0.0, 0.0, 0.0])
@@ -148,7 +148,7 @@ static OPTICAL_FIELDS: &[FieldSchema] = &[
         .with_range(FieldRange::DescribedOnly("−1 < g < 1")),
 ];
 
-static EXTENT_FIELDS: &[FieldSchema] = &[
+const EXTENT_FIELDS: &[FieldSchema] = &[
     field_schema("min", FieldKind::Point, "least corner of the box; required, but for a `Medium` without `grid`"),
     field_schema("max", FieldKind::Point, "greatest corner, above `min` in each component"),
     field_schema("Transform", FieldKind::TransformSteps, "maps from the space of the box to the world")

@@ -1,29 +1,29 @@
 //! The fields of a parallelogram, which rectangles and rectangle lights have.
 
 use super::error::SceneError;
-use super::language::fields::BlockFields;
-use super::language::writer::SceneWriter;
+use crate::format::language::field_table::CheckedField;
+use crate::format::language::fields::{BlockFields, ParsedField};
+use crate::format::language::schema::{FieldKind, FieldSchema, field_schema};
 use glam::DVec3;
-use std::fmt;
 
-/// Returns the corner and both edge vectors of a parallelogram; an error if its area is 0.
-pub(super) fn parse_parallelogram(f: &BlockFields<'_>) -> Result<(DVec3, DVec3, DVec3), SceneError> {
-    let (corner, edge0, edge1): (_, DVec3, DVec3) =
-        (f.value_or_default("corner")?, f.value_or_default("edge0")?, f.value_or_default("edge1")?);
+/// Corner of a parallelogram.
+pub(super) const CORNER: FieldSchema =
+    field_schema("corner", FieldKind::Point, "corner where both edges start").make_required();
+
+/// First edge vector of a parallelogram.
+pub(super) const EDGE0: FieldSchema =
+    field_schema("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required();
+
+/// Second edge vector of a parallelogram.
+pub(super) const EDGE1: CheckedField = CheckedField::new(
+    field_schema("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
+    check_area,
+);
+
+/// Fails if the area of the parallelogram is 0.
+fn check_area(f: &BlockFields<'_>, edge1: &ParsedField<'_, '_>) -> Result<(), SceneError> {
+    let edge0: DVec3 = f.value_or_default("edge0")?;
     // Rounding alone gives parallel edges a sine of about 1e-16.
-    let sine = edge0.normalize().cross(edge1.normalize()).length();
-    f.require_field("edge1")?.ensure_valid(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")?;
-    Ok((corner, edge0, edge1))
-}
-
-/// Writes the fields of a parallelogram: its corner and both edges.
-pub(super) fn write_parallelogram(
-    out: &mut SceneWriter<'_, '_>,
-    corner: DVec3,
-    edge0: DVec3,
-    edge1: DVec3,
-) -> fmt::Result {
-    out.write_vec3("corner", corner)?;
-    out.write_vec3("edge0", edge0)?;
-    out.write_vec3("edge1", edge1)
+    let sine = edge0.normalize().cross(edge1.value::<DVec3>().normalize()).length();
+    edge1.ensure_valid(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")
 }

@@ -120,7 +120,7 @@ pub(super) static TEXTURE_BLOCK_PARSERS: &[BlockParser<ParseTexture>] = &[
 /// Function that converts the parsed fields of a texture block to a texture.
 type ParseTexture = fn(&BlockFields<'_>) -> Result<TextureKindDescription, SceneError>;
 
-static COORDINATE_FIELDS: &[FieldSchema] = &[
+const COORDINATE_FIELDS: &[FieldSchema] = &[
     field_schema("scale", FieldKind::Pair, "factors of u and v")
         .with_range(FieldRange::NonZero)
         .with_default_numbers(&[1.0, 1.0]),
@@ -130,14 +130,14 @@ static COORDINATE_FIELDS: &[FieldSchema] = &[
     field_schema("offset", FieldKind::Pair, "offset of (u, v) after that").with_default_numbers(&[0.0, 0.0]),
 ];
 
-static COLOR_FIELDS: &[FieldSchema] = &[
+const COLOR_FIELDS: &[FieldSchema] = &[
     field_schema("color0", FieldKind::Color, "first color; of a checker where ⌊u⌋ + ⌊v⌋ is even")
         .with_default_numbers(&[0.0, 0.0, 0.0]),
     field_schema("color1", FieldKind::Color, "second color").with_default_numbers(&[1.0, 1.0, 1.0]),
 ];
 
 // The last of 16 octaves is 32,768 times finer than the first.
-static PATTERN_FIELDS: &[FieldSchema] = &[
+const PATTERN_FIELDS: &[FieldSchema] = &[
     field_schema("octaves", FieldKind::WholeNumber, "octaves of noise")
         .with_range(FieldRange::ClosedInterval(1.0, 16.0))
         .with_default_numbers(&[4.0]),

@@ -1,9 +1,10 @@
 //! Arguments of `caustica farm`.
 
 use crate::camera::CropWindow;
-use crate::cli::args::{EffectsArguments, MethodArguments, SceneArguments};
+use crate::cli::args::{EffectsArguments, MethodArguments};
 use crate::cli::film::FilmHeaderSettings;
 use crate::cli::pictures::PictureArguments;
+use crate::cli::scene_args::SceneArguments;
 use crate::cli::value_parsers::{
     parse_confidence, parse_count, parse_duration, parse_positive_count, parse_radiance_limit, parse_relative_error,
 };

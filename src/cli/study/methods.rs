@@ -1,11 +1,11 @@
 //! `caustica study --methods`: measures the error of methods as a function of processor time.
 
+use super::args::ReferenceSource;
 use super::effects::load_study_scene;
 use super::knobs;
 use super::output::{ReportFormatter, StudyOutputs, check_reference_path, study_output_files};
 use super::table::{checkpoints_table, square_root_percent_text};
 use super::variants::VariantArguments;
-use crate::cli::args::ReferenceSource;
 use crate::cli::interrupt::{INTERRUPTED, listen_for_signals};
 use crate::cli::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use crate::cli::plan;

@@ -1,5 +1,6 @@
 //! `caustica study`: measurements of effects and of methods.
 
+mod args;
 mod effects;
 mod knobs;
 mod methods;
@@ -7,7 +8,9 @@ mod output;
 mod table;
 mod variants;
 
-use super::{CommandFailure, Exit, StudyArguments};
+pub use args::StudyArguments;
+
+use super::{CommandFailure, Exit};
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
     if arguments.kind.effects { effects::run(arguments) } else { methods::run(arguments) }

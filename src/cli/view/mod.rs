@@ -8,9 +8,10 @@ mod scene;
 mod session;
 mod watch;
 
-use super::args::{EffectsArguments, MethodArguments, SceneArguments};
+use super::args::{EffectsArguments, MethodArguments};
 use super::interrupt::listen_for_signals;
 use super::live::{print_page_address, read_reference};
+use super::scene_args::SceneArguments;
 use super::value_parsers::{parse_confidence, parse_duration, parse_positive_count, parse_relative_error};
 use super::{CommandFailure, Exit};
 use crate::render::RenderLimits;

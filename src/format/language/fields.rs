@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3, DVec4};
 
 use super::curves::{BEZIER_PROFILE, BSPLINE_PROFILE, CurveBasis, ProfileCurve};
+use super::field_value::{FieldValue, ParsedFieldValue, default_value};
 use super::lexer::{Lexer, Token};
 use super::parser::Parser;
 use super::schema::{BlockParser, BlockSchema, FieldDefault, FieldKind, FieldSchema, block_keywords, find_block};
@@ -11,77 +12,6 @@ use super::text::{clip_for_message, is_nonfinite_number};
 use super::transforms::parse_transform_steps;
 use crate::format::error::SceneError;
 use crate::format::span::{Span, Spanned};
-use crate::format::textured_value::TexturedValue;
-use crate::format::transform_step::TransformStep;
-
-/// Parsed value of a field. The [`FieldKind`] of the field determines which members are set.
-#[derive(Default)]
-pub(in crate::format) struct ParsedFieldValue {
-    /// Parsed numbers, at most three, in x, y and z. Unused components are 0.
-    numbers: DVec3,
-    /// Text of a name, path or word.
-    ///
-    /// In a field that accepts numbers or a texture: the texture's name, or empty for numbers.
-    text: String,
-    steps: Vec<TransformStep>,
-    /// Polynomial basis of a `profile` curve; `points` holds its control points.
-    basis: CurveBasis,
-    points: Vec<DVec3>,
-    weighted_points: Vec<DVec4>,
-    number_list: Vec<f64>,
-}
-
-/// A type that a parsed field value can be converted to, such as [`DVec3`].
-pub(in crate::format) trait FromFieldValue {
-    /// Returns `value` as this type. The [`FieldKind`] of its field must fit the type.
-    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self;
-}
-
-impl FromFieldValue for DVec3 {
-    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
-        value.numbers
-    }
-}
-
-impl FromFieldValue for DVec2 {
-    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
-        value.numbers.truncate()
-    }
-}
-
-impl FromFieldValue for f64 {
-    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
-        value.numbers.x
-    }
-}
-
-impl FromFieldValue for u32 {
-    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
-        value.numbers.x as u32
-    }
-}
-
-impl FromFieldValue for Spanned<String> {
-    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
-        Spanned::new(value.text.clone(), value.span)
-    }
-}
-
-impl<T: FromFieldValue> FromFieldValue for TexturedValue<T> {
-    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
-        if value.text.is_empty() {
-            Self::Constant(T::from_field_value(value))
-        } else {
-            Self::Texture(FromFieldValue::from_field_value(value))
-        }
-    }
-}
-
-impl FromFieldValue for Vec<TransformStep> {
-    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
-        value.steps.clone()
-    }
-}
 
 /// Field keyword with a conversion function. The field holds a color, and the function converts the
 /// color to a `T`.
@@ -394,24 +324,21 @@ impl<'a> BlockFields<'a> {
         }
     }
 
-    /// Returns the value of the field `name`. If the field is absent, returns the schema's default
-    /// numbers.
+    /// Returns the value of the field `name`. If the field is absent, returns its default.
     ///
     /// # Errors
-    /// If the field is absent and its schema has no default numbers.
-    pub fn value_or_default<T: FromFieldValue>(&self, name: &str) -> Result<T, SceneError> {
-        let default = self.block.find_field(name).map(|field| field.default);
-        if let (None, Some(FieldDefault::Numbers(default))) = (self.get(name), default) {
-            let mut numbers = [0.0; 3];
-            numbers[..default.len()].copy_from_slice(default);
-            let value = ParsedFieldValue { numbers: DVec3::from_array(numbers), ..ParsedFieldValue::default() };
-            return Ok(T::from_field_value(&Spanned::new(value, Span::default())));
+    /// If the field is absent and must be present.
+    pub fn value_or_default<T: FieldValue>(&self, name: &str) -> Result<T, SceneError> {
+        if self.get(name).is_none()
+            && let Some(default) = self.block.find_field(name).and_then(default_value)
+        {
+            return Ok(default);
         }
         self.require_field(name).map(|field| field.value())
     }
 
     /// Returns the value of the field `name`; `None` if the field is absent.
-    pub fn optional_value<T: FromFieldValue>(&self, name: &str) -> Option<T> {
+    pub fn optional_value<T: FieldValue>(&self, name: &str) -> Option<T> {
         self.get(name).map(|field| field.value())
     }
 
@@ -441,13 +368,8 @@ impl<'f, 'a> ParsedField<'f, 'a> {
     }
 
     /// Returns the field's value, converted to `T`.
-    pub fn value<T: FromFieldValue>(&self) -> T {
-        T::from_field_value(self.value)
-    }
-
-    /// Returns the curve in a field of kind [`FieldKind::Curve`].
-    pub fn profile_curve(&self) -> ProfileCurve {
-        ProfileCurve { basis: self.value.basis, controls: self.value.points.clone() }
+    pub fn value<T: FieldValue>(&self) -> T {
+        T::from_parsed_value(self.value)
     }
 
     /// Returns the curve that has the control points in this field and the given polynomial

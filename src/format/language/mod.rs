@@ -6,6 +6,8 @@
 //! write them. Files that the text names are opened later, by [`resolve`](super::resolve()).
 
 pub(super) mod curves;
+pub(super) mod field_table;
+pub(super) mod field_value;
 pub(super) mod fields;
 pub(super) mod lexer;
 pub(super) mod names;

@@ -109,6 +109,17 @@ pub(in crate::format) struct FieldSchema {
     pub help: &'static str,
     /// True if the field is part of the scene format of MIT course 6.837.
     pub is_mit_6837_syntax: bool,
+    /// True if the writer omits the field where its value is the default.
+    pub is_default_omitted: bool,
+}
+
+/// List of fields of a block.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::format) struct FieldList {
+    /// Fields of the list, of which there is at least one.
+    pub fields: &'static [FieldSchema],
+    /// True if several kinds of blocks have the list. The language reference then states it once.
+    pub is_shared: bool,
 }
 
 /// Schema of one kind of block: `keyword { fields }` or `keyword name { fields }`.
@@ -118,9 +129,12 @@ pub(in crate::format) struct BlockSchema {
     pub keyword: &'static str,
     /// Further keywords that the parser accepts for the block.
     pub aliases: &'static [&'static str],
-    /// Fields that only this kind of block has.
+    /// Fields of the table of the block's description; see
+    /// [`BlockCodec`](super::field_table::BlockCodec).
+    pub table: &'static [FieldList],
+    /// Further fields, which only this kind of block has.
     pub own_fields: &'static [FieldSchema],
-    /// Lists of fields that several kinds of blocks share.
+    /// Further lists of fields, which several kinds of blocks share.
     pub shared_fields: &'static [&'static [FieldSchema]],
     /// Meaning of the block, in one line of the language reference.
     pub help: &'static str,
@@ -147,12 +161,30 @@ pub(in crate::format) const fn field_schema(name: &'static str, kind: FieldKind,
         _ => FieldRange::Any,
     };
     let default = FieldDefault::Absent("");
-    FieldSchema { keyword: name, alias: "", kind, range, unit: "", default, help, is_mit_6837_syntax: false }
+    FieldSchema {
+        keyword: name,
+        alias: "",
+        kind,
+        range,
+        unit: "",
+        default,
+        help,
+        is_mit_6837_syntax: false,
+        is_default_omitted: false,
+    }
 }
 
 /// Creates the schema of a block, without fields and aliases.
 pub(in crate::format) const fn block_schema(keyword: &'static str, help: &'static str) -> BlockSchema {
-    BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_mit_6837_syntax: false }
+    BlockSchema {
+        keyword,
+        aliases: &[],
+        table: &[],
+        own_fields: &[],
+        shared_fields: &[],
+        help,
+        is_mit_6837_syntax: false,
+    }
 }
 
 impl FieldSchema {
@@ -203,6 +235,17 @@ impl FieldSchema {
     pub const fn mark_as_mit_6837_syntax(mut self) -> Self {
         self.is_mit_6837_syntax = true;
         self
+    }
+
+    /// Makes the writer omit the field where its value is the default.
+    pub const fn omit_default(mut self) -> Self {
+        self.is_default_omitted = true;
+        self
+    }
+
+    /// Returns the list of this one field, which only one kind of block has.
+    pub const fn field_list(&'static self) -> FieldList {
+        FieldList::own(std::slice::from_ref(self))
     }
 
     /// True if `word` is the field's keyword or its alias.
@@ -316,10 +359,28 @@ impl FieldSchema {
     }
 }
 
+impl FieldList {
+    /// Creates a list of fields that only one kind of block has.
+    pub const fn own(fields: &'static [FieldSchema]) -> Self {
+        Self { fields, is_shared: false }
+    }
+
+    /// Creates a list of fields that several kinds of blocks have.
+    pub const fn shared(fields: &'static [FieldSchema]) -> Self {
+        Self { fields, is_shared: true }
+    }
+}
+
 impl BlockSchema {
     /// Sets the block's other accepted keywords.
     pub const fn with_aliases(mut self, aliases: &'static [&'static str]) -> Self {
         self.aliases = aliases;
+        self
+    }
+
+    /// Sets the fields of the table of the block's description.
+    pub const fn with_table(mut self, table: &'static [FieldList]) -> Self {
+        self.table = table;
         self
     }
 
@@ -346,9 +407,20 @@ impl BlockSchema {
         self.keyword == word || self.aliases.contains(&word)
     }
 
+    /// Iterates over the fields that only this kind of block has.
+    fn all_own_fields(&self) -> impl Iterator<Item = &'static FieldSchema> + use<> {
+        self.table.iter().filter(|list| !list.is_shared).flat_map(|list| list.fields).chain(self.own_fields)
+    }
+
+    /// Iterates over the lists of fields that several kinds of blocks share.
+    fn all_shared_lists(&self) -> impl Iterator<Item = &'static [FieldSchema]> + use<> {
+        let lists = self.table.iter().filter(|list| list.is_shared).map(|list| list.fields);
+        lists.chain(self.shared_fields.iter().copied())
+    }
+
     /// Iterates over the block's own fields, then over its shared fields.
     pub fn all_fields(&self) -> impl Iterator<Item = &'static FieldSchema> + use<> {
-        self.own_fields.iter().chain(self.shared_fields.iter().copied().flatten())
+        self.all_own_fields().chain(self.all_shared_lists().flatten())
     }
 
     /// Returns the field with keyword or alias `word`; `None` if the block has none.
@@ -397,19 +469,19 @@ pub(in crate::format) fn reference_markdown(blocks: &[&'static BlockSchema]) -> 
     }
     out += "\n| block | field | value | default | meaning |\n| --- | --- | --- | --- | --- |\n";
     for block in blocks {
-        for (i, field) in block.own_fields.iter().enumerate() {
+        for (i, field) in block.all_own_fields().enumerate() {
             let name = if i == 0 { format!("`{}`", block.keyword) } else { String::new() };
             field.write_language_manual_row(&name, &mut out);
         }
     }
     // A list of shared fields is identified by the name of its first field.
     let mut seen: Vec<&str> = Vec::new();
-    for group in blocks.iter().flat_map(|block| block.shared_fields) {
+    for group in blocks.iter().flat_map(|block| block.all_shared_lists()) {
         if seen.contains(&group[0].keyword) {
             continue;
         }
         seen.push(group[0].keyword);
-        let has = |block: &&&BlockSchema| block.shared_fields.iter().any(|other| other[0].keyword == group[0].keyword);
+        let has = |block: &&&BlockSchema| block.all_shared_lists().any(|other| other[0].keyword == group[0].keyword);
         let users: Vec<&str> = blocks.iter().filter(has).map(|block| block.keyword).collect();
         let users = if users.len() == blocks.len() { "all".to_owned() } else { join_in_backticks(&users) };
         for (i, field) in group.iter().enumerate() {

@@ -7,7 +7,6 @@ use glam::{DVec2, DVec3, DVec4};
 use super::schema::BlockSchema;
 use super::text::{is_identifier, is_nonfinite_number};
 use crate::format::span::Spanned;
-use crate::format::textured_value::TexturedValue;
 
 /// Writer of indented lines of scene text.
 pub(in crate::format) struct SceneWriter<'f, 'a> {
@@ -87,22 +86,6 @@ impl SceneWriter<'_, '_> {
     /// Writes the line `MaterialName name`, which sets the material of the objects that follow.
     pub fn write_material_name(&mut self, name: &str) -> Result {
         self.write_line(format_args!("MaterialName {}", QuotedIfNeeded(name)))
-    }
-
-    /// Writes the field `name` with a color, or with the name of a texture.
-    pub fn write_color_or_texture(&mut self, name: &str, value: &TexturedValue<DVec3>) -> Result {
-        match value {
-            TexturedValue::Constant(value) => self.write_vec3(name, *value),
-            TexturedValue::Texture(texture) => self.write_texture_name_field(name, texture),
-        }
-    }
-
-    /// Writes the field `name` with a number, or with the name of a texture.
-    pub fn write_number_or_texture(&mut self, name: &str, value: &TexturedValue<f64>) -> Result {
-        match value {
-            TexturedValue::Constant(value) => self.write_number(name, *value),
-            TexturedValue::Texture(texture) => self.write_texture_name_field(name, texture),
-        }
     }
 
     /// Writes the field `name` with the name of a texture. The field is one that also accepts

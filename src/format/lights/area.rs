@@ -3,10 +3,11 @@
 
 use super::LightBlock;
 use crate::format::error::SceneError;
+use crate::format::language::field_table::{BlockCodec, FieldGroup, field_table};
 use crate::format::language::fields::BlockFields;
-use crate::format::language::schema::{BlockSchema, FieldKind, FieldRange, FieldSchema, block_schema, field_schema};
+use crate::format::language::schema::{BlockSchema, FieldKind, FieldList, FieldRange, block_schema, field_schema};
 use crate::format::language::writer::SceneWriter;
-use crate::format::parallelogram::{parse_parallelogram, write_parallelogram};
+use crate::format::parallelogram::{CORNER, EDGE0, EDGE1};
 use crate::format::resolve::{Resolver, rgb};
 use crate::format::span::Span;
 use crate::math::Motion;
@@ -61,43 +62,40 @@ pub struct RectangleLightDescription {
     pub strength: AreaLightStrength,
 }
 
-static AREA_STRENGTH_FIELDS: &[FieldSchema] = &[
-    field_schema("radiance", FieldKind::Color, "radiance of the emitting side; give one of the two")
-        .with_unit("W/(m² sr)"),
-    field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
-];
+field_table!(SphereLightDescription {
+    center: field_schema("center", FieldKind::Point, "center").make_required(),
+    radius: field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
+    strength: AREA_STRENGTH,
+});
 
-static SPHERE: BlockSchema = block_schema("SphereLight", "sphere that emits outward")
-    .with_fields(&[
-        field_schema("center", FieldKind::Point, "center").make_required(),
-        field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
-    ])
-    .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
+field_table!(DiscLightDescription {
+    center: field_schema("center", FieldKind::Point, "center").make_required(),
+    normal: field_schema("normal", FieldKind::Direction, "normal of the emitting side").make_required(),
+    radius: field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
+    strength: AREA_STRENGTH,
+});
 
-static DISC: BlockSchema = block_schema("DiscLight", "disc that emits on the side of its normal")
-    .with_fields(&[
-        field_schema("center", FieldKind::Point, "center").make_required(),
-        field_schema("normal", FieldKind::Direction, "normal of the emitting side").make_required(),
-        field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
-    ])
-    .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
+field_table!(RectangleLightDescription { corner: CORNER, edge0: EDGE0, edge1: EDGE1, strength: AREA_STRENGTH });
 
-static RECTANGLE: BlockSchema =
-    block_schema("RectangleLight", "parallelogram that emits on the side of `edge0` × `edge1`")
-        .with_fields(&[
-            field_schema("corner", FieldKind::Point, "corner where both edges start").make_required(),
-            field_schema("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required(),
-            field_schema("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
-        ])
-        .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
+/// Fields for the strength of an area light; a block has exactly one of them.
+const AREA_STRENGTH: FieldGroup<AreaLightStrength> = FieldGroup {
+    fields: FieldList::shared(&[
+        field_schema("radiance", FieldKind::Color, "radiance of the emitting side; give one of the two")
+            .with_unit("W/(m² sr)"),
+        field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
+    ]),
+    parse: AreaLightStrength::parse,
+    write: AreaLightStrength::write,
+    texture_name: |_| None,
+};
 
 impl AreaLightStrength {
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         f.require_one_color_field(&[("radiance", Self::Radiance), ("power", Self::Power)])
     }
 
-    fn write(self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        match self {
+    fn write(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        match *self {
             Self::Radiance(c) => out.write_vec3("radiance", c),
             Self::Power(c) => out.write_vec3("power", c),
         }
@@ -105,22 +103,9 @@ impl AreaLightStrength {
 }
 
 impl LightBlock for SphereLightDescription {
-    const BLOCK: &'static BlockSchema = &SPHERE;
+    const BLOCK: &'static BlockSchema =
+        &block_schema("SphereLight", "sphere that emits outward").with_table(Self::FIELDS);
     const IS_INFINITE: bool = false;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self {
-            center: f.value_or_default("center")?,
-            radius: f.value_or_default("radius")?,
-            strength: AreaLightStrength::parse(f)?,
-        })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.write_vec3("center", self.center)?;
-        out.write_number("radius", self.radius)?;
-        self.strength.write(out)
-    }
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError> {
         let sphere = Shape::Sphere(Sphere::new(self.center, self.radius));
@@ -133,24 +118,9 @@ impl LightBlock for SphereLightDescription {
 }
 
 impl LightBlock for DiscLightDescription {
-    const BLOCK: &'static BlockSchema = &DISC;
+    const BLOCK: &'static BlockSchema =
+        &block_schema("DiscLight", "disc that emits on the side of its normal").with_table(Self::FIELDS);
     const IS_INFINITE: bool = false;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self {
-            center: f.value_or_default("center")?,
-            normal: f.value_or_default("normal")?,
-            radius: f.value_or_default("radius")?,
-            strength: AreaLightStrength::parse(f)?,
-        })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.write_vec3("center", self.center)?;
-        out.write_vec3("normal", self.normal)?;
-        out.write_number("radius", self.radius)?;
-        self.strength.write(out)
-    }
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError> {
         let disc = Shape::Disc(Disc::circular_disc(self.center, self.normal, self.radius));
@@ -163,18 +133,10 @@ impl LightBlock for DiscLightDescription {
 }
 
 impl LightBlock for RectangleLightDescription {
-    const BLOCK: &'static BlockSchema = &RECTANGLE;
+    const BLOCK: &'static BlockSchema =
+        &block_schema("RectangleLight", "parallelogram that emits on the side of `edge0` × `edge1`")
+            .with_table(Self::FIELDS);
     const IS_INFINITE: bool = false;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let (corner, edge0, edge1) = parse_parallelogram(f)?;
-        Ok(Self { corner, edge0, edge1, strength: AreaLightStrength::parse(f)? })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        write_parallelogram(out, self.corner, self.edge0, self.edge1)?;
-        self.strength.write(out)
-    }
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError> {
         let rectangle = Shape::Rectangle(Rectangle::new(self.corner, self.edge0, self.edge1));

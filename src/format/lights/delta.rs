@@ -1,8 +1,9 @@
 //! Strengths of lights without area, and adding such lights to the scene.
 
 use crate::format::error::SceneError;
+use crate::format::language::field_table::FieldGroup;
 use crate::format::language::fields::BlockFields;
-use crate::format::language::schema::{FieldKind, FieldSchema, field_schema};
+use crate::format::language::schema::{FieldKind, FieldList, field_schema};
 use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::{Resolver, rgb};
 use crate::math::Motion;
@@ -23,28 +24,42 @@ pub enum PointLightStrength {
 }
 
 /// Fields for the strength of a point light or spotlight; a block has exactly one of them.
-pub(super) static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
-    field_schema(
-        "color",
-        FieldKind::Color,
-        "color of MIT course 6.837, without distance falloff; give one of the three",
-    )
-    .mark_as_mit_6837_syntax(),
-    field_schema("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").with_unit("W/sr"),
-    field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
-];
+pub(super) const POINT_STRENGTH: FieldGroup<PointLightStrength> = FieldGroup {
+    fields: FieldList::shared(&[
+        field_schema(
+            "color",
+            FieldKind::Color,
+            "color of MIT course 6.837, without distance falloff; give one of the three",
+        )
+        .mark_as_mit_6837_syntax(),
+        field_schema("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").with_unit("W/sr"),
+        field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
+    ]),
+    parse: PointLightStrength::parse,
+    write: PointLightStrength::write,
+    texture_name: |_| None,
+};
 
 /// Fields for the strength of a projector or goniometric light; a block has exactly one of them.
-pub(super) static PATTERN_STRENGTH_FIELDS: &[FieldSchema] = &[
-    field_schema("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1")
-        .with_unit("W/sr"),
-    field_schema("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of the two")
+pub(super) const PATTERN_STRENGTH: FieldGroup<PointLightStrength> = FieldGroup {
+    fields: FieldList::shared(&[
+        field_schema("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1")
+            .with_unit("W/sr"),
+        field_schema(
+            "power",
+            FieldKind::Color,
+            "radiant flux, of white light through the picture; give one of the two",
+        )
         .with_unit("W"),
-];
+    ]),
+    parse: PointLightStrength::parse_pattern_strength,
+    write: PointLightStrength::write,
+    texture_name: |_| None,
+};
 
 impl PointLightStrength {
     /// Parses the strength of a point light or spotlight.
-    pub(super) fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         f.require_one_color_field(&[
             ("color", Self::LegacyColor),
             ("intensity", Self::Intensity),
@@ -53,13 +68,13 @@ impl PointLightStrength {
     }
 
     /// Parses the strength of a projector or goniometric light.
-    pub(super) fn parse_pattern_strength(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+    fn parse_pattern_strength(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         f.require_one_color_field(&[("intensity", Self::Intensity), ("power", Self::Power)])
     }
 
     /// Writes the field that states the strength.
-    pub(super) fn write(self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        match self {
+    fn write(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        match *self {
             Self::LegacyColor(c) => out.write_vec3("color", c),
             Self::Intensity(c) => out.write_vec3("intensity", c),
             Self::Power(c) => out.write_vec3("power", c),

@@ -3,6 +3,7 @@
 use super::LightBlock;
 use super::delta::add_delta_light;
 use crate::format::error::SceneError;
+use crate::format::language::field_table::BlockCodec;
 use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
 use crate::format::language::writer::SceneWriter;
@@ -31,22 +32,8 @@ pub enum DirectionalLightStrength {
     Irradiance(DVec3),
 }
 
-static DIRECTIONAL: BlockSchema = block_schema("DirectionalLight", "parallel light from infinity")
-    .with_fields(&[
-        field_schema("direction", FieldKind::Direction, "direction in which the light travels")
-            .make_required()
-            .mark_as_mit_6837_syntax(),
-        field_schema("color", FieldKind::Color, "color of MIT course 6.837; give this or `irradiance`")
-            .mark_as_mit_6837_syntax(),
-        field_schema("irradiance", FieldKind::Color, "irradiance of a surface that faces the light").with_unit("W/m²"),
-    ])
-    .mark_as_mit_6837_syntax();
-
-impl LightBlock for DirectionalLightDescription {
-    const BLOCK: &'static BlockSchema = &DIRECTIONAL;
-    const IS_INFINITE: bool = true;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+impl BlockCodec for DirectionalLightDescription {
+    fn parse_fields(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         let strength = f.require_one_color_field(&[
             ("color", DirectionalLightStrength::LegacyColor),
             ("irradiance", DirectionalLightStrength::Irradiance),
@@ -61,6 +48,21 @@ impl LightBlock for DirectionalLightDescription {
             DirectionalLightStrength::Irradiance(c) => out.write_vec3("irradiance", c),
         }
     }
+}
+
+impl LightBlock for DirectionalLightDescription {
+    const BLOCK: &'static BlockSchema = &block_schema("DirectionalLight", "parallel light from infinity")
+        .with_fields(&[
+            field_schema("direction", FieldKind::Direction, "direction in which the light travels")
+                .make_required()
+                .mark_as_mit_6837_syntax(),
+            field_schema("color", FieldKind::Color, "color of MIT course 6.837; give this or `irradiance`")
+                .mark_as_mit_6837_syntax(),
+            field_schema("irradiance", FieldKind::Color, "irradiance of a surface that faces the light")
+                .with_unit("W/m²"),
+        ])
+        .mark_as_mit_6837_syntax();
+    const IS_INFINITE: bool = true;
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
         let strength = match self.strength {

@@ -3,6 +3,7 @@
 use super::LightBlock;
 use crate::color::Rgb;
 use crate::format::error::SceneError;
+use crate::format::language::field_table::BlockCodec;
 use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{BlockSchema, FieldKind, FieldRange, block_schema, field_schema};
 use crate::format::language::writer::SceneWriter;
@@ -30,26 +31,8 @@ pub enum EnvironmentRadiance {
     },
 }
 
-static ENVIRONMENT: BlockSchema = block_schema(
-    "EnvironmentLight",
-    "light from infinity in all directions; at most one per scene, shown instead of the `Background`",
-)
-.with_fields(&[
-    field_schema("radiance", FieldKind::Color, "constant radiance; give this or `file`").with_unit("W/(m² sr)"),
-    field_schema("file", FieldKind::Name, "picture of all directions: PNG, OpenEXR or Radiance HDR"),
-    field_schema("scale", FieldKind::Number, "with `file`: factor from picture values to radiance")
-        .with_range(FieldRange::NonNegative)
-        .with_default_numbers(&[1.0]),
-    field_schema("rotate", FieldKind::Number, "with `file`: rotation about the y axis, right-handed")
-        .with_default_numbers(&[0.0])
-        .with_unit("degrees"),
-]);
-
-impl LightBlock for EnvironmentRadiance {
-    const BLOCK: &'static BlockSchema = &ENVIRONMENT;
-    const IS_INFINITE: bool = true;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+impl BlockCodec for EnvironmentRadiance {
+    fn parse_fields(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         let radiance = f.require_one_field_of(&["file", "radiance"])?;
         if radiance.name() == "radiance" {
             f.forbid_fields(&["scale", "rotate"], "has no effect without `file`")?;
@@ -72,6 +55,24 @@ impl LightBlock for EnvironmentRadiance {
             }
         }
     }
+}
+
+impl LightBlock for EnvironmentRadiance {
+    const BLOCK: &'static BlockSchema = &block_schema(
+        "EnvironmentLight",
+        "light from infinity in all directions; at most one per scene, shown instead of the `Background`",
+    )
+    .with_fields(&[
+        field_schema("radiance", FieldKind::Color, "constant radiance; give this or `file`").with_unit("W/(m² sr)"),
+        field_schema("file", FieldKind::Name, "picture of all directions: PNG, OpenEXR or Radiance HDR"),
+        field_schema("scale", FieldKind::Number, "with `file`: factor from picture values to radiance")
+            .with_range(FieldRange::NonNegative)
+            .with_default_numbers(&[1.0]),
+        field_schema("rotate", FieldKind::Number, "with `file`: rotation about the y axis, right-handed")
+            .with_default_numbers(&[0.0])
+            .with_unit("degrees"),
+    ]);
+    const IS_INFINITE: bool = true;
 
     fn add(&self, r: &mut Resolver<'_>, _: &Motion, span: Span) -> Result<(), SceneError> {
         let environment = match self {

@@ -1,10 +1,11 @@
 //! The block `GoniometricLight`.
 
 use super::LightBlock;
-use super::delta::{PATTERN_STRENGTH_FIELDS, PointLightStrength, add_delta_light};
+use super::delta::{PATTERN_STRENGTH, PointLightStrength, add_delta_light};
 use super::oriented::{LightPose, ORIENTATION_FIELDS};
 use crate::color::Rgb;
 use crate::format::error::SceneError;
+use crate::format::language::field_table::{BlockCodec, FieldEntry};
 use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
 use crate::format::language::writer::SceneWriter;
@@ -40,33 +41,14 @@ pub enum IntensityDistribution {
     ProfileFile(Spanned<String>),
 }
 
-static GONIOMETRIC: BlockSchema =
-    block_schema("GoniometricLight", "point light with a measured intensity distribution")
-        .with_fields(&[
-            field_schema(
-                "file",
-                FieldKind::Name,
-                "picture of the intensity in all directions, its center along the axis; give this or `profile`",
-            ),
-            field_schema(
-                "profile",
-                FieldKind::Name,
-                "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
-            ),
-        ])
-        .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH_FIELDS]);
-
-impl LightBlock for GoniometricLightDescription {
-    const BLOCK: &'static BlockSchema = &GONIOMETRIC;
-    const IS_INFINITE: bool = false;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+impl BlockCodec for GoniometricLightDescription {
+    fn parse_fields(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         let file = f.require_one_field_of(&["file", "profile"])?;
         let path = file.value();
         let is_map = file.name() == "file";
         let distribution =
             if is_map { IntensityDistribution::MapFile(path) } else { IntensityDistribution::ProfileFile(path) };
-        Ok(Self { pose: LightPose::parse(f)?, distribution, strength: PointLightStrength::parse_pattern_strength(f)? })
+        Ok(Self { pose: LightPose::parse(f)?, distribution, strength: PATTERN_STRENGTH.parse(f)? })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
@@ -75,8 +57,27 @@ impl LightBlock for GoniometricLightDescription {
             IntensityDistribution::MapFile(path) => out.write_name_field("file", path)?,
             IntensityDistribution::ProfileFile(path) => out.write_name_field("profile", path)?,
         }
-        self.strength.write(out)
+        PATTERN_STRENGTH.write(out, &self.strength)
     }
+}
+
+impl LightBlock for GoniometricLightDescription {
+    const BLOCK: &'static BlockSchema =
+        &block_schema("GoniometricLight", "point light with a measured intensity distribution")
+            .with_fields(&[
+                field_schema(
+                    "file",
+                    FieldKind::Name,
+                    "picture of the intensity in all directions, its center along the axis; give this or `profile`",
+                ),
+                field_schema(
+                    "profile",
+                    FieldKind::Name,
+                    "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
+                ),
+            ])
+            .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH.fields.fields]);
+    const IS_INFINITE: bool = false;
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
         let (direction, up) = self.pose.direction_and_up();

@@ -1,8 +1,8 @@
 //! Lights in the scene language.
 //!
-//! Each kind of light has a file with its description, its block, the reading and writing of the
-//! block, and its conversion to a light of the scene. The list in this file is the only other place
-//! that names the kind.
+//! Each kind of light has a file with its description, its table of fields, from which reading and
+//! writing follow, and its conversion to a light of the scene. The list in this file is the only
+//! other place that names the kind.
 
 mod area;
 mod delta;
@@ -25,6 +25,7 @@ pub use projector::ProjectorLightDescription;
 pub use spot::SpotLightDescription;
 
 use super::error::SceneError;
+use super::language::field_table::BlockCodec;
 use super::language::fields::{BlockFields, parse_block_by_keyword};
 use super::language::lexer::Token;
 use super::language::parser::Parser;
@@ -38,18 +39,12 @@ use crate::math::Motion;
 use std::fmt;
 
 /// A kind of light in the scene language: its block, and what the block means.
-trait LightBlock: Sized {
+trait LightBlock: BlockCodec {
     /// Schema of the block: keyword, fields and help.
     const BLOCK: &'static BlockSchema;
 
     /// True if lights of this kind are infinitely far away.
     const IS_INFINITE: bool;
-
-    /// Converts the parsed fields of a block.
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError>;
-
-    /// Writes the fields of the block.
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result;
 
     /// Adds the light to the scene. Its `motion` rotates and scales it about its own position.
     /// `span` is the position of the block, for errors.
@@ -89,7 +84,7 @@ macro_rules! light_kinds {
 
         /// Light blocks of the scene language, each with the function that converts its fields.
         pub(super) static LIGHT_BLOCK_PARSERS: &[BlockParser<ParseLight>] = &[
-            $(BlockParser { block: $description::BLOCK, parse: |f| $description::parse(f).map(Into::into) },)*
+            $(BlockParser { block: $description::BLOCK, parse: |f| $description::parse_fields(f).map(Into::into) },)*
         ];
 
         impl LightDescription {

@@ -22,7 +22,7 @@ pub struct LightPose {
 }
 
 /// Fields of a [`LightPose`].
-pub(super) static ORIENTATION_FIELDS: &[FieldSchema] = &[
+pub(super) const ORIENTATION_FIELDS: &[FieldSchema] = &[
     field_schema("position", FieldKind::Point, "position").make_required(),
     field_schema("direction", FieldKind::Direction, "axis of the light; give this or `lookAt`"),
     field_schema("lookAt", FieldKind::Point, "point on the axis of the light"),

@@ -1,17 +1,15 @@
 //! The block `PointLight`.
 
 use super::LightBlock;
-use super::delta::{POINT_STRENGTH_FIELDS, PointLightStrength, add_delta_light};
+use super::delta::{POINT_STRENGTH, PointLightStrength, add_delta_light};
 use crate::format::error::SceneError;
-use crate::format::language::fields::BlockFields;
+use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
-use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::Resolver;
 use crate::format::span::Span;
 use crate::math::Motion;
 use crate::scene::UnscaledDeltaLight;
 use glam::DVec3;
-use std::fmt;
 
 /// A point light with equal intensity in all directions.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,23 +20,16 @@ pub struct PointLightDescription {
     pub strength: PointLightStrength,
 }
 
-static POINT: BlockSchema = block_schema("PointLight", "point light, equal in all directions")
-    .with_fields(&[field_schema("position", FieldKind::Point, "position").make_required().mark_as_mit_6837_syntax()])
-    .with_shared_fields(&[POINT_STRENGTH_FIELDS])
-    .mark_as_mit_6837_syntax();
+field_table!(PointLightDescription {
+    position: field_schema("position", FieldKind::Point, "position").make_required().mark_as_mit_6837_syntax(),
+    strength: POINT_STRENGTH,
+});
 
 impl LightBlock for PointLightDescription {
-    const BLOCK: &'static BlockSchema = &POINT;
+    const BLOCK: &'static BlockSchema = &block_schema("PointLight", "point light, equal in all directions")
+        .with_table(Self::FIELDS)
+        .mark_as_mit_6837_syntax();
     const IS_INFINITE: bool = false;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { position: f.value_or_default("position")?, strength: PointLightStrength::parse(f)? })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.write_vec3("position", self.position)?;
-        self.strength.write(out)
-    }
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
         add_delta_light(r, UnscaledDeltaLight::Point { position: self.position }, self.strength.resolve(), motion);

@@ -1,9 +1,10 @@
 //! The block `ProjectorLight`.
 
 use super::LightBlock;
-use super::delta::{PATTERN_STRENGTH_FIELDS, PointLightStrength, add_delta_light};
+use super::delta::{PATTERN_STRENGTH, PointLightStrength, add_delta_light};
 use super::oriented::{LightPose, ORIENTATION_FIELDS};
 use crate::format::error::SceneError;
+use crate::format::language::field_table::{BlockCodec, FieldEntry};
 use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{BlockSchema, FieldKind, FieldRange, block_schema, field_schema};
 use crate::format::language::writer::SceneWriter;
@@ -30,36 +31,31 @@ pub struct ProjectorLightDescription {
     pub strength: PointLightStrength,
 }
 
-static PROJECTOR: BlockSchema = block_schema("ProjectorLight", "pinhole that projects a picture")
-    .with_fields(&[
-        field_schema("angle", FieldKind::Number, "full vertical angle of the picture")
-            .with_range(FieldRange::OpenInterval(0.0, 180.0))
-            .make_required()
-            .with_unit("degrees"),
-        field_schema("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").make_required(),
-    ])
-    .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH_FIELDS]);
-
-impl LightBlock for ProjectorLightDescription {
-    const BLOCK: &'static BlockSchema = &PROJECTOR;
-    const IS_INFINITE: bool = false;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+impl BlockCodec for ProjectorLightDescription {
+    fn parse_fields(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         let (path, angle) = (f.value_or_default("file")?, f.value_or_default("angle")?);
-        Ok(Self {
-            pose: LightPose::parse(f)?,
-            vertical_fov_degrees: angle,
-            path,
-            strength: PointLightStrength::parse_pattern_strength(f)?,
-        })
+        Ok(Self { pose: LightPose::parse(f)?, vertical_fov_degrees: angle, path, strength: PATTERN_STRENGTH.parse(f)? })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         self.pose.write(out)?;
         out.write_number("angle", self.vertical_fov_degrees)?;
         out.write_name_field("file", &self.path)?;
-        self.strength.write(out)
+        PATTERN_STRENGTH.write(out, &self.strength)
     }
+}
+
+impl LightBlock for ProjectorLightDescription {
+    const BLOCK: &'static BlockSchema = &block_schema("ProjectorLight", "pinhole that projects a picture")
+        .with_fields(&[
+            field_schema("angle", FieldKind::Number, "full vertical angle of the picture")
+                .with_range(FieldRange::OpenInterval(0.0, 180.0))
+                .make_required()
+                .with_unit("degrees"),
+            field_schema("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").make_required(),
+        ])
+        .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH.fields.fields]);
+    const IS_INFINITE: bool = false;
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
         let path = &self.path;

@@ -1,8 +1,9 @@
 //! Absorption inside a `Dielectric`: description, reading and writing.
 
 use crate::format::error::SceneError;
+use crate::format::language::field_table::FieldGroup;
 use crate::format::language::fields::BlockFields;
-use crate::format::language::schema::MAX_MEDIUM_COEFFICIENT;
+use crate::format::language::schema::{FieldKind, FieldList, FieldRange, MAX_MEDIUM_COEFFICIENT, field_schema};
 use crate::format::language::writer::SceneWriter;
 use glam::DVec3;
 use std::fmt;
@@ -35,9 +36,28 @@ impl DielectricAbsorption {
     }
 }
 
+/// Fields that state the absorption inside a dielectric.
+pub(super) const ABSORPTION: FieldGroup<DielectricAbsorption> = FieldGroup {
+    fields: FieldList::own(&[
+        field_schema("absorption", FieldKind::Color, "absorption coefficient of the inside")
+            .with_range(FieldRange::ClosedInterval(0.0, MAX_MEDIUM_COEFFICIENT))
+            .make_optional("0 0 0")
+            .with_unit("1/length"),
+        field_schema("tint", FieldKind::Color, "instead of `absorption`: transmittance over `tintDistance`")
+            .with_range(FieldRange::LeftOpenInterval(0.0, 1.0)),
+        field_schema("tintDistance", FieldKind::Number, "distance of `tint`; the absorption is at most 1e12")
+            .with_range(FieldRange::Positive)
+            .with_default_numbers(&[1.0])
+            .with_unit("length"),
+    ]),
+    parse: parse_absorption,
+    write: write_absorption,
+    texture_name: |_| None,
+};
+
 /// Returns the absorption inside a dielectric, from the field `absorption` or `tint`; none if both
 /// are absent.
-pub(super) fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneError> {
+fn parse_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneError> {
     f.forbid_both_fields("absorption", "tint")?;
     let Some(color) = f.optional_value("tint") else {
         f.forbid_fields(&["tintDistance"], "has no effect without `tint`")?;
@@ -54,11 +74,8 @@ pub(super) fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<Dielect
 }
 
 /// Writes the fields that state the absorption; none for a body that absorbs nothing.
-pub(super) fn write_dielectric_absorption(
-    out: &mut SceneWriter<'_, '_>,
-    attenuation: DielectricAbsorption,
-) -> fmt::Result {
-    match attenuation {
+fn write_absorption(absorption: &DielectricAbsorption, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+    match *absorption {
         DielectricAbsorption::None => Ok(()),
         DielectricAbsorption::Coefficient(absorption) => out.write_vec3("absorption", absorption),
         DielectricAbsorption::Tint { color, distance } => {

@@ -27,7 +27,7 @@ pub enum EmissionDescription {
 }
 
 /// Fields for the emission of a material.
-pub(super) static EMISSION_FIELDS: &[FieldSchema] = &[
+pub(super) const EMISSION_FIELDS: &[FieldSchema] = &[
     field_schema("emission", FieldKind::ColorOrTexture, "emitted radiance; not for `Clear`")
         .make_optional("0 0 0")
         .with_unit("W/(m² sr)"),

@@ -1,10 +1,12 @@
-//! Complex refractive index of a `Conductor`: description, reading, writing and conversion.
+//! Complex refractive index of a `Conductor`: description, fields, reading, writing and conversion.
 
 use super::refraction::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX};
 use crate::bsdf::{METAL_NAMES, metal_refractive_index};
 use crate::color::Rgb;
 use crate::format::error::SceneError;
+use crate::format::language::field_table::FieldGroup;
 use crate::format::language::fields::BlockFields;
+use crate::format::language::schema::{FieldKind, FieldList, FieldRange, field_schema};
 use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::{Resolver, rgb};
 use crate::format::span::Spanned;
@@ -35,8 +37,22 @@ impl MetalDescription {
     }
 }
 
+/// Fields that state the complex refractive index of a conductor.
+pub(super) const METAL: FieldGroup<MetalDescription> = FieldGroup {
+    fields: FieldList::own(&[
+        field_schema("metal", FieldKind::Name, "a metal by name; give this, or `eta` and `k`"),
+        field_schema("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
+            .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
+        field_schema("k", FieldKind::Color, "k of the complex index")
+            .with_range(FieldRange::ClosedInterval(0.0, MAX_REFRACTIVE_INDEX)),
+    ]),
+    parse: parse_metal,
+    write: write_metal,
+    texture_name: |_| None,
+};
+
 /// Parses the complex refractive index of a conductor, or the name of its metal.
-pub(super) fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
+fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
     for index in ["eta", "k"] {
         f.forbid_both_fields("metal", index)?;
     }
@@ -51,7 +67,7 @@ pub(super) fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, Scene
 }
 
 /// Writes the fields that state the complex index.
-pub(super) fn write_metal(out: &mut SceneWriter<'_, '_>, metal: &MetalDescription) -> fmt::Result {
+fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
     match metal {
         MetalDescription::Named(name) => out.write_name_field("metal", name),
         MetalDescription::Index { eta, k } => {

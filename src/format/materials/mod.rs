@@ -7,7 +7,6 @@ mod absorption;
 mod emission;
 mod kinds;
 mod metal;
-mod mix;
 mod normals;
 mod references;
 mod refraction;

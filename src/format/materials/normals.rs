@@ -30,7 +30,7 @@ pub enum NormalPerturbationDescription {
 }
 
 /// Fields for the bump map or normal map of a material.
-pub(super) static NORMAL_PERTURBATION_FIELDS: &[FieldSchema] = &[
+pub(super) const NORMAL_PERTURBATION_FIELDS: &[FieldSchema] = &[
     field_schema("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`").make_optional("none"),
     field_schema("bumpHeight", FieldKind::Number, "height of the value 1 of `bump`, required with it")
         .with_range(FieldRange::SinglePrecision)

@@ -2,9 +2,10 @@
 
 use crate::color::{DispersionFormula, GLASSES, glass_by_name};
 use crate::format::error::SceneError;
+use crate::format::language::field_table::FieldGroup;
 use crate::format::language::fields::{BlockFields, ParsedField};
 use crate::format::language::nearest_word;
-use crate::format::language::schema::{FieldKind, FieldRange, FieldSchema, field_schema};
+use crate::format::language::schema::{FieldKind, FieldList, FieldRange, FieldSchema, field_schema};
 use crate::format::language::writer::{SceneWriter, SpacedNumbers};
 use crate::format::resolve::Resolver;
 use crate::format::span::Spanned;
@@ -46,6 +47,31 @@ pub(super) const INDEX_FIELD: FieldSchema =
         .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
         .with_default_numbers(&[1.5]);
 
+/// Fields that state the refractive index of a dielectric, with or without dispersion.
+pub(super) const REFRACTION: FieldGroup<RefractiveIndexDescription> = FieldGroup {
+    fields: FieldList::own(&[
+        INDEX_FIELD,
+        field_schema("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
+            .with_range(FieldRange::Positive)
+            .make_optional("none: no dispersion"),
+        field_schema("glass", FieldKind::Name, "instead of `indexOfRefraction`: a glass by name"),
+        field_schema(
+            "cauchy",
+            FieldKind::NumberList,
+            "instead of `indexOfRefraction`: Cauchy's equation; C is optional",
+        )
+        .with_range(FieldRange::DescribedOnly("A, B \\[µm²], C \\[µm⁴]")),
+        field_schema("sellmeierB", FieldKind::NumberList, "instead of `indexOfRefraction`: Sellmeier's equation")
+            .with_range(FieldRange::DescribedOnly("1 to 4")),
+        field_schema("sellmeierC", FieldKind::NumberList, "squared resonance wavelengths for `sellmeierB`")
+            .with_range(FieldRange::DescribedOnly("1 to 4"))
+            .with_unit("µm²"),
+    ]),
+    parse: parse_refraction,
+    write: write_refraction,
+    texture_name: |_| None,
+};
+
 /// Keywords of fields that state the refractive index. A block has at most one of these fields.
 const INDEX_SOURCE_KEYWORDS: [&str; 4] = ["indexOfRefraction", "glass", "cauchy", "sellmeierB"];
 
@@ -53,7 +79,7 @@ const INDEX_SOURCE_KEYWORDS: [&str; 4] = ["indexOfRefraction", "glass", "cauchy"
 const MAX_SELLMEIER_TERMS: usize = 4;
 
 /// Parses the refractive index of a dielectric; 1.5 if no field states it.
-pub(super) fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
+fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
     let is_given = INDEX_SOURCE_KEYWORDS.iter().any(|source| f.get(source).is_some());
     let source = if is_given { Some(f.require_one_field_of(&INDEX_SOURCE_KEYWORDS)?) } else { None };
     for (part, whole) in [("abbe", "indexOfRefraction"), ("sellmeierC", "sellmeierB")] {
@@ -116,7 +142,7 @@ fn check_index_range(glass: &DispersionFormula, field: &ParsedField<'_, '_>, adv
 }
 
 /// Writes the fields that state the refractive index of a dielectric.
-pub(super) fn write_refraction(out: &mut SceneWriter<'_, '_>, refraction: &RefractiveIndexDescription) -> fmt::Result {
+fn write_refraction(refraction: &RefractiveIndexDescription, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
     match refraction {
         RefractiveIndexDescription::Constant(index) => out.write_number("indexOfRefraction", *index),
         RefractiveIndexDescription::NamedGlass(name) => out.write_name_field("glass", name),

@@ -3,12 +3,11 @@
 use super::camera::{FilmSize, film_size, read_camera};
 use super::content::PbrtSceneContent;
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
-use super::graphics_state::{
-    AreaLightDirective, CurrentMaterial, GraphicsState, MovingTransform, directive_transform, object_motion,
-};
+use super::graphics_state::{AreaLightDirective, CurrentMaterial, GraphicsState, MovingTransform, directive_transform};
 use super::lights::{PbrtLights, PbrtShapeEmission};
 use super::materials::PbrtMaterials;
 use super::media::PbrtMedia;
+use super::objects::{MEMORY_PER_OBJECT, PbrtObjects, PbrtPlacement};
 use super::parameters::{Parameters, parse_number};
 use super::settings::SuggestedFlags;
 use super::shape_properties::{back_side_shape, is_sheet, world_area};
@@ -18,12 +17,12 @@ use super::tokens::{PbrtToken, TokenKind, Tokenizer};
 use crate::format::SourceText;
 use crate::format::assets::EmbeddedAssets;
 use crate::format::description::{
-    CameraDescription, DirectionOrTarget, EnvironmentRadiance, GroupItem, LightDescription, ObjectDescription,
-    ObjectGroup, ProjectionDescription, SceneDescription, Span, Spanned, TransformStep,
+    CameraDescription, DirectionOrTarget, EnvironmentRadiance, LightDescription, ProjectionDescription,
+    SceneDescription, Span, Spanned,
 };
 use crate::format::import::ImportedScene;
 use crate::format::import_notes::ImportNotes;
-use glam::{DAffine3, DMat4, DVec3};
+use glam::{DAffine3, DVec3};
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
@@ -35,12 +34,6 @@ const MAX_INCLUDES: usize = 100_000;
 
 /// Greatest number of graphics states that nested attribute blocks save.
 const MAX_SAVED_STATES: usize = 10_000;
-
-/// Greatest depth of object instances inside object definitions.
-const MAX_INSTANCE_DEPTH: usize = 64;
-
-/// Estimated memory of each object: its description and its share of the built scene \[bytes].
-const MEMORY_PER_OBJECT: u64 = 2_000;
 
 /// Estimated memory of each saved graphics state \[bytes].
 const MEMORY_PER_STATE: u64 = 600;
@@ -58,15 +51,6 @@ const RENDER_SETTING_DIRECTIVES: [&str; 9] = [
     "SurfaceIntegrator",
     "VolumeIntegrator",
 ];
-
-/// Content of an object definition: the shapes between `ObjectBegin` and `ObjectEnd`.
-#[derive(Clone, Default)]
-struct ObjectDefinition {
-    group: ObjectGroup,
-    /// Number of shapes in the definition, including those of nested instances.
-    shape_count: u64,
-    instance_depth: usize,
-}
 
 /// State of the interpreter while it reads a pbrt scene.
 pub(super) struct Interpreter<'a> {
@@ -89,10 +73,7 @@ pub(super) struct Interpreter<'a> {
     ///
     /// The camera is made at `WorldBegin`, because it needs the film.
     camera_directive: Option<(Rc<Parameters>, String, MovingTransform)>,
-    root: ObjectGroup,
-    definitions: HashMap<String, Rc<ObjectDefinition>>,
-    /// Name and content of the object definition that is open; `None` outside of `ObjectBegin`.
-    open_object: Option<(String, ObjectDefinition)>,
+    objects: PbrtObjects,
     include_count: usize,
     shape_count: usize,
 }
@@ -121,9 +102,7 @@ impl<'a> Interpreter<'a> {
             ambient_medium: "".into(),
             mirror: DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)),
             camera_directive: None,
-            root: ObjectGroup::default(),
-            definitions: HashMap::new(),
-            open_object: None,
+            objects: PbrtObjects::default(),
             include_count: 0,
             shape_count: 0,
         }
@@ -143,7 +122,7 @@ impl<'a> Interpreter<'a> {
     /// none.
     pub fn finish(mut self) -> ReadResult<ImportedScene> {
         let place = PbrtSourceLocation { file: self.files.path.display().to_string().into(), line: 1 };
-        if self.open_object.is_some() {
+        if self.objects.has_open_definition() {
             return Err(place.error("an object is not closed", "add `ObjectEnd`"));
         }
         let has_emitters = self.lights.has_emissive_surfaces;
@@ -182,7 +161,7 @@ impl<'a> Interpreter<'a> {
             textures: textures.descriptions,
             media,
             materials: materials.descriptions,
-            root: self.root,
+            root: self.objects.into_root(),
         };
         let assets = EmbeddedAssets { meshes, pictures: textures.pictures, grids };
         let source = SourceText::new(&self.files.path.display().to_string(), "");
@@ -287,23 +266,23 @@ impl<'a> Interpreter<'a> {
             "WorldEnd" => Ok(()),
             "ObjectBegin" => {
                 let name = read_quoted(tokens, &place)?;
-                if self.open_object.is_some() {
+                if self.objects.has_open_definition() {
                     return Err(place.error("an object is defined inside an object", "close the first: `ObjectEnd`"));
                 }
                 self.save_state(&place)?;
-                self.open_object = Some((name, ObjectDefinition::default()));
+                self.objects.begin_definition(name);
                 Ok(())
             }
             "ObjectEnd" => {
                 let without = || place.error("`ObjectEnd` without `ObjectBegin`", "remove it");
-                let (name, definition) = self.open_object.take().ok_or_else(without)?;
+                self.objects.end_definition().ok_or_else(without)?;
                 self.state = self.saved.pop().ok_or_else(without)?;
-                self.definitions.insert(name, Rc::new(definition));
                 Ok(())
             }
             "ObjectInstance" => {
                 let name = read_quoted(tokens, &place)?;
-                self.add_instance(&name, &place)
+                let placement = PbrtPlacement { mirror: self.mirror, transform: self.state.transform, place: &place };
+                self.objects.add_instance(&name, &placement, self.files, &mut self.content.notes)
             }
             "Include" | "Import" => {
                 let name = read_quoted(tokens, &place)?;
@@ -476,13 +455,13 @@ impl<'a> Interpreter<'a> {
         let medium = (!inside.is_empty() && inside != self.state.media[1])
             .then(|| self.media.contains(&inside).then_some(&*inside))
             .flatten();
-        let emission = match (&self.state.area_light, &self.open_object) {
-            (Some(_), Some(_)) => {
+        let emission = match (&self.state.area_light, self.objects.has_open_definition()) {
+            (Some(_), true) => {
                 let message = "shapes of object instances emit no light";
                 self.content.notes.add_unsupported(message, place.position_text());
                 None
             }
-            (Some(light), None) => {
+            (Some(light), false) => {
                 Some(PbrtShapeEmission::from_parameters(&light.parameters, self.files, &mut self.content)?)
             }
             (None, _) => None,
@@ -504,72 +483,10 @@ impl<'a> Interpreter<'a> {
         }
         let emission = emission.map(|emission| emission.radiance(|| world_area(&shapes[0], meshes, transform.0[0])));
         self.lights.has_emissive_surfaces |= emission.is_some_and(|radiance| radiance != DVec3::ZERO);
-        let (group, outer) = match &mut self.open_object {
-            Some((_, definition)) => {
-                definition.shape_count += shapes.len() as u64;
-                (&mut definition.group, DAffine3::IDENTITY)
-            }
-            None => (&mut self.root, self.mirror),
-        };
-        group.items.push(GroupItem::MaterialName(Spanned::new(material, Span::default())));
-        for shape in shapes {
-            let object = Spanned::new(ObjectDescription::Shape { shape, emission }, Span::default());
-            group.items.push(GroupItem::Object(transformed_object(object, outer, &transform, place, notes)));
-        }
+        let placement = PbrtPlacement { mirror: self.mirror, transform, place };
+        self.objects.add_shapes(material, shapes, emission, &placement, notes);
         Ok(())
     }
-
-    fn add_instance(&mut self, name: &str, place: &PbrtSourceLocation) -> ReadResult<()> {
-        let definition = self.definitions.get(name).cloned().ok_or_else(|| {
-            place.error(format!("no object is called `{name}`"), "define it before: `ObjectBegin`, `ObjectEnd`")
-        })?;
-        self.files.reserve_memory(MEMORY_PER_OBJECT.saturating_mul(definition.shape_count))?;
-        let object = Spanned::new(ObjectDescription::Group(definition.group.clone()), Span::default());
-        let transform = self.state.transform;
-        match &mut self.open_object {
-            Some((_, outer)) => {
-                if definition.instance_depth + 1 > MAX_INSTANCE_DEPTH {
-                    return Err(place.error("object instances nest too deep", "use fewer levels"));
-                }
-                outer.shape_count += definition.shape_count;
-                outer.instance_depth = outer.instance_depth.max(definition.instance_depth + 1);
-                let placed = transformed_object(object, DAffine3::IDENTITY, &transform, place, &mut self.content.notes);
-                outer.group.items.push(GroupItem::Object(placed));
-            }
-            None => {
-                let placed = transformed_object(object, self.mirror, &transform, place, &mut self.content.notes);
-                self.root.items.push(GroupItem::Object(placed));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Returns `object` transformed by `outer` · `transform`.
-///
-/// The object moves if `transform` differs between shutter start and shutter end.
-fn transformed_object(
-    object: Spanned<ObjectDescription>,
-    outer: DAffine3,
-    transform: &MovingTransform,
-    place: &PbrtSourceLocation,
-    notes: &mut ImportNotes,
-) -> Spanned<ObjectDescription> {
-    let under = |map: DAffine3, object: Spanned<ObjectDescription>| {
-        if map == DAffine3::IDENTITY {
-            return object;
-        }
-        let steps = vec![TransformStep::Matrix(DMat4::from(map))];
-        Spanned::new(ObjectDescription::Transform { steps, object: Box::new(object) }, Span::default())
-    };
-    let Some(motion) = object_motion(transform) else { return under(outer * transform.0[0], object) };
-    if motion.omits_scale {
-        notes.add_unsupported("scales that change over the shutter stay as at its start", place.position_text());
-    }
-    let center = DAffine3::from_translation(motion.rotation_center);
-    let object = under(center.inverse() * transform.0[0], object);
-    let moving = ObjectDescription::Moving { steps: motion.steps, object: Box::new(object) };
-    under(outer * center, Spanned::new(moving, Span::default()))
 }
 
 /// Reads a text in quotes, and returns it without the quotes; an error if the next token is

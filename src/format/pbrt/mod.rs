@@ -9,6 +9,7 @@ mod interpreter;
 mod lights;
 mod materials;
 mod media;
+mod objects;
 mod parameters;
 mod quadrics;
 mod settings;

@@ -4,13 +4,11 @@ use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::format::error::SceneError;
 use crate::format::language::curves::{BEZIER_CONTROLS, BSPLINE_CONTROLS, CurveBasis};
-use crate::format::language::fields::BlockFields;
+use crate::format::language::field_table::{BlockCodec, CheckedField, field_table};
 use crate::format::language::schema::{BlockSchema, block_schema};
-use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement};
 use glam::DVec3;
-use std::fmt;
 
 /// A Bézier curve without a surface, which is not visible.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,28 +24,24 @@ pub struct BsplineCurveDescription {
     pub controls: Vec<DVec3>,
 }
 
-static BEZIER_CURVE: BlockSchema =
-    block_schema("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
-        .with_fields(&[BEZIER_CONTROLS])
-        .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_as_mit_6837_syntax();
+field_table!(BezierCurveDescription {
+    controls: CheckedField::new(BEZIER_CONTROLS, |_, controls| {
+        controls.curve_with_basis(CurveBasis::Bezier).map(drop)
+    }),
+});
 
-static BSPLINE_CURVE: BlockSchema =
-    block_schema("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
-        .with_fields(&[BSPLINE_CONTROLS])
-        .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_as_mit_6837_syntax();
+field_table!(BsplineCurveDescription {
+    controls: CheckedField::new(BSPLINE_CONTROLS, |_, controls| {
+        controls.curve_with_basis(CurveBasis::Bspline).map(drop)
+    }),
+});
 
 impl ShapeBlock for BezierCurveDescription {
-    const BLOCK: &'static BlockSchema = &BEZIER_CURVE;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { controls: f.require_field("controls")?.curve_with_basis(CurveBasis::Bezier)?.controls })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.write_points("controls", &self.controls)
-    }
+    const BLOCK: &'static BlockSchema =
+        &block_schema("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
+            .with_table(Self::FIELDS)
+            .with_shared_fields(&[EMISSION_FIELDS])
+            .mark_as_mit_6837_syntax();
 
     fn add(&self, _: &mut Resolver<'_>, _: &ObjectPlacement<'_>, _: &ObjectEmission) -> Result<(), SceneError> {
         // A curve has no surface.
@@ -60,15 +54,13 @@ impl ShapeBlock for BezierCurveDescription {
 }
 
 impl ShapeBlock for BsplineCurveDescription {
-    const BLOCK: &'static BlockSchema = &BSPLINE_CURVE;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { controls: f.require_field("controls")?.curve_with_basis(CurveBasis::Bspline)?.controls })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.write_points("controls", &self.controls)
-    }
+    const BLOCK: &'static BlockSchema = &block_schema(
+        "BsplineCurve",
+        "a uniform cubic B-spline; without `profile` it has no surface and is not visible",
+    )
+    .with_table(Self::FIELDS)
+    .with_shared_fields(&[EMISSION_FIELDS])
+    .mark_as_mit_6837_syntax();
 
     fn add(&self, _: &mut Resolver<'_>, _: &ObjectPlacement<'_>, _: &ObjectEmission) -> Result<(), SceneError> {
         // A curve has no surface.

@@ -3,7 +3,7 @@
 use crate::format::language::schema::{FieldKind, FieldSchema, field_schema};
 
 /// Fields that all shapes have.
-pub(super) static EMISSION_FIELDS: &[FieldSchema] =
+pub(super) const EMISSION_FIELDS: &[FieldSchema] =
     &[field_schema("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
         .make_optional("the material's")
         .with_unit("W/(m² sr)")];

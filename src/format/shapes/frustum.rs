@@ -3,8 +3,11 @@
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::format::error::SceneError;
+use crate::format::language::field_table::{BlockCodec, FieldEntry, FieldGroup, field_table};
 use crate::format::language::fields::BlockFields;
-use crate::format::language::schema::{BlockSchema, FieldKind, FieldRange, FieldSchema, block_schema, field_schema};
+use crate::format::language::schema::{
+    BlockSchema, FieldKind, FieldList, FieldRange, FieldSchema, block_schema, field_schema,
+};
 use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement, add_solid};
@@ -34,43 +37,72 @@ pub struct ConeDescription {
     pub is_capped: bool,
 }
 
-static CAPS_FIELDS: &[FieldSchema] =
-    &[field_schema("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open").with_default_word("yes")];
+field_table!(CylinderDescription {
+    ends: CYLINDER_ENDS,
+    radius: field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
+    is_capped: CAPS,
+});
 
-static CYLINDER: BlockSchema = block_schema("Cylinder", "cylinder of any direction, closed unless `caps` is `no`")
-    .with_fields(&[
+/// Centers of the ends of a cylinder.
+const CYLINDER_ENDS: FieldGroup<[DVec3; 2]> = FieldGroup {
+    fields: FieldList::own(&[
         field_schema("bottom", FieldKind::Point, "center of one end").make_required(),
         field_schema("top", FieldKind::Point, "center of the other end").make_required(),
-        field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
-    ])
-    .with_shared_fields(&[CAPS_FIELDS, EMISSION_FIELDS]);
+    ]),
+    parse: parse_ends,
+    write: write_ends,
+    texture_name: |_| None,
+};
 
-static CONE: BlockSchema =
-    block_schema("Cone", "cone or truncated cone of any direction, closed unless `caps` is `no`")
-        .with_fields(&[
-            field_schema("bottom", FieldKind::Point, "center of the base").make_required(),
-            field_schema("top", FieldKind::Point, "apex, or center of the other end").make_required(),
-            field_schema("radius", FieldKind::Number, "radius of the base")
-                .with_range(FieldRange::Positive)
-                .make_required(),
-            field_schema("topRadius", FieldKind::Number, "radius of the other end")
-                .with_range(FieldRange::NonNegative)
-                .with_default_numbers(&[0.0]),
-        ])
-        .with_shared_fields(&[CAPS_FIELDS, EMISSION_FIELDS]);
+field_table!(ConeDescription { ends: CONE_ENDS, radii: CONE_RADII, is_capped: CAPS });
+
+/// Centers of the ends of a cone.
+const CONE_ENDS: FieldGroup<[DVec3; 2]> = FieldGroup {
+    fields: FieldList::own(&[
+        field_schema("bottom", FieldKind::Point, "center of the base").make_required(),
+        field_schema("top", FieldKind::Point, "apex, or center of the other end").make_required(),
+    ]),
+    parse: parse_ends,
+    write: write_ends,
+    texture_name: |_| None,
+};
+
+/// Radii of the ends of a cone.
+const CONE_RADII: FieldGroup<[f64; 2]> = FieldGroup {
+    fields: FieldList::own(&[CONE_RADIUS, CONE_TOP_RADIUS]),
+    parse: |f| Ok([CONE_RADIUS.parse(f)?, CONE_TOP_RADIUS.parse(f)?]),
+    write: |[radius, top_radius], out| {
+        CONE_RADIUS.write(out, radius)?;
+        CONE_TOP_RADIUS.write(out, top_radius)
+    },
+    texture_name: |_| None,
+};
+
+const CONE_RADIUS: FieldSchema =
+    field_schema("radius", FieldKind::Number, "radius of the base").with_range(FieldRange::Positive).make_required();
+
+const CONE_TOP_RADIUS: FieldSchema = field_schema("topRadius", FieldKind::Number, "radius of the other end")
+    .with_range(FieldRange::NonNegative)
+    .with_default_numbers(&[0.0])
+    .omit_default();
+
+const CAPS_FIELD: FieldSchema = field_schema("caps", FieldKind::Word(&["yes", "no"]), "`no` leaves both ends open")
+    .with_default_word("yes")
+    .omit_default();
+
+/// The field `caps`, which cylinders and cones share.
+const CAPS: FieldGroup<bool> = FieldGroup {
+    fields: FieldList::shared(&[CAPS_FIELD]),
+    parse: |f| CAPS_FIELD.parse(f),
+    write: |is_capped, out| CAPS_FIELD.write(out, is_capped),
+    texture_name: |_| None,
+};
 
 impl ShapeBlock for CylinderDescription {
-    const BLOCK: &'static BlockSchema = &CYLINDER;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let (ends, is_capped) = parse_ends_and_caps(f)?;
-        Ok(Self { ends, radius: f.value_or_default("radius")?, is_capped })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        write_ends_and_radius(out, &self.ends, self.radius)?;
-        write_caps(out, self.is_capped)
-    }
+    const BLOCK: &'static BlockSchema =
+        &block_schema("Cylinder", "cylinder of any direction, closed unless `caps` is `no`")
+            .with_table(Self::FIELDS)
+            .with_shared_fields(&[EMISSION_FIELDS]);
 
     fn add(
         &self,
@@ -89,20 +121,10 @@ impl ShapeBlock for CylinderDescription {
 }
 
 impl ShapeBlock for ConeDescription {
-    const BLOCK: &'static BlockSchema = &CONE;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let (ends, is_capped) = parse_ends_and_caps(f)?;
-        Ok(Self { ends, radii: [f.value_or_default("radius")?, f.value_or_default("topRadius")?], is_capped })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        write_ends_and_radius(out, &self.ends, self.radii[0])?;
-        if self.radii[1] != 0.0 {
-            out.write_number("topRadius", self.radii[1])?;
-        }
-        write_caps(out, self.is_capped)
-    }
+    const BLOCK: &'static BlockSchema =
+        &block_schema("Cone", "cone or truncated cone of any direction, closed unless `caps` is `no`")
+            .with_table(Self::FIELDS)
+            .with_shared_fields(&[EMISSION_FIELDS]);
 
     fn add(
         &self,
@@ -120,19 +142,14 @@ impl ShapeBlock for ConeDescription {
     }
 }
 
-/// Returns the centers of both ends of a cylinder or cone, and true if discs close the ends.
-fn parse_ends_and_caps(f: &BlockFields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
+/// Returns the centers of both ends of a cylinder or cone; an error if they coincide.
+fn parse_ends(f: &BlockFields<'_>) -> Result<[DVec3; 2], SceneError> {
     let ends = [f.value_or_default("bottom")?, f.value_or_default("top")?];
     f.require_field("top")?.ensure_valid(ends[0] != ends[1], "must differ from `bottom`")?;
-    Ok((ends, f.field_word_or_default("caps")? == "yes"))
+    Ok(ends)
 }
 
-fn write_ends_and_radius(out: &mut SceneWriter<'_, '_>, [bottom, top]: &[DVec3; 2], radius: f64) -> fmt::Result {
+fn write_ends([bottom, top]: &[DVec3; 2], out: &mut SceneWriter<'_, '_>) -> fmt::Result {
     out.write_vec3("bottom", *bottom)?;
-    out.write_vec3("top", *top)?;
-    out.write_number("radius", radius)
-}
-
-fn write_caps(out: &mut SceneWriter<'_, '_>, is_capped: bool) -> fmt::Result {
-    if is_capped { Ok(()) } else { out.write_field("caps", "no") }
+    out.write_vec3("top", *top)
 }

@@ -3,6 +3,7 @@
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::format::error::SceneError;
+use crate::format::language::field_table::BlockCodec;
 use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{BlockSchema, FieldKind, FieldRange, block_schema, field_schema};
 use crate::format::language::writer::SceneWriter;
@@ -22,32 +23,8 @@ pub struct MeshDescription {
     pub options: MeshOptions,
 }
 
-static MESH: BlockSchema = block_schema("TriangleMesh", "triangle mesh in a file of its own")
-    .with_fields(&[
-        field_schema("obj_file", FieldKind::Name, "OBJ or PLY file")
-            .with_alias("file")
-            .make_required()
-            .mark_as_mit_6837_syntax(),
-        field_schema(
-            "materials",
-            FieldKind::Word(&["scene", "file"]),
-            "materials of the scene or of the file's MTL files",
-        )
-        .with_default_word("scene"),
-        field_schema("normals", FieldKind::Word(&["file", "none"]), "`none` ignores the file's normals")
-            .with_default_word("file"),
-        field_schema("smoothAngle", FieldKind::Number, "greatest angle between faces that are smoothed")
-            .with_range(FieldRange::ClosedInterval(0.0, 180.0))
-            .make_optional("faces without normals are flat")
-            .with_unit("degrees"),
-    ])
-    .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_mit_6837_syntax();
-
-impl ShapeBlock for MeshDescription {
-    const BLOCK: &'static BlockSchema = &MESH;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+impl BlockCodec for MeshDescription {
+    fn parse_fields(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         let options = MeshOptions {
             uses_file_materials: f.field_word_or_default("materials")? == "file",
             ignores_normals: f.field_word_or_default("normals")? == "none",
@@ -67,6 +44,30 @@ impl ShapeBlock for MeshDescription {
         }
         self.options.max_smoothing_angle.map_or(Ok(()), |angle| out.write_number("smoothAngle", angle))
     }
+}
+
+impl ShapeBlock for MeshDescription {
+    const BLOCK: &'static BlockSchema = &block_schema("TriangleMesh", "triangle mesh in a file of its own")
+        .with_fields(&[
+            field_schema("obj_file", FieldKind::Name, "OBJ or PLY file")
+                .with_alias("file")
+                .make_required()
+                .mark_as_mit_6837_syntax(),
+            field_schema(
+                "materials",
+                FieldKind::Word(&["scene", "file"]),
+                "materials of the scene or of the file's MTL files",
+            )
+            .with_default_word("scene"),
+            field_schema("normals", FieldKind::Word(&["file", "none"]), "`none` ignores the file's normals")
+                .with_default_word("file"),
+            field_schema("smoothAngle", FieldKind::Number, "greatest angle between faces that are smoothed")
+                .with_range(FieldRange::ClosedInterval(0.0, 180.0))
+                .make_optional("faces without normals are flat")
+                .with_unit("degrees"),
+        ])
+        .with_shared_fields(&[EMISSION_FIELDS])
+        .mark_as_mit_6837_syntax();
 
     fn add(
         &self,

@@ -1,8 +1,8 @@
 //! Shapes in the scene language.
 //!
-//! Each kind of shape has a file with its description, its block, the reading and writing of the
-//! block, and its conversion to a shape of the scene. The list in this file is the only other place
-//! that names the kind.
+//! Each kind of shape has a file with its description, its table of fields, from which reading and
+//! writing follow, and its conversion to a shape of the scene. The list in this file is the only
+//! other place that names the kind.
 
 mod cuboid;
 mod curve;
@@ -30,6 +30,7 @@ pub use spline::{BezierPatchesDescription, NurbsDescription};
 pub use triangle::TriangleDescription;
 
 use super::error::SceneError;
+use super::language::field_table::BlockCodec;
 use super::language::fields::{BlockFields, parse_block_by_keyword};
 use super::language::lexer::Token;
 use super::language::parser::Parser;
@@ -42,16 +43,11 @@ use crate::math::Motion;
 use glam::DVec3;
 use std::fmt;
 
-/// A kind of shape in the scene language: its block, and what the block means.
-trait ShapeBlock: Sized {
+/// A kind of shape in the scene language: its block, and what the block means. The field
+/// `emission` is no part of its [`BlockCodec`].
+trait ShapeBlock: BlockCodec {
     /// Schema of the block: keyword, fields and help.
     const BLOCK: &'static BlockSchema;
-
-    /// Converts the parsed fields of a block, except for `emission`.
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError>;
-
-    /// Writes the fields of the block, except for `emission`.
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result;
 
     /// Adds the shape to the scene, with the current material, its texture mapping and `emission`.
     fn add(
@@ -86,7 +82,7 @@ macro_rules! shape_kinds {
 
         /// Shape blocks of the scene language, each with the function that converts its fields.
         pub(super) static SHAPE_BLOCK_PARSERS: &[BlockParser<ParseShape>] = &[
-            $(BlockParser { block: $description::BLOCK, parse: |f| $description::parse(f).map(Into::into) },)*
+            $(BlockParser { block: $description::BLOCK, parse: |f| $description::parse_fields(f).map(Into::into) },)*
         ];
 
         impl ShapeDescription {

@@ -4,16 +4,14 @@ use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::color::Rgb;
 use crate::format::error::SceneError;
-use crate::format::language::fields::BlockFields;
+use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
-use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{
     ObjectEmission, ObjectPlacement, set_emission_texture, set_texture_mapping_if_needed,
 };
 use crate::shape::{Plane, TextureMappingKind};
 use glam::DVec3;
-use std::fmt;
 
 /// The infinite plane of all points x with normal · x = offset.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,29 +22,20 @@ pub struct PlaneDescription {
     pub offset: f64,
 }
 
-static PLANE: BlockSchema = block_schema("Plane", "infinite plane")
-    .with_fields(&[
-        field_schema("normal", FieldKind::Direction, "normal; its length scales `offset`")
-            .make_required()
-            .mark_as_mit_6837_syntax(),
-        field_schema("offset", FieldKind::Number, "normal · x of the points x of the plane")
-            .make_required()
-            .mark_as_mit_6837_syntax(),
-    ])
-    .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_mit_6837_syntax();
+field_table!(PlaneDescription {
+    normal: field_schema("normal", FieldKind::Direction, "normal; its length scales `offset`")
+        .make_required()
+        .mark_as_mit_6837_syntax(),
+    offset: field_schema("offset", FieldKind::Number, "normal · x of the points x of the plane")
+        .make_required()
+        .mark_as_mit_6837_syntax(),
+});
 
 impl ShapeBlock for PlaneDescription {
-    const BLOCK: &'static BlockSchema = &PLANE;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { normal: f.value_or_default("normal")?, offset: f.value_or_default("offset")? })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.write_vec3("normal", self.normal)?;
-        out.write_number("offset", self.offset)
-    }
+    const BLOCK: &'static BlockSchema = &block_schema("Plane", "infinite plane")
+        .with_table(Self::FIELDS)
+        .with_shared_fields(&[EMISSION_FIELDS])
+        .mark_as_mit_6837_syntax();
 
     fn add(
         &self,

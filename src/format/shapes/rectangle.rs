@@ -3,15 +3,13 @@
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::format::error::SceneError;
-use crate::format::language::fields::BlockFields;
-use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
-use crate::format::language::writer::SceneWriter;
-use crate::format::parallelogram::{parse_parallelogram, write_parallelogram};
+use crate::format::language::field_table::{BlockCodec, field_table};
+use crate::format::language::schema::{BlockSchema, block_schema};
+use crate::format::parallelogram::{CORNER, EDGE0, EDGE1};
 use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement, add_shape_object};
 use crate::shape::{Rectangle, Shape, TextureMappingKind};
 use glam::DVec3;
-use std::fmt;
 
 /// A parallelogram with normal `edge0 × edge1`.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,25 +22,12 @@ pub struct RectangleDescription {
     pub edge1: DVec3,
 }
 
-static RECTANGLE: BlockSchema = block_schema("Rectangle", "parallelogram with normal `edge0` × `edge1`")
-    .with_fields(&[
-        field_schema("corner", FieldKind::Point, "corner where both edges start").make_required(),
-        field_schema("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required(),
-        field_schema("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
-    ])
-    .with_shared_fields(&[EMISSION_FIELDS]);
+field_table!(RectangleDescription { corner: CORNER, edge0: EDGE0, edge1: EDGE1 });
 
 impl ShapeBlock for RectangleDescription {
-    const BLOCK: &'static BlockSchema = &RECTANGLE;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let (corner, edge0, edge1) = parse_parallelogram(f)?;
-        Ok(Self { corner, edge0, edge1 })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        write_parallelogram(out, self.corner, self.edge0, self.edge1)
-    }
+    const BLOCK: &'static BlockSchema = &block_schema("Rectangle", "parallelogram with normal `edge0` × `edge1`")
+        .with_table(Self::FIELDS)
+        .with_shared_fields(&[EMISSION_FIELDS]);
 
     fn add(
         &self,

@@ -5,15 +5,13 @@ use super::emission::EMISSION_FIELDS;
 use super::spline::spline_error;
 use crate::format::error::SceneError;
 use crate::format::language::curves::{CurveBasis, ProfileCurve};
-use crate::format::language::fields::BlockFields;
+use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
-use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement, add_shape_object};
 use crate::shape::parametric::{SplineBasis, SplineError};
 use crate::shape::{Revolution, Shape, TextureMappingKind};
 use glam::DVec2;
-use std::fmt;
 
 /// Surface of revolution: the points (x cos θ, y, x sin θ) for all points (x, y) of a profile.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,26 +20,18 @@ pub struct RevolutionDescription {
     pub profile: ProfileCurve,
 }
 
-static REVOLUTION: BlockSchema =
-    block_schema("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
-        .with_fields(&[field_schema("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
-            .make_required()
-            .mark_as_mit_6837_syntax()])
-        .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_as_mit_6837_syntax();
+field_table!(RevolutionDescription {
+    profile: field_schema("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
+        .make_required()
+        .mark_as_mit_6837_syntax(),
+});
 
 impl ShapeBlock for RevolutionDescription {
-    const BLOCK: &'static BlockSchema = &REVOLUTION;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { profile: f.require_field("profile")?.profile_curve() })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.begin_block(format_args!("profile {}", self.profile.basis.block().keyword))?;
-        out.write_points("controls", &self.profile.controls)?;
-        out.end_block()
-    }
+    const BLOCK: &'static BlockSchema =
+        &block_schema("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
+            .with_table(Self::FIELDS)
+            .with_shared_fields(&[EMISSION_FIELDS])
+            .mark_as_mit_6837_syntax();
 
     fn add(
         &self,

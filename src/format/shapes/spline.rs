@@ -3,8 +3,11 @@
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::format::error::SceneError;
-use crate::format::language::fields::BlockFields;
-use crate::format::language::schema::{BlockSchema, FieldKind, FieldRange, FieldSchema, block_schema, field_schema};
+use crate::format::language::field_table::{BlockCodec, CheckedField, FieldEntry, FieldGroup, field_table};
+use crate::format::language::fields::{BlockFields, ParsedField};
+use crate::format::language::schema::{
+    BlockSchema, FieldKind, FieldList, FieldRange, FieldSchema, block_schema, field_schema,
+};
 use crate::format::language::writer::{SceneWriter, SpacedNumbers};
 use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement, add_shape_object};
@@ -40,59 +43,38 @@ pub struct NurbsDescription {
 
 const DEGREE_RANGE: FieldRange = FieldRange::ClosedInterval(1.0, MAX_DEGREE as f64);
 
-static DEGREE_FIELDS: &[FieldSchema] = &[
-    field_schema("degreeU", FieldKind::WholeNumber, "degree along u")
-        .with_range(DEGREE_RANGE)
-        .with_default_numbers(&[3.0]),
-    field_schema("degreeV", FieldKind::WholeNumber, "degree along v")
-        .with_range(DEGREE_RANGE)
-        .with_default_numbers(&[3.0]),
-];
+const DEGREE_U: FieldSchema = field_schema("degreeU", FieldKind::WholeNumber, "degree along u")
+    .with_range(DEGREE_RANGE)
+    .with_default_numbers(&[3.0]);
 
-static BEZIER_PATCH: BlockSchema = block_schema("BezierPatch", "one or more Bézier patches of the same degrees")
-    .with_fields(&[field_schema(
-        "controls",
-        FieldKind::WeightedPoints,
-        "control points, patch after patch, those along v first",
-    )
-    .make_required()])
-    .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
+const DEGREE_V: FieldSchema = field_schema("degreeV", FieldKind::WholeNumber, "degree along v")
+    .with_range(DEGREE_RANGE)
+    .with_default_numbers(&[3.0]);
 
-static NURBS: BlockSchema = block_schema("NurbsSurface", "rational B-spline surface")
-    .with_fields(&[
-        field_schema("countU", FieldKind::WholeNumber, "number of control points along u")
-            .with_range(FieldRange::DescribedOnly("above the degree"))
+/// Degrees along u and v, which both kinds of surfaces have.
+const DEGREES: FieldGroup<[u32; 2]> = FieldGroup {
+    fields: FieldList::shared(&[DEGREE_U, DEGREE_V]),
+    parse: |f| Ok([DEGREE_U.parse(f)?, DEGREE_V.parse(f)?]),
+    write: |[u, v], out| {
+        DEGREE_U.write(out, u)?;
+        DEGREE_V.write(out, v)
+    },
+    texture_name: |_| None,
+};
+
+field_table!(BezierPatchesDescription {
+    degree: DEGREES,
+    controls: CheckedField::new(
+        field_schema("controls", FieldKind::WeightedPoints, "control points, patch after patch, those along v first")
             .make_required(),
-        field_schema("countV", FieldKind::WholeNumber, "number of control points along v")
-            .with_range(FieldRange::DescribedOnly("above the degree"))
-            .make_required(),
-        field_schema("knotsU", FieldKind::NumberList, "`countU` + `degreeU` + 1 knots along u")
-            .with_range(FieldRange::DescribedOnly("nondecreasing"))
-            .make_optional("uniform"),
-        field_schema("knotsV", FieldKind::NumberList, "`countV` + `degreeV` + 1 knots along v")
-            .with_range(FieldRange::DescribedOnly("nondecreasing"))
-            .make_optional("uniform"),
-        field_schema("controls", FieldKind::WeightedPoints, "control points, those along v first").make_required(),
-    ])
-    .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
+        check_patch_controls,
+    ),
+});
 
 impl ShapeBlock for BezierPatchesDescription {
-    const BLOCK: &'static BlockSchema = &BEZIER_PATCH;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let degree: [u32; 2] = [f.value_or_default("degreeU")?, f.value_or_default("degreeV")?];
-        let points_per_patch = (degree[0] as usize + 1) * (degree[1] as usize + 1);
-        let controls = f.require_field("controls")?;
-        let found = controls.weighted_points().len();
-        let rule = format!("must hold {points_per_patch} points for each patch of these degrees, and holds {found}");
-        controls.ensure_valid(found > 0 && found.is_multiple_of(points_per_patch), &rule)?;
-        Ok(Self { degree, controls: controls.weighted_points().to_vec() })
-    }
-
-    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        write_degrees(out, &self.degree)?;
-        out.write_weighted_points("controls", &self.controls)
-    }
+    const BLOCK: &'static BlockSchema = &block_schema("BezierPatch", "one or more Bézier patches of the same degrees")
+        .with_table(Self::FIELDS)
+        .with_shared_fields(&[EMISSION_FIELDS]);
 
     fn add(
         &self,
@@ -119,11 +101,9 @@ impl ShapeBlock for BezierPatchesDescription {
     }
 }
 
-impl ShapeBlock for NurbsDescription {
-    const BLOCK: &'static BlockSchema = &NURBS;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
-        let degree = [f.value_or_default("degreeU")?, f.value_or_default("degreeV")?];
+impl BlockCodec for NurbsDescription {
+    fn parse_fields(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        let degree = DEGREES.parse(f)?;
         let parse_count = |name: &str, degree: u32| {
             let count: u32 = f.value_or_default(name)?;
             f.require_field(name)?.ensure_valid(count > degree, "must be above the degree")?;
@@ -140,7 +120,7 @@ impl ShapeBlock for NurbsDescription {
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        write_degrees(out, &self.degree)?;
+        DEGREES.write(out, &self.degree)?;
         out.write_field("countU", self.control_counts[0])?;
         out.write_field("countV", self.control_counts[1])?;
         for (name, knots) in ["knotsU", "knotsV"].into_iter().zip(&self.knots).filter(|(_, k)| !k.is_empty()) {
@@ -148,6 +128,26 @@ impl ShapeBlock for NurbsDescription {
         }
         out.write_weighted_points("controls", &self.controls)
     }
+}
+
+impl ShapeBlock for NurbsDescription {
+    const BLOCK: &'static BlockSchema = &block_schema("NurbsSurface", "rational B-spline surface")
+        .with_fields(&[
+            field_schema("countU", FieldKind::WholeNumber, "number of control points along u")
+                .with_range(FieldRange::DescribedOnly("above the degree"))
+                .make_required(),
+            field_schema("countV", FieldKind::WholeNumber, "number of control points along v")
+                .with_range(FieldRange::DescribedOnly("above the degree"))
+                .make_required(),
+            field_schema("knotsU", FieldKind::NumberList, "`countU` + `degreeU` + 1 knots along u")
+                .with_range(FieldRange::DescribedOnly("nondecreasing"))
+                .make_optional("uniform"),
+            field_schema("knotsV", FieldKind::NumberList, "`countV` + `degreeV` + 1 knots along v")
+                .with_range(FieldRange::DescribedOnly("nondecreasing"))
+                .make_optional("uniform"),
+            field_schema("controls", FieldKind::WeightedPoints, "control points, those along v first").make_required(),
+        ])
+        .with_shared_fields(&[DEGREES.fields.fields, EMISSION_FIELDS]);
 
     fn add(
         &self,
@@ -169,6 +169,14 @@ impl ShapeBlock for NurbsDescription {
     }
 }
 
+/// Fails unless `controls` holds the control points of whole patches.
+fn check_patch_controls(f: &BlockFields<'_>, controls: &ParsedField<'_, '_>) -> Result<(), SceneError> {
+    let points_per_patch: usize = DEGREES.parse(f)?.iter().map(|degree| *degree as usize + 1).product();
+    let found = controls.weighted_points().len();
+    let rule = format!("must hold {points_per_patch} points for each patch of these degrees, and holds {found}");
+    controls.ensure_valid(found > 0 && found.is_multiple_of(points_per_patch), &rule)
+}
+
 /// Returns the knots of the field `name`; empty if the field is absent.
 ///
 /// # Errors
@@ -180,11 +188,6 @@ fn parse_knots(f: &BlockFields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>,
     knots.ensure_valid(list.len() as u64 == wanted, &rule)?;
     knots.ensure_valid(list.windows(2).all(|w| w[0] <= w[1]), "must not decrease")?;
     Ok(list.to_vec())
-}
-
-fn write_degrees(out: &mut SceneWriter<'_, '_>, degree: &[u32; 2]) -> fmt::Result {
-    out.write_field("degreeU", degree[0])?;
-    out.write_field("degreeV", degree[1])
 }
 
 /// Converts the error of an invalid curve or surface to a scene error with a remedy.

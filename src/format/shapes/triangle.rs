@@ -3,7 +3,9 @@
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::format::error::SceneError;
-use crate::format::language::fields::{BlockFields, FromFieldValue};
+use crate::format::language::field_table::BlockCodec;
+use crate::format::language::field_value::FieldValue;
+use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
 use crate::format::language::writer::SceneWriter;
 use crate::format::resolve::Resolver;
@@ -26,26 +28,8 @@ pub struct TriangleDescription {
     pub texcoords: Option<Box<[DVec2; 3]>>,
 }
 
-static TRIANGLE: BlockSchema = block_schema("Triangle", "triangle; its area may be 0")
-    .with_fields(&[
-        field_schema("vertex0", FieldKind::Point, "first vertex").make_required().mark_as_mit_6837_syntax(),
-        field_schema("vertex1", FieldKind::Point, "second vertex").make_required().mark_as_mit_6837_syntax(),
-        field_schema("vertex2", FieldKind::Point, "third vertex").make_required().mark_as_mit_6837_syntax(),
-        field_schema("normal0", FieldKind::Direction, "shading normal at the first vertex; give all three or none"),
-        field_schema("normal1", FieldKind::Direction, "shading normal at the second vertex"),
-        field_schema("normal2", FieldKind::Direction, "shading normal at the third vertex"),
-        field_schema("uv0", FieldKind::Pair, "texture coordinates at the first vertex; give all three or none")
-            .make_optional("0 0"),
-        field_schema("uv1", FieldKind::Pair, "texture coordinates at the second vertex").make_optional("1 0"),
-        field_schema("uv2", FieldKind::Pair, "texture coordinates at the third vertex").make_optional("0 1"),
-    ])
-    .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_mit_6837_syntax();
-
-impl ShapeBlock for TriangleDescription {
-    const BLOCK: &'static BlockSchema = &TRIANGLE;
-
-    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+impl BlockCodec for TriangleDescription {
+    fn parse_fields(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         Ok(Self {
             vertices: [f.value_or_default("vertex0")?, f.value_or_default("vertex1")?, f.value_or_default("vertex2")?],
             normals: parse_three_optional_fields(f, ["normal0", "normal1", "normal2"])?,
@@ -65,6 +49,24 @@ impl ShapeBlock for TriangleDescription {
         }
         Ok(())
     }
+}
+
+impl ShapeBlock for TriangleDescription {
+    const BLOCK: &'static BlockSchema = &block_schema("Triangle", "triangle; its area may be 0")
+        .with_fields(&[
+            field_schema("vertex0", FieldKind::Point, "first vertex").make_required().mark_as_mit_6837_syntax(),
+            field_schema("vertex1", FieldKind::Point, "second vertex").make_required().mark_as_mit_6837_syntax(),
+            field_schema("vertex2", FieldKind::Point, "third vertex").make_required().mark_as_mit_6837_syntax(),
+            field_schema("normal0", FieldKind::Direction, "shading normal at the first vertex; give all three or none"),
+            field_schema("normal1", FieldKind::Direction, "shading normal at the second vertex"),
+            field_schema("normal2", FieldKind::Direction, "shading normal at the third vertex"),
+            field_schema("uv0", FieldKind::Pair, "texture coordinates at the first vertex; give all three or none")
+                .make_optional("0 0"),
+            field_schema("uv1", FieldKind::Pair, "texture coordinates at the second vertex").make_optional("1 0"),
+            field_schema("uv2", FieldKind::Pair, "texture coordinates at the third vertex").make_optional("0 1"),
+        ])
+        .with_shared_fields(&[EMISSION_FIELDS])
+        .mark_as_mit_6837_syntax();
 
     fn add(
         &self,
@@ -96,7 +98,7 @@ impl ShapeBlock for TriangleDescription {
 ///
 /// # Errors
 /// If only one or two of the fields are present.
-fn parse_three_optional_fields<T: FromFieldValue>(
+fn parse_three_optional_fields<T: FieldValue>(
     f: &BlockFields<'_>,
     names: [&str; 3],
 ) -> Result<Option<[T; 3]>, SceneError> {

@@ -287,3 +287,38 @@ fn patch_control_points_must_fit_the_degrees() {
         "and holds 0",
     );
 }
+
+#[test]
+fn some_fields_are_written_only_if_they_differ_from_their_default() {
+    let written = |conductor: &str, cone: &str| {
+        let materials = format!("Materials {{ Conductor {{ metal gold {conductor} }} }}");
+        let group = format!("Group {{ Cone {{ bottom 0 0 0 top 0 1 0 radius 1 {cone} }} }}");
+        parse_with_camera(&format!("{materials} {group}")).unwrap().to_string()
+    };
+    let default = written("multipleScattering yes", "topRadius 0 caps yes");
+    let changed = written("multipleScattering no", "topRadius 0.5 caps no");
+    for field in ["multipleScattering no", "topRadius 0.5", "caps no"] {
+        let keyword = field.split(' ').next().unwrap();
+        assert!(!default.contains(keyword), "{default}");
+        assert!(changed.contains(field), "{changed}");
+    }
+}
+
+#[test]
+fn every_textured_field_names_its_texture() {
+    let textures = "Textures { Checker a { } Checker b { } Checker c { } }";
+    let names = |material: &str| -> Vec<String> {
+        let scene = parse_with_camera(&format!("{textures} Materials {{ {material} }} Group {{ }}")).unwrap();
+        scene.materials[0].texture_names().into_iter().map(|name| name.value.clone()).collect()
+    };
+    assert_eq!(names("Phong { diffuseColor a specularColor b texture c }"), ["a", "b", "c"]);
+    assert_eq!(names("Diffuse { reflectance a bump b bumpHeight 1 emission c }"), ["a", "b", "c"]);
+    assert_eq!(names("Mirror { reflectance b }"), ["b"]);
+    assert_eq!(names("Dielectric { roughness a }"), ["a"]);
+    assert_eq!(names("Conductor { metal gold roughness a }"), ["a"]);
+    assert_eq!(names("Thin { transmittance b }"), ["b"]);
+    assert_eq!(names("CoatedDiffuse { roughness a reflectance b }"), ["b", "a"]);
+    let mix = "Textures { Checker a { } } Materials { Mirror m { } Mix { first m second m amount a } } Group { }";
+    let mix = &parse_with_camera(mix).unwrap().materials[1];
+    assert_eq!(mix.texture_names().into_iter().map(|name| name.as_str()).collect::<Vec<_>>(), ["a"]);
+}

@@ -1,10 +1,6 @@
-//! Converts materials of pbrt to materials of the scene language.
+//! Converts one material of pbrt to a material of the scene language.
 
-use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
-use super::graphics_state::CurrentMaterial;
-use super::parameters::{Parameter, Parameters};
-use super::spectra::{SpectralValue, spectral_value};
-use super::textures::{PbrtTextures, TextureValue};
+use super::{FileMaterial, PbrtMaterials};
 use crate::bsdf::{LossyCoat, MAX_COAT_INDEX, metal_refractive_index};
 use crate::color::{conductor_refractive_index, glass_by_name};
 use crate::format::description::{
@@ -14,9 +10,12 @@ use crate::format::description::{
     Spanned, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::import_notes::ImportNotes;
+use crate::format::pbrt::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
+use crate::format::pbrt::graphics_state::CurrentMaterial;
+use crate::format::pbrt::parameters::Parameters;
+use crate::format::pbrt::spectra::{SpectralValue, spectral_value};
+use crate::format::pbrt::textures::{PbrtTextures, TextureValue, read_picture};
 use glam::DVec3;
-use std::collections::HashMap;
-use std::rc::Rc;
 
 /// Greatest nesting depth of mix materials.
 const MAX_MIX_DEPTH: usize = 16;
@@ -51,32 +50,18 @@ const GLASSES_BY_ABBE_NUMBER: [(&str, f64, f64); 5] = [
     ("SF5", 1.6727, 32.25),
 ];
 
-/// A material as the pbrt file defines it.
-#[derive(Clone)]
-struct FileMaterial {
-    kind: String,
-    parameters: Rc<Parameters>,
-}
-
-/// Materials that the pbrt file defines, and the materials of the imported scene that shapes use.
-pub(super) struct PbrtMaterials {
-    numbered: Vec<Option<FileMaterial>>,
-    named: HashMap<String, FileMaterial>,
-    /// Names of the imported scene's materials. A key combines pbrt's material, the medium inside
-    /// and the opacity.
-    converted_names: HashMap<String, String>,
-    /// Materials of the imported scene.
-    pub descriptions: Vec<Spanned<MaterialDescription>>,
-}
-
 /// Converter of one pbrt material for a shape, with the state of the conversion.
-struct PbrtMaterialConverter<'m> {
-    materials: &'m mut PbrtMaterials,
-    textures: &'m mut PbrtTextures,
-    files: &'m PbrtSceneFiles<'m>,
-    notes: &'m mut ImportNotes,
+pub(super) struct PbrtMaterialConverter<'m> {
+    /// Materials of the file and of the imported scene; receives the converted ones.
+    pub materials: &'m mut PbrtMaterials,
+    /// Textures of the file and of the imported scene.
+    pub textures: &'m mut PbrtTextures,
+    /// Files of the scene.
+    pub files: &'m PbrtSceneFiles<'m>,
+    /// Messages about content that is ignored or approximated.
+    pub notes: &'m mut ImportNotes,
     /// Name of the medium inside the shape; `None` for vacuum.
-    medium: Option<&'m str>,
+    pub medium: Option<&'m str>,
 }
 
 /// GGX α of a surface, and its mean over the texture.
@@ -85,73 +70,9 @@ struct Roughness {
     mean: f64,
 }
 
-impl PbrtMaterials {
-    /// Returns the table of materials before the first directive.
-    ///
-    /// It holds only pbrt's default material, with the number 0.
-    pub fn new() -> Self {
-        Self { numbered: vec![None], named: HashMap::new(), converted_names: HashMap::new(), descriptions: Vec::new() }
-    }
-
-    /// Adds a material of a `Material` directive, and returns its number.
-    pub fn add_numbered(&mut self, kind: &str, parameters: Parameters) -> usize {
-        self.numbered.push(Some(FileMaterial { kind: kind.to_owned(), parameters: Rc::new(parameters) }));
-        self.numbered.len() - 1
-    }
-
-    /// Adds a material of a `MakeNamedMaterial` directive. It replaces an earlier one with this
-    /// name.
-    pub fn add_named(&mut self, name: &str, parameters: Parameters) {
-        let kind = parameters.text("type").unwrap_or("diffuse").to_owned();
-        self.named.insert(name.to_owned(), FileMaterial { kind, parameters: Rc::new(parameters) });
-    }
-
-    /// Returns the name of a shape's material in the imported scene. Converts the material at its
-    /// first use.
-    ///
-    /// `medium` is the name of the medium inside the shape; `None` for vacuum. `alpha` is the
-    /// shape's opacity parameter.
-    pub fn imported_material_name(
-        &mut self,
-        material: &CurrentMaterial,
-        (medium, alpha): (Option<&str>, Option<&Parameter>),
-        textures: &mut PbrtTextures,
-        files: &PbrtSceneFiles<'_>,
-        notes: &mut ImportNotes,
-    ) -> ReadResult<String> {
-        let opacity = alpha.map_or(String::new(), |alpha| format!("{:?} {:?}", alpha.numbers, alpha.texts));
-        let key = match material {
-            CurrentMaterial::Numbered(number) => format!("{number}|{medium:?}|{opacity}"),
-            CurrentMaterial::Named(name, _) => format!("\"{name}\"|{medium:?}|{opacity}"),
-        };
-        if let Some(name) = self.converted_names.get(&key) {
-            return Ok(name.clone());
-        }
-        let mut converter = PbrtMaterialConverter { materials: self, textures, files, notes, medium };
-        let mut name = converter.convert_material(material, 0)?;
-        if let Some(parameter) = alpha {
-            let place = PbrtSourceLocation { file: files.path.display().to_string().into(), line: 0 };
-            let value = converter.textures.parameter_value(parameter, false, &place, files)?;
-            let (amount, mean) = converter.textured_scalar_and_mean(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
-            if amount != TexturedValue::Constant(1.0) && mean < 1.0 {
-                name = converter.mix_with_transparent(&name, amount)?;
-            }
-        }
-        self.converted_names.insert(key, name.clone());
-        Ok(name)
-    }
-
-    /// True if the imported material `name` is a dielectric or a null interface, so that a medium
-    /// can fill its shape.
-    pub fn can_contain_medium(&self, name: &str) -> bool {
-        let material = self.descriptions.iter().find(|material| material.name.as_deref() == Some(name));
-        material.is_some_and(|material| material.kind.is_dielectric() || material.kind.is_null_interface())
-    }
-}
-
 impl PbrtMaterialConverter<'_> {
     /// Converts a pbrt material, adds it to the imported scene, and returns its name there.
-    fn convert_material(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
+    pub(super) fn convert_material(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
         let missing = |name: &str, place: &PbrtSourceLocation| {
             place.error(format!("no material is called `{name}`"), "define it with `MakeNamedMaterial`")
         };
@@ -200,7 +121,7 @@ impl PbrtMaterialConverter<'_> {
 
     /// Returns the name of a mix of the material `name`, with the weight `opacity`, and a fully
     /// transparent one.
-    fn mix_with_transparent(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
+    pub(super) fn mix_with_transparent(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
         let clear =
             MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
         let clear = self.push_material(clear, None)?;
@@ -518,7 +439,7 @@ impl PbrtMaterialConverter<'_> {
     /// Converts a texture to numbers: takes the mean of the channels, and applies `map` to it.
     ///
     /// Returns the number or number texture, and its mean over the texture.
-    fn textured_scalar_and_mean(
+    pub(super) fn textured_scalar_and_mean(
         &mut self,
         value: &TextureValue,
         map: &dyn Fn(f64) -> f64,
@@ -536,7 +457,7 @@ impl PbrtMaterialConverter<'_> {
     fn normal_perturbation(&mut self, p: &Parameters) -> ReadResult<Option<NormalPerturbationDescription>> {
         if let Some(name) = p.text("normalmap") {
             let meaning = crate::image::PixelMeaning::NonColor;
-            let image = super::textures::read_picture(name, meaning, &p.place, self.files)?;
+            let image = read_picture(name, meaning, &p.place, self.files)?;
             let coordinates = Default::default();
             let value = TextureValue::Picture {
                 image: image.into(),

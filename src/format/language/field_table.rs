@@ -1,0 +1,169 @@
+//! Tables of fields. A table states each field of a block once, with the member of the description
+//! that it fills. Parser, writer and language reference follow from it.
+
+use std::fmt;
+
+use super::field_value::{FieldValue, default_value};
+use super::fields::{BlockFields, ParsedField};
+use super::schema::{FieldList, FieldSchema};
+use super::writer::SceneWriter;
+use crate::format::error::SceneError;
+use crate::format::span::Spanned;
+
+/// A description whose members are the values of a block's fields.
+///
+/// [`field_table!`] implements it from a table.
+pub(in crate::format) trait BlockCodec: Sized {
+    /// Fields that the table states, in the order of its entries. Empty without a table: the schema
+    /// of the block then lists them.
+    const FIELDS: &'static [FieldList] = &[];
+
+    /// Converts the parsed fields of a block to a description.
+    fn parse_fields(f: &BlockFields<'_>) -> Result<Self, SceneError>;
+
+    /// Writes the fields of the block.
+    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result;
+
+    /// Returns the names of the textures that fields hold instead of numbers. Without a table: none.
+    fn field_textures(&self) -> Vec<&Spanned<String>> {
+        Vec::new()
+    }
+}
+
+/// Implements [`BlockCodec`] for a description by a table: each member, and the [`FieldEntry`] that
+/// reads and writes it.
+///
+/// Fields are parsed, checked and written in the order of the table.
+macro_rules! field_table {
+    ($description:ident { $($member:ident: $entry:expr),* $(,)? }) => {
+        impl $crate::format::language::field_table::BlockCodec for $description {
+            const FIELDS: &'static [$crate::format::language::schema::FieldList] =
+                &[$(const { &$entry }.field_list()),*];
+
+            fn parse_fields(
+                f: &$crate::format::language::fields::BlockFields<'_>,
+            ) -> Result<Self, $crate::format::error::SceneError> {
+                use $crate::format::language::field_table::FieldEntry;
+                Ok(Self { $($member: const { &$entry }.parse(f)?),* })
+            }
+
+            fn write_fields(
+                &self,
+                out: &mut $crate::format::language::writer::SceneWriter<'_, '_>,
+            ) -> std::fmt::Result {
+                use $crate::format::language::field_table::FieldEntry;
+                $(const { &$entry }.write(out, &self.$member)?;)*
+                Ok(())
+            }
+
+            fn field_textures(&self) -> Vec<&$crate::format::span::Spanned<String>> {
+                use $crate::format::language::field_table::FieldEntry;
+                [$(const { &$entry }.texture_name(&self.$member)),*].into_iter().flatten().collect()
+            }
+        }
+    };
+}
+pub(in crate::format) use field_table;
+
+/// Entry of a table of fields: one or several fields that state one value of type `T`.
+pub(in crate::format) trait FieldEntry<T> {
+    /// Returns the value that the fields of `f` state, or its default.
+    ///
+    /// # Errors
+    /// If a required field is absent, or if the value violates a rule.
+    fn parse(&self, f: &BlockFields<'_>) -> Result<T, SceneError>;
+
+    /// Writes the fields that state `value`.
+    fn write(&self, out: &mut SceneWriter<'_, '_>, value: &T) -> fmt::Result;
+
+    /// Returns the name of the texture in `value`; `None` if it holds none.
+    fn texture_name<'v>(&self, value: &'v T) -> Option<&'v Spanned<String>>;
+}
+
+impl<T: FieldValue> FieldEntry<T> for FieldSchema {
+    fn parse(&self, f: &BlockFields<'_>) -> Result<T, SceneError> {
+        f.value_or_default(self.keyword)
+    }
+
+    fn write(&self, out: &mut SceneWriter<'_, '_>, value: &T) -> fmt::Result {
+        if self.is_default_omitted && default_value(self).is_some_and(|default: T| default == *value) {
+            return Ok(());
+        }
+        value.write(out, self.keyword)
+    }
+
+    fn texture_name<'v>(&self, value: &'v T) -> Option<&'v Spanned<String>> {
+        value.texture_name()
+    }
+}
+
+/// Function that fails if a field, which is present in the block, disagrees with other fields.
+pub(in crate::format) type FieldCheck = fn(&BlockFields<'_>, &ParsedField<'_, '_>) -> Result<(), SceneError>;
+
+/// A field whose value must agree with the fields before it.
+#[derive(Clone, Copy)]
+pub(in crate::format) struct CheckedField {
+    field: FieldSchema,
+    check: FieldCheck,
+}
+
+impl CheckedField {
+    /// Creates an entry for `field`. `check` is called with the field if the block has it.
+    pub const fn new(field: FieldSchema, check: FieldCheck) -> Self {
+        Self { field, check }
+    }
+
+    /// Returns the list of this one field.
+    pub const fn field_list(&'static self) -> FieldList {
+        self.field.field_list()
+    }
+}
+
+impl<T: FieldValue> FieldEntry<T> for CheckedField {
+    fn parse(&self, f: &BlockFields<'_>) -> Result<T, SceneError> {
+        let value = self.field.parse(f)?;
+        f.get(self.field.keyword).map_or(Ok(()), |field| (self.check)(f, &field))?;
+        Ok(value)
+    }
+
+    fn write(&self, out: &mut SceneWriter<'_, '_>, value: &T) -> fmt::Result {
+        self.field.write(out, value)
+    }
+
+    fn texture_name<'v>(&self, value: &'v T) -> Option<&'v Spanned<String>> {
+        self.field.texture_name(value)
+    }
+}
+
+/// Several fields that together state one value of type `T`.
+pub(in crate::format) struct FieldGroup<T: 'static> {
+    /// Fields of the group.
+    pub fields: FieldList,
+    /// Function that returns the value that the fields state.
+    pub parse: fn(&BlockFields<'_>) -> Result<T, SceneError>,
+    /// Function that writes the fields that state a value.
+    pub write: fn(&T, &mut SceneWriter<'_, '_>) -> fmt::Result,
+    /// Function that returns the name of the texture in a value; `None` if it holds none.
+    pub texture_name: fn(&T) -> Option<&Spanned<String>>,
+}
+
+impl<T> FieldGroup<T> {
+    /// Returns the list of the group's fields.
+    pub const fn field_list(&'static self) -> FieldList {
+        self.fields
+    }
+}
+
+impl<T> FieldEntry<T> for FieldGroup<T> {
+    fn parse(&self, f: &BlockFields<'_>) -> Result<T, SceneError> {
+        (self.parse)(f)
+    }
+
+    fn write(&self, out: &mut SceneWriter<'_, '_>, value: &T) -> fmt::Result {
+        (self.write)(value, out)
+    }
+
+    fn texture_name<'v>(&self, value: &'v T) -> Option<&'v Spanned<String>> {
+        (self.texture_name)(value)
+    }
+}

@@ -1,0 +1,43 @@
+//! The block `Diffuse`.
+
+use super::fields::UNIT_RANGE;
+use super::{BoundedBody, MaterialBlock};
+use crate::format::error::SceneError;
+use crate::format::language::field_table::{BlockCodec, field_table};
+use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
+use crate::format::materials::emission::EMISSION_FIELDS;
+use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
+use crate::format::resolve::Resolver;
+use crate::format::resolve::textures::TextureRequirements;
+use crate::format::span::Spanned;
+use crate::format::textured_value::TexturedValue;
+use crate::scene::Material;
+use glam::DVec3;
+
+/// A Lambertian surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DiffuseDescription {
+    /// Reflectance, inside [0, 1].
+    pub reflectance: TexturedValue<DVec3>,
+}
+
+field_table!(DiffuseDescription {
+    reflectance: field_schema("reflectance", FieldKind::ColorOrTexture, "albedo")
+        .with_range(UNIT_RANGE)
+        .make_required(),
+});
+
+impl MaterialBlock for DiffuseDescription {
+    const BLOCK: &'static BlockSchema = &block_schema("Diffuse", "Lambertian reflection")
+        .with_table(Self::FIELDS)
+        .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
+    const BODY: BoundedBody = BoundedBody::None;
+
+    fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
+        Ok(Material::diffuse(r.resolve_reflectance_parameter(&self.reflectance, requirements)?))
+    }
+
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
+        None
+    }
+}

@@ -1,0 +1,204 @@
+//! Kinds of materials in the scene language.
+//!
+//! Each kind of material has a file with its description, its table of fields, from which reading
+//! and writing follow, and its conversion to a material of the scene. The list in this file is the
+//! only other place that names the kind.
+
+mod coated_diffuse;
+mod conductor;
+mod dielectric;
+mod diffuse;
+mod fields;
+mod mirror;
+mod mix;
+mod null_interface;
+mod phong;
+mod thin_dielectric;
+
+pub use coated_diffuse::CoatedDiffuseDescription;
+pub use conductor::ConductorDescription;
+pub use dielectric::DielectricDescription;
+pub use diffuse::DiffuseDescription;
+pub use mirror::MirrorDescription;
+pub use mix::MixDescription;
+pub use null_interface::NullInterfaceDescription;
+pub use phong::PhongDescription;
+pub use thin_dielectric::ThinDielectricDescription;
+
+use crate::format::error::SceneError;
+use crate::format::language::field_table::BlockCodec;
+use crate::format::language::fields::BlockFields;
+use crate::format::language::parser::Parser;
+use crate::format::language::schema::{BlockParser, BlockSchema};
+use crate::format::language::writer::SceneWriter;
+use crate::format::resolve::Resolver;
+use crate::format::resolve::textures::TextureRequirements;
+use crate::format::span::Spanned;
+use crate::scene::Material;
+use std::fmt;
+
+/// A kind of material in the scene language: its block, and what the block means.
+trait MaterialBlock: BlockCodec {
+    /// Schema of the block: keyword, fields and help.
+    ///
+    /// A block with the field `medium` has a medium, one with `bump` a bump map or normal map.
+    const BLOCK: &'static BlockSchema;
+
+    /// Body that a surface of this material bounds.
+    const BODY: BoundedBody;
+
+    /// Converts the parsed fields of a block, without emission, normal perturbation and medium.
+    ///
+    /// The `parser` knows the materials before this one.
+    fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
+        Self::parse_fields(f)
+    }
+
+    /// Converts the description to a material of the renderer, without emission, normal
+    /// perturbation and medium.
+    ///
+    /// Adds to `requirements` the surface properties that the material's textures need.
+    fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError>;
+
+    /// Returns the names of the textures that the parameters use, without those of bump maps and
+    /// emission.
+    fn texture_names(&self) -> Vec<&Spanned<String>> {
+        self.field_textures()
+    }
+
+    /// Returns the field that may be the name of a texture or the path of a picture file; `None` if
+    /// the field is absent, or if textured fields hold names only.
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>>;
+}
+
+/// Body that a surface bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum BoundedBody {
+    /// No body, or for a mix the body of a component.
+    None,
+    /// A dielectric body.
+    Dielectric,
+    /// A region of a medium without a surface, which light enters unchanged.
+    NullInterface,
+}
+
+/// Function that converts the parsed fields of a material block to a material.
+type ParseMaterial = for<'a> fn(&Parser<'a>, &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError>;
+
+/// Defines [`MaterialKindDescription`] and [`MATERIAL_BLOCK_PARSERS`] from the list of kinds:
+/// variant, and type that implements [`MaterialBlock`]. The order of the list is that of the
+/// language reference.
+macro_rules! material_kinds {
+    ($($(#[$doc:meta])* $kind:ident($description:ident),)*) => {
+        /// Reflection and transmission of a material: one variant per model.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum MaterialKindDescription {
+            $($(#[$doc])* $kind($description),)*
+        }
+
+        $(impl From<$description> for MaterialKindDescription {
+            fn from(kind: $description) -> Self {
+                Self::$kind(kind)
+            }
+        })*
+
+        /// Material blocks of the scene language, each with the function that converts its fields.
+        pub(in crate::format) static MATERIAL_BLOCK_PARSERS: &[BlockParser<ParseMaterial>] = &[
+            $(BlockParser { block: $description::BLOCK, parse: |p, f| $description::parse(p, f).map(Into::into) },)*
+        ];
+
+        impl MaterialKindDescription {
+            /// Returns the schema of the material's block.
+            pub(super) fn block(&self) -> &'static BlockSchema {
+                match self {
+                    $(Self::$kind(_) => $description::BLOCK,)*
+                }
+            }
+
+            fn body(&self) -> BoundedBody {
+                match self {
+                    $(Self::$kind(_) => $description::BODY,)*
+                }
+            }
+
+            /// Writes the fields of the material's block, without emission, normal perturbation and
+            /// medium.
+            pub(super) fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+                match self {
+                    $(Self::$kind(kind) => kind.write_fields(out),)*
+                }
+            }
+
+            /// Converts the description to a material of the renderer, without emission, normal
+            /// perturbation and medium.
+            ///
+            /// Adds to `requirements` the surface properties that the material's textures need.
+            pub(in crate::format) fn resolve(
+                &self,
+                r: &mut Resolver<'_>,
+                requirements: &mut TextureRequirements,
+            ) -> Result<Material, SceneError> {
+                match self {
+                    $(Self::$kind(kind) => kind.resolve(r, requirements),)*
+                }
+            }
+
+            /// Returns the names of the textures that this kind's parameters use, without bump maps
+            /// and emission.
+            pub(super) fn texture_names(&self) -> Vec<&Spanned<String>> {
+                match self {
+                    $(Self::$kind(kind) => kind.texture_names(),)*
+                }
+            }
+
+            /// Returns the field that may be the name of a texture or the path of a picture file;
+            /// `None` if it is absent, or if textured fields hold names only.
+            pub(super) fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
+                match self {
+                    $(Self::$kind(kind) => kind.ambiguous_texture_reference_mut(),)*
+                }
+            }
+        }
+    };
+}
+
+material_kinds! {
+    /// The Phong model of MIT course 6.837.
+    Phong(PhongDescription),
+    /// A Lambertian surface.
+    Diffuse(DiffuseDescription),
+    /// A perfect mirror.
+    Mirror(MirrorDescription),
+    /// Boundary of a body of glass, water or another dielectric.
+    Dielectric(DielectricDescription),
+    /// Null interface: bounds a region of a medium. Light crosses it unchanged.
+    NullInterface(NullInterfaceDescription),
+    /// An opaque conductor.
+    Conductor(ConductorDescription),
+    /// A pane without thickness: light passes straight through or is reflected.
+    Thin(ThinDielectricDescription),
+    /// A diffuse base under a dielectric coat, such as plastic.
+    CoatedDiffuse(CoatedDiffuseDescription),
+    /// Stochastic mix: one of two materials, chosen at random at each point.
+    Mix(MixDescription),
+}
+
+impl MaterialKindDescription {
+    /// Returns the names of the two materials of a mix; `None` for other kinds.
+    #[must_use]
+    pub fn mix_material_names(&self) -> Option<[&Spanned<String>; 2]> {
+        if let Self::Mix(mix) = self { Some([&mix.first, &mix.second]) } else { None }
+    }
+
+    /// True if the material is the boundary of a dielectric body.
+    #[must_use]
+    pub fn is_dielectric(&self) -> bool {
+        self.body() == BoundedBody::Dielectric
+    }
+
+    /// True if the material is a null interface, which neither reflects nor refracts light.
+    #[must_use]
+    pub fn is_null_interface(&self) -> bool {
+        self.body() == BoundedBody::NullInterface
+    }
+}

@@ -1,0 +1,53 @@
+//! The block `Thin`.
+
+use super::fields::TRANSMITTANCE_RANGE;
+use super::{BoundedBody, MaterialBlock};
+use crate::format::error::SceneError;
+use crate::format::language::field_table::{BlockCodec, field_table};
+use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
+use crate::format::materials::emission::EMISSION_FIELDS;
+use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
+use crate::format::materials::refraction::INDEX_FIELD;
+use crate::format::resolve::Resolver;
+use crate::format::resolve::textures::TextureRequirements;
+use crate::format::span::Spanned;
+use crate::format::textured_value::TexturedValue;
+use crate::scene::Material;
+use glam::DVec3;
+
+/// A pane without thickness: light passes straight through or is reflected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ThinDielectricDescription {
+    /// Index of refraction relative to the surroundings.
+    pub eta: f64,
+    /// Transmittance of the pane's interior at normal incidence, inside (0, 1].
+    pub transmittance: TexturedValue<DVec3>,
+}
+
+field_table!(ThinDielectricDescription {
+    eta: INDEX_FIELD,
+    transmittance: field_schema(
+        "transmittance",
+        FieldKind::ColorOrTexture,
+        "transmittance of the inside at normal incidence"
+    )
+    .with_range(TRANSMITTANCE_RANGE)
+    .with_default_numbers(&[1.0, 1.0, 1.0]),
+});
+
+impl MaterialBlock for ThinDielectricDescription {
+    const BLOCK: &'static BlockSchema =
+        &block_schema("Thin", "pane without thickness; the index is relative to the surroundings")
+            .with_table(Self::FIELDS)
+            .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
+    const BODY: BoundedBody = BoundedBody::None;
+
+    fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
+        let transmittance = r.resolve_reflectance_parameter(&self.transmittance, requirements)?;
+        Ok(Material::thin_dielectric(self.eta as f32, transmittance))
+    }
+
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
+        None
+    }
+}

@@ -1,0 +1,217 @@
+//! Materials of a scene that is imported from Mitsuba, each converted at its first use.
+
+mod converter;
+
+use super::context::ImportContext;
+use super::files::ReadResult;
+use super::meshes::TexcoordConvention;
+use super::textures::MitsubaTextures;
+use super::tree::MitsubaObject;
+use crate::format::description::{
+    EmissionDescription, GroupItem, MaterialDescription, MaterialKindDescription, NormalPerturbationDescription,
+    NullInterfaceDescription, ObjectGroup, Span, Spanned, ThinDielectricDescription,
+};
+use converter::{ConvertedBsdf, MitsubaMaterialConverter, diffuse_description};
+use glam::DVec3;
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+
+/// Kind of boundary that a material makes. It decides which surfaces a shape needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MaterialBoundary {
+    /// Boundary of an opaque material or of a mix.
+    Opaque,
+    /// Boundary of a dielectric with volume, such as a glass body.
+    Body,
+    /// A thin pane without volume.
+    Pane,
+    /// No surface: a null interface, which may bound a medium.
+    Null,
+}
+
+/// A material of the imported scene, with the properties that shapes depend on.
+#[derive(Clone, Debug)]
+pub(super) struct MitsubaImportedMaterial {
+    /// Name of the material in the imported scene.
+    pub name: String,
+    /// Kind of boundary, which decides which surfaces a shape needs.
+    pub boundary: MaterialBoundary,
+    /// True if the material uses a texture, or if it is a mix.
+    pub may_be_textured: bool,
+}
+
+/// Properties of a shape on which its converted material depends.
+///
+/// A BSDF becomes one material for each distinct value.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ShapeMaterialInputs {
+    /// Name of the medium inside the shape; `None` for vacuum.
+    pub medium: Option<String>,
+    /// Emission texture: its name, and the factor from its values to radiance.
+    ///
+    /// `None` if the shape emits constant radiance or nothing.
+    pub emission_texture: Option<(Spanned<String>, f64)>,
+    /// Convention for the texture coordinates of the shape.
+    pub convention: TexcoordConvention,
+}
+
+/// Materials of the imported scene so far, with tables that find materials for reuse.
+#[derive(Default)]
+pub(super) struct MitsubaMaterials {
+    /// Materials of the imported scene. The materials of a mix are listed before it.
+    pub descriptions: Vec<Spanned<MaterialDescription>>,
+    names: HashSet<String>,
+    converted: HashMap<(Option<*const MitsubaObject>, String), MitsubaImportedMaterial>,
+    transparent_material_name: Option<String>,
+    black_material_name: Option<String>,
+    null_interface_names: HashMap<String, String>,
+}
+
+impl MitsubaMaterials {
+    /// Returns the material of a shape. Converts the shape's BSDF, unless an equal one was
+    /// converted for equal inputs.
+    ///
+    /// A shape without a BSDF has a gray diffuse material.
+    pub fn imported_material(
+        &mut self,
+        context: &ImportContext<'_>,
+        textures: &mut MitsubaTextures,
+        bsdf: Option<&Rc<MitsubaObject>>,
+        inputs: &ShapeMaterialInputs,
+    ) -> ReadResult<MitsubaImportedMaterial> {
+        let key = (bsdf.map(Rc::as_ptr), format!("{inputs:?}"));
+        if let Some(known) = self.converted.get(&key) {
+            return Ok(known.clone());
+        }
+        let ShapeMaterialInputs { medium, emission_texture: emission, convention } = inputs;
+        let wanted = bsdf.and_then(|bsdf| bsdf.id.clone()).unwrap_or_else(|| "material".to_owned());
+        let name = self.unique_name(&wanted);
+        let mut converter =
+            MitsubaMaterialConverter { materials: self, textures, context, convention: *convention, name: &name };
+        let surface = match bsdf {
+            Some(bsdf) => converter.convert_bsdf(bsdf, 0)?,
+            None => diffuse_description(DVec3::splat(0.5)).into(),
+        };
+        let ConvertedBsdf { mut kind, normal } = surface;
+        let emission = emission.clone().map(|(name, scale)| EmissionDescription::Texture { name, scale });
+        if kind.is_null_interface() && emission.is_some() {
+            kind = diffuse_description(DVec3::ZERO);
+        }
+        let boundary = if kind.is_dielectric() {
+            MaterialBoundary::Body
+        } else if kind.is_null_interface() {
+            MaterialBoundary::Null
+        } else if let MaterialKindDescription::Thin(_) = kind {
+            MaterialBoundary::Pane
+        } else {
+            MaterialBoundary::Opaque
+        };
+        let fills = matches!(boundary, MaterialBoundary::Body | MaterialBoundary::Null);
+        let medium = medium.clone().filter(|_| fills).map(|name| Spanned::new(name, Span::default()));
+        let description =
+            MaterialDescription { name: Some(name.clone()), kind, emission, normal_perturbation: normal, medium };
+        let is_textured = !description.texture_names().is_empty() || description.kind.mix_material_names().is_some();
+        self.descriptions.push(Spanned::new(description, Span::default()));
+        let imported = MitsubaImportedMaterial { name, boundary, may_be_textured: is_textured };
+        if !imported.may_be_textured {
+            // Without textures, the convention for texture coordinates makes no difference.
+            for convention in [TexcoordConvention::Same, TexcoordConvention::FlippedV] {
+                let inputs = ShapeMaterialInputs { convention, ..inputs.clone() };
+                self.converted.insert((key.0, format!("{inputs:?}")), imported.clone());
+            }
+        }
+        self.converted.insert(key, imported.clone());
+        Ok(imported)
+    }
+
+    /// Returns the name of the null-interface material that bounds `medium`. Adds it at its first
+    /// use.
+    pub fn null_interface_name(&mut self, medium: &str) -> String {
+        if let Some(name) = self.null_interface_names.get(medium) {
+            return name.clone();
+        }
+        let name = self.unique_name("boundary");
+        let kind = MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 });
+        let filling = Some(Spanned::new(medium.to_owned(), Span::default()));
+        self.push_material(name.clone(), kind, None, filling);
+        self.null_interface_names.insert(medium.to_owned(), name.clone());
+        name
+    }
+
+    /// Returns the name of a material that reflects and transmits nothing. Adds it at its first
+    /// use.
+    pub fn black_material_name(&mut self) -> String {
+        if let Some(name) = &self.black_material_name {
+            return name.clone();
+        }
+        let name = self.unique_name("black");
+        self.push_material(name.clone(), diffuse_description(DVec3::ZERO), None, None);
+        self.black_material_name = Some(name.clone());
+        name
+    }
+
+    /// Keeps only the materials that an object uses, directly or through a mix.
+    ///
+    /// Returns the names of the textures that these materials use.
+    pub fn remove_unused(&mut self, objects: &ObjectGroup) -> HashSet<String> {
+        let mut used = HashSet::new();
+        collect_material_names(objects, &mut used);
+        // The materials of a mix are listed before it, so one backward pass finds all.
+        for material in self.descriptions.iter().rev() {
+            if material.name.as_ref().is_some_and(|name| used.contains(name)) {
+                used.extend(material.kind.mix_material_names().into_iter().flatten().map(|part| part.value.clone()));
+            }
+        }
+        self.descriptions.retain(|material| material.name.as_ref().is_some_and(|name| used.contains(name)));
+        self.descriptions.iter().flat_map(|m| m.texture_names()).map(|name| name.value.clone()).collect()
+    }
+
+    fn push_material(
+        &mut self,
+        name: String,
+        kind: MaterialKindDescription,
+        normal_perturbation: Option<NormalPerturbationDescription>,
+        medium: Option<Spanned<String>>,
+    ) {
+        let material = MaterialDescription { name: Some(name), kind, emission: None, normal_perturbation, medium };
+        self.descriptions.push(Spanned::new(material, Span::default()));
+    }
+
+    /// Reserves and returns a material name that is not in use: `wanted`, or `wanted` with a
+    /// number.
+    ///
+    /// Control characters and quotes become spaces.
+    fn unique_name(&mut self, wanted: &str) -> String {
+        let clean: String = wanted.chars().map(|c| if c.is_control() || c == '"' { ' ' } else { c }).collect();
+        let clean = clean.trim();
+        let base = if clean.is_empty() { "material" } else { clean };
+        let numbered = (self.names.len() + 1..).map(|i| format!("{base} {i}"));
+        let mut candidates = std::iter::once(base.to_owned()).chain(numbered);
+        let name = candidates.find(|name| !self.names.contains(name)).unwrap_or_default();
+        self.names.insert(name.clone());
+        name
+    }
+
+    /// Returns the name of a material that transmits all light unchanged. Adds it at its first use.
+    fn transparent_material_name(&mut self) -> String {
+        if let Some(name) = &self.transparent_material_name {
+            return name.clone();
+        }
+        let name = self.unique_name("clear");
+        let kind =
+            MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
+        self.push_material(name.clone(), kind, None, None);
+        self.transparent_material_name = Some(name.clone());
+        name
+    }
+}
+
+/// Adds the names of the materials that objects in `group` use to `names`.
+fn collect_material_names(group: &ObjectGroup, names: &mut HashSet<String>) {
+    for item in &group.items {
+        match item {
+            GroupItem::MaterialName(name) => drop(names.insert(name.value.clone())),
+            GroupItem::MaterialIndex(_) | GroupItem::Object(_) => {}
+        }
+    }
+}
