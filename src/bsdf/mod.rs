@@ -9,6 +9,7 @@ mod coat_albedo;
 mod coated_diffuse;
 mod conductor;
 mod dielectric;
+mod diffuse_transmission;
 mod fresnel;
 mod lossy_coat;
 mod metals;
@@ -23,6 +24,7 @@ pub use coat_albedo::MAX_COAT_INDEX;
 pub use coated_diffuse::{CoatedDiffuse, DielectricCoat};
 pub use conductor::Conductor;
 pub use dielectric::{Dielectric, DielectricSplit};
+pub use diffuse_transmission::DiffuseTransmission;
 pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance_and_cosine, refract};
 pub use lossy_coat::LossyCoat;
 pub use metals::{METAL_NAMES, metal_refractive_index};
@@ -130,6 +132,8 @@ pub enum Bsdf {
     Black,
     /// Lambertian reflection on both sides; the value is the reflectance.
     Diffuse(Rgb),
+    /// Lambertian reflection and transmission, on both sides.
+    DiffuseTransmission(DiffuseTransmission),
     /// Lambertian reflection plus a Phong lobe, on both sides.
     Phong(Phong),
     /// Mirror reflection on both sides; the value is the reflectance.
@@ -187,6 +191,7 @@ impl Bsdf {
         match self {
             Self::Black => true,
             Self::Diffuse(reflectance) => *reflectance == Rgb::ZERO,
+            Self::DiffuseTransmission(sheet) => sheet.is_black(),
             Self::Phong(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -198,12 +203,12 @@ impl Bsdf {
         }
     }
 
-    /// True if the BSDF is Lambertian, or has a Lambertian base under a coat.
+    /// True if the BSDF scatters all light diffusely, or has a Lambertian base under a coat.
     #[inline]
     #[must_use]
     pub fn is_diffuse_or_coated(&self) -> bool {
         match self {
-            Self::Diffuse(_) | Self::CoatedDiffuse(_) => true,
+            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::CoatedDiffuse(_) => true,
             Self::Black
             | Self::Phong(_)
             | Self::Mirror(_)
@@ -228,6 +233,7 @@ impl Bsdf {
             Self::CoatedDiffuse(coated) => coated.select_layer(wo, ns, u),
             Self::Black
             | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
             | Self::Phong(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -249,6 +255,7 @@ impl Bsdf {
             Self::CoatedDiffuse(coated) => coated.separate_coat().map(Self::DielectricCoat),
             Self::Black
             | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
             | Self::Phong(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -270,6 +277,7 @@ impl Bsdf {
             Self::Phong(phong) => phong.select_lobe(u),
             Self::Black
             | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
             | Self::Conductor(_)
@@ -295,6 +303,7 @@ impl Bsdf {
             Self::Dielectric(dielectric) => Some(dielectric.reflect_and_refract(wo, ns, ng, transport)),
             Self::Black
             | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
             | Self::Phong(_)
             | Self::Mirror(_)
             | Self::Conductor(_)
@@ -313,9 +322,12 @@ impl Bsdf {
             Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => true,
             Self::Conductor(conductor) => conductor.is_smooth(),
             Self::DielectricCoat(coat) => coat.alpha() == 0.0,
-            Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::RoughDielectric(_) | Self::CoatedDiffuse(_) => {
-                false
-            }
+            Self::Black
+            | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
+            | Self::Phong(_)
+            | Self::RoughDielectric(_)
+            | Self::CoatedDiffuse(_) => false,
         }
     }
 
@@ -324,7 +336,9 @@ impl Bsdf {
     #[must_use]
     pub fn transmits(&self) -> bool {
         match self {
-            Self::Dielectric(_) | Self::RoughDielectric(_) | Self::ThinDielectric(_) => true,
+            Self::Dielectric(_) | Self::RoughDielectric(_) | Self::ThinDielectric(_) | Self::DiffuseTransmission(_) => {
+                true
+            }
             Self::Black
             | Self::Diffuse(_)
             | Self::Phong(_)
@@ -345,7 +359,7 @@ impl Bsdf {
     #[must_use]
     pub fn stores_photons(&self) -> bool {
         match self {
-            Self::Diffuse(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => true,
+            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => true,
             Self::Conductor(conductor) => conductor.alpha() > MIN_PHOTON_STORAGE_ALPHA,
             Self::Black
             | Self::Mirror(_)
@@ -376,7 +390,9 @@ impl Bsdf {
     pub fn ray_cone_spread(&self) -> f32 {
         match self {
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
-            Self::Diffuse(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => DIFFUSE_CONE_SPREAD,
+            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => {
+                DIFFUSE_CONE_SPREAD
+            }
             Self::DielectricCoat(coat) => coat.alpha() * DIFFUSE_CONE_SPREAD,
             Self::Conductor(conductor) => conductor.alpha() * DIFFUSE_CONE_SPREAD,
             Self::RoughDielectric(glass) => glass.alpha() * DIFFUSE_CONE_SPREAD,
@@ -398,6 +414,7 @@ impl Bsdf {
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => Rgb::ZERO,
             Self::RoughDielectric(glass) => glass.evaluate(wo, wi, face_forward(ns, wo), ng, transport),
             Self::Diffuse(reflectance) => *reflectance * FRAC_1_PI,
+            Self::DiffuseTransmission(sheet) => sheet.evaluate(crosses),
             Self::Phong(phong) => phong.evaluate(wo, wi, ns),
             Self::Conductor(conductor) => conductor.evaluate(wo, wi, ns),
             Self::CoatedDiffuse(coated) => coated.evaluate(wo, wi, ns),
@@ -420,6 +437,7 @@ impl Bsdf {
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
             Self::RoughDielectric(glass) => glass.pdf(wo, wi, face_forward(ns, wo), ng),
             Self::Diffuse(_) => warp::cosine_hemisphere_pdf(wi.dot(ns).abs()),
+            Self::DiffuseTransmission(sheet) => sheet.pdf(wi.dot(ns).abs(), crosses),
             Self::Phong(phong) => phong.pdf(wo, wi, ns),
             Self::Conductor(conductor) => conductor.pdf(wo, wi, ns),
             Self::CoatedDiffuse(coated) => coated.pdf(wo, wi, ns),
@@ -469,6 +487,7 @@ impl Bsdf {
                 let pdf = warp::cosine_hemisphere_pdf(local.z);
                 Some(NonSpecularSample { wi, weight: *reflectance, pdf, is_transmitted: false })
             }
+            Self::DiffuseTransmission(sheet) => sheet.sample(facing_ns, lobe, u),
             Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u),
             Self::Conductor(conductor) => conductor.sample_rough(wo, facing_ns, lobe, u),
             Self::CoatedDiffuse(coated) => coated.sample(wo, facing_ns, lobe, u),
@@ -496,7 +515,9 @@ impl Bsdf {
     ) -> Option<BsdfSample> {
         let facing_ns = face_forward(ns, wo);
         match self {
-            Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => None,
+            Self::Black | Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => {
+                None
+            }
             Self::Mirror(reflectance) => {
                 let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, facing_ns, ng);
                 Some(BsdfSample::specular_sample(wi, *reflectance, false, uses_geometric_normal))

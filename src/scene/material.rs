@@ -3,7 +3,8 @@
 use super::interiors::Body;
 use super::textured::{MaterialParameter, MeanParameterEvaluator, NormalPerturbation, ParameterEvaluator};
 use crate::bsdf::{
-    Bsdf, Conductor, MicrofacetScattering, ThinDielectric, conductor_reflectance, dielectric_reflectance_and_cosine,
+    Bsdf, Conductor, DiffuseTransmission, MicrofacetScattering, ThinDielectric, conductor_reflectance,
+    dielectric_reflectance_and_cosine,
 };
 use crate::color::Rgb;
 use crate::texture::Texture;
@@ -37,6 +38,13 @@ pub enum MaterialKind {
     Diffuse {
         /// Diffuse reflectance in \[0, 1], per channel.
         reflectance: MaterialParameter<Rgb>,
+    },
+    /// Lambertian reflection and transmission: a thin sheet, such as paper or a leaf.
+    DiffuseTransmission {
+        /// Diffuse reflectance in \[0, 1], per channel.
+        reflectance: MaterialParameter<Rgb>,
+        /// Diffuse transmittance in \[0, 1], per channel.
+        transmittance: MaterialParameter<Rgb>,
     },
     /// Lambertian reflection plus a Phong lobe.
     Phong {
@@ -127,6 +135,12 @@ impl MaterialKind {
         match *self {
             Self::Black | Self::Mix { .. } => Bsdf::Black,
             Self::Diffuse { reflectance } => Bsdf::Diffuse(parameters.evaluate_color(&reflectance)),
+            Self::DiffuseTransmission { reflectance, transmittance } => {
+                Bsdf::DiffuseTransmission(DiffuseTransmission::new(
+                    parameters.evaluate_color(&reflectance),
+                    parameters.evaluate_color(&transmittance),
+                ))
+            }
             Self::Phong { diffuse, specular, shininess } => {
                 Bsdf::phong(parameters.evaluate_color(&diffuse), parameters.evaluate_color(&specular), shininess)
             }
@@ -156,7 +170,9 @@ impl MaterialKind {
     #[must_use]
     pub fn phong_appearance(&self, parameters: &impl ParameterEvaluator) -> PhongAppearance {
         let diffuse = match self {
-            Self::Diffuse { reflectance } | Self::Mirror { reflectance } => parameters.evaluate_color(reflectance),
+            Self::Diffuse { reflectance }
+            | Self::DiffuseTransmission { reflectance, .. }
+            | Self::Mirror { reflectance } => parameters.evaluate_color(reflectance),
             Self::ThinDielectric { transmittance, .. } => parameters.evaluate_color(transmittance),
             Self::Phong { diffuse, specular, shininess } => {
                 return PhongAppearance {
@@ -200,6 +216,7 @@ impl MaterialKind {
             Self::Mix { .. } | Self::CoatedDiffuse { .. } => true,
             Self::Black
             | Self::Diffuse { .. }
+            | Self::DiffuseTransmission { .. }
             | Self::Phong { .. }
             | Self::Mirror { .. }
             | Self::Conductor { .. }
@@ -217,6 +234,7 @@ impl MaterialKind {
             Self::CoatedDiffuse { .. }
             | Self::Black
             | Self::Diffuse { .. }
+            | Self::DiffuseTransmission { .. }
             | Self::Phong { .. }
             | Self::Mirror { .. }
             | Self::ThinDielectric { .. }
@@ -230,6 +248,9 @@ impl MaterialKind {
         match self {
             Self::Black => false,
             Self::Diffuse { reflectance } | Self::Mirror { reflectance } => reflectance.is_textured(),
+            Self::DiffuseTransmission { reflectance, transmittance } => {
+                reflectance.is_textured() || transmittance.is_textured()
+            }
             Self::Phong { diffuse, specular, .. } => diffuse.is_textured() || specular.is_textured(),
             Self::ThinDielectric { transmittance, .. } => transmittance.is_textured(),
             Self::Conductor { roughness, .. } | Self::Dielectric { roughness, .. } => roughness.is_textured(),
@@ -269,6 +290,19 @@ impl Material {
     #[must_use]
     pub fn diffuse(reflectance: impl Into<MaterialParameter<Rgb>>) -> Self {
         Self::new(MaterialKind::Diffuse { reflectance: reflectance.into() })
+    }
+
+    /// A thin sheet that reflects and transmits light diffusely.
+    ///
+    /// `reflectance` and `transmittance` lie in \[0, 1]. If their sum exceeds 1, they are scaled to
+    /// conserve energy; see [`DiffuseTransmission`].
+    #[must_use]
+    pub fn diffuse_transmission(
+        reflectance: impl Into<MaterialParameter<Rgb>>,
+        transmittance: impl Into<MaterialParameter<Rgb>>,
+    ) -> Self {
+        let (reflectance, transmittance) = (reflectance.into(), transmittance.into());
+        Self::new(MaterialKind::DiffuseTransmission { reflectance, transmittance })
     }
 
     /// A material of Phong's model. The BSDF is scaled to conserve energy (see
@@ -338,6 +372,7 @@ impl Material {
             }
             MaterialKind::Black
             | MaterialKind::Diffuse { .. }
+            | MaterialKind::DiffuseTransmission { .. }
             | MaterialKind::Phong { .. }
             | MaterialKind::Mirror { .. }
             | MaterialKind::ThinDielectric { .. }
@@ -407,6 +442,7 @@ impl Material {
             }
             MaterialKind::Black
             | MaterialKind::Diffuse { .. }
+            | MaterialKind::DiffuseTransmission { .. }
             | MaterialKind::Phong { .. }
             | MaterialKind::Mirror { .. }
             | MaterialKind::Conductor { .. }
@@ -521,6 +557,7 @@ impl Material {
             | MaterialKind::CoatedDiffuse { roughness: MaterialParameter::Constant(_), .. }
             | MaterialKind::Black
             | MaterialKind::Diffuse { .. }
+            | MaterialKind::DiffuseTransmission { .. }
             | MaterialKind::Phong { .. }
             | MaterialKind::Mirror { .. }
             | MaterialKind::ThinDielectric { .. }

@@ -39,6 +39,16 @@ fn coated_bsdfs() -> Vec<Bsdf> {
         .to_vec()
 }
 
+/// Diffuse sheets that reflect and transmit, only reflect, and only transmit.
+fn diffuse_sheets() -> Vec<Bsdf> {
+    let (rgb, other) = (Vec3::new(0.7, 0.2, 0.5), Vec3::new(0.3, 0.6, 0.5));
+    [(rgb, other), (rgb, Rgb::ZERO), (Rgb::ZERO, other)]
+        .map(|(reflectance, transmittance)| {
+            Bsdf::DiffuseTransmission(DiffuseTransmission::new(reflectance, transmittance))
+        })
+        .to_vec()
+}
+
 /// Coats of α from 0 to 0.2, selected alone.
 fn coats() -> Vec<Bsdf> {
     [0.0, MIN_ROUGH_ALPHA, 0.2].map(|a| Bsdf::coated_diffuse(Rgb::ZERO, 1.5, a, true).separate_coat().unwrap()).to_vec()
@@ -57,6 +67,7 @@ fn all_bsdf_kinds() -> Vec<Bsdf> {
     }
     all.extend(coated_bsdfs());
     all.extend(coats());
+    all.extend(diffuse_sheets());
     all.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Rgb::new(1.0, 0.5, 0.1) }));
     all
 }
@@ -119,9 +130,9 @@ fn sampling_and_evaluation_agree() {
 }
 
 #[test]
-fn reflection_is_reciprocal() {
-    for bsdf in basic_bsdfs()[..3].iter().chain(&coated_bsdfs()).chain(&coats()) {
-        for (a, b) in [(0.9, 0.3), (0.1, 0.99), (0.5, 0.5)] {
+fn diffuse_and_coated_scattering_is_reciprocal() {
+    for bsdf in basic_bsdfs()[..3].iter().chain(&coated_bsdfs()).chain(&coats()).chain(&diffuse_sheets()) {
+        for (a, b) in [(0.9, 0.3), (0.1, 0.99), (0.5, 0.5), (0.9, -0.3), (-0.2, 0.7)] {
             let (wo, wi) = (
                 direction_with_cos(a),
                 Frame::from_normal(Vec3::Z).to_world(direction_with_cos(b) * Vec3::new(-0.8, 1.0, 1.0)).normalize(),

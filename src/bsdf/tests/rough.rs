@@ -71,6 +71,7 @@ fn samples_agree_with_evaluation_and_pdf() {
             Bsdf::dielectric(1.0 / GLASS, alpha, Multiple),
             Bsdf::dielectric(1.01, alpha, Multiple),
             Bsdf::Diffuse(eta * 0.2),
+            diffuse_sheets()[0],
             Bsdf::Phong(Phong::new(eta, k, 30.0)),
             Bsdf::coated_diffuse(k * 0.2, GLASS, alpha, true),
         ] {

@@ -222,6 +222,10 @@ fn assign_texture_names(material: &mut MaterialDescription, textures: &[Spanned<
             assign_texture_name(reflectance, textures, DVec3::ONE);
             assign_texture_name(roughness, textures, 0.5);
         }
+        MaterialKindDescription::DiffuseTransmission(DiffuseTransmissionDescription { reflectance, transmittance }) => {
+            assign_texture_name(reflectance, textures, DVec3::ONE);
+            assign_texture_name(transmittance, textures, DVec3::ONE);
+        }
         MaterialKindDescription::NullInterface(_) => {}
     }
     if let Some(EmissionDescription::Texture { name, .. }) = &mut material.emission {
@@ -289,6 +293,9 @@ fn random_material_parts() -> impl Strategy<Value = MaterialParts> {
             )),
         random_textured_value(random_fractions())
             .prop_map(|reflectance| MaterialKindDescription::Diffuse(DiffuseDescription { reflectance })),
+        (random_textured_value(random_fractions()), random_textured_value(random_fractions())).prop_map(
+            |(reflectance, transmittance)| { DiffuseTransmissionDescription { reflectance, transmittance }.into() }
+        ),
         random_textured_value(random_fractions())
             .prop_map(|reflectance| MaterialKindDescription::Mirror(MirrorDescription { reflectance })),
         (random_refractive_index(), absorption, random_textured_value(0.0..=1.0), any::<(bool, u8)>()).prop_map(

@@ -14,4 +14,5 @@ mod methods;
 mod pbrt;
 mod references;
 mod scenes;
+mod sheets;
 mod spotfog;

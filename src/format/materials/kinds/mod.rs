@@ -8,6 +8,7 @@ mod coated_diffuse;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod diffuse_transmission;
 mod fields;
 mod mirror;
 mod mix;
@@ -19,6 +20,7 @@ pub use coated_diffuse::CoatedDiffuseDescription;
 pub use conductor::ConductorDescription;
 pub use dielectric::DielectricDescription;
 pub use diffuse::DiffuseDescription;
+pub use diffuse_transmission::DiffuseTransmissionDescription;
 pub use mirror::MirrorDescription;
 pub use mix::MixDescription;
 pub use null_interface::NullInterfaceDescription;
@@ -179,6 +181,8 @@ material_kinds! {
     Thin(ThinDielectricDescription),
     /// A diffuse base under a dielectric coat, such as plastic.
     CoatedDiffuse(CoatedDiffuseDescription),
+    /// A thin sheet that scatters light diffusely to both sides.
+    DiffuseTransmission(DiffuseTransmissionDescription),
     /// Stochastic mix: one of two materials, chosen at random at each point.
     Mix(MixDescription),
 }

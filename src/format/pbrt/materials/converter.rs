@@ -5,9 +5,9 @@ use crate::bsdf::{LossyCoat, MAX_COAT_INDEX, metal_refractive_index};
 use crate::color::{conductor_refractive_index, glass_by_name};
 use crate::format::description::{
     CoatedDiffuseDescription, ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription,
-    MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription, MixDescription,
-    NormalPerturbationDescription, NullInterfaceDescription, PhongDescription, RefractiveIndexDescription, Span,
-    Spanned, TexturedValue, ThinDielectricDescription,
+    DiffuseTransmissionDescription, MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription,
+    MixDescription, NormalPerturbationDescription, NullInterfaceDescription, PhongDescription,
+    RefractiveIndexDescription, Span, Spanned, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::import_notes::ImportNotes;
 use crate::format::pbrt::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
@@ -252,19 +252,25 @@ impl PbrtMaterialConverter<'_> {
                 self.conductor_description(p, ["reflectance", "conductor.eta", "conductor.k"], alpha)?
             }
             "diffusetransmission" => {
-                self.add_note("diffuse transmission is left out: surfaces only reflect", place);
                 let scale = p.number_or("scale", 1.0);
-                diffuse(
-                    self.textured_color_and_mean(p, "reflectance", 0.25, &|c| {
-                        (c * scale).clamp(DVec3::ZERO, DVec3::ONE)
-                    })?
-                    .0,
-                )
+                let scaled = |c: DVec3| (c * scale).clamp(DVec3::ZERO, DVec3::ONE);
+                MaterialKindDescription::DiffuseTransmission(DiffuseTransmissionDescription {
+                    reflectance: self.textured_color_and_mean(p, "reflectance", 0.25, &scaled)?.0,
+                    transmittance: self.textured_color_and_mean(p, "transmittance", 0.25, &scaled)?.0,
+                })
             }
             "translucent" => {
-                self.add_note("diffuse transmission is left out: surfaces only reflect", place);
-                let share = p.find("reflect").map_or(0.5, |reflect| reflect.numbers.first().copied().unwrap_or(0.5));
-                diffuse(self.textured_color_and_mean(p, "Kd", 0.25, &|c| c * share.clamp(0.0, 1.0))?.0)
+                if p.find("Ks").is_none_or(|gloss| gloss.numbers.iter().any(|ks| *ks != 0.0)) {
+                    self.add_note("the gloss of `translucent` (Ks) is left out", place);
+                }
+                let mut part_of_kd = |name: &str| -> ReadResult<TexturedValue<DVec3>> {
+                    let (_, share) = self.textured_color_and_mean(p, name, 0.5, &|c| c)?;
+                    Ok(self.textured_color_and_mean(p, "Kd", 0.25, &|c| c * share)?.0)
+                };
+                MaterialKindDescription::DiffuseTransmission(DiffuseTransmissionDescription {
+                    reflectance: part_of_kd("reflect")?,
+                    transmittance: part_of_kd("transmit")?,
+                })
             }
             "interface" | "none" | "" => {
                 if self.medium.is_none() {

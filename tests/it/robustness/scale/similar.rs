@@ -287,6 +287,7 @@ impl Similarity {
             | MaterialKindDescription::Conductor(_)
             | MaterialKindDescription::Thin(_)
             | MaterialKindDescription::CoatedDiffuse(_)
+            | MaterialKindDescription::DiffuseTransmission(_)
             | MaterialKindDescription::Mix(_) => {}
         }
         match emission {
