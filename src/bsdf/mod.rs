@@ -5,6 +5,7 @@
 //! geometric normal. Both normals are on the outer side of the surface.
 
 mod adjoint;
+mod clear_coat;
 mod coat_albedo;
 mod coated_diffuse;
 mod conductor;
@@ -20,9 +21,10 @@ mod rough_dielectric;
 mod thin;
 
 pub use adjoint::{deposit_shading_normal_correction, shading_normal_correction};
+pub use clear_coat::{ClearCoat, ClearCoated};
 pub use coat_albedo::MAX_COAT_INDEX;
 pub use coated_diffuse::{CoatedDiffuse, DielectricCoat};
-pub use conductor::Conductor;
+pub use conductor::{Conductor, conductor_index_of_reflectance};
 pub use dielectric::{Dielectric, DielectricSplit};
 pub use diffuse_transmission::DiffuseTransmission;
 pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance_and_cosine, refract};
@@ -154,6 +156,9 @@ pub enum Bsdf {
     /// Reflection on a coat with α up to [`MIN_PHOTON_STORAGE_ALPHA`], which [`Bsdf::select_layer`]
     /// selects.
     DielectricCoat(DielectricCoat),
+    /// A surface under a clear coat, without reflection on the coat, which [`Bsdf::select_layer`]
+    /// selects.
+    ClearCoated(ClearCoated),
 }
 
 impl Bsdf {
@@ -199,7 +204,8 @@ impl Bsdf {
             | Self::RoughDielectric(_)
             | Self::ThinDielectric(_)
             | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_) => false,
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => false,
         }
     }
 
@@ -209,6 +215,7 @@ impl Bsdf {
     pub fn is_diffuse_or_coated(&self) -> bool {
         match self {
             Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::CoatedDiffuse(_) => true,
+            Self::ClearCoated(coated) => coated.is_diffuse_or_coated(),
             Self::Black
             | Self::Phong(_)
             | Self::Mirror(_)
@@ -231,6 +238,7 @@ impl Bsdf {
     pub fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Self {
         match self {
             Self::CoatedDiffuse(coated) => coated.select_layer(wo, ns, u),
+            Self::ClearCoated(coated) => coated.select_layer(wo, ns, u),
             Self::Black
             | Self::Diffuse(_)
             | Self::DiffuseTransmission(_)
@@ -244,6 +252,13 @@ impl Bsdf {
         }
     }
 
+    /// Returns the surface under a clear coat, without the coat; `None` for a surface without a
+    /// clear coat.
+    #[must_use]
+    pub fn under_coat(&self) -> Option<Self> {
+        if let Self::ClearCoated(coated) = self { Some(coated.base()) } else { None }
+    }
+
     /// Returns the coat as a BSDF of its own, if [`Bsdf::select_layer`] chooses between coat and
     /// base here (coat α up to [`MIN_PHOTON_STORAGE_ALPHA`]); else `None`.
     ///
@@ -253,6 +268,7 @@ impl Bsdf {
     pub fn separate_coat(&self) -> Option<Self> {
         match self {
             Self::CoatedDiffuse(coated) => coated.separate_coat().map(Self::DielectricCoat),
+            Self::ClearCoated(coated) => Some(Self::DielectricCoat(coated.coat())),
             Self::Black
             | Self::Diffuse(_)
             | Self::DiffuseTransmission(_)
@@ -284,7 +300,8 @@ impl Bsdf {
             | Self::RoughDielectric(_)
             | Self::ThinDielectric(_)
             | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_) => self,
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => self,
         }
     }
 
@@ -310,7 +327,8 @@ impl Bsdf {
             | Self::RoughDielectric(_)
             | Self::ThinDielectric(_)
             | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_) => None,
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => None,
         }
     }
 
@@ -322,6 +340,7 @@ impl Bsdf {
             Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => true,
             Self::Conductor(conductor) => conductor.is_smooth(),
             Self::DielectricCoat(coat) => coat.alpha() == 0.0,
+            Self::ClearCoated(coated) => coated.is_specular(),
             Self::Black
             | Self::Diffuse(_)
             | Self::DiffuseTransmission(_)
@@ -345,7 +364,8 @@ impl Bsdf {
             | Self::Mirror(_)
             | Self::Conductor(_)
             | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_) => false,
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => false,
         }
     }
 
@@ -360,7 +380,8 @@ impl Bsdf {
     pub fn stores_photons(&self) -> bool {
         match self {
             Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => true,
-            Self::Conductor(conductor) => conductor.alpha() > MIN_PHOTON_STORAGE_ALPHA,
+            Self::Conductor(conductor) => conductor.stores_photons(),
+            Self::ClearCoated(coated) => coated.stores_photons(),
             Self::Black
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -394,6 +415,7 @@ impl Bsdf {
                 DIFFUSE_CONE_SPREAD
             }
             Self::DielectricCoat(coat) => coat.alpha() * DIFFUSE_CONE_SPREAD,
+            Self::ClearCoated(coated) => coated.ray_cone_spread(),
             Self::Conductor(conductor) => conductor.alpha() * DIFFUSE_CONE_SPREAD,
             Self::RoughDielectric(glass) => glass.alpha() * DIFFUSE_CONE_SPREAD,
         }
@@ -419,6 +441,7 @@ impl Bsdf {
             Self::Conductor(conductor) => conductor.evaluate(wo, wi, ns),
             Self::CoatedDiffuse(coated) => coated.evaluate(wo, wi, ns),
             Self::DielectricCoat(coat) => coat.evaluate(wo, wi, ns),
+            Self::ClearCoated(coated) => coated.evaluate(wo, wi, ns),
         }
     }
 
@@ -442,6 +465,7 @@ impl Bsdf {
             Self::Conductor(conductor) => conductor.pdf(wo, wi, ns),
             Self::CoatedDiffuse(coated) => coated.pdf(wo, wi, ns),
             Self::DielectricCoat(coat) => coat.pdf(wo, wi, ns),
+            Self::ClearCoated(coated) => coated.pdf(wo, wi, ns),
         }
     }
 
@@ -491,6 +515,7 @@ impl Bsdf {
             Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u),
             Self::Conductor(conductor) => conductor.sample_rough(wo, facing_ns, lobe, u),
             Self::CoatedDiffuse(coated) => coated.sample(wo, facing_ns, lobe, u),
+            Self::ClearCoated(coated) => coated.sample_receiver(wo, facing_ns, lobe, u),
             Self::Black
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -527,6 +552,7 @@ impl Bsdf {
             Self::RoughDielectric(glass) => glass.sample(wo, facing_ns, ng, lobe, u, transport),
             Self::ThinDielectric(thin) => thin.sample(wo, facing_ns, ng, lobe),
             Self::DielectricCoat(coat) => coat.sample(wo, facing_ns, ng, u),
+            Self::ClearCoated(coated) => coated.sample_caster(wo, facing_ns, ng, lobe, u),
         }
     }
 }

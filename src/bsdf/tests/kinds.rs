@@ -13,6 +13,7 @@ fn representative_bsdfs() -> Vec<Bsdf> {
     family.extend([0.0, 0.05, 0.31, 1.0].map(|a| Bsdf::dielectric(1.5, a, Single)));
     family.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Rgb::new(0.9, 0.5, 0.1) }));
     family.extend(diffuse_sheets());
+    family.extend(clear_coated_bsdfs().into_iter().map(|(bsdf, _)| bsdf));
     family
 }
 
@@ -67,6 +68,7 @@ fn index_of_bsdf_variant(bsdf: &Bsdf) -> usize {
         Bsdf::CoatedDiffuse(_) => 8,
         Bsdf::DielectricCoat(_) => 9,
         Bsdf::DiffuseTransmission(_) => 10,
+        Bsdf::ClearCoated(_) => 11,
     }
 }
 
@@ -77,9 +79,9 @@ fn bsdfs_of_every_variant() -> Vec<Bsdf> {
 
 #[test]
 fn every_bsdf_variant_is_tested() {
-    let mut is_tested = [false; 11];
+    let mut is_tested = [false; 12];
     bsdfs_of_every_variant().iter().for_each(|bsdf| is_tested[index_of_bsdf_variant(bsdf)] = true);
-    assert_eq!(is_tested, [true; 11]);
+    assert_eq!(is_tested, [true; 12]);
 }
 
 /// A BSDF that stores photons never samples a delta lobe, whose light density estimates would miss.

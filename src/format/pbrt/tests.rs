@@ -147,6 +147,21 @@ fn diffuse_transmission_has_reflectance_and_transmittance() {
 }
 
 #[test]
+fn disney_materials_are_principled() {
+    let found = sphere_material(
+        "Material \"disney\" \"rgb color\" [.1 .2 .3] \"float metallic\" .25 \"float roughness\" .5
+         \"float eta\" 1.4 \"float clearcoat\" .8 \"float clearcoatgloss\" 0",
+    );
+    let MaterialKindDescription::Principled(principled) = found else { panic!() };
+    assert_eq!(principled.base_color, DVec3::new(0.1, 0.2, 0.3).into());
+    assert_eq!([principled.metallic, principled.roughness], [0.25, 0.25].map(TexturedValue::Constant));
+    assert_eq!([principled.transmission, principled.clearcoat], [0.0, 0.2].map(TexturedValue::Constant));
+    assert_eq!([principled.eta, principled.clearcoat_roughness], [1.4, 0.1]);
+    let sheen = import_text("WorldBegin Material \"disney\" \"float sheen\" 1 Shape \"sphere\"");
+    assert!(note_messages(&sheen).contains("`sheen`"));
+}
+
+#[test]
 fn textures_become_constants_or_textures() {
     let scaled = sphere_material(
         "Texture \"a\" \"spectrum\" \"constant\" \"rgb value\" [.2 .4 .8] \

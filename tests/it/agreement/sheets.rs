@@ -16,7 +16,7 @@ const EMITTED: DVec3 = DVec3::new(1.0, 2.0, 0.5);
 const SUN: DVec3 = DVec3::new(2.0, 1.0, 3.0);
 const HEIGHT: f64 = 0.7;
 const SIZE: (u32, u32) = (12, 12);
-const EFFORT: Effort = Effort { passes: 12, samples: 4, photons: 10_000, caustic: 10_000, radius: 0.12 };
+const EFFORT: Effort = Effort { passes: 8, samples: 4, photons: 6000, caustic: 6000, radius: 0.12 };
 
 /// Builds a sheet over an emissive floor, between four perfect mirrors, with sunlight from above.
 ///
