@@ -11,13 +11,16 @@ use std::f32::consts::FRAC_1_PI;
 /// Refractive index of clear coats relative to the surroundings.
 const CLEAR_COAT_INDEX: f32 = 1.5;
 
+/// Number of steps in which the parameters of a clear coat are stored, which keeps [`Bsdf`] small.
+const STEPS: f32 = 65_535.0;
+
 /// A clear coat of index 1.5: how much of the surface it covers, and its roughness.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClearCoat {
-    /// Fraction of the surface that the coat covers, in \[0, 1].
-    coverage: f32,
-    /// GGX roughness α; 0 if the coat is smooth.
-    alpha: f32,
+    /// Fraction of the surface that the coat covers, in steps of 1/[`STEPS`].
+    coverage_steps: u16,
+    /// GGX roughness α, in steps of 1/[`STEPS`]; 0 if the coat is smooth.
+    alpha_steps: u16,
 }
 
 /// A surface under a clear coat, without reflection on the coat. [`Bsdf::select_layer`] chooses the
@@ -48,21 +51,34 @@ enum CoatableBsdf {
 
 impl ClearCoat {
     /// Creates a coat from the fraction `coverage` of the surface that it covers and its GGX
-    /// roughness `alpha`, both in \[0, 1]. Below [`MIN_ROUGH_ALPHA`], the coat is smooth.
+    /// roughness `alpha`, both in \[0, 1]. Below [`MIN_ROUGH_ALPHA`], the coat is smooth. Both are
+    /// rounded to multiples of 1/65,535.
     #[must_use]
     pub fn new(coverage: f32, alpha: f32) -> Self {
-        Self { coverage, alpha: if alpha < MIN_ROUGH_ALPHA { 0.0 } else { alpha } }
+        let alpha = if alpha < MIN_ROUGH_ALPHA { 0.0 } else { alpha };
+        let [coverage_steps, alpha_steps] = [coverage, alpha].map(|x| (x * STEPS).round() as u16);
+        Self { coverage_steps, alpha_steps }
+    }
+
+    #[inline]
+    fn coverage(&self) -> f32 {
+        f32::from(self.coverage_steps) / STEPS
+    }
+
+    #[inline]
+    fn alpha(&self) -> f32 {
+        f32::from(self.alpha_steps) / STEPS
     }
 
     /// Fraction of light from direction `w` that the coat reflects; `n` is the shading normal.
     #[inline]
     fn albedo(&self, w: Vec3, n: Vec3) -> f32 {
-        self.coverage * coat_albedo(w.dot(n).abs(), CLEAR_COAT_INDEX, self.alpha)
+        self.coverage() * coat_albedo(w.dot(n).abs(), CLEAR_COAT_INDEX, self.alpha())
     }
 
     /// The coat as a BSDF, divided by `probability`.
     fn over_probability(&self, probability: f32) -> DielectricCoat {
-        DielectricCoat::new(CLEAR_COAT_INDEX, self.alpha, self.coverage / probability)
+        DielectricCoat::new(CLEAR_COAT_INDEX, self.alpha(), self.coverage() / probability)
     }
 }
 

@@ -10,7 +10,7 @@ fn ball_picture(algorithm: Algorithm, materials: &str) -> Vec<Rgb> {
         "PerspectiveCamera {{ center 0 1.2 4  direction 0 -.15 -1  up 0 1 0  angle 30  width 16  height 16 }}
         Background {{ color .2 .3 .4 }}
         Lights {{ RectangleLight {{ corner -1 3 -1  edge0 1 0 0  edge1 0 0 1  radiance 9 8 7 }} }}
-        Textures {{ Checker checks {{ first .2 .2 .2  second .7 .7 .7 }} }}
+        Textures {{ Checker checks {{ color0 .2 .2 .2  color1 .7 .7 .7  scale 6 3 }} }}
         Materials {{ Diffuse floor {{ reflectance .5 .5 .5 }} {materials} }}
         Group {{ MaterialName m Sphere {{ center 0 .7 0  radius .7 }}
             MaterialName floor Rectangle {{ corner -3 0 -3  edge0 0 0 6  edge1 6 0 0 }} }}"
