@@ -95,7 +95,12 @@ fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::
             out.write_vec3("eta", *eta)?;
             out.write_vec3("k", *k)
         }
-        MetalDescription::Reflectance(reflectance) => out.write_color_or_texture("reflectance", reflectance),
+        MetalDescription::Reflectance(TexturedValue::Constant(reflectance)) => {
+            out.write_vec3("reflectance", *reflectance)
+        }
+        MetalDescription::Reflectance(TexturedValue::Texture(name)) => {
+            out.write_texture_name_field("reflectance", name)
+        }
     }
 }
 

@@ -21,7 +21,6 @@ use std::rc::Rc;
 /// Greatest nesting depth of BSDFs.
 const MAX_BSDF_DEPTH: u32 = 24;
 
-
 /// Result of the conversion of a BSDF: reflection and transmission, and a bump map or normal map.
 pub(super) struct ConvertedBsdf {
     /// Reflection and transmission.
