@@ -17,7 +17,7 @@ use glam::{Vec2, Vec3};
 /// It is the mean cosine of diffuse light.
 const MEAN_COSINE: f32 = 2.0 / 3.0;
 
-/// Greatest reflectance at normal incidence of a metal that is given by it. A reflectance of 1 would
+/// Greatest reflectance at normal incidence that gives a refractive index. A reflectance of 1 would
 /// need an infinite k.
 const MAX_NORMAL_REFLECTANCE: f32 = 0.9999;
 

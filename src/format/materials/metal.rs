@@ -16,8 +16,8 @@ use crate::scene::ConductorIndex;
 use glam::DVec3;
 use std::fmt;
 
-/// Complex index of refraction of a conductor: that of a named metal, given numbers, or an index that
-/// follows from a reflectance.
+/// Complex index of refraction of a conductor: that of a named metal, given numbers, or an index
+/// that follows from a reflectance.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetalDescription {
     /// Name of a metal with a known complex index.

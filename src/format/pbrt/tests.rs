@@ -135,12 +135,14 @@ fn diffuse_transmission_has_reflectance_and_transmittance() {
         })
     };
     let found = sphere_material(
-        "Material \"diffusetransmission\" \"rgb reflectance\" [.2 .4 .5] \"rgb transmittance\" [.8 .6 .4] \"float scale\" .5",
+        "Material \"diffusetransmission\" \"rgb reflectance\" [.2 .4 .5]
+         \"rgb transmittance\" [.8 .6 .4] \"float scale\" .5",
     );
     assert_eq!(found, sheet(DVec3::new(0.1, 0.2, 0.25), DVec3::new(0.4, 0.3, 0.2)));
     assert_eq!(sphere_material("Material \"diffusetransmission\""), sheet(DVec3::splat(0.25), DVec3::splat(0.25)));
     let found = sphere_material(
-        "Material \"translucent\" \"rgb Kd\" [.4 .8 1] \"rgb reflect\" [.25 .25 .25] \"rgb transmit\" [.5 .25 .75]",
+        "Material \"translucent\" \"rgb Kd\" [.4 .8 1] \"rgb reflect\" [.25 .25 .25]
+         \"rgb transmit\" [.5 .25 .75]",
     );
     assert_eq!(found, sheet(DVec3::new(0.1, 0.2, 0.25), DVec3::new(0.2, 0.2, 0.75)));
     assert!(note_messages(&import_text("WorldBegin Material \"translucent\" Shape \"sphere\"")).contains("Ks"));

@@ -43,9 +43,9 @@ fn sheet_scene(eye: DVec3) -> Scene {
 
 /// The irradiance of the sheet from below is a geometric series.
 ///
-/// With reflectance r and transmittance t of the sheet, and ρ of the floor, sheet and floor receive
-/// E = πL + ρ(rE + tS) and rE + tS, where L is the floor's emission and S the sunlight. So E = (πL +
-/// ρtS)/(1 − ρr). The sheet has the radiance (rS + tE)/π above, and (rE + tS)/π below.
+/// Let r and t be the reflectance and transmittance of the sheet, ρ the reflectance of the floor, L
+/// its emission and S the sunlight. The floor receives rE + tS, and the sheet E = πL + ρ(rE + tS).
+/// So E = (πL + ρtS)/(1 − ρr). The sheet has the radiance (rS + tE)/π above, and (rE + tS)/π below.
 #[test]
 fn sheets_show_light_from_both_sides() {
     let (r, t) = (REFLECTANCE, TRANSMITTANCE);

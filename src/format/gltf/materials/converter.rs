@@ -187,8 +187,8 @@ impl GltfMaterialConverter<'_, '_> {
 
     /// Converts the opaque dielectric part of the metallic-roughness model.
     ///
-    /// The result is diffuse under a coat. If the reflectance along the normal is colored, or larger
-    /// than a coat can have, it is diffuse with a Phong lobe for the gloss.
+    /// The result is diffuse under a coat. If the reflectance along the normal is colored, or above
+    /// that of a coat, it is diffuse with a Phong lobe for the gloss.
     fn opaque_dielectric_description(
         &mut self,
         surface: &MetallicRoughnessSurface<'_>,
@@ -227,7 +227,7 @@ impl GltfMaterialConverter<'_, '_> {
         let MetallicRoughnessSurface { base_color: base, base_texture, ggx_alpha_and_mean: alpha, .. } = surface;
         let metal = match self.textured_color(base_texture.as_ref(), *base)? {
             TexturedValue::Constant(color) => {
-                // A conductor of index 1 + ik has the reflectance k² / (4 + k²) at normal incidence.
+                // A conductor of index 1 + ik reflects k² / (4 + k²) at normal incidence.
                 let reflectance = color.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
                 let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
                 MetalDescription::Index { eta: DVec3::ONE, k }
