@@ -23,9 +23,9 @@ pub struct DielectricCoat {
     eta: f32,
     /// GGX roughness α; 0 if the coat is smooth.
     alpha: f32,
-    /// Factor on the reflectance: 1/p if [`Bsdf::select_layer`] chose the coat with probability p,
-    /// else 1.
-    inverse_selection_probability: f32,
+    /// Factor on the reflectance: the fraction of the surface that the coat covers, divided by p if
+    /// [`Bsdf::select_layer`] chose the coat with probability p.
+    reflectance_factor: f32,
 }
 
 /// A Lambertian base under a dielectric coat, with the light that is reflected between them.
@@ -53,6 +53,12 @@ pub struct CoatedDiffuse {
 }
 
 impl DielectricCoat {
+    /// Creates a coat of relative index `eta`, GGX roughness `alpha`, and a factor on its
+    /// reflectance.
+    pub(super) fn new(eta: f32, alpha: f32, reflectance_factor: f32) -> Self {
+        Self { eta, alpha, reflectance_factor }
+    }
+
     /// GGX roughness α; 0 if the coat is smooth.
     #[inline]
     pub(super) fn alpha(&self) -> f32 {
@@ -60,14 +66,13 @@ impl DielectricCoat {
     }
 
     /// Returns the Fresnel reflectance at the cosine of incidence `cos`, multiplied by
-    /// `inverse_selection_probability`.
+    /// `reflectance_factor`.
     #[inline]
     fn reflectance(&self, cos: f64) -> f32 {
-        self.inverse_selection_probability
-            * fresnel_reflectance_and_cosine(cos.clamp(0.0, 1.0), f64::from(self.eta)).0 as f32
+        self.reflectance_factor * fresnel_reflectance_and_cosine(cos.clamp(0.0, 1.0), f64::from(self.eta)).0 as f32
     }
 
-    /// BRDF f(wo, wi) \[1/sr], multiplied by `inverse_selection_probability`; 0 for a smooth coat.
+    /// BRDF f(wo, wi) \[1/sr], multiplied by `reflectance_factor`; 0 for a smooth coat.
     ///
     /// `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
@@ -151,7 +156,7 @@ impl CoatedDiffuse {
 
     /// The BSDF of the coat alone, divided by the coat's selection probability `probability`.
     fn coat_over_probability(&self, probability: f32) -> DielectricCoat {
-        DielectricCoat { eta: self.eta, alpha: self.alpha, inverse_selection_probability: 1.0 / probability }
+        DielectricCoat { eta: self.eta, alpha: self.alpha, reflectance_factor: 1.0 / probability }
     }
 
     /// True if [`CoatedDiffuse::evaluate`] includes reflection on the coat, because the coat is

@@ -5,7 +5,9 @@ use super::microfacet::Ggx;
 use super::multiple_scattering::{
     MultipleConductorScattering, multiple_scattering_direction_pdf, sample_multiple_scattering_direction,
 };
-use super::{BsdfSample, MIN_ROUGH_ALPHA, MicrofacetScattering, NonSpecularSample, dielectric};
+use super::{
+    BsdfSample, MIN_PHOTON_STORAGE_ALPHA, MIN_ROUGH_ALPHA, MicrofacetScattering, NonSpecularSample, dielectric,
+};
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
@@ -14,6 +16,20 @@ use glam::{Vec2, Vec3};
 ///
 /// It is the mean cosine of diffuse light.
 const MEAN_COSINE: f32 = 2.0 / 3.0;
+
+/// Greatest reflectance at normal incidence that gives a refractive index. A reflectance of 1 would
+/// need an infinite k.
+const MAX_NORMAL_REFLECTANCE: f32 = 0.9999;
+
+/// Returns η and k of a metal with the given `reflectance` in \[0, 1] at normal incidence, by color
+/// channel.
+///
+/// η is 1, so the reflectance is k²/(4 + k²). A reflectance above 0.9999 counts as 0.9999.
+#[must_use]
+pub fn conductor_index_of_reflectance(reflectance: Rgb) -> (Rgb, Rgb) {
+    let reflectance = reflectance.clamp(Rgb::ZERO, Rgb::splat(MAX_NORMAL_REFLECTANCE));
+    (Rgb::ONE, 2.0 * (reflectance / (Rgb::ONE - reflectance)).map(f32::sqrt))
+}
 
 /// A smooth metal, or a rough metal with GGX microfacets. It reflects on both sides.
 ///
@@ -54,6 +70,12 @@ impl Conductor {
     #[must_use]
     pub fn alpha(&self) -> f32 {
         self.alpha
+    }
+
+    /// True if photons are stored on the metal, because its α exceeds [`MIN_PHOTON_STORAGE_ALPHA`].
+    #[inline]
+    pub(super) fn stores_photons(&self) -> bool {
+        self.alpha > MIN_PHOTON_STORAGE_ALPHA
     }
 
     /// True if the surface reflects like a mirror.

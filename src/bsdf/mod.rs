@@ -5,10 +5,12 @@
 //! geometric normal. Both normals are on the outer side of the surface.
 
 mod adjoint;
+mod clear_coat;
 mod coat_albedo;
 mod coated_diffuse;
 mod conductor;
 mod dielectric;
+mod diffuse_transmission;
 mod fresnel;
 mod lossy_coat;
 mod metals;
@@ -19,10 +21,12 @@ mod rough_dielectric;
 mod thin;
 
 pub use adjoint::{deposit_shading_normal_correction, shading_normal_correction};
+pub use clear_coat::{ClearCoat, ClearCoated};
 pub use coat_albedo::MAX_COAT_INDEX;
 pub use coated_diffuse::{CoatedDiffuse, DielectricCoat};
-pub use conductor::Conductor;
+pub use conductor::{Conductor, conductor_index_of_reflectance};
 pub use dielectric::{Dielectric, DielectricSplit};
+pub use diffuse_transmission::DiffuseTransmission;
 pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance_and_cosine, refract};
 pub use lossy_coat::LossyCoat;
 pub use metals::{METAL_NAMES, metal_refractive_index};
@@ -130,6 +134,8 @@ pub enum Bsdf {
     Black,
     /// Lambertian reflection on both sides; the value is the reflectance.
     Diffuse(Rgb),
+    /// Lambertian reflection and transmission, on both sides.
+    DiffuseTransmission(DiffuseTransmission),
     /// Lambertian reflection plus a Phong lobe, on both sides.
     Phong(Phong),
     /// Mirror reflection on both sides; the value is the reflectance.
@@ -150,6 +156,9 @@ pub enum Bsdf {
     /// Reflection on a coat with α up to [`MIN_PHOTON_STORAGE_ALPHA`], which [`Bsdf::select_layer`]
     /// selects.
     DielectricCoat(DielectricCoat),
+    /// A surface under a clear coat, without reflection on the coat, which [`Bsdf::select_layer`]
+    /// selects.
+    ClearCoated(ClearCoated),
 }
 
 impl Bsdf {
@@ -187,6 +196,7 @@ impl Bsdf {
         match self {
             Self::Black => true,
             Self::Diffuse(reflectance) => *reflectance == Rgb::ZERO,
+            Self::DiffuseTransmission(sheet) => sheet.is_black(),
             Self::Phong(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -194,16 +204,18 @@ impl Bsdf {
             | Self::RoughDielectric(_)
             | Self::ThinDielectric(_)
             | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_) => false,
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => false,
         }
     }
 
-    /// True if the BSDF is Lambertian, or has a Lambertian base under a coat.
+    /// True if the BSDF scatters all light diffusely, or has a Lambertian base under a coat.
     #[inline]
     #[must_use]
     pub fn is_diffuse_or_coated(&self) -> bool {
         match self {
-            Self::Diffuse(_) | Self::CoatedDiffuse(_) => true,
+            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::CoatedDiffuse(_) => true,
+            Self::ClearCoated(coated) => coated.is_diffuse_or_coated(),
             Self::Black
             | Self::Phong(_)
             | Self::Mirror(_)
@@ -226,8 +238,10 @@ impl Bsdf {
     pub fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Self {
         match self {
             Self::CoatedDiffuse(coated) => coated.select_layer(wo, ns, u),
+            Self::ClearCoated(coated) => coated.select_layer(wo, ns, u),
             Self::Black
             | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
             | Self::Phong(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -236,6 +250,13 @@ impl Bsdf {
             | Self::ThinDielectric(_)
             | Self::DielectricCoat(_) => self,
         }
+    }
+
+    /// Returns the surface under a clear coat, without the coat; `None` for a surface without a
+    /// clear coat.
+    #[must_use]
+    pub fn under_coat(&self) -> Option<Self> {
+        if let Self::ClearCoated(coated) = self { Some(coated.base()) } else { None }
     }
 
     /// Returns the coat as a BSDF of its own, if [`Bsdf::select_layer`] chooses between coat and
@@ -247,8 +268,10 @@ impl Bsdf {
     pub fn separate_coat(&self) -> Option<Self> {
         match self {
             Self::CoatedDiffuse(coated) => coated.separate_coat().map(Self::DielectricCoat),
+            Self::ClearCoated(coated) => Some(Self::DielectricCoat(coated.coat())),
             Self::Black
             | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
             | Self::Phong(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -270,13 +293,15 @@ impl Bsdf {
             Self::Phong(phong) => phong.select_lobe(u),
             Self::Black
             | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
             | Self::Conductor(_)
             | Self::RoughDielectric(_)
             | Self::ThinDielectric(_)
             | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_) => self,
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => self,
         }
     }
 
@@ -295,13 +320,15 @@ impl Bsdf {
             Self::Dielectric(dielectric) => Some(dielectric.reflect_and_refract(wo, ns, ng, transport)),
             Self::Black
             | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
             | Self::Phong(_)
             | Self::Mirror(_)
             | Self::Conductor(_)
             | Self::RoughDielectric(_)
             | Self::ThinDielectric(_)
             | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_) => None,
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => None,
         }
     }
 
@@ -313,9 +340,13 @@ impl Bsdf {
             Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => true,
             Self::Conductor(conductor) => conductor.is_smooth(),
             Self::DielectricCoat(coat) => coat.alpha() == 0.0,
-            Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::RoughDielectric(_) | Self::CoatedDiffuse(_) => {
-                false
-            }
+            Self::ClearCoated(coated) => coated.is_specular(),
+            Self::Black
+            | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
+            | Self::Phong(_)
+            | Self::RoughDielectric(_)
+            | Self::CoatedDiffuse(_) => false,
         }
     }
 
@@ -324,14 +355,17 @@ impl Bsdf {
     #[must_use]
     pub fn transmits(&self) -> bool {
         match self {
-            Self::Dielectric(_) | Self::RoughDielectric(_) | Self::ThinDielectric(_) => true,
+            Self::Dielectric(_) | Self::RoughDielectric(_) | Self::ThinDielectric(_) | Self::DiffuseTransmission(_) => {
+                true
+            }
             Self::Black
             | Self::Diffuse(_)
             | Self::Phong(_)
             | Self::Mirror(_)
             | Self::Conductor(_)
             | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_) => false,
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => false,
         }
     }
 
@@ -345,8 +379,9 @@ impl Bsdf {
     #[must_use]
     pub fn stores_photons(&self) -> bool {
         match self {
-            Self::Diffuse(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => true,
-            Self::Conductor(conductor) => conductor.alpha() > MIN_PHOTON_STORAGE_ALPHA,
+            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => true,
+            Self::Conductor(conductor) => conductor.stores_photons(),
+            Self::ClearCoated(coated) => coated.stores_photons(),
             Self::Black
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -376,8 +411,11 @@ impl Bsdf {
     pub fn ray_cone_spread(&self) -> f32 {
         match self {
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
-            Self::Diffuse(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => DIFFUSE_CONE_SPREAD,
+            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => {
+                DIFFUSE_CONE_SPREAD
+            }
             Self::DielectricCoat(coat) => coat.alpha() * DIFFUSE_CONE_SPREAD,
+            Self::ClearCoated(coated) => coated.ray_cone_spread(),
             Self::Conductor(conductor) => conductor.alpha() * DIFFUSE_CONE_SPREAD,
             Self::RoughDielectric(glass) => glass.alpha() * DIFFUSE_CONE_SPREAD,
         }
@@ -398,10 +436,12 @@ impl Bsdf {
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => Rgb::ZERO,
             Self::RoughDielectric(glass) => glass.evaluate(wo, wi, face_forward(ns, wo), ng, transport),
             Self::Diffuse(reflectance) => *reflectance * FRAC_1_PI,
+            Self::DiffuseTransmission(sheet) => sheet.evaluate(crosses),
             Self::Phong(phong) => phong.evaluate(wo, wi, ns),
             Self::Conductor(conductor) => conductor.evaluate(wo, wi, ns),
             Self::CoatedDiffuse(coated) => coated.evaluate(wo, wi, ns),
             Self::DielectricCoat(coat) => coat.evaluate(wo, wi, ns),
+            Self::ClearCoated(coated) => coated.evaluate(wo, wi, ns),
         }
     }
 
@@ -420,10 +460,12 @@ impl Bsdf {
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
             Self::RoughDielectric(glass) => glass.pdf(wo, wi, face_forward(ns, wo), ng),
             Self::Diffuse(_) => warp::cosine_hemisphere_pdf(wi.dot(ns).abs()),
+            Self::DiffuseTransmission(sheet) => sheet.pdf(wi.dot(ns).abs(), crosses),
             Self::Phong(phong) => phong.pdf(wo, wi, ns),
             Self::Conductor(conductor) => conductor.pdf(wo, wi, ns),
             Self::CoatedDiffuse(coated) => coated.pdf(wo, wi, ns),
             Self::DielectricCoat(coat) => coat.pdf(wo, wi, ns),
+            Self::ClearCoated(coated) => coated.pdf(wo, wi, ns),
         }
     }
 
@@ -469,9 +511,11 @@ impl Bsdf {
                 let pdf = warp::cosine_hemisphere_pdf(local.z);
                 Some(NonSpecularSample { wi, weight: *reflectance, pdf, is_transmitted: false })
             }
+            Self::DiffuseTransmission(sheet) => sheet.sample(facing_ns, lobe, u),
             Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u),
             Self::Conductor(conductor) => conductor.sample_rough(wo, facing_ns, lobe, u),
             Self::CoatedDiffuse(coated) => coated.sample(wo, facing_ns, lobe, u),
+            Self::ClearCoated(coated) => coated.sample_receiver(wo, facing_ns, lobe, u),
             Self::Black
             | Self::Mirror(_)
             | Self::Dielectric(_)
@@ -496,7 +540,9 @@ impl Bsdf {
     ) -> Option<BsdfSample> {
         let facing_ns = face_forward(ns, wo);
         match self {
-            Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => None,
+            Self::Black | Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => {
+                None
+            }
             Self::Mirror(reflectance) => {
                 let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, facing_ns, ng);
                 Some(BsdfSample::specular_sample(wi, *reflectance, false, uses_geometric_normal))
@@ -506,6 +552,7 @@ impl Bsdf {
             Self::RoughDielectric(glass) => glass.sample(wo, facing_ns, ng, lobe, u, transport),
             Self::ThinDielectric(thin) => thin.sample(wo, facing_ns, ng, lobe),
             Self::DielectricCoat(coat) => coat.sample(wo, facing_ns, ng, u),
+            Self::ClearCoated(coated) => coated.sample_caster(wo, facing_ns, ng, lobe, u),
         }
     }
 }

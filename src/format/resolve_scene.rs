@@ -14,7 +14,7 @@ use super::media::{add_media, set_ambient_medium};
 use super::mesh::MeshReadMonitor;
 use super::resolve::placement::ObjectEmission;
 use super::resolve::scene_meshes::SceneMeshes;
-use super::resolve::{Resolver, rgb};
+use super::resolve::{MaterialParts, Resolver, rgb};
 use super::shapes::{ShapeDescription, add_shape};
 use super::span::{Span, Spanned};
 use super::textures::add_textures;
@@ -98,6 +98,7 @@ pub(super) fn resolve_with_assets(
         pictures: HashMap::new(),
         media: HashMap::new(),
         materials: Vec::new(),
+        material_parts: MaterialParts::default(),
         mesh_parts: HashMap::new(),
         mesh_file_materials: HashMap::new(),
         mesh_uses: count_mesh_uses(&description.root),

@@ -408,19 +408,20 @@ fn weigh_and_record_light<I>(light: Rgb, path: &PathState<I>, weights: &PathWeig
     weighted
 }
 
-/// Records `vertex` in `task` as a point visible to the camera. Its weight is the throughput times
-/// the BRDF, which is the importance of photons there.
+/// Records `vertex` in `task` as a point visible to the camera, once for each side from which it
+/// scatters light. The weight is the throughput times the BSDF, which is the importance of photons
+/// on that side.
 fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, task: &mut PathTask) {
     let surface = vertex.surface;
-    let normal = surface.facing_normal();
-    let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, TransportMode::Radiance);
-    let weight = color::channel_mean(vertex.throughput * brdf);
-    task.records.visible_points.push(VisiblePoint {
-        position: surface.point.p,
-        position_error: surface.point.position_error,
-        normal,
-        weight,
-    });
+    for normal in surface.light_side_normals() {
+        let bsdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, TransportMode::Radiance);
+        task.records.visible_points.push(VisiblePoint {
+            position: surface.point.p,
+            position_error: surface.point.position_error,
+            normal,
+            weight: color::channel_mean(vertex.throughput * bsdf),
+        });
+    }
 }
 
 /// True if `vertex` ends a final-gathering ray, and the ray is long enough for a lookup in the

@@ -14,6 +14,7 @@ use crate::photon::{
     nested_disc_coverage,
 };
 use crate::scene::{Interior, Scene};
+use glam::Vec3;
 use rand::Rng;
 
 /// One photon map, of surfaces and media, with the bandwidth and kernel of its density estimates.
@@ -166,8 +167,8 @@ impl PhotonDensityEstimator<'_> {
         self.bandwidth.radius
     }
 
-    /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the photons
-    /// of this map \[W/(m² sr)].
+    /// Estimates the radiance that `vertex` scatters towards the previous vertex, from the photons
+    /// of this map \[W/(m² sr)]. If the surface transmits, photons on both of its sides count.
     ///
     /// `scratch` returns the task's search buffers and sums for this map. `lookup_scale` multiplies
     /// only the nested estimates in `task`, not the result; see [`PhotonMaps::radiance`].
@@ -186,7 +187,7 @@ impl PhotonDensityEstimator<'_> {
         }
     }
 
-    /// Estimates the radiance that `vertex` reflects towards the previous vertex \[W/(m² sr)].
+    /// Estimates the radiance that `vertex` scatters towards the previous vertex \[W/(m² sr)].
     ///
     /// If `HAS_SHARES` is true, only the share of each photon's flux counts that light tracing
     /// leaves to density estimates.
@@ -201,13 +202,48 @@ impl PhotonDensityEstimator<'_> {
         if self.map.is_empty() {
             return Rgb::ZERO;
         }
+        let normal = vertex.surface.facing_normal();
+        if !vertex.surface.bsdf.transmits() {
+            return self.radiance_from_side::<I, HAS_SHARES, false>(vertex, normal, lookup_scale, scratch, task);
+        }
+        let mut sum = (Rgb::ZERO, Rgb::ZERO);
+        for normal in vertex.surface.light_side_normals() {
+            task.pixel.nested.last_difference = Rgb::ZERO;
+            sum.0 += self.radiance_from_side::<I, HAS_SHARES, true>(vertex, normal, lookup_scale, scratch, task);
+            sum.1 += task.pixel.nested.last_difference;
+        }
+        task.pixel.nested.last_difference = sum.1;
+        sum.0
+    }
+
+    /// Estimates the radiance that `vertex` scatters towards the previous vertex, from the photons
+    /// on the side of the unit geometric `normal` \[W/(m² sr)].
+    ///
+    /// `TRANSMITS` is true if the BSDF transmits. `HAS_SHARES` has the meaning that
+    /// [`Self::radiance_weighted_by_share`] explains.
+    #[inline]
+    fn radiance_from_side<I: Interior, const HAS_SHARES: bool, const TRANSMITS: bool>(
+        &self,
+        vertex: &PathVertex<'_, I>,
+        normal: Vec3,
+        lookup_scale: f32,
+        scratch: fn(&mut PathTask) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
+        task: &mut PathTask,
+    ) -> Rgb {
         task.counters.density_estimates += 1;
         let surface = vertex.surface;
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
         let brdf = |photon: &PhotonAttributes| {
-            let mut brdf =
-                surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
+            let wi = photon.incident_direction();
+            // On a curved surface, light that reaches a neighboring point from the side of `normal`
+            // may come from below the tangent plane here. It must not count as light from the other
+            // side.
+            if TRANSMITS && wi.dot(normal) <= 0.0 {
+                return Rgb::ZERO;
+            }
+            let ng = if TRANSMITS { normal } else { ns };
+            let mut brdf = surface.bsdf.evaluate(surface.wo, wi, ns, ng, TransportMode::Radiance);
             if HAS_SHARES {
                 brdf *= photon.density_estimate_share();
             }
@@ -221,7 +257,7 @@ impl PhotonDensityEstimator<'_> {
                 brdf
             }
         };
-        let (p, normal) = (surface.point.p, surface.facing_normal());
+        let p = surface.point.p;
         let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.sampler.sample_key());
         let nested = task.pixel.nested.is_wanted;
         let (buffers, discs) = scratch(task);

@@ -28,12 +28,14 @@ pub(super) fn collect_gather_directions<I: Interior>(
     gather_guide.clear();
     let guide = RefCell::new(gather_guide);
     let bandwidth = Bandwidth { radius: min_gather_distance * GUIDE_RADIUS, k: GUIDE_PHOTONS };
-    let (p, normal) = (vertex.surface.point.p, vertex.surface.facing_normal());
-    // The lookup visits the photons; its estimate is not used.
-    let _ = maps.guides.estimate_radiance(p, normal, bandwidth, Kernel::Cone, &mut searches.guides, |flux| {
-        guide.borrow_mut().push_direction(flux.incident_direction());
-        Rgb::ZERO
-    });
+    let p = vertex.surface.point.p;
+    for normal in vertex.surface.light_side_normals() {
+        // The lookup visits the photons; its estimate is not used.
+        let _ = maps.guides.estimate_radiance(p, normal, bandwidth, Kernel::Cone, &mut searches.guides, |flux| {
+            guide.borrow_mut().push_direction(flux.incident_direction());
+            Rgb::ZERO
+        });
+    }
 }
 
 /// Samples the direction in which a camera path leaves `vertex`. Returns `None` if the path ends.
@@ -94,5 +96,7 @@ fn sample_bsdf_or_guide<I: Interior>(vertex: &PathVertex<'_, I>, task: &PathTask
     };
     let reflected = surface.bsdf_cosine(wi);
     let pdf = mixed(wi);
-    (reflected != Rgb::ZERO && pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, reflected / pdf, pdf, false))
+    let is_transmitted = surface.is_transmitted(wi);
+    (reflected != Rgb::ZERO && pdf > 0.0)
+        .then(|| BsdfSample::non_specular_sample(wi, reflected / pdf, pdf, is_transmitted))
 }

@@ -58,8 +58,7 @@ impl<I: Interior> PathVertex<'_, I> {
     pub fn outgoing_path_ray(&self, wi: Vec3) -> PathRay<I> {
         let cone = RayCone::zero_width_cone(Effects::NONE);
         let mut path_ray = PathRay { ray: Ray::new(self.surface.point.p, wi), interior: *self.interior, cone };
-        let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
-        path_ray.leave_surface_with_wavelength_weight(self.surface, wi, transmitted);
+        path_ray.leave_surface_with_wavelength_weight(self.surface, wi, self.surface.is_transmitted(wi));
         path_ray
     }
 

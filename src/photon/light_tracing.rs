@@ -174,15 +174,20 @@ impl<'a> LightTracer<'a> {
     /// Radiance of a splat, integrated over the film, per watt of a photon at `surface`
     /// \[pixel²/(m² sr)].
     ///
-    /// The factor ignores transmittance and occlusion. It is 0 if the camera is behind the surface.
+    /// The factor ignores media and occlusion. It is 0 if the camera is behind a surface that does
+    /// not transmit.
     fn splat_per_flux(&self, surface: &SurfaceInteraction<'_>, connection: &CameraConnection) -> Rgb {
-        let cosine = connection.direction_to_camera.dot(surface.facing_normal());
-        if cosine <= 0.0 {
+        let normal = surface.facing_normal();
+        let cosine = connection.direction_to_camera.dot(normal);
+        let transmits = surface.bsdf.transmits();
+        if cosine <= 0.0 && !transmits {
             return Rgb::ZERO;
         }
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
-        let brdf = surface.bsdf.evaluate(connection.direction_to_camera, surface.wo, ns, ns, TransportMode::Radiance);
-        brdf * (cosine * connection.importance)
+        // A density estimate counts a photon on the side from which it arrives.
+        let ng = if transmits { normal } else { ns };
+        let bsdf = surface.bsdf.evaluate(connection.direction_to_camera, surface.wo, ns, ng, TransportMode::Radiance);
+        bsdf * (cosine.abs() * connection.importance)
     }
 
     /// Transmittance between `surface` and the camera; 0 if a surface blocks it.
@@ -200,7 +205,8 @@ impl<'a> LightTracer<'a> {
         }
         let key = key.camera_connection_key();
         let mut leaving = *path_ray;
-        leaving.leave_surface_with_wavelength_weight(surface, connection.direction_to_camera, false);
+        let direction = connection.direction_to_camera;
+        leaving.leave_surface_with_wavelength_weight(surface, direction, surface.is_transmitted(direction));
         if is_occluded {
             return self.scene.shadow_transmittance(&ray, leaving.interior, key);
         }

@@ -3,7 +3,8 @@
 use super::interiors::Body;
 use super::textured::{MaterialParameter, MeanParameterEvaluator, NormalPerturbation, ParameterEvaluator};
 use crate::bsdf::{
-    Bsdf, Conductor, MicrofacetScattering, ThinDielectric, conductor_reflectance, dielectric_reflectance_and_cosine,
+    Bsdf, ClearCoat, Conductor, DiffuseTransmission, MicrofacetScattering, ThinDielectric,
+    conductor_index_of_reflectance, conductor_reflectance, dielectric_reflectance_and_cosine,
 };
 use crate::color::Rgb;
 use crate::texture::Texture;
@@ -14,12 +15,22 @@ use std::sync::Arc;
 pub struct Material {
     kind: MaterialKind,
     normal_perturbation: NormalPerturbation,
+    clear_coat: Option<ClearCoatParameters>,
     /// The BSDF with textures replaced by their means. Untextured materials use it at each hit.
     mean_bsdf: Bsdf,
     /// True if a texture determines a parameter of the BSDF.
     textured: bool,
     /// True if a hit may resolve to a BSDF that stores photons.
     may_store_photons: bool,
+}
+
+/// Parameters of a clear coat over a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ClearCoatParameters {
+    /// Fraction of the surface that the coat covers, in \[0, 1].
+    coverage: MaterialParameter<f32>,
+    /// GGX roughness α of the coat, in \[0, 1]; 0 is smooth.
+    alpha: f32,
 }
 
 /// The scattering model of a material, with its parameters.
@@ -38,6 +49,13 @@ pub enum MaterialKind {
         /// Diffuse reflectance in \[0, 1], per channel.
         reflectance: MaterialParameter<Rgb>,
     },
+    /// Lambertian reflection and transmission: a thin sheet, such as paper or a leaf.
+    DiffuseTransmission {
+        /// Diffuse reflectance in \[0, 1], per channel.
+        reflectance: MaterialParameter<Rgb>,
+        /// Diffuse transmittance in \[0, 1], per channel.
+        transmittance: MaterialParameter<Rgb>,
+    },
     /// Lambertian reflection plus a Phong lobe.
     Phong {
         /// Diffuse coefficient kd of Phong's model.
@@ -54,10 +72,8 @@ pub enum MaterialKind {
     },
     /// A metal, smooth or rough.
     Conductor {
-        /// Real part of the metal's refractive index, per channel.
-        eta: Rgb,
-        /// Imaginary part of the metal's refractive index, per channel.
-        k: Rgb,
+        /// Refractive index of the metal.
+        index: ConductorIndex,
         /// Roughness α of the metal in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
         /// Treatment of light that several microfacets of a rough metal scatter.
@@ -105,6 +121,39 @@ pub enum MaterialKind {
     },
 }
 
+/// Refractive index of a metal, or the reflectance from which it follows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ConductorIndex {
+    /// Complex index relative to the surroundings, per channel.
+    Complex {
+        /// Real part η of the index.
+        eta: Rgb,
+        /// Imaginary part k of the index.
+        k: Rgb,
+    },
+    /// Reflectance at normal incidence, in \[0, 1], per channel; see
+    /// [`conductor_index_of_reflectance`].
+    OfReflectance(MaterialParameter<Rgb>),
+}
+
+impl ConductorIndex {
+    /// Real and imaginary part of the index, for parameter values from `parameters`.
+    fn eta_and_k(&self, parameters: &impl ParameterEvaluator) -> (Rgb, Rgb) {
+        match self {
+            Self::Complex { eta, k } => (*eta, *k),
+            Self::OfReflectance(reflectance) => conductor_index_of_reflectance(parameters.evaluate_color(reflectance)),
+        }
+    }
+
+    /// True if a texture determines the reflectance.
+    fn is_textured(&self) -> bool {
+        match self {
+            Self::Complex { .. } => false,
+            Self::OfReflectance(reflectance) => reflectance.is_textured(),
+        }
+    }
+}
+
 /// Coefficients of the shading model of MIT course 6.837 at a surface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhongAppearance {
@@ -127,12 +176,19 @@ impl MaterialKind {
         match *self {
             Self::Black | Self::Mix { .. } => Bsdf::Black,
             Self::Diffuse { reflectance } => Bsdf::Diffuse(parameters.evaluate_color(&reflectance)),
+            Self::DiffuseTransmission { reflectance, transmittance } => {
+                Bsdf::DiffuseTransmission(DiffuseTransmission::new(
+                    parameters.evaluate_color(&reflectance),
+                    parameters.evaluate_color(&transmittance),
+                ))
+            }
             Self::Phong { diffuse, specular, shininess } => {
                 Bsdf::phong(parameters.evaluate_color(&diffuse), parameters.evaluate_color(&specular), shininess)
             }
             Self::Mirror { reflectance } => Bsdf::Mirror(parameters.evaluate_color(&reflectance)),
-            Self::Conductor { eta, k, roughness, scattering } => {
+            Self::Conductor { index, roughness, scattering } => {
                 let alpha = parameters.evaluate_photon_storage_roughness(&roughness);
+                let (eta, k) = index.eta_and_k(parameters);
                 Bsdf::Conductor(Conductor::new(eta, k, alpha, scattering))
             }
             Self::ThinDielectric { eta, transmittance } => Bsdf::ThinDielectric(ThinDielectric {
@@ -156,7 +212,9 @@ impl MaterialKind {
     #[must_use]
     pub fn phong_appearance(&self, parameters: &impl ParameterEvaluator) -> PhongAppearance {
         let diffuse = match self {
-            Self::Diffuse { reflectance } | Self::Mirror { reflectance } => parameters.evaluate_color(reflectance),
+            Self::Diffuse { reflectance }
+            | Self::DiffuseTransmission { reflectance, .. }
+            | Self::Mirror { reflectance } => parameters.evaluate_color(reflectance),
             Self::ThinDielectric { transmittance, .. } => parameters.evaluate_color(transmittance),
             Self::Phong { diffuse, specular, shininess } => {
                 return PhongAppearance {
@@ -174,7 +232,10 @@ impl MaterialKind {
                     shininess: 2.0 / (alpha * alpha) - 2.0,
                 };
             }
-            Self::Conductor { eta, k, .. } => conductor_reflectance(1.0, *eta, *k),
+            Self::Conductor { index, .. } => {
+                let (eta, k) = index.eta_and_k(parameters);
+                conductor_reflectance(1.0, eta, k)
+            }
             Self::Dielectric { body, .. } => (-body.absorption).map(libm::expf),
             Self::Black | Self::Mix { .. } => Rgb::ZERO,
         };
@@ -200,6 +261,7 @@ impl MaterialKind {
             Self::Mix { .. } | Self::CoatedDiffuse { .. } => true,
             Self::Black
             | Self::Diffuse { .. }
+            | Self::DiffuseTransmission { .. }
             | Self::Phong { .. }
             | Self::Mirror { .. }
             | Self::Conductor { .. }
@@ -217,6 +279,7 @@ impl MaterialKind {
             Self::CoatedDiffuse { .. }
             | Self::Black
             | Self::Diffuse { .. }
+            | Self::DiffuseTransmission { .. }
             | Self::Phong { .. }
             | Self::Mirror { .. }
             | Self::ThinDielectric { .. }
@@ -230,9 +293,13 @@ impl MaterialKind {
         match self {
             Self::Black => false,
             Self::Diffuse { reflectance } | Self::Mirror { reflectance } => reflectance.is_textured(),
+            Self::DiffuseTransmission { reflectance, transmittance } => {
+                reflectance.is_textured() || transmittance.is_textured()
+            }
             Self::Phong { diffuse, specular, .. } => diffuse.is_textured() || specular.is_textured(),
             Self::ThinDielectric { transmittance, .. } => transmittance.is_textured(),
-            Self::Conductor { roughness, .. } | Self::Dielectric { roughness, .. } => roughness.is_textured(),
+            Self::Conductor { index, roughness, .. } => index.is_textured() || roughness.is_textured(),
+            Self::Dielectric { roughness, .. } => roughness.is_textured(),
             Self::CoatedDiffuse { reflectance, roughness, .. } => reflectance.is_textured() || roughness.is_textured(),
             Self::Mix { amount, .. } => amount.is_textured(),
         }
@@ -245,7 +312,26 @@ impl Material {
     pub fn new(kind: MaterialKind) -> Self {
         let (mean_bsdf, textured) = (kind.bsdf(&MeanParameterEvaluator), kind.is_textured());
         let may_store_photons = mean_bsdf.stores_photons() || kind.roughness_decides_photon_storage();
-        Self { kind, normal_perturbation: NormalPerturbation::None, mean_bsdf, textured, may_store_photons }
+        let (normal_perturbation, clear_coat) = (NormalPerturbation::None, None);
+        Self { kind, normal_perturbation, clear_coat, mean_bsdf, textured, may_store_photons }
+    }
+
+    /// This material with another scattering model, and with the same normals and clear coat.
+    fn with_kind(self, kind: MaterialKind) -> Self {
+        let uncoated = Self { normal_perturbation: self.normal_perturbation, ..Self::new(kind) };
+        self.clear_coat.map_or(uncoated, |coat| uncoated.with_clear_coat(coat.coverage, coat.alpha))
+    }
+
+    /// This material under a clear coat of index 1.5 and roughness `alpha` in \[0, 1], which covers
+    /// the fraction `coverage` of the surface.
+    ///
+    /// Only diffuse, coated diffuse and metal materials can have a clear coat. Other materials do
+    /// not change; see [`Bsdf::under_clear_coat`].
+    #[must_use]
+    pub fn with_clear_coat(self, coverage: impl Into<MaterialParameter<f32>>, alpha: f32) -> Self {
+        let coat = ClearCoatParameters { coverage: coverage.into(), alpha };
+        let coated = Self { clear_coat: Some(coat), textured: self.textured || coat.coverage.is_textured(), ..self };
+        Self { mean_bsdf: coated.bsdf(&MeanParameterEvaluator), ..coated }
     }
 
     /// Returns this material with `may_store_photons` set for a mix: to true if one of its
@@ -254,7 +340,6 @@ impl Material {
     /// `materials` is the list that the component indices of the mix refer to.
     pub(super) fn with_mix_photon_storage(self, materials: &[Self]) -> Self {
         let Some(parts) = self.mix_component_indices() else { return self };
-        // A missing component is an error that the builder reports later.
         let stores = |part: u32| materials.get(part as usize).is_some_and(|part| part.may_store_photons);
         Self { may_store_photons: parts.into_iter().any(stores), ..self }
     }
@@ -269,6 +354,19 @@ impl Material {
     #[must_use]
     pub fn diffuse(reflectance: impl Into<MaterialParameter<Rgb>>) -> Self {
         Self::new(MaterialKind::Diffuse { reflectance: reflectance.into() })
+    }
+
+    /// A thin sheet that reflects and transmits light diffusely.
+    ///
+    /// `reflectance` and `transmittance` lie in \[0, 1]. If their sum exceeds 1, they are scaled to
+    /// conserve energy; see [`DiffuseTransmission`].
+    #[must_use]
+    pub fn diffuse_transmission(
+        reflectance: impl Into<MaterialParameter<Rgb>>,
+        transmittance: impl Into<MaterialParameter<Rgb>>,
+    ) -> Self {
+        let (reflectance, transmittance) = (reflectance.into(), transmittance.into());
+        Self::new(MaterialKind::DiffuseTransmission { reflectance, transmittance })
     }
 
     /// A material of Phong's model. The BSDF is scaled to conserve energy (see
@@ -311,7 +409,7 @@ impl Material {
     /// A mix, which resolves at each hit to material `second` with probability `amount`, else to
     /// `first`.
     ///
-    /// Both are indices of materials that have already been added to the scene.
+    /// Both are indices of materials of the scene, which may be added after the mix.
     #[must_use]
     pub fn mix(first: u32, second: u32, amount: impl Into<MaterialParameter<f32>>) -> Self {
         Self::new(MaterialKind::Mix { first, second, amount: amount.into() })
@@ -320,8 +418,14 @@ impl Material {
     /// A metal of refractive index `eta` + i`k` and roughness α in \[0, 1].
     #[must_use]
     pub fn conductor(eta: Rgb, k: Rgb, roughness: impl Into<MaterialParameter<f32>>) -> Self {
+        Self::conductor_of_index(ConductorIndex::Complex { eta, k }, roughness)
+    }
+
+    /// A metal with the refractive index that `index` gives, and roughness α in \[0, 1].
+    #[must_use]
+    pub fn conductor_of_index(index: ConductorIndex, roughness: impl Into<MaterialParameter<f32>>) -> Self {
         let (roughness, scattering) = (roughness.into(), MicrofacetScattering::Multiple);
-        Self::new(MaterialKind::Conductor { eta, k, roughness, scattering })
+        Self::new(MaterialKind::Conductor { index, roughness, scattering })
     }
 
     /// This material without light that scatters between microfacets; unchanged if it is neither a
@@ -330,21 +434,22 @@ impl Material {
     pub fn with_single_microfacet_scattering(self) -> Self {
         let scattering = MicrofacetScattering::Single;
         let kind = match self.kind {
-            MaterialKind::Conductor { eta, k, roughness, .. } => {
-                MaterialKind::Conductor { eta, k, roughness, scattering }
+            MaterialKind::Conductor { index, roughness, .. } => {
+                MaterialKind::Conductor { index, roughness, scattering }
             }
             MaterialKind::Dielectric { body, roughness, .. } => {
                 MaterialKind::Dielectric { body, roughness, scattering }
             }
             MaterialKind::Black
             | MaterialKind::Diffuse { .. }
+            | MaterialKind::DiffuseTransmission { .. }
             | MaterialKind::Phong { .. }
             | MaterialKind::Mirror { .. }
             | MaterialKind::ThinDielectric { .. }
             | MaterialKind::CoatedDiffuse { .. }
             | MaterialKind::Mix { .. } => return self,
         };
-        Self::new(kind).with_normal_perturbation(self.normal_perturbation)
+        self.with_kind(kind)
     }
 
     /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is its internal
@@ -402,11 +507,11 @@ impl Material {
     pub fn with_body(self, body: Body) -> Self {
         match self.kind {
             MaterialKind::Dielectric { roughness, scattering, .. } => {
-                let kind = MaterialKind::Dielectric { body, roughness, scattering };
-                Self::new(kind).with_normal_perturbation(self.normal_perturbation)
+                self.with_kind(MaterialKind::Dielectric { body, roughness, scattering })
             }
             MaterialKind::Black
             | MaterialKind::Diffuse { .. }
+            | MaterialKind::DiffuseTransmission { .. }
             | MaterialKind::Phong { .. }
             | MaterialKind::Mirror { .. }
             | MaterialKind::Conductor { .. }
@@ -432,7 +537,11 @@ impl Material {
     /// The BSDF for parameter values from `parameters`; black for a mix.
     #[must_use]
     pub fn bsdf(&self, parameters: &impl ParameterEvaluator) -> Bsdf {
-        self.kind.bsdf(parameters)
+        let bsdf = self.kind.bsdf(parameters);
+        match &self.clear_coat {
+            None => bsdf,
+            Some(coat) => bsdf.under_clear_coat(ClearCoat::new(parameters.evaluate_scalar(&coat.coverage), coat.alpha)),
+        }
     }
 
     /// True if a texture determines a parameter of the BSDF.
@@ -442,10 +551,11 @@ impl Material {
         self.textured
     }
 
-    /// True if each hit chooses one of several BSDFs at random: at a mix, or at a coated surface.
+    /// True if each hit chooses one of several BSDFs at random: at a mix, or at a surface with a
+    /// coat.
     #[inline]
     pub(super) fn chooses_bsdf_randomly(&self) -> bool {
-        self.kind.chooses_bsdf_randomly()
+        self.kind.chooses_bsdf_randomly() || self.clear_coat.is_some()
     }
 
     /// True if a hit may resolve to a BSDF that stores photons: for a mix, if a component may.
@@ -490,13 +600,14 @@ impl Material {
     /// transmitting. The method visits the BSDF with mean parameters. For a conductor or coat with
     /// a roughness texture, it also visits the BSDFs with the least and the greatest roughness. A
     /// coat with α up to [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA) is
-    /// also visited alone, without its base.
+    /// also visited alone, without its base. So is a clear coat, and the surface under it.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         let mut visit = |bsdf: Bsdf| {
             visit(bsdf);
             bsdf.separate_coat().into_iter().for_each(&mut visit);
         };
         visit(self.mean_bsdf);
+        self.mean_bsdf.under_coat().into_iter().for_each(&mut visit);
         match self.kind {
             MaterialKind::CoatedDiffuse {
                 reflectance,
@@ -509,8 +620,9 @@ impl Material {
                     visit(Bsdf::coated_diffuse(reflectance.mean(), eta, alpha, nonlinear));
                 }
             }
-            MaterialKind::Conductor { eta, k, roughness: MaterialParameter::Texture { texture, .. }, scattering } => {
+            MaterialKind::Conductor { index, roughness: MaterialParameter::Texture { texture, .. }, scattering } => {
                 let (min, max) = textures[texture as usize].value_range();
+                let (eta, k) = index.eta_and_k(&MeanParameterEvaluator);
                 for alpha in [min, max] {
                     visit(Bsdf::Conductor(Conductor::new(eta, k, alpha, scattering)));
                 }
@@ -521,6 +633,7 @@ impl Material {
             | MaterialKind::CoatedDiffuse { roughness: MaterialParameter::Constant(_), .. }
             | MaterialKind::Black
             | MaterialKind::Diffuse { .. }
+            | MaterialKind::DiffuseTransmission { .. }
             | MaterialKind::Phong { .. }
             | MaterialKind::Mirror { .. }
             | MaterialKind::ThinDielectric { .. }

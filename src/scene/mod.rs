@@ -32,7 +32,7 @@ pub(crate) use interiors::with_interior_type;
 pub use interiors::{
     Body, BoundaryEvent, CurrentMedium, Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior,
 };
-pub use material::{Material, MaterialKind, PhongAppearance};
+pub use material::{ConductorIndex, Material, MaterialKind, PhongAppearance};
 pub use motion_length::max_motion_in_pixels;
 pub use near_primitives::NearPrimitives;
 pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};

@@ -47,6 +47,21 @@ impl SurfaceInteraction<'_> {
         if self.wo.dot(self.point.ng) < 0.0 { -self.point.ng } else { self.point.ng }
     }
 
+    /// Geometric unit normals of the sides from which the BSDF scatters light towards `wo`: the
+    /// [facing normal](Self::facing_normal) and, if the BSDF transmits, then the opposite one.
+    #[inline]
+    pub fn light_side_normals(&self) -> impl Iterator<Item = Vec3> {
+        let facing = self.facing_normal();
+        std::iter::once(facing).chain(self.bsdf.transmits().then_some(-facing))
+    }
+
+    /// True if unit direction `wi` leaves the surface on the other side than `wo`.
+    #[inline]
+    #[must_use]
+    pub fn is_transmitted(&self, wi: Vec3) -> bool {
+        wi.dot(self.point.ng) * self.wo.dot(self.point.ng) < 0.0
+    }
+
     /// True if photons are stored here: if the BSDF stores photons, or another random choice of the
     /// BSDF could have done so.
     ///

@@ -5,10 +5,10 @@
 
 use crate::support::{project_path, world_data_folder};
 use caustica::format::description::{
-    DielectricAbsorption, DielectricDescription, DirectionalLightDescription, DirectionalLightStrength, GroupItem,
-    LightDescription, MaterialKindDescription, ObjectDescription, PhongDescription, PointLightDescription,
-    PointLightStrength, ProjectionDescription, RefractiveIndexDescription, SceneDescription, SpotLightDescription,
-    TextureKindDescription, TransformStep,
+    CoatedDiffuseDescription, DielectricAbsorption, DielectricDescription, DirectionalLightDescription,
+    DirectionalLightStrength, GroupItem, LightDescription, MaterialKindDescription, ObjectDescription,
+    PointLightDescription, PointLightStrength, ProjectionDescription, RefractiveIndexDescription, SceneDescription,
+    SpotLightDescription, TextureKindDescription, TransformStep,
 };
 use caustica::format::mesh::MeshFormat;
 use caustica::format::{ConvertedScene, SceneFile, parse};
@@ -227,17 +227,16 @@ fn factors_and_texture_transforms_match_the_file() {
     let mut compared = 0;
     for material in &common.materials {
         let name = material.name.as_deref().unwrap();
-        let MaterialKindDescription::Phong(PhongDescription { diffuse, specular, .. }) = &material.kind else {
+        let MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription { reflectance, eta, .. }) = &material.kind
+        else {
             continue;
         };
         let Some(source) = json["materials"].as_array().unwrap().iter().find(|m| m["name"] == name) else { continue };
         let factor = &source["pbrMetallicRoughness"]["baseColorFactor"];
-        let caustica::format::description::TexturedValue::Constant(diffuse) = diffuse else { continue };
+        let caustica::format::description::TexturedValue::Constant(reflectance) = reflectance else { continue };
         let base = if factor.is_null() { vec![1.0; 3] } else { numbers(factor) };
-        // Plastic of index 1.5 reflects 4 % at normal incidence, so its diffuse base has the factor
-        // .96.
-        assert_all_near(*diffuse / 0.96, &base);
-        assert!(matches!(specular, caustica::format::description::TexturedValue::Constant(_)));
+        assert_all_near(*reflectance, &base);
+        assert_near(*eta, 1.5);
         compared += 1;
     }
     assert!(compared > 0);

@@ -90,6 +90,8 @@ fn chi_square_test_cases() -> Vec<ChiSquareCase> {
         (Bsdf::Phong(Phong::new(rgb, Vec3::ONE, 20.0)), 1.0, 0.5),
         (Bsdf::Phong(Phong::new(Vec3::ONE, Vec3::ONE, 0.0)), 1.0, 1.0),
     ];
+    materials.extend(diffuse_sheets().into_iter().map(|bsdf| (bsdf, 1.0, 1.0)));
+    materials.extend(clear_coated_bsdfs().into_iter().step_by(2).map(|(bsdf, width)| (bsdf, 1.0, width)));
     materials.extend(coated_bsdfs().into_iter().map(|bsdf| (bsdf, 1.0, 1.0)));
     materials.extend(coats().into_iter().skip(1).zip([2e-3, 0.4]).map(|(bsdf, width)| (bsdf, 1.0, width)));
     let (eta, k) = metal_refractive_index("gold").unwrap();

@@ -12,6 +12,8 @@ fn representative_bsdfs() -> Vec<Bsdf> {
     );
     family.extend([0.0, 0.05, 0.31, 1.0].map(|a| Bsdf::dielectric(1.5, a, Single)));
     family.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Rgb::new(0.9, 0.5, 0.1) }));
+    family.extend(diffuse_sheets());
+    family.extend(clear_coated_bsdfs().into_iter().map(|(bsdf, _)| bsdf));
     family
 }
 
@@ -65,6 +67,8 @@ fn index_of_bsdf_variant(bsdf: &Bsdf) -> usize {
         Bsdf::ThinDielectric(_) => 7,
         Bsdf::CoatedDiffuse(_) => 8,
         Bsdf::DielectricCoat(_) => 9,
+        Bsdf::DiffuseTransmission(_) => 10,
+        Bsdf::ClearCoated(_) => 11,
     }
 }
 
@@ -75,9 +79,9 @@ fn bsdfs_of_every_variant() -> Vec<Bsdf> {
 
 #[test]
 fn every_bsdf_variant_is_tested() {
-    let mut is_tested = [false; 10];
+    let mut is_tested = [false; 12];
     bsdfs_of_every_variant().iter().for_each(|bsdf| is_tested[index_of_bsdf_variant(bsdf)] = true);
-    assert_eq!(is_tested, [true; 10]);
+    assert_eq!(is_tested, [true; 12]);
 }
 
 /// A BSDF that stores photons never samples a delta lobe, whose light density estimates would miss.
@@ -89,6 +93,31 @@ fn receivers_never_sample_delta_lobes() {
             assert!(sample.is_none_or(|sample| !sample.is_specular), "{bsdf:?} at {cos}");
         }
     }
+}
+
+/// A sheet scatters its reflectance to the side of `wo` and its transmittance to the other side.
+#[test]
+fn diffuse_sheets_scatter_to_both_sides() {
+    let (reflectance, transmittance) = (Rgb::new(0.7, 0.2, 0.5), Rgb::new(0.1, 0.6, 0.4));
+    let sheet = Bsdf::DiffuseTransmission(DiffuseTransmission::new(reflectance, transmittance));
+    let n = 50_000u64;
+    for cos in [0.9, -0.3] {
+        let wo = direction_with_cos(cos);
+        let (mut back, mut through) = (Rgb::ZERO, Rgb::ZERO);
+        for i in 0..n {
+            let s = sample_bsdf(&sheet, wo, i, TransportMode::Radiance).unwrap();
+            *if s.is_transmitted { &mut through } else { &mut back } += s.weight / n as f32;
+        }
+        // Each weight is in [0, 2], so its standard deviation is at most 1. The tolerance is five
+        // standard errors.
+        let tolerance = 5.0 / (n as f32).sqrt();
+        assert!((back - reflectance).abs().max_element() < tolerance, "{cos}: {back}");
+        assert!((through - transmittance).abs().max_element() < tolerance, "{cos}: {through}");
+    }
+    let bright = DiffuseTransmission::new(Rgb::ONE, Rgb::new(1.0, 0.5, 0.0));
+    assert_eq!(bright, DiffuseTransmission::new(Rgb::splat(0.5), Rgb::new(0.5, 0.25, 0.0)));
+    let black = Bsdf::DiffuseTransmission(DiffuseTransmission::new(Rgb::ZERO, Rgb::ZERO));
+    assert!(black.is_black() && sample_bsdf(&black, Vec3::Z, 0, TransportMode::Radiance).is_none());
 }
 
 #[test]

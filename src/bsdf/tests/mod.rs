@@ -1,4 +1,5 @@
 mod chi_square;
+mod clear_coat;
 mod coated;
 mod kinds;
 mod multiple_scattering;
@@ -39,6 +40,37 @@ fn coated_bsdfs() -> Vec<Bsdf> {
         .to_vec()
 }
 
+/// Diffuse sheets that reflect and transmit, only reflect, and only transmit.
+fn diffuse_sheets() -> Vec<Bsdf> {
+    let (rgb, other) = (Vec3::new(0.7, 0.2, 0.5), Vec3::new(0.3, 0.6, 0.5));
+    [(rgb, other), (rgb, Rgb::ZERO), (Rgb::ZERO, other)]
+        .map(|(reflectance, transmittance)| {
+            Bsdf::DiffuseTransmission(DiffuseTransmission::new(reflectance, transmittance))
+        })
+        .to_vec()
+}
+
+/// Surfaces under clear coats, each with the width of its lobe \[radians].
+fn clear_coated_bsdfs() -> Vec<(Bsdf, f64)> {
+    let rgb = Vec3::new(1.0, 0.2, 0.5);
+    let metal = |alpha| {
+        let (eta, k) = conductor_index_of_reflectance(rgb);
+        Bsdf::Conductor(Conductor::new(eta, k, alpha, Multiple))
+    };
+    let coats = [(1.0, 0.0), (0.6, 0.1), (1.0, 0.7)];
+    let bases = [
+        (Bsdf::Diffuse(rgb), 1.0),
+        (Bsdf::coated_diffuse(rgb, 1.5, 0.2, false), 1.0),
+        (Bsdf::coated_diffuse(rgb, 1.5, 0.5, false), 1.0),
+        (metal(0.2), 0.4),
+        (metal(0.6), 1.0),
+    ];
+    let coated = |(bsdf, width): (Bsdf, f64)| {
+        coats.map(|(coverage, alpha)| (bsdf.under_clear_coat(ClearCoat::new(coverage, alpha)), width))
+    };
+    bases.into_iter().flat_map(coated).collect()
+}
+
 /// Coats of α from 0 to 0.2, selected alone.
 fn coats() -> Vec<Bsdf> {
     [0.0, MIN_ROUGH_ALPHA, 0.2].map(|a| Bsdf::coated_diffuse(Rgb::ZERO, 1.5, a, true).separate_coat().unwrap()).to_vec()
@@ -57,6 +89,9 @@ fn all_bsdf_kinds() -> Vec<Bsdf> {
     }
     all.extend(coated_bsdfs());
     all.extend(coats());
+    all.extend(diffuse_sheets());
+    all.extend(clear_coated_bsdfs().into_iter().map(|(bsdf, _)| bsdf));
+    all.push(Bsdf::Conductor(Conductor::new(eta, k, 0.0, Single)).under_clear_coat(ClearCoat::new(1.0, 0.2)));
     all.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Rgb::new(1.0, 0.5, 0.1) }));
     all
 }
@@ -119,9 +154,12 @@ fn sampling_and_evaluation_agree() {
 }
 
 #[test]
-fn reflection_is_reciprocal() {
-    for bsdf in basic_bsdfs()[..3].iter().chain(&coated_bsdfs()).chain(&coats()) {
-        for (a, b) in [(0.9, 0.3), (0.1, 0.99), (0.5, 0.5)] {
+fn diffuse_and_coated_scattering_is_reciprocal() {
+    let clear_coated: Vec<Bsdf> = clear_coated_bsdfs().into_iter().map(|(bsdf, _)| bsdf).collect();
+    let mut bsdfs = basic_bsdfs()[..3].to_vec();
+    bsdfs.extend([coated_bsdfs(), coats(), diffuse_sheets(), clear_coated].concat());
+    for bsdf in &bsdfs {
+        for (a, b) in [(0.9, 0.3), (0.1, 0.99), (0.5, 0.5), (0.9, -0.3), (-0.2, 0.7)] {
             let (wo, wi) = (
                 direction_with_cos(a),
                 Frame::from_normal(Vec3::Z).to_world(direction_with_cos(b) * Vec3::new(-0.8, 1.0, 1.0)).normalize(),

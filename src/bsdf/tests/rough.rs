@@ -71,6 +71,9 @@ fn samples_agree_with_evaluation_and_pdf() {
             Bsdf::dielectric(1.0 / GLASS, alpha, Multiple),
             Bsdf::dielectric(1.01, alpha, Multiple),
             Bsdf::Diffuse(eta * 0.2),
+            diffuse_sheets()[0],
+            Bsdf::coated_diffuse(k * 0.2, GLASS, 0.5, true).under_clear_coat(ClearCoat::new(0.9, alpha)),
+            Bsdf::Conductor(Conductor::new(eta, k, alpha, Multiple)).under_clear_coat(ClearCoat::new(0.9, 0.1)),
             Bsdf::Phong(Phong::new(eta, k, 30.0)),
             Bsdf::coated_diffuse(k * 0.2, GLASS, alpha, true),
         ] {

@@ -1,8 +1,8 @@
 use super::decode;
 use crate::format::description::{
-    ConductorDescription, DielectricDescription, EmissionDescription, MaterialKindDescription, MetalDescription,
-    MixDescription, PhongDescription, RefractiveIndexDescription, TextureKindDescription, TexturedValue,
-    ThinDielectricDescription, WrapMode,
+    CoatedDiffuseDescription, ConductorDescription, DielectricDescription, EmissionDescription,
+    MaterialKindDescription, MetalDescription, MixDescription, RefractiveIndexDescription, TextureKindDescription,
+    TexturedValue, ThinDielectricDescription, WrapMode,
 };
 use crate::format::import::{ImportOptions, ImportedScene};
 use crate::stats::MemoryLimit;
@@ -114,11 +114,22 @@ fn textures_keep_factor_channel_and_place() {
     else {
         panic!()
     };
-    let MaterialKindDescription::Phong(PhongDescription { diffuse: TexturedValue::Texture(base), .. }) =
-        material_kind(&scene, "a dielectric")
+    let MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription {
+        reflectance: TexturedValue::Texture(base),
+        eta,
+        ..
+    }) = material_kind(&scene, "a dielectric")
     else {
         panic!()
     };
+    assert!((eta - 1.5).abs() < 1e-12, "{eta}");
+    let MaterialKindDescription::Conductor(ConductorDescription {
+        metal: MetalDescription::Reflectance(color), ..
+    }) = material_kind(&scene, "a metal")
+    else {
+        panic!()
+    };
+    assert_eq!(color.texture_name(), Some(base));
     let picture = |name: &str| {
         let texture = scene.description.textures.iter().find(|texture| texture.name == name).unwrap();
         let TextureKindDescription::Image { path, wrap, coordinates, .. } = &texture.kind else { panic!() };
@@ -127,7 +138,7 @@ fn textures_keep_factor_channel_and_place() {
     };
     let (pixels, coordinates) = picture(base);
     let blue = [51.0f64, 102.0].map(|level| libm::pow((level / 255.0 + 0.055) / 1.055, 2.4));
-    let expected = [DVec3::new(0.48, 0.0, 0.96 * blue[0]), DVec3::new(0.0, 0.96, 0.96 * blue[1])];
+    let expected = [DVec3::new(0.5, 0.0, blue[0]), DVec3::new(0.0, 1.0, blue[1])];
     for (pixel, expected) in pixels.iter().zip(expected) {
         assert!((pixel.as_dvec3() - expected).length() < 1e-6, "{pixel} {expected}");
     }

@@ -1,19 +1,23 @@
-//! Complex refractive index of a `Conductor`: description, fields, reading, writing and conversion.
+//! Refractive index or reflectance of a `Conductor`: description, fields, reading, writing and
+//! conversion.
 
 use super::refraction::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX};
 use crate::bsdf::{METAL_NAMES, metal_refractive_index};
-use crate::color::Rgb;
 use crate::format::error::SceneError;
 use crate::format::language::field_table::FieldGroup;
 use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{FieldKind, FieldList, FieldRange, field_schema};
 use crate::format::language::writer::SceneWriter;
+use crate::format::resolve::textures::TextureRequirements;
 use crate::format::resolve::{Resolver, rgb};
 use crate::format::span::Spanned;
+use crate::format::textured_value::TexturedValue;
+use crate::scene::ConductorIndex;
 use glam::DVec3;
 use std::fmt;
 
-/// Complex index of refraction of a conductor: that of a named metal, or given numbers.
+/// Complex index of refraction of a conductor: that of a named metal, given numbers, or an index
+/// that follows from a reflectance.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetalDescription {
     /// Name of a metal with a known complex index.
@@ -25,6 +29,8 @@ pub enum MetalDescription {
         /// Imaginary part k of the complex index of refraction, at least 0.
         k: DVec3,
     },
+    /// Reflectance at normal incidence, inside [0, 1].
+    Reflectance(TexturedValue<DVec3>),
 }
 
 impl MetalDescription {
@@ -35,26 +41,41 @@ impl MetalDescription {
         let [least, greatest] = [MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX].map(DVec3::splat);
         Self::Index { eta: eta.clamp(least, greatest), k: k.clamp(DVec3::ZERO, greatest) }
     }
+
+    /// Returns the name of the texture of the reflectance; `None` without one.
+    pub(super) fn texture_name(&self) -> Option<&Spanned<String>> {
+        match self {
+            Self::Named(_) | Self::Index { .. } => None,
+            Self::Reflectance(reflectance) => reflectance.texture_name(),
+        }
+    }
 }
 
-/// Fields that state the complex refractive index of a conductor.
+/// Fields that state the complex refractive index of a conductor, or its reflectance.
 pub(super) const METAL: FieldGroup<MetalDescription> = FieldGroup {
     fields: FieldList::own(&[
-        field_schema("metal", FieldKind::Name, "a metal by name; give this, or `eta` and `k`"),
+        field_schema("metal", FieldKind::Name, "a metal by name; give this, `eta` and `k`, or `reflectance`"),
         field_schema("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
             .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
         field_schema("k", FieldKind::Color, "k of the complex index")
             .with_range(FieldRange::ClosedInterval(0.0, MAX_REFRACTIVE_INDEX)),
+        field_schema("reflectance", FieldKind::ColorOrTexture, "reflectance at normal incidence, at most 0.9999")
+            .with_range(FieldRange::ClosedInterval(0.0, 1.0)),
     ]),
     parse: parse_metal,
     write: write_metal,
-    texture_name: |_| None,
+    texture_name: MetalDescription::texture_name,
 };
 
-/// Parses the complex refractive index of a conductor, or the name of its metal.
+/// Parses the complex refractive index of a conductor, the name of its metal, or its reflectance.
 fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
     for index in ["eta", "k"] {
         f.forbid_both_fields("metal", index)?;
+        f.forbid_both_fields("reflectance", index)?;
+    }
+    f.forbid_both_fields("metal", "reflectance")?;
+    if let Some(reflectance) = f.get("reflectance") {
+        return Ok(MetalDescription::Reflectance(reflectance.value()));
     }
     if let Some(name) = f.optional_value("metal") {
         return Ok(MetalDescription::Named(name));
@@ -74,20 +95,34 @@ fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::
             out.write_vec3("eta", *eta)?;
             out.write_vec3("k", *k)
         }
+        MetalDescription::Reflectance(TexturedValue::Constant(reflectance)) => {
+            out.write_vec3("reflectance", *reflectance)
+        }
+        MetalDescription::Reflectance(TexturedValue::Texture(name)) => {
+            out.write_texture_name_field("reflectance", name)
+        }
     }
 }
 
-/// Returns η and k of a metal's complex refractive index η + ik, for red, green and blue.
-pub(super) fn complex_refractive_index(
+/// Returns the refractive index of a metal, for red, green and blue.
+///
+/// Adds to `requirements` the surface properties that the texture of the reflectance needs.
+pub(super) fn resolve_metal(
     r: &Resolver<'_>,
     described: &MetalDescription,
-) -> Result<(Rgb, Rgb), SceneError> {
+    requirements: &mut TextureRequirements,
+) -> Result<ConductorIndex, SceneError> {
     match described {
-        MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
-        MetalDescription::Named(name) => metal_refractive_index(name).ok_or_else(|| {
-            let message = format!("no metal is called `{}`", name.value);
-            let help = format!("known are {}; of others, give `eta` and `k`", METAL_NAMES.join(", "));
-            SceneError::error_at_span(r.source, name.span, message, "unknown name", help)
-        }),
+        MetalDescription::Index { eta, k } => Ok(ConductorIndex::Complex { eta: rgb(*eta), k: rgb(*k) }),
+        MetalDescription::Reflectance(reflectance) => {
+            Ok(ConductorIndex::OfReflectance(r.resolve_reflectance_parameter(reflectance, requirements)?))
+        }
+        MetalDescription::Named(name) => {
+            metal_refractive_index(name).map(|(eta, k)| ConductorIndex::Complex { eta, k }).ok_or_else(|| {
+                let message = format!("no metal is called `{}`", name.value);
+                let help = format!("known are {}; of others, give `eta` and `k`", METAL_NAMES.join(", "));
+                SceneError::error_at_span(r.source, name.span, message, "unknown name", help)
+            })
+        }
     }
 }

@@ -138,7 +138,8 @@ fn defined_material(scope: &ParserScope<'_>, material: &MaterialDescription) -> 
             }
         }
         None => {
-            MixConstraints { dielectric_index: kind.is_dielectric().then_some(scope.materials.len()), mix_depth: 0 }
+            let bounds_body = kind.is_dielectric() || kind.may_transmit_into_body();
+            MixConstraints { dielectric_index: bounds_body.then_some(scope.materials.len()), mix_depth: 0 }
         }
     };
     DefinedMaterial { name: material.name.clone(), is_null_interface: kind.is_null_interface(), mix_constraints }
@@ -191,16 +192,21 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
 /// Adds all `materials` of the description to the scene. Their indices equal those in the
 /// description.
 ///
-/// Adds a white diffuse material if the description has none.
+/// Adds a white diffuse material if the description has none. Parts of composed materials follow.
 pub(super) fn add_materials<'a>(
     r: &mut Resolver<'a>,
     materials: &'a [Spanned<MaterialDescription>],
 ) -> Result<(), SceneError> {
+    r.material_parts.first_index = materials.len() as u32;
     for (index, described) in materials.iter().enumerate() {
         let mut textures = TextureRequirements::default();
+        let first_part = r.material_parts.list.len();
         let material = described.kind.resolve(r, &mut textures)?;
         let material = with_body_medium(r, material, described)?;
         let normals = described.resolve_normal_perturbation(r, &mut textures)?;
+        for part in &mut r.material_parts.list[first_part..] {
+            *part = part.with_normal_perturbation(normals);
+        }
         let emission = described.emission.as_ref().map(|emission| emission.resolve(r, &mut textures)).transpose()?;
         for part in described.kind.mix_material_names().into_iter().flatten() {
             if let Some(part) =
@@ -223,6 +229,10 @@ pub(super) fn add_materials<'a>(
     }
     if materials.is_empty() {
         r.builder.add_material(Material::diffuse(Rgb::ONE));
+    }
+    for part in std::mem::take(&mut r.material_parts.list) {
+        r.materials.push(AddedMaterial::default());
+        r.builder.add_material(part);
     }
     Ok(())
 }

@@ -117,6 +117,8 @@ pub(super) fn conductor_from_reflectance(reflectance: DVec3, roughness: Textured
 /// Returns the reflectance of a metal at normal incidence; 1 for an unknown name.
 fn normal_reflectance(metal: &MetalDescription) -> DVec3 {
     let (eta, k) = match metal {
+        MetalDescription::Reflectance(TexturedValue::Constant(reflectance)) => return *reflectance,
+        MetalDescription::Reflectance(TexturedValue::Texture(_)) => return DVec3::ONE,
         MetalDescription::Index { eta, k } => (*eta, *k),
         MetalDescription::Named(name) => match metal_refractive_index(name) {
             Some((eta, k)) => (eta.as_dvec3(), k.as_dvec3()),

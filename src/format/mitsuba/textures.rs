@@ -29,6 +29,8 @@ pub(super) enum MitsubaTextureUse {
     Color,
     /// Numbers inside \[0, 1], the luminance of the texture's colors.
     Fraction,
+    /// Squares of numbers inside \[0, 1], such as GGX α for a roughness.
+    SquaredFraction,
     /// Numbers of at least 0, such as heights: the luminance of the texture's colors.
     Height,
     /// Radiance of at least 0.
@@ -106,9 +108,10 @@ impl MitsubaTextures {
         let meaning = match wanted {
             MitsubaTextureUse::Color => ColorMeaning::Reflectance,
             MitsubaTextureUse::Radiance => ColorMeaning::Emission,
-            MitsubaTextureUse::Fraction | MitsubaTextureUse::Height | MitsubaTextureUse::Normal => {
-                ColorMeaning::Unbounded
-            }
+            MitsubaTextureUse::Fraction
+            | MitsubaTextureUse::SquaredFraction
+            | MitsubaTextureUse::Height
+            | MitsubaTextureUse::Normal => ColorMeaning::Unbounded,
         };
         if context.color_value(object, name)?.is_none()
             && let Some(texture) = context.named_child(object, ObjectClass::Texture, name)?
@@ -334,6 +337,10 @@ fn clamped_to_range(color: DVec3, wanted: MitsubaTextureUse) -> DVec3 {
         MitsubaTextureUse::Color | MitsubaTextureUse::Fraction | MitsubaTextureUse::Normal => {
             color.clamp(DVec3::ZERO, DVec3::ONE)
         }
+        MitsubaTextureUse::SquaredFraction => {
+            let fraction = color.clamp(DVec3::ZERO, DVec3::ONE);
+            fraction * fraction
+        }
         MitsubaTextureUse::Height | MitsubaTextureUse::Radiance => color.max(DVec3::ZERO),
     }
 }
@@ -344,11 +351,17 @@ fn value_for_use(pixel: Rgb, wanted: MitsubaTextureUse) -> Vec3 {
     let pixel = if pixel.is_finite() { pixel } else { Rgb::ZERO };
     let pixel = match wanted {
         MitsubaTextureUse::Color | MitsubaTextureUse::Radiance | MitsubaTextureUse::Normal => pixel,
-        MitsubaTextureUse::Fraction | MitsubaTextureUse::Height => Rgb::splat(luminance(pixel)),
+        MitsubaTextureUse::Fraction | MitsubaTextureUse::SquaredFraction | MitsubaTextureUse::Height => {
+            Rgb::splat(luminance(pixel))
+        }
     };
     match wanted {
         MitsubaTextureUse::Color | MitsubaTextureUse::Fraction | MitsubaTextureUse::Normal => {
             pixel.clamp(Vec3::ZERO, Vec3::ONE)
+        }
+        MitsubaTextureUse::SquaredFraction => {
+            let fraction = pixel.clamp(Vec3::ZERO, Vec3::ONE);
+            fraction * fraction
         }
         MitsubaTextureUse::Height | MitsubaTextureUse::Radiance => pixel.max(Vec3::ZERO),
     }

@@ -2,9 +2,10 @@
 
 use super::decode;
 use crate::format::description::{
-    ConductorDescription, DielectricDescription, DiffuseDescription, DirectionOrTarget, EnvironmentRadiance, GroupItem,
-    LightDescription, MaterialKindDescription, MetalDescription, ObjectDescription, PointLightDescription,
-    PointLightStrength, ProjectionDescription, ShapeDescription, SpotLightDescription, TexturedValue, TransformStep,
+    ConductorDescription, DielectricDescription, DiffuseDescription, DiffuseTransmissionDescription, DirectionOrTarget,
+    EnvironmentRadiance, GroupItem, LightDescription, MaterialKindDescription, MetalDescription, ObjectDescription,
+    PointLightDescription, PointLightStrength, ProjectionDescription, ShapeDescription, SpotLightDescription,
+    TexturedValue, TransformStep,
 };
 use crate::format::import::{ImportOptions, ImportedScene, SceneReadError};
 use crate::stats::MemoryLimit;
@@ -123,6 +124,43 @@ fn materials_of_both_versions_are_read() {
             .to_string()
             .contains("measured")
     );
+}
+
+#[test]
+fn diffuse_transmission_has_reflectance_and_transmittance() {
+    let sheet = |reflectance: DVec3, transmittance: DVec3| {
+        MaterialKindDescription::DiffuseTransmission(DiffuseTransmissionDescription {
+            reflectance: reflectance.into(),
+            transmittance: transmittance.into(),
+        })
+    };
+    let found = sphere_material(
+        "Material \"diffusetransmission\" \"rgb reflectance\" [.2 .4 .5]
+         \"rgb transmittance\" [.8 .6 .4] \"float scale\" .5",
+    );
+    assert_eq!(found, sheet(DVec3::new(0.1, 0.2, 0.25), DVec3::new(0.4, 0.3, 0.2)));
+    assert_eq!(sphere_material("Material \"diffusetransmission\""), sheet(DVec3::splat(0.25), DVec3::splat(0.25)));
+    let found = sphere_material(
+        "Material \"translucent\" \"rgb Kd\" [.4 .8 1] \"rgb reflect\" [.25 .25 .25]
+         \"rgb transmit\" [.5 .25 .75]",
+    );
+    assert_eq!(found, sheet(DVec3::new(0.1, 0.2, 0.25), DVec3::new(0.2, 0.2, 0.75)));
+    assert!(note_messages(&import_text("WorldBegin Material \"translucent\" Shape \"sphere\"")).contains("Ks"));
+}
+
+#[test]
+fn disney_materials_are_principled() {
+    let found = sphere_material(
+        "Material \"disney\" \"rgb color\" [.1 .2 .3] \"float metallic\" .25 \"float roughness\" .5
+         \"float eta\" 1.4 \"float clearcoat\" .8 \"float clearcoatgloss\" 0",
+    );
+    let MaterialKindDescription::Principled(principled) = found else { panic!() };
+    assert_eq!(principled.base_color, DVec3::new(0.1, 0.2, 0.3).into());
+    assert_eq!([principled.metallic, principled.roughness], [0.25, 0.25].map(TexturedValue::Constant));
+    assert_eq!([principled.transmission, principled.clearcoat], [0.0, 0.2].map(TexturedValue::Constant));
+    assert_eq!([principled.eta, principled.clearcoat_roughness], [1.4, 0.1]);
+    let sheen = import_text("WorldBegin Material \"disney\" \"float sheen\" 1 Shape \"sphere\"");
+    assert!(note_messages(&sheen).contains("`sheen`"));
 }
 
 #[test]

@@ -17,7 +17,7 @@ use super::span::{Span, Spanned};
 use crate::color::Rgb;
 use crate::math::Transform;
 use crate::medium::Medium;
-use crate::scene::SceneBuilder;
+use crate::scene::{Material, MaterialParameter, SceneBuilder};
 use crate::stats::MemoryLimit;
 use glam::{DAffine3, DVec3};
 use scene_meshes::{MeshKey, SceneMeshes};
@@ -29,6 +29,32 @@ use textures::{AddedTexture, TextureRequirements};
 pub(super) const SINGULAR_REMEDY: &str = "no scale may be zero, and no axis of a matrix may be a mix of the others";
 
 pub(super) const MEMORY_REMEDY: &str = "use a smaller file, or let the scene have more memory (--memory)";
+
+/// Materials that the description does not list, because they are parts of a composed material.
+///
+/// They are added to the scene after all materials of the description.
+#[derive(Debug, Default)]
+pub(super) struct MaterialParts {
+    pub list: Vec<Material>,
+    /// Index in the scene of the first part.
+    pub first_index: u32,
+}
+
+impl MaterialParts {
+    /// Returns a mix of `first` and `second`, which become parts, with the share `amount` of
+    /// `second`. If `amount` is constant 0 or 1, returns the one material that is left.
+    pub fn mix(&mut self, first: Material, second: Material, amount: MaterialParameter<f32>) -> Material {
+        match amount {
+            MaterialParameter::Constant(0.0) => first,
+            MaterialParameter::Constant(1.0) => second,
+            MaterialParameter::Constant(_) | MaterialParameter::Texture { .. } => {
+                let first_index = self.first_index + self.list.len() as u32;
+                self.list.extend([first, second]);
+                Material::mix(first_index, first_index + 1, amount)
+            }
+        }
+    }
+}
 
 /// State while a scene is built from its description: the scene so far, and tables of named items.
 pub(super) struct Resolver<'a> {
@@ -53,6 +79,8 @@ pub(super) struct Resolver<'a> {
     /// Properties that objects need of their materials, by material index. Materials beyond its end
     /// have the default properties.
     pub materials: Vec<AddedMaterial>,
+    /// Parts of composed materials, until they are added to the scene.
+    pub material_parts: MaterialParts,
     pub monitor: &'a dyn MeshReadMonitor,
     pub memory: MemoryLimit,
     /// Number of mesh triangles so far for which BVHs are built. Triangles of a shared mesh count

@@ -214,13 +214,29 @@ fn assign_texture_names(material: &mut MaterialDescription, textures: &[Spanned<
             assign_texture_name(tint, textures, DVec3::ONE)
         }
         MaterialKindDescription::Dielectric(DielectricDescription { roughness: degree, .. })
-        | MaterialKindDescription::Conductor(ConductorDescription { roughness: degree, .. })
         | MaterialKindDescription::Mix(MixDescription { second_probability: degree, .. }) => {
             assign_texture_name(degree, textures, 0.5)
+        }
+        MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, .. }) => {
+            if let MetalDescription::Reflectance(reflectance) = metal {
+                assign_texture_name(reflectance, textures, DVec3::ONE);
+            }
+            assign_texture_name(roughness, textures, 0.5);
+        }
+        MaterialKindDescription::Principled(principled) => {
+            assign_texture_name(&mut principled.base_color, textures, DVec3::ONE);
+            let PrincipledDescription { metallic, roughness, transmission, clearcoat, .. } = principled;
+            for number in [metallic, roughness, transmission, clearcoat] {
+                assign_texture_name(number, textures, 0.5);
+            }
         }
         MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription { reflectance, roughness, .. }) => {
             assign_texture_name(reflectance, textures, DVec3::ONE);
             assign_texture_name(roughness, textures, 0.5);
+        }
+        MaterialKindDescription::DiffuseTransmission(DiffuseTransmissionDescription { reflectance, transmittance }) => {
+            assign_texture_name(reflectance, textures, DVec3::ONE);
+            assign_texture_name(transmittance, textures, DVec3::ONE);
         }
         MaterialKindDescription::NullInterface(_) => {}
     }
@@ -266,16 +282,21 @@ fn textures_with_unique_names(drafts: Vec<(String, TextureKindDescription)>) -> 
 type MaterialParts = (MaterialKindDescription, Option<EmissionDescription>, Option<NormalPerturbationDescription>);
 
 fn random_material_parts() -> impl Strategy<Value = MaterialParts> {
-    let absorption = prop_oneof![
-        Just(DielectricAbsorption::None),
-        random_coefficients().prop_map(DielectricAbsorption::Coefficient),
-        (random_fractions(), 1e-9..1e30).prop_map(|(color, distance)| DielectricAbsorption::Tint { color, distance }),
-    ];
+    let absorption = || {
+        prop_oneof![
+            Just(DielectricAbsorption::None),
+            random_coefficients().prop_map(DielectricAbsorption::Coefficient),
+            (random_fractions(), 1e-9..1e30)
+                .prop_map(|(color, distance)| DielectricAbsorption::Tint { color, distance }),
+        ]
+    };
+    let share = || random_textured_value(0.0..=1.0);
     let index = || 1e-3..=1e3;
     let indices = || [index(), index(), index()].prop_map(DVec3::from_array);
     let metal = prop_oneof![
         random_name().prop_map(|name| MetalDescription::Named(with_empty_span(name))),
         (indices(), random_fractions()).prop_map(|(eta, k)| MetalDescription::Index { eta, k: 1e3 * k }),
+        random_textured_value(random_fractions()).prop_map(MetalDescription::Reflectance),
     ];
     let kind = prop_oneof![
         (
@@ -289,9 +310,41 @@ fn random_material_parts() -> impl Strategy<Value = MaterialParts> {
             )),
         random_textured_value(random_fractions())
             .prop_map(|reflectance| MaterialKindDescription::Diffuse(DiffuseDescription { reflectance })),
+        (
+            random_textured_value(random_fractions()),
+            [share(), share(), share(), share()],
+            (1.0..=4.0, 0.0..=1.0),
+            absorption(),
+            any::<bool>()
+        )
+            .prop_map(
+                |(
+                    base_color,
+                    [metallic, roughness, transmission, clearcoat],
+                    (eta, clearcoat_roughness),
+                    absorption,
+                    has_multiple_scattering,
+                )| {
+                    PrincipledDescription {
+                        base_color,
+                        metallic,
+                        roughness,
+                        eta,
+                        transmission,
+                        absorption,
+                        clearcoat,
+                        clearcoat_roughness,
+                        has_multiple_scattering,
+                    }
+                    .into()
+                }
+            ),
+        (random_textured_value(random_fractions()), random_textured_value(random_fractions())).prop_map(
+            |(reflectance, transmittance)| { DiffuseTransmissionDescription { reflectance, transmittance }.into() }
+        ),
         random_textured_value(random_fractions())
             .prop_map(|reflectance| MaterialKindDescription::Mirror(MirrorDescription { reflectance })),
-        (random_refractive_index(), absorption, random_textured_value(0.0..=1.0), any::<(bool, u8)>()).prop_map(
+        (random_refractive_index(), absorption(), random_textured_value(0.0..=1.0), any::<(bool, u8)>()).prop_map(
             |(refraction, absorption, roughness, (has_multiple_scattering, priority))| {
                 MaterialKindDescription::Dielectric(DielectricDescription {
                     refraction,
@@ -508,7 +561,8 @@ fn build_materials(
     let mut materials: Vec<Spanned<MaterialDescription>> = Vec::new();
     let mut names: Vec<(String, Option<usize>)> = Vec::new();
     for (i, (name, (mut kind, emission, mut normal_perturbation), mix)) in drafts.into_iter().enumerate() {
-        let mut body = matches!(kind, MaterialKindDescription::Dielectric(_)).then_some(i);
+        let mut body = matches!(kind, MaterialKindDescription::Dielectric(_) | MaterialKindDescription::Principled(_))
+            .then_some(i);
         if let (Some((first, second, amount)), false) = (mix, names.is_empty()) {
             let [(first, a), (second, b)] = [first, second].map(|part| &names[part.index(names.len())]);
             if a.is_none() || b.is_none() || a == b {

@@ -70,7 +70,7 @@ impl SceneBuilder {
 
     /// Adds a material and returns its index.
     pub fn add_material(&mut self, material: Material) -> u32 {
-        self.materials.push(material.with_mix_photon_storage(&self.materials));
+        self.materials.push(material);
         self.materials.len() as u32 - 1
     }
 
@@ -215,7 +215,8 @@ impl SceneBuilder {
     /// # Errors
     ///
     /// [`BuildError`] if the parts cannot be rendered.
-    pub fn build_reusing_hierarchy(self, earlier: Option<&Scene>, camera: Camera) -> Result<Scene, BuildError> {
+    pub fn build_reusing_hierarchy(mut self, earlier: Option<&Scene>, camera: Camera) -> Result<Scene, BuildError> {
+        set_mix_photon_storage(&mut self.materials);
         validate_objects(&self.objects, &self.mesh)?;
         let (objects, mesh) =
             cull_air_boundaries(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
@@ -262,6 +263,23 @@ impl SceneBuilder {
         scene.derived = derive_scene_data(&scene);
         validate_light_power(&scene)?;
         Ok(scene)
+    }
+}
+
+/// Sets for each mix of `materials` whether one of its components may store photons.
+///
+/// A mix may stand before its components, so this is repeated until nothing changes.
+fn set_mix_photon_storage(materials: &mut [Material]) {
+    loop {
+        let mut has_changed = false;
+        for i in 0..materials.len() {
+            let updated = materials[i].with_mix_photon_storage(materials);
+            has_changed |= updated.may_store_photons() != materials[i].may_store_photons();
+            materials[i] = updated;
+        }
+        if !has_changed {
+            return;
+        }
     }
 }
 

@@ -7,6 +7,7 @@ fn materials_of_all_kinds() -> Vec<Material> {
     let mut materials = vec![
         Material::black(),
         Material::diffuse(gray),
+        Material::diffuse_transmission(gray, gray),
         Material::phong(gray, gray, 10.0),
         Material::mirror(gray),
         Material::conductor(gray, gray, 0.1),
@@ -33,14 +34,15 @@ fn index_of_kind(kind: &MaterialKind) -> usize {
         MaterialKind::Dielectric { .. } => 6,
         MaterialKind::CoatedDiffuse { .. } => 7,
         MaterialKind::Mix { .. } => 8,
+        MaterialKind::DiffuseTransmission { .. } => 9,
     }
 }
 
 #[test]
 fn every_kind_of_material_is_tested() {
-    let mut is_tested = [false; 9];
+    let mut is_tested = [false; 10];
     materials_of_all_kinds().iter().for_each(|material| is_tested[index_of_kind(material.kind())] = true);
-    assert_eq!(is_tested, [true; 9]);
+    assert_eq!(is_tested, [true; 10]);
 }
 
 /// A coat with a BSDF of its own is selected by a random number at each hit. A hit gets a random

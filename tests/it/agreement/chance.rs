@@ -55,3 +55,14 @@ fn integrators_agree_on_rough_plastic() {
         check_methods_agree_on_floor(name, &plastic);
     }
 }
+
+#[test]
+#[ignore = "long: t-tests of clear coats over two materials with every integrator"]
+fn integrators_agree_on_principled_with_clear_coat() {
+    for (name, fields) in [
+        ("coated plastic and metal", "metallic .5  roughness .2  clearcoat 1  clearcoatRoughness .1"),
+        ("smooth lacquer on rough metal", "metallic 1  roughness .5  clearcoat .8"),
+    ] {
+        check_methods_agree_on_floor(name, &format!("Principled m {{ baseColor .9 .5 .2  {fields} }}"));
+    }
+}

@@ -12,6 +12,8 @@ mod hard;
 mod imported;
 mod methods;
 mod pbrt;
+mod principled;
 mod references;
 mod scenes;
+mod sheets;
 mod spotfog;

@@ -1,9 +1,10 @@
 //! Converts one material of a glTF file to a material of the scene language.
 
 use super::{GltfImportedMaterial, GltfMaterials};
+use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
-    ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, EmissionDescription,
-    MaterialKindDescription, MetalDescription, MirrorDescription, MixDescription, NormalPerturbationDescription,
+    CoatedDiffuseDescription, ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription,
+    EmissionDescription, MaterialKindDescription, MetalDescription, MixDescription, NormalPerturbationDescription,
     PhongDescription, RefractiveIndexDescription, Span, Spanned, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::gltf::context::{FileContext, ReadResult};
@@ -186,18 +187,29 @@ impl GltfMaterialConverter<'_, '_> {
 
     /// Converts the opaque dielectric part of the metallic-roughness model.
     ///
-    /// The result is diffuse, with a Phong lobe for the gloss.
+    /// The result is diffuse under a coat. If the reflectance along the normal is colored, or above
+    /// that of a coat, it is diffuse with a Phong lobe for the gloss.
     fn opaque_dielectric_description(
         &mut self,
         surface: &MetallicRoughnessSurface<'_>,
     ) -> ReadResult<MaterialKindDescription> {
         let MetallicRoughnessSurface { base_color: base, base_texture, f0, ggx_alpha_and_mean: alpha } = surface;
+        if let Some(eta) = coat_index(*f0) {
+            return Ok(MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription {
+                reflectance: self.textured_color(base_texture.as_ref(), *base)?,
+                eta,
+                roughness: alpha.0.clone(),
+                is_nonlinear: false,
+            }));
+        }
         let kept = 1.0 - f0.max_element();
         let diffuse = self.textured_color(base_texture.as_ref(), *base * kept)?;
         if *f0 == DVec3::ZERO {
             return Ok(MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: diffuse }));
         }
-        self.add_note("the gloss of non-metals is a Phong lobe, which does not grow towards grazing angles");
+        self.add_note(
+            "strong or colored gloss of non-metals is a Phong lobe, which does not grow towards grazing angles",
+        );
         let shininess = phong_exponent(alpha.1);
         let specular = *f0 * phong_normalization_factor(shininess);
         Ok(MaterialKindDescription::Phong(PhongDescription {
@@ -213,31 +225,19 @@ impl GltfMaterialConverter<'_, '_> {
     /// Its reflectance at normal incidence is the base color.
     fn metal_description(&mut self, surface: &MetallicRoughnessSurface<'_>) -> ReadResult<MaterialKindDescription> {
         let MetallicRoughnessSurface { base_color: base, base_texture, ggx_alpha_and_mean: alpha, .. } = surface;
-        if let TexturedValue::Constant(color) = self.textured_color(base_texture.as_ref(), *base)? {
-            // A conductor of index 1 + ik has the reflectance k² / (4 + k²) at normal incidence.
-            let reflectance = color.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
-            let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
-            let metal = MetalDescription::Index { eta: DVec3::ONE, k };
-            let roughness = alpha.0.clone();
-            return Ok(MaterialKindDescription::Conductor(ConductorDescription {
-                metal,
-                roughness,
-                has_multiple_scattering: true,
-            }));
-        }
-        self.add_note("metals with a texture of color are mirrors or Phong lobes");
-        if alpha.1 < MIN_PHONG_ALPHA {
-            return Ok(MaterialKindDescription::Mirror(MirrorDescription {
-                reflectance: self.textured_color(base_texture.as_ref(), *base)?,
-            }));
-        }
-        let shininess = phong_exponent(alpha.1);
-        let specular = self.textured_color(base_texture.as_ref(), *base * phong_normalization_factor(shininess))?;
-        Ok(MaterialKindDescription::Phong(PhongDescription {
-            diffuse: DVec3::ZERO.into(),
-            specular,
-            shininess,
-            texture: None,
+        let metal = match self.textured_color(base_texture.as_ref(), *base)? {
+            TexturedValue::Constant(color) => {
+                // A conductor of index 1 + ik reflects k² / (4 + k²) at normal incidence.
+                let reflectance = color.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
+                let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
+                MetalDescription::Index { eta: DVec3::ONE, k }
+            }
+            texture @ TexturedValue::Texture(_) => MetalDescription::Reflectance(texture),
+        };
+        Ok(MaterialKindDescription::Conductor(ConductorDescription {
+            metal,
+            roughness: alpha.0.clone(),
+            has_multiple_scattering: true,
         }))
     }
 
@@ -483,6 +483,14 @@ impl GltfMaterialConverter<'_, '_> {
 fn mix_description(first: String, second: String, amount: TexturedValue<f64>) -> MaterialKindDescription {
     let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
     MaterialKindDescription::Mix(MixDescription { first, second, second_probability: amount })
+}
+
+/// Returns the refractive index of a coat with the reflectance `f0` along the normal; `None` if the
+/// channels differ, or if the index is not between 1 and the largest index of coats.
+fn coat_index(f0: DVec3) -> Option<f64> {
+    let root = f0.x.sqrt();
+    let index = (1.0 + root) / (1.0 - root);
+    (f0 == DVec3::splat(f0.x) && (1.0..=f64::from(MAX_COAT_INDEX)).contains(&index)).then_some(index)
 }
 
 /// Returns the Phong exponent 2/α² − 2 for the GGX roughness `alpha`, which is clamped to \[0.01,

@@ -6,7 +6,7 @@ use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, block_schema};
 use crate::format::materials::emission::EMISSION_FIELDS;
-use crate::format::materials::metal::{METAL, MetalDescription, complex_refractive_index};
+use crate::format::materials::metal::{METAL, MetalDescription, resolve_metal};
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::textures::TextureRequirements;
@@ -17,7 +17,7 @@ use crate::scene::Material;
 /// An opaque conductor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConductorDescription {
-    /// Complex index of refraction.
+    /// Complex index of refraction, or reflectance.
     pub metal: MetalDescription,
     /// GGX α, inside [0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
@@ -38,8 +38,9 @@ impl MaterialBlock for ConductorDescription {
     const BODY: BoundedBody = BoundedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
-        let (eta, k) = complex_refractive_index(r, &self.metal)?;
-        let metal = Material::conductor(eta, k, r.resolve_fraction_parameter(&self.roughness, requirements)?);
+        let index = resolve_metal(r, &self.metal, requirements)?;
+        let roughness = r.resolve_fraction_parameter(&self.roughness, requirements)?;
+        let metal = Material::conductor_of_index(index, roughness);
         Ok(with_multiple_scattering(metal, self.has_multiple_scattering))
     }
 

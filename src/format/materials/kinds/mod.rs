@@ -8,21 +8,25 @@ mod coated_diffuse;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod diffuse_transmission;
 mod fields;
 mod mirror;
 mod mix;
 mod null_interface;
 mod phong;
+mod principled;
 mod thin_dielectric;
 
 pub use coated_diffuse::CoatedDiffuseDescription;
 pub use conductor::ConductorDescription;
 pub use dielectric::DielectricDescription;
 pub use diffuse::DiffuseDescription;
+pub use diffuse_transmission::DiffuseTransmissionDescription;
 pub use mirror::MirrorDescription;
 pub use mix::MixDescription;
 pub use null_interface::NullInterfaceDescription;
 pub use phong::PhongDescription;
+pub use principled::PrincipledDescription;
 pub use thin_dielectric::ThinDielectricDescription;
 
 use crate::format::error::SceneError;
@@ -179,6 +183,10 @@ material_kinds! {
     Thin(ThinDielectricDescription),
     /// A diffuse base under a dielectric coat, such as plastic.
     CoatedDiffuse(CoatedDiffuseDescription),
+    /// A thin sheet that scatters light diffusely to both sides.
+    DiffuseTransmission(DiffuseTransmissionDescription),
+    /// Base color, metallic, roughness: the model that other programs share.
+    Principled(PrincipledDescription),
     /// Stochastic mix: one of two materials, chosen at random at each point.
     Mix(MixDescription),
 }
@@ -194,6 +202,12 @@ impl MaterialKindDescription {
     #[must_use]
     pub fn is_dielectric(&self) -> bool {
         self.body() == BoundedBody::Dielectric
+    }
+
+    /// True if light may enter a dielectric body through the surface, for a reason other than
+    /// [`is_dielectric`](Self::is_dielectric) or a component of a mix.
+    pub(super) fn may_transmit_into_body(&self) -> bool {
+        if let Self::Principled(principled) = self { principled.transmits() } else { false }
     }
 
     /// True if the material is a null interface, which neither reflects nor refracts light.

@@ -4,11 +4,11 @@ use super::MitsubaMaterials;
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
     CoatedDiffuseDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, MaterialKindDescription,
-    MixDescription, NormalPerturbationDescription, NullInterfaceDescription, PhongDescription, Span, Spanned,
-    TexturedValue, ThinDielectricDescription,
+    MixDescription, NormalPerturbationDescription, NullInterfaceDescription, PhongDescription, PrincipledDescription,
+    Span, Spanned, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::mitsuba::color::parse_numbers;
-use crate::format::mitsuba::conductors::{conductor, conductor_from_reflectance};
+use crate::format::mitsuba::conductors::conductor;
 use crate::format::mitsuba::context::ImportContext;
 use crate::format::mitsuba::dielectrics::{is_index_matched, refractive_index};
 use crate::format::mitsuba::files::ReadResult;
@@ -20,10 +20,6 @@ use std::rc::Rc;
 
 /// Greatest nesting depth of BSDFs.
 const MAX_BSDF_DEPTH: u32 = 24;
-
-/// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
-/// degree.
-const MIN_PHONG_ALPHA: f64 = 0.01;
 
 /// Result of the conversion of a BSDF: reflection and transmission, and a bump map or normal map.
 pub(super) struct ConvertedBsdf {
@@ -215,17 +211,17 @@ impl MitsubaMaterialConverter<'_, '_> {
 
     fn convert_principled(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
         let context = self.context;
-        for name in ["clearcoat", "sheen", "flatness", "anisotropic", "spec_tint"] {
+        for name in ["sheen", "flatness", "anisotropic", "spec_tint"] {
             if bsdf.number(name).is_some_and(|strength| strength != 0.0) {
                 context.add_note(&format!("`{name}` of `principled` is ignored"), bsdf);
             }
         }
         let base = self.convert_texture_parameter(bsdf, "base_color", 0.5, MitsubaTextureUse::Color)?;
-        let metallic =
-            self.convert_texture_parameter(bsdf, "metallic", 0.0, MitsubaTextureUse::Fraction)?.into_number();
-        let rough = self.convert_texture_parameter(bsdf, "roughness", 0.5, MitsubaTextureUse::Fraction)?.mean().x;
-        let transmission =
-            self.convert_texture_parameter(bsdf, "spec_trans", 0.0, MitsubaTextureUse::Fraction)?.into_number();
+        let [metallic, transmission] = ["metallic", "spec_trans"]
+            .map(|name| self.convert_texture_parameter(bsdf, name, 0.0, MitsubaTextureUse::Fraction));
+        let (metallic, transmission) = (metallic?.into_number(), transmission?.into_number());
+        let roughness =
+            self.convert_texture_parameter(bsdf, "roughness", 0.5, MitsubaTextureUse::SquaredFraction)?.into_number();
         let index = match bsdf.number("eta") {
             Some(eta) if eta > 1.0 => eta,
             _ => {
@@ -235,27 +231,35 @@ impl MitsubaMaterialConverter<'_, '_> {
                 (1.0 + root) / (1.0 - root)
             }
         };
-        let alpha = rough * rough;
-        context.add_note("the gloss of `principled` is a Phong lobe, which does not grow towards grazing angles", bsdf);
-        let mut kind = phong_description(base.clone().into_color(), DVec3::splat(normal_reflectance(index)), alpha);
-        if transmission != TexturedValue::Constant(0.0) {
-            let glass = MaterialKindDescription::Dielectric(DielectricDescription {
+        if transmission != TexturedValue::Constant(0.0) && base.mean() != DVec3::ONE {
+            context.add_note("glass of `principled` is not colored by `base_color`", bsdf);
+        }
+        if transmission == TexturedValue::Constant(1.0) && metallic == TexturedValue::Constant(0.0) {
+            return Ok(MaterialKindDescription::Dielectric(DielectricDescription {
                 refraction: index.into(),
                 absorption: DielectricAbsorption::None,
-                roughness: alpha.into(),
+                roughness,
                 has_multiple_scattering: false,
                 priority: 0,
-            });
-            kind = self.mix_surfaces(kind, glass, transmission);
+            })
+            .into());
         }
-        if metallic != TexturedValue::Constant(0.0) {
-            let metal = conductor_from_reflectance(base.mean(), alpha.into());
-            if matches!(base, MitsubaConvertedTexture::Texture(..)) {
-                context.add_note("metals with a texture of color have its mean", bsdf);
-            }
-            kind = self.mix_surfaces(kind, metal, metallic);
-        }
-        Ok(kind.into())
+        // Mitsuba's clear coat has a quarter of the strength of a coat that covers all.
+        let clearcoat =
+            0.25 * self.convert_texture_parameter(bsdf, "clearcoat", 0.0, MitsubaTextureUse::Fraction)?.mean().x;
+        let gloss = self.convert_texture_parameter(bsdf, "clearcoat_gloss", 0.0, MitsubaTextureUse::Fraction)?.mean().x;
+        Ok(MaterialKindDescription::Principled(PrincipledDescription {
+            base_color: base.into_color(),
+            metallic,
+            roughness,
+            eta: index.clamp(1.0, f64::from(MAX_COAT_INDEX)),
+            transmission,
+            absorption: DielectricAbsorption::None,
+            clearcoat: clearcoat.into(),
+            clearcoat_roughness: 0.1 + (0.001 - 0.1) * gloss,
+            has_multiple_scattering: false,
+        })
+        .into())
     }
 
     fn convert_phong(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
@@ -317,19 +321,6 @@ impl MitsubaMaterialConverter<'_, '_> {
             return surface.kind.into();
         }
         surface
-    }
-
-    fn mix_surfaces(
-        &mut self,
-        first: MaterialKindDescription,
-        second: MaterialKindDescription,
-        amount: TexturedValue<f64>,
-    ) -> MaterialKindDescription {
-        if amount == TexturedValue::Constant(1.0) {
-            return second;
-        }
-        let names = [self.add_mix_component("first", first.into()), self.add_mix_component("second", second.into())];
-        mix_description(names, amount)
     }
 
     /// Adds a part of a mix as a material, and returns the material's name.
@@ -394,22 +385,6 @@ impl MitsubaMaterialConverter<'_, '_> {
 fn mix_description([first, second]: [String; 2], amount: TexturedValue<f64>) -> MaterialKindDescription {
     let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
     MaterialKindDescription::Mix(MixDescription { first, second, second_probability: amount })
-}
-
-/// Returns the reflectance at normal incidence of a dielectric with a given refractive index.
-fn normal_reflectance(index: f64) -> f64 {
-    let root = (index - 1.0) / (index + 1.0);
-    root * root
-}
-
-/// Returns a diffuse surface with a Phong lobe whose total reflectance is `specular`.
-///
-/// The lobe's exponent is 2/α² − 2, where α = `alpha` is a GGX roughness.
-fn phong_description(diffuse: TexturedValue<DVec3>, specular: DVec3, alpha: f64) -> MaterialKindDescription {
-    let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
-    let shininess = 2.0 / (alpha * alpha) - 2.0;
-    let specular = (specular * phong_normalization_factor(shininess)).into();
-    MaterialKindDescription::Phong(PhongDescription { diffuse, specular, shininess, texture: None })
 }
 
 /// Returns the specular coefficient with which a Phong lobe reflects all light at normal incidence.

@@ -5,9 +5,9 @@ use crate::bsdf::{LossyCoat, MAX_COAT_INDEX, metal_refractive_index};
 use crate::color::{conductor_refractive_index, glass_by_name};
 use crate::format::description::{
     CoatedDiffuseDescription, ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription,
-    MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription, MixDescription,
-    NormalPerturbationDescription, NullInterfaceDescription, PhongDescription, RefractiveIndexDescription, Span,
-    Spanned, TexturedValue, ThinDielectricDescription,
+    DiffuseTransmissionDescription, MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription,
+    MixDescription, NormalPerturbationDescription, NullInterfaceDescription, PhongDescription, PrincipledDescription,
+    RefractiveIndexDescription, Span, Spanned, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::import_notes::ImportNotes;
 use crate::format::pbrt::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
@@ -200,23 +200,22 @@ impl PbrtMaterialConverter<'_> {
                     is_nonlinear: true,
                 })
             }
-            "plastic" | "uber" | "substrate" | "disney" => {
-                let name = if kind == "disney" { "color" } else { "Kd" };
-                let default = if kind == "plastic" || kind == "uber" { 0.25 } else { 0.5 };
+            "disney" => self.disney_description(p)?,
+            "plastic" | "uber" | "substrate" => {
+                let default = if kind == "substrate" { 0.5 } else { 0.25 };
                 let message = format!("`{kind}` is a diffuse surface and a Phong lobe of constant strength");
                 self.add_note(&message, place);
                 if p.find_any(&["Kr", "Kt"]).is_some() {
                     self.add_note("mirrors and transmission of `uber` (Kr, Kt) are left out", place);
                 }
-                let (_, gloss) =
-                    self.textured_color_and_mean(p, "Ks", if kind == "disney" { 0.04 } else { default }, &|c| c)?;
+                let (_, gloss) = self.textured_color_and_mean(p, "Ks", default, &|c| c)?;
                 let f0 = if matches!(kind, "plastic" | "uber") {
                     normal_reflectance(DEFAULT_REFRACTIVE_INDEX) * gloss
                 } else {
                     gloss
                 };
                 let kept = DVec3::splat(1.0 - f0.max_element());
-                let (diffuse, _) = self.textured_color_and_mean(p, name, default, &|c| c * kept)?;
+                let (diffuse, _) = self.textured_color_and_mean(p, "Kd", default, &|c| c * kept)?;
                 let roughness = self.roughness(p, 0.1, true)?;
                 phong_description(diffuse, f0, roughness.mean)
             }
@@ -252,19 +251,25 @@ impl PbrtMaterialConverter<'_> {
                 self.conductor_description(p, ["reflectance", "conductor.eta", "conductor.k"], alpha)?
             }
             "diffusetransmission" => {
-                self.add_note("diffuse transmission is left out: surfaces only reflect", place);
                 let scale = p.number_or("scale", 1.0);
-                diffuse(
-                    self.textured_color_and_mean(p, "reflectance", 0.25, &|c| {
-                        (c * scale).clamp(DVec3::ZERO, DVec3::ONE)
-                    })?
-                    .0,
-                )
+                let scaled = |c: DVec3| (c * scale).clamp(DVec3::ZERO, DVec3::ONE);
+                MaterialKindDescription::DiffuseTransmission(DiffuseTransmissionDescription {
+                    reflectance: self.textured_color_and_mean(p, "reflectance", 0.25, &scaled)?.0,
+                    transmittance: self.textured_color_and_mean(p, "transmittance", 0.25, &scaled)?.0,
+                })
             }
             "translucent" => {
-                self.add_note("diffuse transmission is left out: surfaces only reflect", place);
-                let share = p.find("reflect").map_or(0.5, |reflect| reflect.numbers.first().copied().unwrap_or(0.5));
-                diffuse(self.textured_color_and_mean(p, "Kd", 0.25, &|c| c * share.clamp(0.0, 1.0))?.0)
+                if p.find("Ks").is_none_or(|gloss| gloss.numbers.iter().any(|ks| *ks != 0.0)) {
+                    self.add_note("the gloss of `translucent` (Ks) is left out", place);
+                }
+                let mut part_of_kd = |name: &str| -> ReadResult<TexturedValue<DVec3>> {
+                    let (_, share) = self.textured_color_and_mean(p, name, 0.5, &|c| c)?;
+                    Ok(self.textured_color_and_mean(p, "Kd", 0.25, &|c| c * share)?.0)
+                };
+                MaterialKindDescription::DiffuseTransmission(DiffuseTransmissionDescription {
+                    reflectance: part_of_kd("reflect")?,
+                    transmittance: part_of_kd("transmit")?,
+                })
             }
             "interface" | "none" | "" => {
                 if self.medium.is_none() {
@@ -286,6 +291,47 @@ impl PbrtMaterialConverter<'_> {
                 return Err(place.error(message, "replace it, for example by a `diffuse` or `conductor` material"));
             }
         })
+    }
+
+    /// Converts the material `disney` of pbrt-v3.
+    fn disney_description(&mut self, p: &Parameters) -> ReadResult<MaterialKindDescription> {
+        let place = &p.place;
+        // `sheentint` has no effect without `sheen`.
+        for name in ["anisotropic", "speculartint", "sheen", "flatness", "difftrans", "scatterdistance"] {
+            if p.find(name).is_some_and(|value| value.numbers.iter().any(|number| *number != 0.0)) {
+                self.add_note(&format!("`{name}` of `disney` is ignored"), place);
+            }
+        }
+        if p.flag("thin") == Some(true) {
+            self.add_note("`thin` of `disney` is ignored", place);
+        }
+        let mut scalar = |name: &str, default: f64, map: &dyn Fn(f64) -> f64| {
+            let value = match p.find(name) {
+                Some(parameter) => self.textures.parameter_value(parameter, false, place, self.files)?,
+                None => TextureValue::Constant(DVec3::splat(default)),
+            };
+            self.textured_scalar_and_mean(&value, &|number| map(number.clamp(0.0, 1.0)))
+        };
+        let metallic = scalar("metallic", 0.0, &|share| share)?.0;
+        let roughness = scalar("roughness", 0.5, &|roughness| roughness * roughness)?.0;
+        let transmission = scalar("spectrans", 0.0, &|share| share)?.0;
+        // pbrt's clear coat has a quarter of the strength of a coat that covers all.
+        let clearcoat = scalar("clearcoat", 0.0, &|strength| 0.25 * strength)?.0;
+        let clearcoat_roughness = scalar("clearcoatgloss", 1.0, &|gloss| 0.1 + (0.001 - 0.1) * gloss)?.1;
+        if transmission != TexturedValue::Constant(0.0) {
+            self.add_note("glass of `disney` is not colored by `color`", place);
+        }
+        Ok(MaterialKindDescription::Principled(PrincipledDescription {
+            base_color: self.textured_color_and_mean(p, "color", 0.5, &|c| c)?.0,
+            metallic,
+            roughness,
+            eta: self.refractive_index(p, &["eta"])?.clamp(1.0, f64::from(MAX_COAT_INDEX)),
+            transmission,
+            absorption: DielectricAbsorption::None,
+            clearcoat,
+            clearcoat_roughness,
+            has_multiple_scattering: false,
+        }))
     }
 
     /// Returns a conductor with the given reflectance at normal incidence, or else with the index η

@@ -2,8 +2,8 @@
 
 use super::{ENDS, corners};
 use caustica::bsdf::{
-    Bsdf, Conductor, Dielectric, MIN_ROUGH_ALPHA, MicrofacetScattering, Phong, ThinDielectric, TransportMode,
-    metal_refractive_index,
+    Bsdf, Conductor, Dielectric, DiffuseTransmission, MIN_ROUGH_ALPHA, MicrofacetScattering, Phong, ThinDielectric,
+    TransportMode, metal_refractive_index,
 };
 use glam::{Vec2, Vec3};
 
@@ -11,13 +11,15 @@ use glam::{Vec2, Vec3};
 ///
 /// The weight of diffuse surfaces, mirrors and visible microfacets is at most their reflectance. A
 /// Phong lobe of exponent s weighs (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the
-/// mean of three channels.
+/// mean of three channels, and so are those of a diffuse sheet.
 fn bsdf_kinds() -> Vec<(Bsdf, f32)> {
     let (eta, k) = metal_refractive_index("gold").unwrap();
     let mut kinds = vec![
         (Bsdf::Black, 0.0),
         (Bsdf::Diffuse(Vec3::ONE), 1.0),
         (Bsdf::Mirror(Vec3::ONE), 1.0),
+        (Bsdf::DiffuseTransmission(DiffuseTransmission::new(Vec3::ONE, Vec3::new(1.0, 0.5, 0.0))), 3.0),
+        (Bsdf::DiffuseTransmission(DiffuseTransmission::new(Vec3::ZERO, Vec3::ONE)), 1.0),
         (Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Vec3::new(1.0, 0.5, 0.0) }), 3.0),
         (Bsdf::ThinDielectric(ThinDielectric { eta: 1e6, internal_transmittance: Vec3::ONE }), 1.02),
     ];

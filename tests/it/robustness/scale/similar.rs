@@ -9,8 +9,9 @@ use caustica::format::description::{
     DiscLightDescription, EmissionDescription, EnvironmentRadiance, FocusDescription, GoniometricLightDescription,
     GroupItem, LensDescription, LightDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients,
     MediumDescription, NormalPerturbationDescription, ObjectDescription, PointLightDescription, PointLightStrength,
-    ProjectionDescription, ProjectorLightDescription, RectangleLightDescription, SceneDescription, Span, Spanned,
-    SphereLightDescription, SpotLightDescription, TextureKindDescription, TransformStep, TransformedBoxDescription,
+    PrincipledDescription, ProjectionDescription, ProjectorLightDescription, RectangleLightDescription,
+    SceneDescription, Span, Spanned, SphereLightDescription, SpotLightDescription, TextureKindDescription,
+    TransformStep, TransformedBoxDescription,
 };
 use glam::{DAffine3, DMat4, DVec3};
 
@@ -273,7 +274,8 @@ impl Similarity {
     fn material(&self, material: &mut MaterialDescription) {
         let MaterialDescription { name: _, kind, emission, normal_perturbation, medium: _ } = material;
         match kind {
-            MaterialKindDescription::Dielectric(DielectricDescription { absorption: attenuation, .. }) => {
+            MaterialKindDescription::Dielectric(DielectricDescription { absorption: attenuation, .. })
+            | MaterialKindDescription::Principled(PrincipledDescription { absorption: attenuation, .. }) => {
                 match attenuation {
                     DielectricAbsorption::None => {}
                     DielectricAbsorption::Coefficient(sigma) => self.per_length(sigma),
@@ -287,6 +289,7 @@ impl Similarity {
             | MaterialKindDescription::Conductor(_)
             | MaterialKindDescription::Thin(_)
             | MaterialKindDescription::CoatedDiffuse(_)
+            | MaterialKindDescription::DiffuseTransmission(_)
             | MaterialKindDescription::Mix(_) => {}
         }
         match emission {

@@ -1,0 +1,260 @@
+//! A clear dielectric coat over another surface, such as lacquer on metal.
+
+use super::coat_albedo::coat_albedo;
+use super::coated_diffuse::{CoatedDiffuse, DielectricCoat};
+use super::{Bsdf, BsdfSample, Conductor, DIFFUSE_CONE_SPREAD, MIN_ROUGH_ALPHA, NonSpecularSample};
+use crate::color::Rgb;
+use crate::math::{Frame, warp};
+use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+
+/// Refractive index of clear coats relative to the surroundings.
+const CLEAR_COAT_INDEX: f32 = 1.5;
+
+/// Number of steps in which the parameters of a clear coat are stored, which keeps [`Bsdf`] small.
+const STEPS: f32 = 65_535.0;
+
+/// A clear coat of index 1.5: how much of the surface it covers, and its roughness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClearCoat {
+    /// Fraction of the surface that the coat covers, in steps of 1/[`STEPS`].
+    coverage_steps: u16,
+    /// GGX roughness α, in steps of 1/[`STEPS`]; 0 if the coat is smooth.
+    alpha_steps: u16,
+}
+
+/// A surface under a clear coat, without reflection on the coat. [`Bsdf::select_layer`] chooses the
+/// surface or the coat.
+///
+/// The BRDF of the surface is multiplied by 1 − max(c(wo), c(wi)). c is the fraction of light that
+/// the coat reflects: its coverage times its albedo. The product is reciprocal. Coat and surface
+/// together gain no light, since the factor is at most 1 − c(wo). A lossless mirror under a smooth
+/// coat loses none; a white diffuse surface loses 5 % of the light that arrives along the normal,
+/// because the coat keeps back light at grazing angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClearCoated {
+    base: CoatableBsdf,
+    coat: ClearCoat,
+    /// Factor 1/p on the BRDF if [`Bsdf::select_layer`] chose the surface with probability p, else
+    /// 1.
+    inverse_selection_probability: f32,
+}
+
+/// A BSDF that can be under a clear coat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum CoatableBsdf {
+    Diffuse(Rgb),
+    CoatedDiffuse(CoatedDiffuse),
+    DielectricCoat(DielectricCoat),
+    Conductor(Conductor),
+}
+
+impl ClearCoat {
+    /// Creates a coat from the fraction `coverage` of the surface that it covers and its GGX
+    /// roughness `alpha`, both in \[0, 1]. Below [`MIN_ROUGH_ALPHA`], the coat is smooth. Both are
+    /// rounded to multiples of 1/65,535.
+    #[must_use]
+    pub fn new(coverage: f32, alpha: f32) -> Self {
+        let alpha = if alpha < MIN_ROUGH_ALPHA { 0.0 } else { alpha };
+        let [coverage_steps, alpha_steps] = [coverage, alpha].map(|x| (x * STEPS).round() as u16);
+        Self { coverage_steps, alpha_steps }
+    }
+
+    #[inline]
+    fn coverage(&self) -> f32 {
+        f32::from(self.coverage_steps) / STEPS
+    }
+
+    #[inline]
+    fn alpha(&self) -> f32 {
+        f32::from(self.alpha_steps) / STEPS
+    }
+
+    /// Fraction of light from direction `w` that the coat reflects; `n` is the shading normal.
+    #[inline]
+    fn albedo(&self, w: Vec3, n: Vec3) -> f32 {
+        self.coverage() * coat_albedo(w.dot(n).abs(), CLEAR_COAT_INDEX, self.alpha())
+    }
+
+    /// The coat as a BSDF, divided by `probability`.
+    fn over_probability(&self, probability: f32) -> DielectricCoat {
+        DielectricCoat::new(CLEAR_COAT_INDEX, self.alpha(), self.coverage() / probability)
+    }
+}
+
+impl CoatableBsdf {
+    /// Returns `bsdf` as a BSDF that can be under a clear coat; `None` if it cannot.
+    fn from_bsdf(bsdf: Bsdf) -> Option<Self> {
+        match bsdf {
+            Bsdf::Diffuse(reflectance) => Some(Self::Diffuse(reflectance)),
+            Bsdf::CoatedDiffuse(coated) => Some(Self::CoatedDiffuse(coated)),
+            Bsdf::DielectricCoat(coat) => Some(Self::DielectricCoat(coat)),
+            Bsdf::Conductor(conductor) => Some(Self::Conductor(conductor)),
+            Bsdf::Black
+            | Bsdf::DiffuseTransmission(_)
+            | Bsdf::Phong(_)
+            | Bsdf::Mirror(_)
+            | Bsdf::Dielectric(_)
+            | Bsdf::RoughDielectric(_)
+            | Bsdf::ThinDielectric(_)
+            | Bsdf::ClearCoated(_) => None,
+        }
+    }
+
+    /// The BSDF without the clear coat.
+    fn to_bsdf(self) -> Bsdf {
+        match self {
+            Self::Diffuse(reflectance) => Bsdf::Diffuse(reflectance),
+            Self::CoatedDiffuse(coated) => Bsdf::CoatedDiffuse(coated),
+            Self::DielectricCoat(coat) => Bsdf::DielectricCoat(coat),
+            Self::Conductor(conductor) => Bsdf::Conductor(conductor),
+        }
+    }
+}
+
+impl ClearCoated {
+    /// The surface under the coat, as a BSDF without the coat.
+    pub(super) fn base(&self) -> Bsdf {
+        self.base.to_bsdf()
+    }
+
+    /// The coat alone as a BSDF, not divided by a probability.
+    pub(super) fn coat(&self) -> DielectricCoat {
+        self.coat.over_probability(1.0)
+    }
+
+    /// True if photons are stored on the surface under the coat.
+    #[inline]
+    pub(super) fn stores_photons(&self) -> bool {
+        match &self.base {
+            CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => true,
+            CoatableBsdf::DielectricCoat(_) => false,
+            CoatableBsdf::Conductor(conductor) => conductor.stores_photons(),
+        }
+    }
+
+    /// True if the surface under the coat is a mirror.
+    #[inline]
+    pub(super) fn is_specular(&self) -> bool {
+        match &self.base {
+            CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => false,
+            CoatableBsdf::DielectricCoat(coat) => coat.alpha() == 0.0,
+            CoatableBsdf::Conductor(conductor) => conductor.is_smooth(),
+        }
+    }
+
+    /// True if the surface under the coat is Lambertian, or has a Lambertian base.
+    #[inline]
+    pub(super) fn is_diffuse_or_coated(&self) -> bool {
+        match &self.base {
+            CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => true,
+            CoatableBsdf::DielectricCoat(_) | CoatableBsdf::Conductor(_) => false,
+        }
+    }
+
+    /// See [`Bsdf::ray_cone_spread`].
+    #[inline]
+    pub(super) fn ray_cone_spread(&self) -> f32 {
+        match &self.base {
+            CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => DIFFUSE_CONE_SPREAD,
+            CoatableBsdf::DielectricCoat(coat) => coat.alpha() * DIFFUSE_CONE_SPREAD,
+            CoatableBsdf::Conductor(conductor) => conductor.alpha() * DIFFUSE_CONE_SPREAD,
+        }
+    }
+
+    /// Factor of the coat on the BRDF of the surface, for the directions `wo` and `wi`.
+    #[inline]
+    fn coat_factor(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
+        (1.0 - self.coat.albedo(wo, n).max(self.coat.albedo(wi, n))) * self.inverse_selection_probability
+    }
+
+    /// Selects the coat, or the surface or one of its layers, by `u` in \[0, 1); see
+    /// [`Bsdf::select_layer`].
+    pub(super) fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Bsdf {
+        let coat_probability = self.coat.albedo(wo, ns);
+        let base_probability = 1.0 - coat_probability;
+        if u >= base_probability {
+            return Bsdf::DielectricCoat(self.coat.over_probability(coat_probability));
+        }
+        let base = match self.base {
+            CoatableBsdf::CoatedDiffuse(coated) => {
+                CoatableBsdf::from_bsdf(coated.select_layer(wo, ns, u / base_probability)).unwrap_or(self.base)
+            }
+            CoatableBsdf::Diffuse(_) | CoatableBsdf::DielectricCoat(_) | CoatableBsdf::Conductor(_) => self.base,
+        };
+        let inverse_selection_probability = self.inverse_selection_probability / base_probability;
+        Bsdf::ClearCoated(Self { base, inverse_selection_probability, ..self })
+    }
+
+    /// BRDF f(wo, wi) \[1/sr]. `wo` and `wi` must be on one side of the shading normal `n`.
+    #[inline]
+    pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
+        let base = match &self.base {
+            CoatableBsdf::Diffuse(reflectance) => *reflectance * FRAC_1_PI,
+            CoatableBsdf::CoatedDiffuse(coated) => coated.evaluate(wo, wi, n),
+            CoatableBsdf::DielectricCoat(coat) => coat.evaluate(wo, wi, n),
+            CoatableBsdf::Conductor(conductor) => conductor.evaluate(wo, wi, n),
+        };
+        base * self.coat_factor(wo, wi, n)
+    }
+
+    /// Solid-angle pdf \[1/sr] with which `wi` is sampled, given `wo`; 0 for delta lobes.
+    ///
+    /// `wo` and `wi` must be on one side of the shading normal `n`.
+    #[inline]
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
+        match &self.base {
+            CoatableBsdf::Diffuse(_) => warp::cosine_hemisphere_pdf(wi.dot(n).abs()),
+            CoatableBsdf::CoatedDiffuse(coated) => coated.pdf(wo, wi, n),
+            CoatableBsdf::DielectricCoat(coat) => coat.pdf(wo, wi, n),
+            CoatableBsdf::Conductor(conductor) => conductor.pdf(wo, wi, n),
+        }
+    }
+
+    /// Samples a direction if the surface stores photons; `None` if the path is absorbed.
+    ///
+    /// `lobe` in \[0, 1) selects the lobe, and `u` in \[0, 1)² the direction. `n` is the shading
+    /// normal on the side of `wo`.
+    #[inline]
+    pub(super) fn sample_receiver(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
+        let sample = match &self.base {
+            CoatableBsdf::Diffuse(reflectance) => {
+                let local = warp::square_to_cosine_hemisphere(u);
+                // A direction in the horizon has a pdf of 0, so it has no MIS weight.
+                if local.z <= 0.0 {
+                    return None;
+                }
+                let (wi, pdf) = (Frame::from_normal(n).to_world(local), warp::cosine_hemisphere_pdf(local.z));
+                NonSpecularSample { wi, weight: *reflectance, pdf, is_transmitted: false }
+            }
+            CoatableBsdf::CoatedDiffuse(coated) => coated.sample(wo, n, lobe, u)?,
+            CoatableBsdf::Conductor(conductor) => conductor.sample_rough(wo, n, lobe, u)?,
+            CoatableBsdf::DielectricCoat(_) => return None,
+        };
+        Some(NonSpecularSample { weight: sample.weight * self.coat_factor(wo, sample.wi, n), ..sample })
+    }
+
+    /// Samples a direction if the surface stores no photons; `None` if the path is absorbed.
+    ///
+    /// `ng` is the geometric normal. The other arguments are those of
+    /// [`ClearCoated::sample_receiver`].
+    #[inline]
+    pub(super) fn sample_caster(&self, wo: Vec3, n: Vec3, ng: Vec3, lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let sample = match &self.base {
+            CoatableBsdf::Conductor(conductor) => conductor.sample(wo, n, ng, lobe, u)?,
+            CoatableBsdf::DielectricCoat(coat) => coat.sample(wo, n, ng, u)?,
+            CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => return None,
+        };
+        Some(BsdfSample { weight: sample.weight * self.coat_factor(wo, sample.wi, n), ..sample })
+    }
+}
+
+impl Bsdf {
+    /// Returns this BSDF under `coat`. Only diffuse, coated diffuse and metal surfaces can have a
+    /// clear coat; any other BSDF is returned unchanged.
+    #[must_use]
+    pub fn under_clear_coat(self, coat: ClearCoat) -> Self {
+        CoatableBsdf::from_bsdf(self)
+            .map_or(self, |base| Self::ClearCoated(ClearCoated { base, coat, inverse_selection_probability: 1.0 }))
+    }
+}
