@@ -24,7 +24,7 @@ pub(in crate::format) trait BlockCodec: Sized {
     /// Writes the fields of the block.
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result;
 
-    /// Returns the names of the textures that fields hold instead of numbers. Without a table: none.
+    /// Returns the names of the textures that fields hold instead of numbers; none without a table.
     fn field_textures(&self) -> Vec<&Spanned<String>> {
         Vec::new()
     }
