@@ -60,6 +60,15 @@ impl ClearCoat {
         Self { coverage_steps, alpha_steps }
     }
 
+    /// Returns `surface` under this coat. Only diffuse, coated diffuse and metal surfaces can have a
+    /// clear coat; any other BSDF is returned unchanged.
+    #[must_use]
+    pub fn over(self, surface: Bsdf) -> Bsdf {
+        CoatableBsdf::from_bsdf(surface).map_or(surface, |base| {
+            Bsdf::ClearCoated(ClearCoated { base, coat: self, inverse_selection_probability: 1.0 })
+        })
+    }
+
     #[inline]
     fn coverage(&self) -> f32 {
         f32::from(self.coverage_steps) / STEPS
@@ -246,15 +255,5 @@ impl ClearCoated {
             CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => return None,
         };
         Some(BsdfSample { weight: sample.weight * self.coat_factor(wo, sample.wi, n), ..sample })
-    }
-}
-
-impl Bsdf {
-    /// Returns this BSDF under `coat`. Only diffuse, coated diffuse and metal surfaces can have a
-    /// clear coat; any other BSDF is returned unchanged.
-    #[must_use]
-    pub fn under_clear_coat(self, coat: ClearCoat) -> Self {
-        CoatableBsdf::from_bsdf(self)
-            .map_or(self, |base| Self::ClearCoated(ClearCoated { base, coat, inverse_selection_probability: 1.0 }))
     }
 }

@@ -326,7 +326,7 @@ impl Material {
     /// the fraction `coverage` of the surface.
     ///
     /// Only diffuse, coated diffuse and metal materials can have a clear coat. Other materials do
-    /// not change; see [`Bsdf::under_clear_coat`].
+    /// not change; see [`ClearCoat::over`].
     #[must_use]
     pub fn with_clear_coat(self, coverage: impl Into<MaterialParameter<f32>>, alpha: f32) -> Self {
         let coat = ClearCoatParameters { coverage: coverage.into(), alpha };
@@ -540,7 +540,7 @@ impl Material {
         let bsdf = self.kind.bsdf(parameters);
         match &self.clear_coat {
             None => bsdf,
-            Some(coat) => bsdf.under_clear_coat(ClearCoat::new(parameters.evaluate_scalar(&coat.coverage), coat.alpha)),
+            Some(coat) => ClearCoat::new(parameters.evaluate_scalar(&coat.coverage), coat.alpha).over(bsdf),
         }
     }
 

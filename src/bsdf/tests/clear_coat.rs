@@ -16,12 +16,12 @@ fn coat_and_base_albedos(bsdf: Bsdf, wo: Vec3) -> (f64, f64) {
 #[test]
 fn clear_coats_over_white_bases_have_closed_form_albedos() {
     let coat = ClearCoat::new(1.0, 0.0);
-    let mirror = Bsdf::Conductor(Conductor::new(Rgb::ZERO, Rgb::ONE, 0.0, Single)).under_clear_coat(coat);
+    let mirror = coat.over(Bsdf::Conductor(Conductor::new(Rgb::ZERO, Rgb::ONE, 0.0, Single)));
     for cos in [1.0, 0.6, 0.1] {
         let (coat, base) = coat_and_base_albedos(mirror, direction_with_cos(cos));
         assert!((coat + base - 1.0).abs() < 1e-5, "{cos}: {coat} + {base}");
     }
-    let (coat, base) = coat_and_base_albedos(Bsdf::Diffuse(Rgb::ONE).under_clear_coat(coat), Vec3::Z);
+    let (coat, base) = coat_and_base_albedos(coat.over(Bsdf::Diffuse(Rgb::ONE)), Vec3::Z);
     let expected = 1.0 + 0.04 - mean_fresnel_reflectance(1.5);
     assert!((coat + base - expected).abs() < 1e-3, "{coat} + {base}, not {expected}");
 }
@@ -32,7 +32,7 @@ fn clear_coats_gain_no_energy_and_lose_little() {
     let metal = |alpha| Bsdf::Conductor(Conductor::new(Rgb::ZERO, Rgb::ONE, alpha, Multiple));
     for base in [Bsdf::Diffuse(Rgb::ONE), metal(0.2), metal(0.6)] {
         for (coverage, alpha) in [(1.0, 0.0), (0.25, 0.05), (1.0, 0.2), (0.7, 0.6)] {
-            let bsdf = base.under_clear_coat(ClearCoat::new(coverage, alpha));
+            let bsdf = ClearCoat::new(coverage, alpha).over(base);
             for cos in [1.0, 0.7, 0.3, 0.1] {
                 let (coat, base) = coat_and_base_albedos(bsdf, direction_with_cos(cos));
                 // The upper bound allows the errors of the tables of rough coats and rough metal.

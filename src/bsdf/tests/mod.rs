@@ -65,9 +65,8 @@ fn clear_coated_bsdfs() -> Vec<(Bsdf, f64)> {
         (metal(0.2), 0.4),
         (metal(0.6), 1.0),
     ];
-    let coated = |(bsdf, width): (Bsdf, f64)| {
-        coats.map(|(coverage, alpha)| (bsdf.under_clear_coat(ClearCoat::new(coverage, alpha)), width))
-    };
+    let coated =
+        |(bsdf, width): (Bsdf, f64)| coats.map(|(coverage, alpha)| (ClearCoat::new(coverage, alpha).over(bsdf), width));
     bases.into_iter().flat_map(coated).collect()
 }
 
@@ -91,7 +90,7 @@ fn all_bsdf_kinds() -> Vec<Bsdf> {
     all.extend(coats());
     all.extend(diffuse_sheets());
     all.extend(clear_coated_bsdfs().into_iter().map(|(bsdf, _)| bsdf));
-    all.push(Bsdf::Conductor(Conductor::new(eta, k, 0.0, Single)).under_clear_coat(ClearCoat::new(1.0, 0.2)));
+    all.push(ClearCoat::new(1.0, 0.2).over(Bsdf::Conductor(Conductor::new(eta, k, 0.0, Single))));
     all.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, internal_transmittance: Rgb::new(1.0, 0.5, 0.1) }));
     all
 }

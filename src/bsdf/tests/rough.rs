@@ -72,8 +72,8 @@ fn samples_agree_with_evaluation_and_pdf() {
             Bsdf::dielectric(1.01, alpha, Multiple),
             Bsdf::Diffuse(eta * 0.2),
             diffuse_sheets()[0],
-            Bsdf::coated_diffuse(k * 0.2, GLASS, 0.5, true).under_clear_coat(ClearCoat::new(0.9, alpha)),
-            Bsdf::Conductor(Conductor::new(eta, k, alpha, Multiple)).under_clear_coat(ClearCoat::new(0.9, 0.1)),
+            ClearCoat::new(0.9, alpha).over(Bsdf::coated_diffuse(k * 0.2, GLASS, 0.5, true)),
+            ClearCoat::new(0.9, 0.1).over(Bsdf::Conductor(Conductor::new(eta, k, alpha, Multiple))),
             Bsdf::Phong(Phong::new(eta, k, 30.0)),
             Bsdf::coated_diffuse(k * 0.2, GLASS, alpha, true),
         ] {
