@@ -60,8 +60,8 @@ impl ClearCoat {
         Self { coverage_steps, alpha_steps }
     }
 
-    /// Returns `surface` under this coat. Only diffuse, coated diffuse and metal surfaces can have a
-    /// clear coat; any other BSDF is returned unchanged.
+    /// Returns `surface` under this coat. Only diffuse, coated diffuse and metal surfaces can have
+    /// a clear coat; any other BSDF is returned unchanged.
     #[must_use]
     pub fn over(self, surface: Bsdf) -> Bsdf {
         CoatableBsdf::from_bsdf(surface).map_or(surface, |base| {
