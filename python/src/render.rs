@@ -13,8 +13,8 @@ use caustica::photon::{Kernel, UnknownKernel};
 use caustica::plan::UnknownOverrideError;
 use caustica::render::error_estimate::{Confidence, ErrorForecast};
 use caustica::render::{
-    ErrorTarget, PassProgress, RenderLimits, RenderResult, RenderedLayers, check_layered_picture_memory,
-    check_photon_memory, render,
+    ErrorTarget, PassProgress, RenderLimits, RenderResult, RenderedLayers, StopCriteria,
+    check_layered_picture_memory, check_photon_memory, render,
 };
 use caustica::{Algorithm, ErrorEstimate, ProgressMonitor, Settings};
 use pyo3::exceptions::PyValueError;
@@ -307,6 +307,7 @@ fn render_passes(
     flags: &Flags,
     report: impl Fn(&PassProgress<'_>, Confidence),
 ) -> Result<NativeResult, Failure> {
+    let began = Instant::now();
     let free = || scene.memory().available_bytes();
     let camera_paths = settings.camera_paths.clone();
     let CameraPathSettings { estimate_error: estimates_error, groups_light, clamp, .. } = camera_paths;
@@ -320,6 +321,7 @@ fn render_passes(
     let integrator = algorithm.prepare(&scene, settings);
     check_photon_memory(integrator.expected_photons(), picture_bytes, free()).map_err(Failure::Memory)?;
     let stop = limits.stop_criteria(algorithm, integrator.as_ref(), &flags.stopped);
+    let stop = StopCriteria { time_before_passes: began.elapsed(), ..stop };
     let interval_confidence = |default| stop.target.map_or(default, ErrorTarget::interval_confidence);
     // `render` estimates the error with the default confidence if it has no target.
     let (confidence, progress_confidence) =

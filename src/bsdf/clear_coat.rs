@@ -27,10 +27,10 @@ pub struct ClearCoat {
 /// surface or the coat.
 ///
 /// The BRDF of the surface is multiplied by 1 − max(c(wo), c(wi)). c is the fraction of light that
-/// the coat reflects: its coverage times its albedo. The product is reciprocal. Coat and surface
-/// together gain no light, since the factor is at most 1 − c(wo). A lossless mirror under a smooth
-/// coat loses none; a white diffuse surface loses 5 % of the light that arrives along the normal,
-/// because the coat keeps back light at grazing angles.
+/// the coat reflects: its coverage times its albedo. The product is reciprocal. The factor is at
+/// most 1 − c(wo), so coat and surface together gain no light beyond the error of tabulated
+/// albedos. Under a smooth coat, a lossless mirror loses no light. A white diffuse surface loses
+/// 5 % of the light along the normal, since light that would leave at grazing angles is weakened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClearCoated {
     base: CoatableBsdf,
@@ -182,7 +182,7 @@ impl ClearCoated {
     pub(super) fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Bsdf {
         let coat_probability = self.coat.albedo(wo, ns);
         let base_probability = 1.0 - coat_probability;
-        if u >= base_probability {
+        if coat_probability > 0.0 && u >= base_probability {
             return Bsdf::DielectricCoat(self.coat.over_probability(coat_probability));
         }
         let base = match self.base {

@@ -43,7 +43,8 @@ use std::f32::consts::FRAC_1_PI;
 /// GGX roughness α below which a surface counts as smooth.
 pub const MIN_ROUGH_ALPHA: f32 = 1e-3;
 
-/// GGX roughness α of a conductor or of a dielectric coat above which photons are stored on it.
+/// GGX roughness α of a conductor, or of a coat over a diffuse base, above which photons are
+/// stored on it.
 ///
 /// Photon estimates then include the light that it reflects. A smoother conductor or coat is a
 /// caster; [`Bsdf::select_layer`] splits such a coat from its base.
@@ -153,8 +154,8 @@ pub enum Bsdf {
     /// Reflection on the coat is included only if the coat's α exceeds
     /// [`MIN_PHOTON_STORAGE_ALPHA`].
     CoatedDiffuse(CoatedDiffuse),
-    /// Reflection on a coat with α up to [`MIN_PHOTON_STORAGE_ALPHA`], which [`Bsdf::select_layer`]
-    /// selects.
+    /// Reflection on a coat that [`Bsdf::select_layer`] selects: a clear coat, or a coat with α up
+    /// to [`MIN_PHOTON_STORAGE_ALPHA`] over a diffuse base.
     DielectricCoat(DielectricCoat),
     /// A surface under a clear coat, without reflection on the coat, which [`Bsdf::select_layer`]
     /// selects.
@@ -232,7 +233,7 @@ impl Bsdf {
     ///
     /// The probabilities depend on `wo` and the shading normal `ns`. The selected BSDF is divided
     /// by its probability. A coat with α above [`MIN_PHOTON_STORAGE_ALPHA`] is not split from its
-    /// base: that BSDF, like any other, is returned whole.
+    /// diffuse base: that BSDF, like any without coat, is returned whole.
     #[inline]
     #[must_use]
     pub fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Self {
@@ -371,8 +372,8 @@ impl Bsdf {
 
     /// True if photons are stored on the surface. Density estimates then evaluate this BSDF.
     ///
-    /// Diffuse, coated and Phong BSDFs store photons, and so do conductors rougher than
-    /// [`MIN_PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons fall into the lobe, so
+    /// Diffuse BSDFs, with transmission or a coat, and Phong BSDFs store photons, and so do
+    /// conductors rougher than [`MIN_PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons fall into the lobe, so
     /// sampling the BSDF has less noise. Dielectrics store none, because an estimate would blur the
     /// objects behind them.
     #[inline]
@@ -393,8 +394,8 @@ impl Bsdf {
 
     /// True if the surface is a caustic caster: it scatters light, but stores no photons.
     ///
-    /// Casters are mirrors, thin sheets, dielectrics of any roughness, and conductors and coats of
-    /// roughness α up to [`MIN_PHOTON_STORAGE_ALPHA`].
+    /// Casters are mirrors, panes, dielectrics and clear coats of any roughness, and conductors and
+    /// coats over a diffuse base of roughness α up to [`MIN_PHOTON_STORAGE_ALPHA`].
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {

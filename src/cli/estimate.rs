@@ -21,7 +21,7 @@ use crate::scene::Scene;
 use comparison::{CostComparison, check_comparable};
 use report::CostEstimateReport;
 use std::io::Write as _;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Smallest number of passes of the pilot. With fewer, the error estimate would miss rare bright
 /// paths.
@@ -88,7 +88,8 @@ fn estimate_method_cost(
     let (rendered, pass_seconds) = render_pilot(arguments, integrator.as_ref(), scene.camera().size(), progress);
     let ends = [false, true].map(|preview| {
         let limits = RenderLimits { preview, ..RenderLimits::default() };
-        limits.stop_criteria(method.integrator, integrator.as_ref(), &INTERRUPTED)
+        let stop = limits.stop_criteria(method.integrator, integrator.as_ref(), &INTERRUPTED);
+        StopCriteria { time_before_passes: Duration::from_secs_f64(setup), ..stop }
     });
     let method = (method, finds_caustics_only_by_chance(integrator.as_ref()));
     let report = CostEstimateReport::new(arguments, method, &rendered, (setup, pass_seconds), &ends);

@@ -219,7 +219,6 @@ fn render_scene(
     setup.balance = integrator.ray_photon_balance();
     setup.setup_seconds = start.elapsed().as_secs_f64();
     let stop = render_limits(arguments).stop_criteria(algorithm, integrator.as_ref(), &INTERRUPTED);
-    let stop = StopCriteria { time_before_passes: start.elapsed(), ..stop };
     let (numbers, stop) = shard_passes_and_stop(arguments, stop)?;
     let mut film = None;
     let mut before = None;
@@ -236,6 +235,7 @@ fn render_scene(
         film = Some(saved);
     }
     let before = before.unwrap_or_else(|| RenderResult::without_passes(integrator.as_ref(), size));
+    let stop = StopCriteria { time_before_passes: start.elapsed(), ..stop };
     let options = write_options(arguments);
     let mut updates =
         arguments.update_interval().map(|interval| PictureUpdater::new(&arguments.output, &options, interval));

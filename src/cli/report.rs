@@ -60,7 +60,7 @@ pub(super) struct LimitsReport {
     is_default: bool,
     /// Largest number of passes; `None` without this limit.
     passes: Option<u32>,
-    /// Time \[s] after which the render ends; `None` without this limit.
+    /// Time limit \[s], from the start of loading; `None` without this limit.
     seconds: Option<f64>,
     /// Relative error at which the render ends; `None` without this limit.
     #[serde(rename = "error")]

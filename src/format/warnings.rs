@@ -145,7 +145,7 @@ impl<'a> UsedSceneItems<'a> {
             ObjectDescription::Shape { shape, .. } => {
                 self.materials.insert(*material);
                 let ShapeDescription::Mesh(MeshDescription { path, options }) = shape else { return };
-                let dielectric = description.materials.get(*material).is_some_and(|m| m.kind.is_dielectric());
+                let dielectric = description.materials.get(*material).is_some_and(|m| m.kind.bounds_dielectric());
                 if dielectric && !options.uses_file_materials {
                     self.dielectric_meshes.entry(path).or_insert(path.span);
                 }
@@ -176,6 +176,7 @@ mod tests {
     fn unused_parts_and_open_dielectrics_are_warned_of() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("open.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        std::fs::copy(folder.path().join("open.obj"), folder.path().join("pane.obj")).unwrap();
         let closed = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
         let faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
         std::fs::write(folder.path().join("closed.obj"), format!("{closed}{faces}")).unwrap();
@@ -184,11 +185,12 @@ mod tests {
         let text = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 angle 30 }
 Textures { Checker used { } Checker idle { } }
 Materials { Diffuse floor { reflectance used } Mirror part { } Mirror other { }
-Mix mix { first part second floor amount .5 } Dielectric glass { } }
+Mix mix { first part second floor amount .5 } Dielectric glass { } Principled pane { baseColor 1 1 1 transmission 1 } }
 Group { MaterialName mix Sphere { center 0 0 0 radius 1 } MaterialName glass
 TriangleMesh { file open.obj }
 TriangleMesh { file closed.obj }
-TriangleMesh { file turned.obj } }";
+TriangleMesh { file turned.obj }
+MaterialName pane TriangleMesh { file pane.obj } }";
         let path = folder.path().join("a.txt");
         std::fs::write(&path, text).unwrap();
         let warnings = SceneFile::read(&path).unwrap().warnings();
@@ -197,6 +199,7 @@ TriangleMesh { file turned.obj } }";
             ":3:64: warning: the material `other` is not used",
             ":6:21: warning: the dielectric mesh `open.obj` is open at 3 edges",
             ":8:21: warning: the dielectric mesh `turned.obj` is inside out",
+            ":9:39: warning: the dielectric mesh `pane.obj` is open at 3 edges",
         ];
         assert_eq!(warnings.len(), expected.len(), "{warnings:#?}");
         for (warning, expected) in warnings.iter().zip(expected) {

@@ -31,7 +31,9 @@ const MAX_LAMPS: usize = 64;
 /// predicted images.
 const MIN_RAYS_PER_PIXEL: u32 = 2;
 
-/// Part of the predicted noise of all candidates that may come from candidates which are left out.
+/// Largest part of the predicted noise that candidates which are left out may have.
+///
+/// Half of it is for the choice in each tile, and half for the choice among all tiles.
 ///
 /// Most candidates have little noise: without this limit, nine of ten searches would be for a
 /// thousandth of the noise.
@@ -180,6 +182,7 @@ impl ImageSearch<'_> {
             let mut candidates = self.candidates_near_rays::<I>(tile, 0..MIN_RAYS_PER_PIXEL);
             let least = least_searched_noise(&candidates, 0.5 * MAX_OMITTED_NOISE_FRACTION);
             candidates.retain(|candidate| candidate.noise >= least);
+            candidates.shrink_to_fit();
             candidates
         };
         let first: Vec<Vec<Candidate>> = tiles.par_iter().map(first_candidates).collect();

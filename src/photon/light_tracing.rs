@@ -184,7 +184,8 @@ impl<'a> LightTracer<'a> {
             return Rgb::ZERO;
         }
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
-        // A density estimate counts a photon on the side from which it arrives.
+        // As in density estimates: `normal` tells on which side of a transmitting surface the
+        // camera is.
         let ng = if transmits { normal } else { ns };
         let bsdf = surface.bsdf.evaluate(connection.direction_to_camera, surface.wo, ns, ng, TransportMode::Radiance);
         bsdf * (cosine.abs() * connection.importance)

@@ -13,9 +13,9 @@ pub struct VisiblePoint {
     pub position: Vec3,
     /// Upper bound of the rounding error of `position` along each axis \[length].
     pub position_error: Vec3,
-    /// Unit geometric normal on the side that the camera path sees.
+    /// Unit geometric normal on the side from which photons count.
     pub normal: Vec3,
-    /// Importance of the point: camera path throughput times BRDF, which is the pixel's radiance
+    /// Importance of the point: camera path throughput times BSDF, which is the pixel's radiance
     /// per irradiance at the point. Only ratios between points matter.
     pub weight: f32,
 }

@@ -20,7 +20,8 @@ pub struct StopCriteria<'a> {
     /// Largest number of passes; `None` for no limit.
     pub max_passes: Option<u32>,
     /// Wall time of the render; `None` for no limit. The render ends after the pass whose end is
-    /// nearest to it, as far as the mean time of the passes foretells the next one.
+    /// expected to be nearest to it. The next pass is expected to take the mean time of the passes
+    /// so far.
     pub time_limit: Option<Duration>,
     /// Wall time before the first pass that counts towards `time_limit`: loading and pilots.
     pub time_before_passes: Duration,
@@ -61,7 +62,7 @@ impl ErrorTarget {
 pub enum EndReason {
     /// The largest number of passes was reached.
     Passes,
-    /// The time limit elapsed.
+    /// The end of the last pass is nearest to the time limit.
     Time,
     /// The error target was reached.
     Target,
@@ -167,7 +168,10 @@ pub fn render(
     (1..=rendered.film.passes()).for_each(|passes| _ = schedule.advance_if_due(passes));
     if rendered.film.passes() > 0 {
         let error = rendered.estimate_error(stop.target);
-        if let Some(end_reason) = stop.end_reason(rendered.film.passes(), error.as_ref(), PassTimes::default()) {
+        let end_reason = stop.end_reason(passes_before, error.as_ref(), PassTimes::default());
+        // Time does not end the render here: each call makes at least one pass, however long
+        // loading and pilots took.
+        if let Some(end_reason) = end_reason.filter(|reason| *reason != EndReason::Time) {
             rendered.end_reason = end_reason;
             return rendered;
         }

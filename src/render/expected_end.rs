@@ -22,9 +22,13 @@ impl StopCriteria<'_> {
     /// `forecast` extrapolates the error of a short pilot of this render.
     #[must_use]
     pub fn expected_end(&self, forecast: &ErrorForecast, pass_seconds: f64) -> Option<ExpectedEnd> {
-        let passes_in = |seconds: f64| (seconds / pass_seconds).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
+        // The render ends after the pass whose end is nearest to the limit, as in `end_reason`.
+        let passes_in = |seconds: f64| (seconds / pass_seconds - 0.5).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
         let by_passes = self.max_passes.map(|passes| (EndReason::Passes, passes));
-        let by_time = self.time_limit.map(|time| (EndReason::Time, passes_in(time.as_secs_f64()).max(self.min_passes)));
+        let by_time = self.time_limit.map(|limit| {
+            let time = limit.saturating_sub(self.time_before_passes);
+            (EndReason::Time, passes_in(time.as_secs_f64()).max(self.min_passes))
+        });
         let by_error = self.expected_end_by_error(forecast);
         // If two criteria hold after equally many passes, the first one counts, as in `render`.
         let ends = [by_passes, by_error, by_time];

@@ -6,7 +6,7 @@ use std::str::FromStr;
 /// Text of [`CASTER_DESCRIPTION`].
 macro_rules! caster_description {
     () => {
-        "mirrors, glass, thin sheets, and conductors and coats of low roughness"
+        "mirrors, glass, panes, and conductors and coats of low roughness"
     };
 }
 

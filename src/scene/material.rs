@@ -409,7 +409,8 @@ impl Material {
     /// A mix, which resolves at each hit to material `second` with probability `amount`, else to
     /// `first`.
     ///
-    /// Both are indices of materials of the scene, which may be added after the mix.
+    /// Both are indices of materials of the scene, which may be added after the mix. No mix may
+    /// contain itself.
     #[must_use]
     pub fn mix(first: u32, second: u32, amount: impl Into<MaterialParameter<f32>>) -> Self {
         Self::new(MaterialKind::Mix { first, second, amount: amount.into() })

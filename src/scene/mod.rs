@@ -375,7 +375,12 @@ impl Scene {
                 amount => amount.mean(),
             };
             // Rescale `u` within the chosen interval, so that a nested mix can use it.
-            (index, u) = if u < amount { (second, u / amount) } else { (first, (u - amount) / (1.0 - amount)) };
+            // Rounding must not raise it to 1.
+            (index, u) = if u < amount {
+                (second, u / amount)
+            } else {
+                (first, ((u - amount) / (1.0 - amount)).min(1f32.next_down()))
+            };
         }
         (index, u)
     }

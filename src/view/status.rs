@@ -201,7 +201,8 @@ pub struct LiveStatus {
     pub first_pixels_seconds: Option<f64>,
     /// Largest number of passes of the render; `None` for no limit.
     pub pass_limit: Option<u32>,
-    /// Wall time after which the render ends \[s]; `None` for no limit.
+    /// Time limit of the render \[s], which counts pilots while `seconds` does not; `None` for no
+    /// limit.
     #[serde(rename = "time_limit")]
     pub time_limit_seconds: Option<f64>,
     /// Relative error at which the render ends; `None` for no error target.

@@ -69,3 +69,12 @@ fn selected_layers_add_up_to_coat_and_base() {
         }
     }
 }
+
+/// A random number of 1, which rounding can give, does not select a coat that covers nothing.
+#[test]
+fn coats_without_coverage_are_never_selected() {
+    let surface = ClearCoat::new(0.0, 0.0).over(Bsdf::Diffuse(Rgb::ONE));
+    for u in [0.0, 0.5, 1.0] {
+        assert_eq!(surface.select_layer(Vec3::Z, Vec3::Z, u), surface);
+    }
+}

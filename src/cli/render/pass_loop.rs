@@ -64,9 +64,9 @@ pub(super) fn render_passes(
 /// unknown.
 ///
 /// It is unknown if there is an error target, and the last pass did not estimate the error.
-/// `passes` is the number of passes so far, and `elapsed` the time since the first of them began.
-/// `forecast` predicts the passes until the error target
-/// of `stop`; it is ignored if `stop` has no target.
+/// `passes` is the number of passes so far, and `elapsed` the time since this run's first pass
+/// began. `forecast` predicts the passes until the error target of `stop`; it is ignored if `stop`
+/// has no target.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
     passes: u32,
@@ -109,6 +109,8 @@ mod tests {
         assert_eq!(left(None, Some(10)), Some(2));
         assert_eq!(left(Some(10), Some(10)), Some(2));
         assert_eq!((left(None, None), left(None, Some(1))), (None, Some(0)));
+        let late = StopCriteria { time_before_passes: Duration::from_secs(1), ..limits(None, Some(10)) };
+        assert_eq!(left_of(late), Some(1));
         let target = Some(ErrorTarget { error: 0.03, confidence: Confidence::default() });
         assert_eq!(left_of(StopCriteria { target, ..limits(Some(10), Some(10)) }), None);
     }

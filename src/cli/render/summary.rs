@@ -82,9 +82,9 @@ fn default_end_line(stop: &StopCriteria<'_>, end_reason: EndReason) -> Option<St
         EndReason::Target => Some(format!(
             "ended by error: at most {error} with {confidence} confidence. --target-error sets another error"
         )),
-        EndReason::Time => {
-            Some(format!("ended by time: {time} were over before the error fell to {error}. --time sets another time"))
-        }
+        EndReason::Time => Some(format!(
+            "ended by time: the limit of {time} came before the error fell to {error}. --time sets another time"
+        )),
         EndReason::BiasFloor => Some(format!("ended by bias: more passes cannot lower the error to {error}")),
         EndReason::Passes | EndReason::Interrupted => None,
     }
@@ -110,7 +110,7 @@ mod tests {
         let line = |ended| default_end_line(&stop, ended);
         let begins = |ended, text: &str| line(ended).is_some_and(|line| line.starts_with(text));
         assert!(begins(EndReason::Target, "ended by error: at most 3.0 %"));
-        assert!(begins(EndReason::Time, "ended by time: 5 min 0 s were over before the error fell to 3.0 %"));
+        assert!(begins(EndReason::Time, "ended by time: the limit of 5 min 0 s came before the error fell to 3.0 %"));
         assert!(begins(EndReason::BiasFloor, "ended by bias: "));
         assert_eq!(line(EndReason::Passes).or(line(EndReason::Interrupted)), None);
     }

@@ -233,6 +233,9 @@ impl<'a> Job<'a> {
     /// Renders passes until the job is cancelled. The render pauses when it reaches its limits.
     /// Once it is resumed, it has no limits. `start` is the time at which `algorithm` began its
     /// pilots.
+    ///
+    /// If a user stops the render before it reaches its limits, it keeps them, and its time limit
+    /// counts from the moment at which it is resumed.
     fn render_passes(
         &mut self,
         scene: &Scene,
@@ -282,7 +285,9 @@ impl<'a> Job<'a> {
                     }),
                 }
             }
-            if !is_stopped {
+            if is_stopped {
+                stop.time_before_passes = Duration::ZERO;
+            } else {
                 stop = unlimited;
             }
         }

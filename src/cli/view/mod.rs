@@ -53,8 +53,8 @@ pub struct ViewArguments {
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub passes: Option<u32>,
 
-    /// Pause after the pass in which this time has elapsed, such as 60s or 5m  [default: 5m; no
-    /// limit with --passes or --target-error]
+    /// Pause after the pass whose end is nearest to this time, such as 60s or 5m; pilots count
+    /// [default: 5m; no limit with --passes or --target-error]
     #[arg(long, value_parser = parse_duration, value_name = "TIME")]
     pub time: Option<Duration>,
 

@@ -1,5 +1,5 @@
-//! Tables of fields. A table states each field of a block once, with the member of the description
-//! that it fills. Parser, writer and language reference follow from it.
+//! Tables of fields. A table names each member of a description, and the fields of a block that
+//! state it. Parser, writer and language reference follow from it.
 
 use std::fmt;
 

@@ -58,7 +58,8 @@ pub(in crate::format) fn default_value<T: FieldValue>(field: &FieldSchema) -> Op
     match field.default {
         FieldDefault::Numbers(numbers) => value.numbers.as_mut()[..numbers.len()].copy_from_slice(numbers),
         FieldDefault::Word(word) => word.clone_into(&mut value.text),
-        FieldDefault::Required | FieldDefault::Absent(_) => return T::absent_value(),
+        FieldDefault::Required => return None,
+        FieldDefault::Absent(_) => return T::absent_value(),
     }
     Some(T::from_parsed_value(&Spanned::new(value, Span::default())))
 }
@@ -168,6 +169,10 @@ impl<T: FieldValue> FieldValue for Option<T> {
 
     fn absent_value() -> Option<Self> {
         Some(None)
+    }
+
+    fn texture_name(&self) -> Option<&Spanned<String>> {
+        self.as_ref().and_then(FieldValue::texture_name)
     }
 }
 

@@ -116,7 +116,7 @@ pub(in crate::format) struct FieldSchema {
 /// List of fields of a block.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::format) struct FieldList {
-    /// Fields of the list, of which there is at least one.
+    /// Fields of the list; at least one.
     pub fields: &'static [FieldSchema],
     /// True if several kinds of blocks have the list. The language reference then states it once.
     pub is_shared: bool,
@@ -129,7 +129,7 @@ pub(in crate::format) struct BlockSchema {
     pub keyword: &'static str,
     /// Further keywords that the parser accepts for the block.
     pub aliases: &'static [&'static str],
-    /// Fields of the table of the block's description; see
+    /// Lists of fields from the table of the description, see
     /// [`BlockCodec`](super::field_table::BlockCodec).
     pub table: &'static [FieldList],
     /// Further fields, which only this kind of block has.

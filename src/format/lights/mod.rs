@@ -1,8 +1,8 @@
 //! Lights in the scene language.
 //!
-//! Each kind of light has a file with its description, its table of fields, from which reading and
-//! writing follow, and its conversion to a light of the scene. The list in this file is the only
-//! other place that names the kind.
+//! Each kind of light has a file with its description, its fields, and its conversion to a light
+//! of the scene. Most kinds state their fields in a table, which also reads and writes them. The
+//! list in this file is the only other place that names the kind.
 
 mod area;
 mod delta;

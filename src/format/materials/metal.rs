@@ -16,8 +16,8 @@ use crate::scene::ConductorIndex;
 use glam::DVec3;
 use std::fmt;
 
-/// Complex index of refraction of a conductor: that of a named metal, given numbers, or an index
-/// that follows from a reflectance.
+/// Complex index of refraction of a conductor: by the name of a metal, by numbers, or by the
+/// reflectance that it gives.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetalDescription {
     /// Name of a metal with a known complex index.
@@ -59,8 +59,12 @@ pub(super) const METAL: FieldGroup<MetalDescription> = FieldGroup {
             .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),
         field_schema("k", FieldKind::Color, "k of the complex index")
             .with_range(FieldRange::ClosedInterval(0.0, MAX_REFRACTIVE_INDEX)),
-        field_schema("reflectance", FieldKind::ColorOrTexture, "reflectance at normal incidence, at most 0.9999")
-            .with_range(FieldRange::ClosedInterval(0.0, 1.0)),
+        field_schema(
+            "reflectance",
+            FieldKind::ColorOrTexture,
+            "reflectance at normal incidence; above 0.9999 counts as 0.9999",
+        )
+        .with_range(FieldRange::ClosedInterval(0.0, 1.0)),
     ]),
     parse: parse_metal,
     write: write_metal,
@@ -81,13 +85,13 @@ fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
         return Ok(MetalDescription::Named(name));
     }
     if f.get("k").is_none() {
-        // If both `metal` and `eta` are absent, this error names both.
-        f.require_one_field_of(&["metal", "eta"])?;
+        // If `eta` is absent too, this error names all three.
+        f.require_one_field_of(&["metal", "eta", "reflectance"])?;
     }
     Ok(MetalDescription::Index { eta: f.value_or_default("eta")?, k: f.value_or_default("k")? })
 }
 
-/// Writes the fields that state the complex index.
+/// Writes the fields that state the complex index or the reflectance.
 fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
     match metal {
         MetalDescription::Named(name) => out.write_name_field("metal", name),
@@ -104,7 +108,7 @@ fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::
     }
 }
 
-/// Returns the refractive index of a metal, for red, green and blue.
+/// Returns the refractive index of a metal, or the reflectance from which it follows.
 ///
 /// Adds to `requirements` the surface properties that the texture of the reflectance needs.
 pub(super) fn resolve_metal(
@@ -120,7 +124,8 @@ pub(super) fn resolve_metal(
         MetalDescription::Named(name) => {
             metal_refractive_index(name).map(|(eta, k)| ConductorIndex::Complex { eta, k }).ok_or_else(|| {
                 let message = format!("no metal is called `{}`", name.value);
-                let help = format!("known are {}; of others, give `eta` and `k`", METAL_NAMES.join(", "));
+                let help =
+                    format!("known are {}; of others, give `eta` and `k`, or `reflectance`", METAL_NAMES.join(", "));
                 SceneError::error_at_span(r.source, name.span, message, "unknown name", help)
             })
         }

@@ -122,6 +122,22 @@ fn a_cancelled_pass_stops_early_and_is_dropped() {
     }
 }
 
+/// A continued render whose loading and pilots take longer than its time limit makes one pass, and
+/// one more each time that it is continued.
+#[test]
+fn continued_renders_make_a_pass_after_slow_pilots() {
+    let interrupted = AtomicBool::new(false);
+    let slow_pilots = StopCriteria {
+        time_before_passes: Duration::from_secs(2),
+        ..stop_criteria(None, Some(Duration::from_secs(1)), &interrupted)
+    };
+    let mut rendered = RenderResult::without_passes(&PassNumberIntegrator, (2, 1));
+    for passes in 1..=3 {
+        rendered = render(rendered, 0..u32::MAX, &PassNumberIntegrator, &slow_pilots, &SilentMonitor, |_| {});
+        assert_eq!((rendered.film.passes(), rendered.end_reason), (passes, EndReason::Time));
+    }
+}
+
 /// A render of 10 s whose loading and pilots took 2 s.
 #[test]
 fn a_timed_render_ends_at_the_nearest_pass() {

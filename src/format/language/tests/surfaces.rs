@@ -88,7 +88,7 @@ fn conductors_are_named_or_given_by_their_index() {
             has_multiple_scattering: false
         })
     );
-    assert_material_error("‹Conductor› { }", "has no `metal` or `eta`", "add `metal` or `eta`");
+    assert_material_error("‹Conductor› { }", "has no `metal` or `eta` or `reflectance`", "add `metal` or `eta`");
     assert_material_error("‹Conductor› { eta 1 1 1 }", "`Conductor` has no `k`", "add `k`");
     assert_material_error("‹Conductor› { k 1 1 1 }", "`Conductor` has no `eta`", "add `eta`");
     assert_material_error("Conductor { eta 1 1 1 ‹metal› gold k 1 1 1 }", "both `eta` and `metal`", "keep one of");
@@ -316,6 +316,12 @@ fn every_textured_field_names_its_texture() {
     assert_eq!(names("Mirror { reflectance b }"), ["b"]);
     assert_eq!(names("Dielectric { roughness a }"), ["a"]);
     assert_eq!(names("Conductor { metal gold roughness a }"), ["a"]);
+    assert_eq!(names("Conductor { reflectance b roughness a }"), ["b", "a"]);
+    assert_eq!(names("DiffuseTransmission { reflectance a transmittance b }"), ["a", "b"]);
+    assert_eq!(
+        names("Principled { clearcoat b baseColor a metallic b roughness c transmission a }"),
+        ["a", "b", "c", "a", "b"]
+    );
     assert_eq!(names("Thin { transmittance b }"), ["b"]);
     assert_eq!(names("CoatedDiffuse { roughness a reflectance b }"), ["b", "a"]);
     let mix = "Textures { Checker a { } } Materials { Mirror m { } Mix { first m second m amount a } } Group { }";

@@ -27,7 +27,7 @@ field_table!(DiffuseTransmissionDescription {
     reflectance: field_schema(
         "reflectance",
         FieldKind::ColorOrTexture,
-        "part of the light that is reflected; scaled where the sum of both exceeds 1",
+        "part of the light that is reflected; scaled where its sum with `transmittance` exceeds 1",
     )
     .with_range(UNIT_RANGE)
     .make_required(),

@@ -19,8 +19,8 @@ pub(super) const PRIORITY_FIELD: FieldSchema =
         .with_range(FieldRange::ClosedInterval(0.0, 255.0))
         .with_default_numbers(&[0.0]);
 
-/// Returns `material`, with light that several microfacets scatter if `multiple_scattering` is
-/// true.
+/// Returns `material` as it is if `multiple_scattering` is true, else without light that several
+/// microfacets scatter.
 pub(super) fn with_multiple_scattering(material: Material, multiple_scattering: bool) -> Material {
     if multiple_scattering { material } else { material.with_single_microfacet_scattering() }
 }

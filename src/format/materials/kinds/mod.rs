@@ -1,8 +1,8 @@
 //! Kinds of materials in the scene language.
 //!
-//! Each kind of material has a file with its description, its table of fields, from which reading
-//! and writing follow, and its conversion to a material of the scene. The list in this file is the
-//! only other place that names the kind.
+//! Each kind of material has a file with its description, its fields, and its conversion to a
+//! material of the scene. Most kinds state their fields in a table, which also reads and writes
+//! them. The list in this file is the only other place that names the kind.
 
 mod coated_diffuse;
 mod conductor;
@@ -78,7 +78,7 @@ trait MaterialBlock: BlockCodec {
 /// Body that a surface bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BoundedBody {
-    /// No body, or for a mix the body of a component.
+    /// No body, or the body of a part of a mix or of a principled material.
     None,
     /// A dielectric body.
     Dielectric,
@@ -204,8 +204,13 @@ impl MaterialKindDescription {
         self.body() == BoundedBody::Dielectric
     }
 
-    /// True if light may enter a dielectric body through the surface, for a reason other than
-    /// [`is_dielectric`](Self::is_dielectric) or a component of a mix.
+    /// True if the surface bounds a dielectric body, wholly or in part: a dielectric, or a
+    /// principled material with transmission. Components of a mix do not count.
+    pub(in crate::format) fn bounds_dielectric(&self) -> bool {
+        self.is_dielectric() || self.may_transmit_into_body()
+    }
+
+    /// True if a part of the material is a dielectric body, as in `Principled` with transmission.
     pub(super) fn may_transmit_into_body(&self) -> bool {
         if let Self::Principled(principled) = self { principled.transmits() } else { false }
     }

@@ -3,9 +3,10 @@
 use super::MitsubaMaterials;
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
-    CoatedDiffuseDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, MaterialKindDescription,
-    MixDescription, NormalPerturbationDescription, NullInterfaceDescription, PhongDescription, PrincipledDescription,
-    Span, Spanned, TexturedValue, ThinDielectricDescription,
+    CoatedDiffuseDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription,
+    DiffuseTransmissionDescription, MaterialKindDescription, MixDescription, NormalPerturbationDescription,
+    NullInterfaceDescription, PhongDescription, PrincipledDescription, Span, Spanned, TexturedValue,
+    ThinDielectricDescription,
 };
 use crate::format::mitsuba::color::parse_numbers;
 use crate::format::mitsuba::conductors::conductor;
@@ -66,7 +67,16 @@ impl MitsubaMaterialConverter<'_, '_> {
                 let reflectance = self.textured_color(bsdf, "reflectance", 0.5)?;
                 MaterialKindDescription::Diffuse(DiffuseDescription { reflectance }).into()
             }
-            "roughdiffuse" | "difftrans" => {
+            "difftrans" => {
+                let transmittance = self.textured_color(bsdf, "transmittance", 0.5)?;
+                let reflectance = DVec3::ZERO.into();
+                MaterialKindDescription::DiffuseTransmission(DiffuseTransmissionDescription {
+                    reflectance,
+                    transmittance,
+                })
+                .into()
+            }
+            "roughdiffuse" => {
                 context.add_whole_object_note(&format!("`{}` becomes diffuse", bsdf.plugin), bsdf);
                 let reflectance = self.textured_color(bsdf, "reflectance", 0.5)?;
                 MaterialKindDescription::Diffuse(DiffuseDescription { reflectance }).into()
