@@ -373,9 +373,9 @@ impl Bsdf {
     /// True if photons are stored on the surface. Density estimates then evaluate this BSDF.
     ///
     /// Diffuse BSDFs, with transmission or a coat, and Phong BSDFs store photons, and so do
-    /// conductors rougher than [`MIN_PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons fall into the lobe, so
-    /// sampling the BSDF has less noise. Dielectrics store none, because an estimate would blur the
-    /// objects behind them.
+    /// conductors rougher than [`MIN_PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons
+    /// fall into the lobe, so sampling the BSDF has less noise. Dielectrics store none, because an
+    /// estimate would blur the objects behind them.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {
