@@ -13,8 +13,8 @@ use caustica::photon::{Kernel, UnknownKernel};
 use caustica::plan::UnknownOverrideError;
 use caustica::render::error_estimate::{Confidence, ErrorForecast};
 use caustica::render::{
-    ErrorTarget, PassProgress, RenderLimits, RenderResult, RenderedLayers, StopCriteria,
-    check_layered_picture_memory, check_photon_memory, render,
+    ErrorTarget, PassProgress, RenderLimits, RenderResult, RenderedLayers, StopCriteria, check_layered_picture_memory,
+    check_photon_memory, render,
 };
 use caustica::{Algorithm, ErrorEstimate, ProgressMonitor, Settings};
 use pyo3::exceptions::PyValueError;
