@@ -213,3 +213,14 @@ fn thin_sheets_sample_both_directions() {
     let opaque = Bsdf::ThinDielectric(ThinDielectric { eta: 1.0, internal_transmittance: Rgb::ZERO });
     assert!(sample_bsdf(&opaque, Vec3::Z, 0, TransportMode::Radiance).is_none());
 }
+
+/// A metal whose index follows from a reflectance has that reflectance for light along the normal.
+/// The bound is eight roundings at 1.
+#[test]
+fn metals_of_given_reflectance_have_it() {
+    for reflectance in [0.0, 0.04, 0.3, 0.5, 0.95, 0.9999] {
+        let (eta, k) = conductor_index_of_reflectance(Rgb::splat(reflectance));
+        let found = conductor_reflectance(1.0, eta, k).x;
+        assert!((found - reflectance).abs() <= 4.0 * f32::EPSILON, "{found} not {reflectance}");
+    }
+}

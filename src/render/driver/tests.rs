@@ -138,23 +138,23 @@ fn continued_renders_make_a_pass_after_slow_pilots() {
     }
 }
 
-/// A render of 10 s whose loading and pilots took 2 s.
+/// A render of 10 s whose loading and pilots took 4 s.
 #[test]
 fn a_timed_render_ends_at_the_nearest_pass() {
     let interrupted = AtomicBool::new(false);
     let limit = Some(Duration::from_secs(10));
-    let timed = StopCriteria { time_before_passes: Duration::from_secs(2), ..stop_criteria(None, limit, &interrupted) };
+    let timed = StopCriteria { time_before_passes: Duration::from_secs(4), ..stop_criteria(None, limit, &interrupted) };
     let end = |passes: u32, pass_seconds: u64| {
         let total = Duration::from_secs(u64::from(passes) * pass_seconds);
         timed.end_reason(passes, None, PassTimes::new(total, passes))
     };
-    // Passes end after 5, 8 and 11 s.
-    assert_eq!([1, 2, 3].map(|passes| end(passes, 3)), [None, None, Some(EndReason::Time)]);
-    // Passes end after 7 and 12 s, and after 6 and 10 s.
-    assert_eq!([1, 2].map(|passes| end(passes, 5)), [None, Some(EndReason::Time)]);
-    assert_eq!([1, 2].map(|passes| end(passes, 4)), [None, Some(EndReason::Time)]);
-    // The first pass ends after 9 s, the second after 16 s.
-    assert_eq!(end(1, 7), Some(EndReason::Time));
+    // Passes end after 6, 8, 10 and 12 s.
+    let ends = [None, None, Some(EndReason::Time), Some(EndReason::Time)];
+    assert_eq!([1, 2, 3, 4].map(|passes| end(passes, 2)), ends);
+    // Passes end after 7 and 10 s.
+    assert_eq!([1, 2].map(|passes| end(passes, 3)), [None, Some(EndReason::Time)]);
+    // The first pass ends after 9 s, the second after 14 s.
+    assert_eq!(end(1, 5), Some(EndReason::Time));
 }
 
 #[test]
