@@ -1,11 +1,12 @@
 //! Materials of the resolved scene.
 
+mod kind;
+
+pub use kind::{ConductorIndex, MaterialKind, PhongAppearance};
+
 use super::interiors::Body;
 use super::textured::{MaterialParameter, MeanParameterEvaluator, NormalPerturbation, ParameterEvaluator};
-use crate::bsdf::{
-    Bsdf, ClearCoat, Conductor, DiffuseTransmission, MicrofacetScattering, ThinDielectric,
-    conductor_index_of_reflectance, conductor_reflectance, dielectric_reflectance_and_cosine,
-};
+use crate::bsdf::{Bsdf, ClearCoat, MicrofacetScattering};
 use crate::color::Rgb;
 use crate::texture::Texture;
 use std::sync::Arc;
@@ -33,279 +34,6 @@ struct ClearCoatParameters {
     alpha: f32,
 }
 
-/// The scattering model of a material, with its parameters.
-///
-/// For a new kind, the compiler asks for an arm in each match, but not for the right one. If the
-/// roughness decides whether the surface stores photons, `roughness_decides_photon_storage` is
-/// true, and `bsdf` reads the roughness by `evaluate_photon_storage_roughness`: camera and photon
-/// paths must find the same kind of BSDF at a point. `visit_bsdf_variants` visits each BSDF that a
-/// texture can make of it. A coat over a base needs `chooses_bsdf_randomly`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum MaterialKind {
-    /// A surface that absorbs all light.
-    Black,
-    /// Lambertian reflection on both sides.
-    Diffuse {
-        /// Diffuse reflectance in \[0, 1], per channel.
-        reflectance: MaterialParameter<Rgb>,
-    },
-    /// Lambertian reflection and transmission: a thin sheet, such as paper or a leaf.
-    DiffuseTransmission {
-        /// Diffuse reflectance in \[0, 1], per channel.
-        reflectance: MaterialParameter<Rgb>,
-        /// Diffuse transmittance in \[0, 1], per channel.
-        transmittance: MaterialParameter<Rgb>,
-    },
-    /// Lambertian reflection plus a Phong lobe.
-    Phong {
-        /// Diffuse coefficient kd of Phong's model.
-        diffuse: MaterialParameter<Rgb>,
-        /// Specular coefficient ks of Phong's model.
-        specular: MaterialParameter<Rgb>,
-        /// Exponent of the specular lobe of Phong's model.
-        shininess: f32,
-    },
-    /// Perfect specular reflection.
-    Mirror {
-        /// Reflectance of the mirror in \[0, 1], per channel.
-        reflectance: MaterialParameter<Rgb>,
-    },
-    /// A metal, smooth or rough.
-    Conductor {
-        /// Refractive index of the metal.
-        index: ConductorIndex,
-        /// Roughness α of the metal in \[0, 1]; 0 is smooth.
-        roughness: MaterialParameter<f32>,
-        /// Treatment of light that several microfacets of a rough metal scatter.
-        scattering: MicrofacetScattering,
-    },
-    /// A thin dielectric sheet. Transmitted light continues without deflection or displacement.
-    ThinDielectric {
-        /// Refractive index of the sheet relative to its surroundings.
-        eta: f32,
-        /// Internal transmittance of the sheet along its normal, per channel, in (0, 1]; Fresnel
-        /// reflection is not included.
-        transmittance: MaterialParameter<Rgb>,
-    },
-    /// The dielectric boundary of a body.
-    ///
-    /// The refractive index on the outer side depends on the bodies around the path that arrives.
-    Dielectric {
-        /// The dielectric body on the inner side.
-        body: Body,
-        /// Roughness α of the boundary in \[0, 1]; 0 is smooth.
-        roughness: MaterialParameter<f32>,
-        /// Treatment of light that several microfacets of a rough boundary scatter.
-        scattering: MicrofacetScattering,
-    },
-    /// A diffuse base under a dielectric coat, such as plastic.
-    CoatedDiffuse {
-        /// Reflectance of the base in \[0, 1].
-        reflectance: MaterialParameter<Rgb>,
-        /// Refractive index of the coat relative to the surroundings, from 1 to
-        /// [`MAX_COAT_INDEX`](crate::bsdf::MAX_COAT_INDEX).
-        eta: f32,
-        /// Roughness α of the coat in \[0, 1]; 0 is smooth.
-        roughness: MaterialParameter<f32>,
-        /// True to include interreflection between coat and base, which makes colours deeper.
-        nonlinear: bool,
-    },
-    /// A stochastic mix: each hit resolves to one of two materials.
-    Mix {
-        /// Index of the mix's first material.
-        first: u32,
-        /// Index of the mix's second material.
-        second: u32,
-        /// Probability with which a hit resolves to the second material.
-        amount: MaterialParameter<f32>,
-    },
-}
-
-/// Refractive index of a metal, or the reflectance from which it follows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ConductorIndex {
-    /// Complex index relative to the surroundings, per channel.
-    Complex {
-        /// Real part η of the index.
-        eta: Rgb,
-        /// Imaginary part k of the index.
-        k: Rgb,
-    },
-    /// Reflectance at normal incidence, in \[0, 1], per channel; see
-    /// [`conductor_index_of_reflectance`].
-    OfReflectance(MaterialParameter<Rgb>),
-}
-
-impl ConductorIndex {
-    /// Real and imaginary part of the index, for parameter values from `parameters`.
-    fn eta_and_k(&self, parameters: &impl ParameterEvaluator) -> (Rgb, Rgb) {
-        match self {
-            Self::Complex { eta, k } => (*eta, *k),
-            Self::OfReflectance(reflectance) => conductor_index_of_reflectance(parameters.evaluate_color(reflectance)),
-        }
-    }
-
-    /// True if a texture determines the reflectance.
-    fn is_textured(&self) -> bool {
-        match self {
-            Self::Complex { .. } => false,
-            Self::OfReflectance(reflectance) => reflectance.is_textured(),
-        }
-    }
-}
-
-/// Coefficients of the shading model of MIT course 6.837 at a surface point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PhongAppearance {
-    /// Diffuse coefficient kd.
-    pub diffuse: Rgb,
-    /// Specular coefficient ks.
-    pub specular: Rgb,
-    /// Exponent of the specular highlight.
-    pub shininess: f32,
-}
-
-/// Least roughness α of a highlight in the shading model of MIT course 6.837. The highlight of a
-/// smoother coat would be too small to see.
-const MIN_HIGHLIGHT_ALPHA: f32 = 0.05;
-
-impl MaterialKind {
-    /// The BSDF for parameter values from `parameters`; black for a mix, which must be resolved
-    /// first.
-    fn bsdf(&self, parameters: &impl ParameterEvaluator) -> Bsdf {
-        match *self {
-            Self::Black | Self::Mix { .. } => Bsdf::Black,
-            Self::Diffuse { reflectance } => Bsdf::Diffuse(parameters.evaluate_color(&reflectance)),
-            Self::DiffuseTransmission { reflectance, transmittance } => {
-                Bsdf::DiffuseTransmission(DiffuseTransmission::new(
-                    parameters.evaluate_color(&reflectance),
-                    parameters.evaluate_color(&transmittance),
-                ))
-            }
-            Self::Phong { diffuse, specular, shininess } => {
-                Bsdf::phong(parameters.evaluate_color(&diffuse), parameters.evaluate_color(&specular), shininess)
-            }
-            Self::Mirror { reflectance } => Bsdf::Mirror(parameters.evaluate_color(&reflectance)),
-            Self::Conductor { index, roughness, scattering } => {
-                let alpha = parameters.evaluate_photon_storage_roughness(&roughness);
-                let (eta, k) = index.eta_and_k(parameters);
-                Bsdf::Conductor(Conductor::new(eta, k, alpha, scattering))
-            }
-            Self::ThinDielectric { eta, transmittance } => Bsdf::ThinDielectric(ThinDielectric {
-                eta,
-                internal_transmittance: parameters.evaluate_color(&transmittance),
-            }),
-            Self::Dielectric { body, roughness, scattering } => {
-                Bsdf::dielectric(body.eta, parameters.evaluate_scalar(&roughness), scattering)
-            }
-            Self::CoatedDiffuse { reflectance, eta, roughness, nonlinear } => Bsdf::coated_diffuse(
-                parameters.evaluate_color(&reflectance),
-                eta,
-                parameters.evaluate_photon_storage_roughness(&roughness),
-                nonlinear,
-            ),
-        }
-    }
-
-    /// Appearance of the material in the shading model of MIT course 6.837, for parameter values
-    /// from `parameters`; black for a mix.
-    #[must_use]
-    pub fn phong_appearance(&self, parameters: &impl ParameterEvaluator) -> PhongAppearance {
-        let diffuse = match self {
-            Self::Diffuse { reflectance }
-            | Self::DiffuseTransmission { reflectance, .. }
-            | Self::Mirror { reflectance } => parameters.evaluate_color(reflectance),
-            Self::ThinDielectric { transmittance, .. } => parameters.evaluate_color(transmittance),
-            Self::Phong { diffuse, specular, shininess } => {
-                return PhongAppearance {
-                    diffuse: parameters.evaluate_color(diffuse),
-                    specular: parameters.evaluate_color(specular),
-                    shininess: *shininess,
-                };
-            }
-            Self::CoatedDiffuse { reflectance, eta, roughness, .. } => {
-                // A Phong lobe of this exponent is about as wide as a GGX lobe of roughness α.
-                let alpha = parameters.evaluate_scalar(roughness).max(MIN_HIGHLIGHT_ALPHA);
-                return PhongAppearance {
-                    diffuse: parameters.evaluate_color(reflectance),
-                    specular: Rgb::splat(dielectric_reflectance_and_cosine(1.0, *eta).0),
-                    shininess: 2.0 / (alpha * alpha) - 2.0,
-                };
-            }
-            Self::Conductor { index, .. } => {
-                let (eta, k) = index.eta_and_k(parameters);
-                conductor_reflectance(1.0, eta, k)
-            }
-            Self::Dielectric { body, .. } => (-body.absorption).map(libm::expf),
-            Self::Black | Self::Mix { .. } => Rgb::ZERO,
-        };
-        PhongAppearance { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
-    }
-
-    /// The body and the roughness α of a dielectric boundary; `None` for other materials.
-    #[inline]
-    fn as_dielectric(&self) -> Option<(&Body, &MaterialParameter<f32>)> {
-        if let Self::Dielectric { body, roughness, .. } = self { Some((body, roughness)) } else { None }
-    }
-
-    /// Indices of both materials of a mix, and the probability of the second; `None` for other
-    /// materials.
-    #[inline]
-    pub(super) fn as_mix(&self) -> Option<([u32; 2], &MaterialParameter<f32>)> {
-        if let Self::Mix { first, second, amount } = self { Some(([*first, *second], amount)) } else { None }
-    }
-
-    /// True if each hit chooses one of several BSDFs at random.
-    fn chooses_bsdf_randomly(&self) -> bool {
-        match self {
-            Self::Mix { .. } | Self::CoatedDiffuse { .. } => true,
-            Self::Black
-            | Self::Diffuse { .. }
-            | Self::DiffuseTransmission { .. }
-            | Self::Phong { .. }
-            | Self::Mirror { .. }
-            | Self::Conductor { .. }
-            | Self::ThinDielectric { .. }
-            | Self::Dielectric { .. } => false,
-        }
-    }
-
-    /// True if a roughness texture decides at each point whether photons are stored there, as on a
-    /// conductor.
-    fn roughness_decides_photon_storage(&self) -> bool {
-        match self {
-            Self::Conductor { roughness, .. } => roughness.is_textured(),
-            // The base of a coated surface always stores photons.
-            Self::CoatedDiffuse { .. }
-            | Self::Black
-            | Self::Diffuse { .. }
-            | Self::DiffuseTransmission { .. }
-            | Self::Phong { .. }
-            | Self::Mirror { .. }
-            | Self::ThinDielectric { .. }
-            | Self::Dielectric { .. }
-            | Self::Mix { .. } => false,
-        }
-    }
-
-    /// True if a texture determines a parameter of the BSDF.
-    fn is_textured(&self) -> bool {
-        match self {
-            Self::Black => false,
-            Self::Diffuse { reflectance } | Self::Mirror { reflectance } => reflectance.is_textured(),
-            Self::DiffuseTransmission { reflectance, transmittance } => {
-                reflectance.is_textured() || transmittance.is_textured()
-            }
-            Self::Phong { diffuse, specular, .. } => diffuse.is_textured() || specular.is_textured(),
-            Self::ThinDielectric { transmittance, .. } => transmittance.is_textured(),
-            Self::Conductor { index, roughness, .. } => index.is_textured() || roughness.is_textured(),
-            Self::Dielectric { roughness, .. } => roughness.is_textured(),
-            Self::CoatedDiffuse { reflectance, roughness, .. } => reflectance.is_textured() || roughness.is_textured(),
-            Self::Mix { amount, .. } => amount.is_textured(),
-        }
-    }
-}
-
 impl Material {
     /// A material of `kind` with unperturbed normals.
     #[must_use]
@@ -318,6 +46,9 @@ impl Material {
 
     /// This material with another scattering model, and with the same normals and clear coat.
     fn with_kind(self, kind: MaterialKind) -> Self {
+        if kind == self.kind {
+            return self;
+        }
         let uncoated = Self { normal_perturbation: self.normal_perturbation, ..Self::new(kind) };
         self.clear_coat.map_or(uncoated, |coat| uncoated.with_clear_coat(coat.coverage, coat.alpha))
     }
@@ -331,7 +62,8 @@ impl Material {
     pub fn with_clear_coat(self, coverage: impl Into<MaterialParameter<f32>>, alpha: f32) -> Self {
         let coat = ClearCoatParameters { coverage: coverage.into(), alpha };
         let coated = Self { clear_coat: Some(coat), textured: self.textured || coat.coverage.is_textured(), ..self };
-        Self { mean_bsdf: coated.bsdf(&MeanParameterEvaluator), ..coated }
+        let mean_bsdf = coated.bsdf(&MeanParameterEvaluator);
+        if mean_bsdf.under_coat().is_none() { self } else { Self { mean_bsdf, ..coated } }
     }
 
     /// Returns this material with `may_store_photons` set for a mix: to true if one of its
@@ -433,24 +165,7 @@ impl Material {
     /// metal nor the boundary of a body.
     #[must_use]
     pub fn with_single_microfacet_scattering(self) -> Self {
-        let scattering = MicrofacetScattering::Single;
-        let kind = match self.kind {
-            MaterialKind::Conductor { index, roughness, .. } => {
-                MaterialKind::Conductor { index, roughness, scattering }
-            }
-            MaterialKind::Dielectric { body, roughness, .. } => {
-                MaterialKind::Dielectric { body, roughness, scattering }
-            }
-            MaterialKind::Black
-            | MaterialKind::Diffuse { .. }
-            | MaterialKind::DiffuseTransmission { .. }
-            | MaterialKind::Phong { .. }
-            | MaterialKind::Mirror { .. }
-            | MaterialKind::ThinDielectric { .. }
-            | MaterialKind::CoatedDiffuse { .. }
-            | MaterialKind::Mix { .. } => return self,
-        };
-        self.with_kind(kind)
+        self.with_kind(self.kind.with_single_microfacet_scattering())
     }
 
     /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is its internal
@@ -506,20 +221,7 @@ impl Material {
     /// bounds none.
     #[must_use]
     pub fn with_body(self, body: Body) -> Self {
-        match self.kind {
-            MaterialKind::Dielectric { roughness, scattering, .. } => {
-                self.with_kind(MaterialKind::Dielectric { body, roughness, scattering })
-            }
-            MaterialKind::Black
-            | MaterialKind::Diffuse { .. }
-            | MaterialKind::DiffuseTransmission { .. }
-            | MaterialKind::Phong { .. }
-            | MaterialKind::Mirror { .. }
-            | MaterialKind::Conductor { .. }
-            | MaterialKind::ThinDielectric { .. }
-            | MaterialKind::CoatedDiffuse { .. }
-            | MaterialKind::Mix { .. } => self,
-        }
+        self.with_kind(self.kind.with_body(body))
     }
 
     /// Indices of both materials of a mix; `None` for other materials.
@@ -609,38 +311,7 @@ impl Material {
         };
         visit(self.mean_bsdf);
         self.mean_bsdf.under_coat().into_iter().for_each(&mut visit);
-        match self.kind {
-            MaterialKind::CoatedDiffuse {
-                reflectance,
-                eta,
-                roughness: MaterialParameter::Texture { texture, .. },
-                nonlinear,
-            } => {
-                let (min, max) = textures[texture as usize].value_range();
-                for alpha in [min, max] {
-                    visit(Bsdf::coated_diffuse(reflectance.mean(), eta, alpha, nonlinear));
-                }
-            }
-            MaterialKind::Conductor { index, roughness: MaterialParameter::Texture { texture, .. }, scattering } => {
-                let (min, max) = textures[texture as usize].value_range();
-                let (eta, k) = index.eta_and_k(&MeanParameterEvaluator);
-                for alpha in [min, max] {
-                    visit(Bsdf::Conductor(Conductor::new(eta, k, alpha, scattering)));
-                }
-            }
-            // For these materials, textures do not change whether the BSDF is specular, stores
-            // photons or transmits.
-            MaterialKind::Conductor { roughness: MaterialParameter::Constant(_), .. }
-            | MaterialKind::CoatedDiffuse { roughness: MaterialParameter::Constant(_), .. }
-            | MaterialKind::Black
-            | MaterialKind::Diffuse { .. }
-            | MaterialKind::DiffuseTransmission { .. }
-            | MaterialKind::Phong { .. }
-            | MaterialKind::Mirror { .. }
-            | MaterialKind::ThinDielectric { .. }
-            | MaterialKind::Dielectric { .. }
-            | MaterialKind::Mix { .. } => {}
-        }
+        self.kind.visit_extreme_roughness_bsdfs(textures, visit);
     }
 }
 

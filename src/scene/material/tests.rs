@@ -15,6 +15,7 @@ fn materials_of_all_kinds() -> Vec<Material> {
         Material::dielectric(1.5, Rgb::ZERO),
         Material::mix(0, 1, 0.5),
     ];
+    materials.push(Material::conductor(gray, gray, 0.1).with_clear_coat(1.0, 0.1));
     materials.extend([0.0, 0.1, 0.3, 0.31, 1.0].map(|alpha| Material::coated_diffuse(gray, 1.5, alpha, true)));
     materials
 }
@@ -57,5 +58,24 @@ fn materials_with_a_separate_coat_are_chosen_by_chance() {
         coats += u32::from(has_separate_coat);
         assert!(material.chooses_bsdf_randomly() || !has_separate_coat, "{:?}", material.kind());
     }
-    assert_eq!(coats, 3);
+    assert_eq!(coats, 4);
+}
+
+#[test]
+fn materials_without_room_for_a_clear_coat_do_not_change() {
+    let gray = Rgb::splat(0.5);
+    for material in [Material::mirror(gray), Material::dielectric(1.5, Rgb::ZERO), Material::mix(0, 1, 0.5)] {
+        assert_eq!(material.with_clear_coat(1.0, 0.1), material);
+    }
+    let metal = Material::conductor(gray, gray, 0.1);
+    assert_ne!(metal.with_clear_coat(1.0, 0.1), metal);
+}
+
+/// A mix that may store photons keeps this flag if its parameters are replaced by the same ones.
+#[test]
+fn mixes_stay_unchanged_without_microfacets_and_bodies() {
+    let mix = Material::mix(0, 1, 0.5).with_mix_photon_storage(&[Material::diffuse(Rgb::ONE), Material::black()]);
+    assert!(mix.may_store_photons());
+    assert_eq!(mix.with_single_microfacet_scattering(), mix);
+    assert_eq!(mix.with_body(Body::new(1.5)), mix);
 }
