@@ -20,6 +20,9 @@ pub enum BuildError {
     /// A motion flattens an object: its transform is singular.
     #[error("a motion flattens what it moves: choose scales that are not so small")]
     SingularMotion,
+    /// The material with this index is a mix that contains itself or a material that does not exist.
+    #[error("material {0} (counted from 0) is a mix that contains itself or a material that does not exist")]
+    InvalidMix(usize),
     /// The scene has this number of triangles, which does not fit 31 bits.
     #[error("{0} triangles are more than the 2³¹ that can be indexed")]
     TooManyTriangles(usize),

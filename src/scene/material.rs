@@ -72,8 +72,7 @@ impl Material {
     /// `materials` is the list that the component indices of the mix refer to.
     pub(super) fn with_mix_photon_storage(self, materials: &[Self]) -> Self {
         let Some(parts) = self.mix_component_indices() else { return self };
-        let stores = |part: u32| materials.get(part as usize).is_some_and(|part| part.may_store_photons);
-        Self { may_store_photons: parts.into_iter().any(stores), ..self }
+        Self { may_store_photons: parts.into_iter().any(|part| materials[part as usize].may_store_photons), ..self }
     }
 
     /// This material with shading normals perturbed by `normal_perturbation`.
@@ -142,7 +141,7 @@ impl Material {
     /// `first`.
     ///
     /// Both are indices of materials of the scene, which may be added after the mix. No mix may
-    /// contain itself.
+    /// contain itself, directly or through other mixes.
     #[must_use]
     pub fn mix(first: u32, second: u32, amount: impl Into<MaterialParameter<f32>>) -> Self {
         Self::new(MaterialKind::Mix { first, second, amount: amount.into() })

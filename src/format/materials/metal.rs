@@ -5,6 +5,7 @@ use super::refraction::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX};
 use crate::bsdf::{METAL_NAMES, metal_refractive_index};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::FieldGroup;
+use crate::format::language::field_value::FieldValue;
 use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{FieldKind, FieldList, FieldRange, field_schema};
 use crate::format::language::writer::SceneWriter;
@@ -40,6 +41,12 @@ impl MetalDescription {
     pub fn with_clamped_index(eta: DVec3, k: DVec3) -> Self {
         let [least, greatest] = [MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX].map(DVec3::splat);
         Self::Index { eta: eta.clamp(least, greatest), k: k.clamp(DVec3::ZERO, greatest) }
+    }
+
+    /// Returns the conductor with the `reflectance` at normal incidence, clamped to \[0, 1].
+    #[must_use]
+    pub fn with_clamped_reflectance(reflectance: DVec3) -> Self {
+        Self::Reflectance(reflectance.clamp(DVec3::ZERO, DVec3::ONE).into())
     }
 
     /// Returns the name of the texture of the reflectance; `None` without one.
@@ -99,12 +106,7 @@ fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::
             out.write_vec3("eta", *eta)?;
             out.write_vec3("k", *k)
         }
-        MetalDescription::Reflectance(TexturedValue::Constant(reflectance)) => {
-            out.write_vec3("reflectance", *reflectance)
-        }
-        MetalDescription::Reflectance(TexturedValue::Texture(name)) => {
-            out.write_texture_name_field("reflectance", name)
-        }
+        MetalDescription::Reflectance(reflectance) => reflectance.write(out, "reflectance"),
     }
 }
 

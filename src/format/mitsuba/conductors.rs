@@ -12,10 +12,6 @@ use crate::format::description::{
 };
 use glam::DVec3;
 
-/// Greatest reflectance of a conductor at normal incidence. A reflectance of 1 would need an
-/// infinite k.
-const MAX_METAL_REFLECTANCE: f64 = 0.999_9;
-
 /// Names of metals in Mitsuba, each with the name in the scene language.
 const METAL_NAMES: [(&str, &str); 14] = [
     ("Ag", "silver"),
@@ -59,7 +55,7 @@ pub(super) fn conductor(
             TexturedValue::Constant(0.0) => {
                 MaterialKindDescription::Mirror(MirrorDescription { reflectance: tint.into_color() })
             }
-            roughness => conductor_from_reflectance(tint.mean(), roughness),
+            roughness => conductor_description(MetalDescription::Reflectance(tint.into_color()), roughness),
         });
     }
     let metal = if eta.is_some() || k.is_some() {
@@ -72,14 +68,11 @@ pub(super) fn conductor(
     };
     let mean = tint.mean();
     if mean == DVec3::ONE {
-        return Ok(MaterialKindDescription::Conductor(ConductorDescription {
-            metal,
-            roughness,
-            has_multiple_scattering: false,
-        }));
+        return Ok(conductor_description(metal, roughness));
     }
     context.add_note("factors of metals change their reflectance at normal incidence", bsdf);
-    Ok(conductor_from_reflectance(mean * normal_reflectance(&metal), roughness))
+    let metal = MetalDescription::with_clamped_reflectance(mean * normal_reflectance(&metal));
+    Ok(conductor_description(metal, roughness))
 }
 
 /// Returns the metal with the index η + ik of the BSDF, relative to the index outside.
@@ -105,12 +98,7 @@ fn metal_from_index(
     Ok(MetalDescription::with_clamped_index(eta / outer, k / outer))
 }
 
-/// Returns a conductor of index 1 + ik whose reflectance at normal incidence is `reflectance`.
-pub(super) fn conductor_from_reflectance(reflectance: DVec3, roughness: TexturedValue<f64>) -> MaterialKindDescription {
-    let reflectance = reflectance.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
-    // Such a conductor reflects k² / (4 + k²) at normal incidence.
-    let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
-    let metal = MetalDescription::Index { eta: DVec3::ONE, k };
+fn conductor_description(metal: MetalDescription, roughness: TexturedValue<f64>) -> MaterialKindDescription {
     MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, has_multiple_scattering: false })
 }
 

@@ -109,6 +109,17 @@ fn materials_of_both_versions_are_read() {
     let MetalDescription::Index { eta, k } = metal else { panic!() };
     let (gold_eta, gold_k) = crate::bsdf::metal_refractive_index("gold").unwrap();
     assert_eq!((eta, k), (gold_eta.as_dvec3(), gold_k.as_dvec3()));
+    let reflectance = |material: &str| match sphere_material(material) {
+        MaterialKindDescription::Conductor(ConductorDescription {
+            metal: MetalDescription::Reflectance(reflectance),
+            ..
+        }) => reflectance,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(reflectance("Material \"conductor\" \"rgb reflectance\" [.9 .5 1]"), DVec3::new(0.9, 0.5, 1.0).into());
+    let checks = "Texture \"t\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [.2 .2 .2] \"rgb tex2\" [.7 .7 .7]";
+    let textured = reflectance(&format!("{checks} Material \"conductor\" \"texture reflectance\" \"t\""));
+    assert!(textured.texture_name().is_some(), "{textured:?}");
     // α is the square root of the roughness.
     let TexturedValue::Constant(alpha) = roughness else { panic!() };
     assert!((alpha - 0.3).abs() < 1e-12);

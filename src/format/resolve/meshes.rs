@@ -217,6 +217,7 @@ fn add_mesh_file_material(
     }
     let mut requirements = TextureRequirements::default();
     let material = description.kind.resolve(r, &mut requirements)?;
+    debug_assert!(r.material_parts.list.is_empty(), "files of meshes define no materials with parts");
     let normals = description.resolve_normal_perturbation(r, &mut requirements)?;
     let index = r.builder.add_material(material.with_normal_perturbation(normals));
     r.materials.resize(index as usize + 1, AddedMaterial::default());

@@ -216,7 +216,7 @@ impl SceneBuilder {
     ///
     /// [`BuildError`] if the parts cannot be rendered.
     pub fn build_reusing_hierarchy(mut self, earlier: Option<&Scene>, camera: Camera) -> Result<Scene, BuildError> {
-        set_mix_photon_storage(&mut self.materials);
+        settle_mixes(&mut self.materials)?;
         validate_objects(&self.objects, &self.mesh)?;
         let (objects, mesh) =
             cull_air_boundaries(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
@@ -268,17 +268,23 @@ impl SceneBuilder {
 
 /// Sets for each mix of `materials` whether one of its components may store photons.
 ///
-/// A mix may stand before its components, so this is repeated until nothing changes.
-fn set_mix_photon_storage(materials: &mut [Material]) {
+/// A mix may stand before its components, so this is repeated until each mix is settled.
+///
+/// # Errors
+/// [`BuildError::InvalidMix`] for a mix that contains itself or a material that does not exist.
+fn settle_mixes(materials: &mut [Material]) -> Result<(), BuildError> {
+    let mut is_settled: Vec<bool> = materials.iter().map(|m| m.mix_component_indices().is_none()).collect();
     loop {
         let mut has_changed = false;
         for i in 0..materials.len() {
-            let updated = materials[i].with_mix_photon_storage(materials);
-            has_changed |= updated.may_store_photons() != materials[i].may_store_photons();
-            materials[i] = updated;
+            let Some(parts) = materials[i].mix_component_indices().filter(|_| !is_settled[i]) else { continue };
+            if parts.into_iter().all(|part| is_settled.get(part as usize).is_some_and(|settled| *settled)) {
+                materials[i] = materials[i].with_mix_photon_storage(materials);
+                (is_settled[i], has_changed) = (true, true);
+            }
         }
         if !has_changed {
-            return;
+            return is_settled.iter().position(|settled| !settled).map_or(Ok(()), |i| Err(BuildError::InvalidMix(i)));
         }
     }
 }

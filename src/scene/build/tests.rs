@@ -27,6 +27,21 @@ fn scenes_beyond_single_precision_are_refused() {
 }
 
 #[test]
+fn mixes_of_themselves_or_of_missing_materials_are_refused() {
+    let refused = |mixes: &[(u32, u32)]| {
+        let mut builder = SceneBuilder::new();
+        builder.add_material(Material::black());
+        mixes.iter().for_each(|&(first, second)| _ = builder.add_material(Material::mix(first, second, 0.5)));
+        builder.build(perspective_camera()).err()
+    };
+    assert_eq!(refused(&[(0, 1)]), Some(BuildError::InvalidMix(1)));
+    assert_eq!(refused(&[(0, 2), (1, 0)]), Some(BuildError::InvalidMix(1)));
+    assert_eq!(refused(&[(0, 0), (1, 3)]), Some(BuildError::InvalidMix(2)));
+    // Components may follow their mix.
+    assert_eq!(refused(&[(2, 3), (0, 3), (0, 0)]), None);
+}
+
+#[test]
 fn escaped_rays_see_the_environment_or_background() {
     let scene = |environments: &[f32]| {
         let mut builder = SceneBuilder::new();

@@ -18,10 +18,6 @@ use gltf::material::AlphaMode;
 /// degree.
 const MIN_PHONG_ALPHA: f64 = 0.01;
 
-/// Greatest reflectance of a conductor at normal incidence. A reflectance of 1 would need an
-/// infinite k.
-const MAX_METAL_REFLECTANCE: f64 = 0.999_9;
-
 /// Least transmittance of glass. A transmittance of 0 would need infinite absorption.
 const MIN_TRANSMITTANCE: f64 = 1e-6;
 
@@ -194,6 +190,10 @@ impl GltfMaterialConverter<'_, '_> {
         surface: &MetallicRoughnessSurface<'_>,
     ) -> ReadResult<MaterialKindDescription> {
         let MetallicRoughnessSurface { base_color: base, base_texture, f0, ggx_alpha_and_mean: alpha } = surface;
+        if *f0 == DVec3::ZERO {
+            let reflectance = self.textured_color(base_texture.as_ref(), *base)?;
+            return Ok(MaterialKindDescription::Diffuse(DiffuseDescription { reflectance }));
+        }
         if let Some(eta) = coat_index(*f0) {
             return Ok(MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription {
                 reflectance: self.textured_color(base_texture.as_ref(), *base)?,
@@ -204,9 +204,6 @@ impl GltfMaterialConverter<'_, '_> {
         }
         let kept = 1.0 - f0.max_element();
         let diffuse = self.textured_color(base_texture.as_ref(), *base * kept)?;
-        if *f0 == DVec3::ZERO {
-            return Ok(MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: diffuse }));
-        }
         self.add_note(
             "strong or colored gloss of non-metals is a Phong lobe, which does not grow towards grazing angles",
         );
@@ -226,12 +223,7 @@ impl GltfMaterialConverter<'_, '_> {
     fn metal_description(&mut self, surface: &MetallicRoughnessSurface<'_>) -> ReadResult<MaterialKindDescription> {
         let MetallicRoughnessSurface { base_color: base, base_texture, ggx_alpha_and_mean: alpha, .. } = surface;
         let metal = match self.textured_color(base_texture.as_ref(), *base)? {
-            TexturedValue::Constant(color) => {
-                // A conductor of index 1 + ik reflects k² / (4 + k²) at normal incidence.
-                let reflectance = color.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
-                let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
-                MetalDescription::Index { eta: DVec3::ONE, k }
-            }
+            TexturedValue::Constant(color) => MetalDescription::with_clamped_reflectance(color),
             texture @ TexturedValue::Texture(_) => MetalDescription::Reflectance(texture),
         };
         Ok(MaterialKindDescription::Conductor(ConductorDescription {

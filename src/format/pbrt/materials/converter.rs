@@ -27,10 +27,6 @@ const MIN_ROUGH_ALPHA: f64 = 1e-3;
 /// degree.
 const MIN_PHONG_ALPHA: f64 = 0.01;
 
-/// Greatest reflectance of a conductor at normal incidence. A reflectance of 1 would need an
-/// infinite k.
-const MAX_METAL_REFLECTANCE: f64 = 0.9999;
-
 /// Refractive index of pbrt's coats and glossy materials, and the default for dielectrics.
 const DEFAULT_REFRACTIVE_INDEX: f64 = 1.5;
 
@@ -345,40 +341,36 @@ impl PbrtMaterialConverter<'_> {
         roughness: TexturedValue<f64>,
     ) -> ReadResult<MaterialKindDescription> {
         let place = &p.place;
-        let (eta, k) = if p.find(reflectance).is_some() {
-            let (value, mean) = self.textured_color_and_mean(p, reflectance, 0.5, &|c| c)?;
-            if value.texture_name().is_some() {
-                self.add_note("textures of metals are their mean", place);
+        let conductor = |metal| {
+            let has_multiple_scattering = false;
+            MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, has_multiple_scattering })
+        };
+        if p.find(reflectance).is_some() {
+            let (value, _) = self.textured_color_and_mean(p, reflectance, 0.5, &|c| c)?;
+            return Ok(conductor(match value {
+                TexturedValue::Constant(color) => MetalDescription::with_clamped_reflectance(color),
+                texture @ TexturedValue::Texture(_) => MetalDescription::Reflectance(texture),
+            }));
+        }
+        let mut value = |name: &str, is_eta: bool| match p.find(name) {
+            Some(parameter) if parameter.kind == "texture" => {
+                let value = self.textures.parameter_value(parameter, true, place, self.files)?;
+                Ok(SpectralValue::Rgb(self.textures.add_texture(&value, &|c| c, self.files)?.1))
             }
-            // A conductor of index 1 + ik has the reflectance k² / (4 + k²) at normal incidence.
-            let r = mean.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
-            (DVec3::ONE, (r / (1.0 - r)).map(f64::sqrt) * 2.0)
-        } else {
-            let mut value = |name: &str, is_eta: bool| match p.find(name) {
-                Some(parameter) if parameter.kind == "texture" => {
-                    let value = self.textures.parameter_value(parameter, true, place, self.files)?;
-                    Ok(SpectralValue::Rgb(self.textures.add_texture(&value, &|c| c, self.files)?.1))
-                }
-                Some(parameter) => spectral_value(parameter, place, self.files),
-                None => {
-                    let copper = metal_refractive_index("copper").unwrap_or_default();
-                    Ok(SpectralValue::Rgb(if is_eta { copper.0 } else { copper.1 }.as_dvec3()))
-                }
-            };
-            match (value(eta, true)?, value(k, false)?) {
-                (SpectralValue::Spectrum(eta), SpectralValue::Spectrum(k)) => conductor_refractive_index(&eta, &k),
-                (eta, k) => (eta.mean_rgb(), k.mean_rgb()),
+            Some(parameter) => spectral_value(parameter, place, self.files),
+            None => {
+                let copper = metal_refractive_index("copper").unwrap_or_default();
+                Ok(SpectralValue::Rgb(if is_eta { copper.0 } else { copper.1 }.as_dvec3()))
             }
+        };
+        let (eta, k) = match (value(eta, true)?, value(k, false)?) {
+            (SpectralValue::Spectrum(eta), SpectralValue::Spectrum(k)) => conductor_refractive_index(&eta, &k),
+            (eta, k) => (eta.mean_rgb(), k.mean_rgb()),
         };
         if !(eta.min_element() > 0.0 && k.min_element() >= 0.0) {
             return Err(place.error("the index of the metal is not positive", "give η above 0, and k of at least 0"));
         }
-        let metal = MetalDescription::with_clamped_index(eta, k);
-        Ok(MaterialKindDescription::Conductor(ConductorDescription {
-            metal,
-            roughness,
-            has_multiple_scattering: false,
-        }))
+        Ok(conductor(MetalDescription::with_clamped_index(eta, k)))
     }
 
     /// Returns the refractive index of a dielectric.
