@@ -393,8 +393,9 @@ class Scene:
     ) -> Result:
         """Renders the scene, and returns the picture with its estimated error.
 
-        The render ends at the first limit that it reaches: `passes`, `time` in seconds, or `target_error`
-        (0.03 is 3 %) with `confidence`. Without limits it ends at 3 %, or after five minutes.
+        The render ends at the first limit that it reaches: `passes`, `time` in seconds from the call
+        (pilots included), or `target_error` (0.03 is 3 %) with `confidence`. Without limits it ends at 3 %,
+        or after five minutes.
 
         `callback` receives a `Progress` after each pass; it ends the render by returning False. Ctrl-C abandons
         the current pass and raises `KeyboardInterrupt`. Other Python threads run meanwhile.

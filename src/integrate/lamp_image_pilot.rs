@@ -167,36 +167,37 @@ impl ImageSearch<'_> {
     /// Returns the images of all lamps, without repetitions.
     fn distinct_images<I: Interior>(&self) -> Vec<FoundLampImage> {
         let (width, height) = self.scene.camera().size();
-        let tiles: Vec<Vec<(u32, u32)>> = (0..height)
+        let corners: Vec<(u32, u32)> = (0..height)
             .step_by(TILE_SIZE as usize)
             .flat_map(|top| (0..width).step_by(TILE_SIZE as usize).map(move |left| (left, top)))
-            .map(|(left, top)| {
-                let columns = left..width.min(left + TILE_SIZE);
-                (top..height.min(top + TILE_SIZE)).flat_map(|y| columns.clone().map(move |x| (x, y))).collect()
-            })
             .collect();
+        let tile_pixels = |&(left, top): &(u32, u32)| -> Vec<(u32, u32)> {
+            let columns = left..width.min(left + TILE_SIZE);
+            (top..height.min(top + TILE_SIZE)).flat_map(|y| columns.clone().map(move |x| (x, y))).collect()
+        };
 
         // Find lamps near a few camera rays through each pixel. Leave out those with little noise,
         // first in each tile to save memory.
-        let first_candidates = |tile: &Vec<(u32, u32)>| {
-            let mut candidates = self.candidates_near_rays::<I>(tile, 0..MIN_RAYS_PER_PIXEL);
+        let first_candidates = |corner: &(u32, u32)| {
+            let mut candidates = self.candidates_near_rays::<I>(&tile_pixels(corner), 0..MIN_RAYS_PER_PIXEL);
             let least = least_searched_noise(&candidates, 0.5 * MAX_OMITTED_NOISE_FRACTION);
             candidates.retain(|candidate| candidate.noise >= least);
             candidates.shrink_to_fit();
             candidates
         };
-        let first: Vec<Vec<Candidate>> = tiles.par_iter().map(first_candidates).collect();
+        let first: Vec<Vec<Candidate>> = corners.par_iter().map(first_candidates).collect();
         let least = least_searched_noise(first.iter().flatten(), 0.5 * MAX_OMITTED_NOISE_FRACTION);
 
         // Find more lamps near the predicted images, and move to the images.
-        let images = |(tile, mut candidates): (&Vec<(u32, u32)>, Vec<Candidate>)| {
+        let images = |(corner, mut candidates): (&(u32, u32), Vec<Candidate>)| {
+            let tile = tile_pixels(corner);
             candidates.retain(|candidate| candidate.noise >= least);
-            let near = pixels_near_images(tile, &candidates);
+            let near = pixels_near_images(&tile, &candidates);
             let more = self.candidates_near_rays::<I>(&near, MIN_RAYS_PER_PIXEL..MAX_RAYS_PER_PIXEL);
             candidates.extend(more.into_iter().filter(|candidate| candidate.noise >= least));
             self.search_images::<I>(candidates, (MAX_SEARCHES_PER_PIXEL * tile.len() as f64) as u32)
         };
-        let found: Vec<FoundLampImage> = tiles.par_iter().zip(first).flat_map_iter(images).collect();
+        let found: Vec<FoundLampImage> = corners.par_iter().zip(first).flat_map_iter(images).collect();
         let mut distinct = ImageSet::new(self.lens_radius() as f32);
         for image in found {
             distinct.insert(image);

@@ -234,7 +234,7 @@ impl PhotonDensityEstimator<'_> {
         let surface = vertex.surface;
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
-        let brdf = |photon: &PhotonAttributes| {
+        let bsdf = |photon: &PhotonAttributes| {
             let wi = photon.incident_direction();
             // On a curved surface, light that reaches a neighboring point from the side of `normal`
             // may come from below the tangent plane here. It must not count as light from the other
@@ -243,18 +243,18 @@ impl PhotonDensityEstimator<'_> {
                 return Rgb::ZERO;
             }
             let ng = if TRANSMITS { normal } else { ns };
-            let mut brdf = surface.bsdf.evaluate(surface.wo, wi, ns, ng, TransportMode::Radiance);
+            let mut bsdf = surface.bsdf.evaluate(surface.wo, wi, ns, ng, TransportMode::Radiance);
             if HAS_SHARES {
-                brdf *= photon.density_estimate_share();
+                bsdf *= photon.density_estimate_share();
             }
             if I::HAS_MEDIA_OR_WAVELENGTH {
-                brdf * wavelength_kernel_weight(
+                bsdf * wavelength_kernel_weight(
                     wavelength,
                     photon.wavelength_code(),
                     self.volume.wavelength_kernel_half_width,
                 )
             } else {
-                brdf
+                bsdf
             }
         };
         let p = surface.point.p;
@@ -262,7 +262,7 @@ impl PhotonDensityEstimator<'_> {
         let nested = task.pixel.nested.is_wanted;
         let (buffers, discs) = scratch(task);
         if !nested {
-            let estimate = self.map.estimate_radiance(p, normal, bandwidth, kernel, buffers, brdf);
+            let estimate = self.map.estimate_radiance(p, normal, bandwidth, kernel, buffers, bsdf);
             task.counters.gathered_photons += u64::from(estimate.photon_count);
             if estimate.photon_count == 0 {
                 return Rgb::ZERO;
@@ -270,7 +270,7 @@ impl PhotonDensityEstimator<'_> {
             return estimate.radiance / disc_coverage(self.scene, p, normal, estimate.radius, kernel, key);
         }
         let NestedRadianceEstimate { full_disc: whole, mut radiance } =
-            self.map.estimate_radiance_in_nested_discs(p, normal, bandwidth, kernel, buffers, brdf);
+            self.map.estimate_radiance_in_nested_discs(p, normal, bandwidth, kernel, buffers, bsdf);
         discs.add(whole.radius, whole.photon_count);
         task.counters.gathered_photons += u64::from(whole.photon_count);
         if whole.photon_count == 0 {

@@ -20,7 +20,7 @@ pub enum BuildError {
     /// A motion flattens an object: its transform is singular.
     #[error("a motion flattens what it moves: choose scales that are not so small")]
     SingularMotion,
-    /// The material with this index is a mix that contains itself or a material that does not exist.
+    /// The material with this index is a mix that contains itself or a missing material.
     #[error("material {0} (counted from 0) is a mix that contains itself or a material that does not exist")]
     InvalidMix(usize),
     /// The scene has this number of triangles, which does not fit 31 bits.

@@ -90,7 +90,7 @@ impl Material {
     /// A thin sheet that reflects and transmits light diffusely.
     ///
     /// `reflectance` and `transmittance` lie in \[0, 1]. If their sum exceeds 1, they are scaled to
-    /// conserve energy; see [`DiffuseTransmission`].
+    /// conserve energy; see [`crate::bsdf::DiffuseTransmission`].
     #[must_use]
     pub fn diffuse_transmission(
         reflectance: impl Into<MaterialParameter<Rgb>>,

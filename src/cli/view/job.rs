@@ -213,7 +213,7 @@ impl<'a> Job<'a> {
         if let Err(error) = check_photon_memory(integrator.expected_photons(), picture_bytes, free()) {
             return self.publish_memory_error(error);
         }
-        self.render_passes(scene, &camera_paths, integrator.as_ref(), (algorithm, start));
+        self.render_passes(scene, &camera_paths, integrator.as_ref(), algorithm, start);
     }
 
     /// Publishes surface AOVs of `scene` if a browser has asked for them.
@@ -241,7 +241,8 @@ impl<'a> Job<'a> {
         scene: &Scene,
         settings: &CameraPathSettings,
         integrator: &dyn Integrator,
-        (algorithm, start): (Algorithm, Instant),
+        algorithm: Algorithm,
+        start: Instant,
     ) {
         let size = scene.camera().size();
         let control = self.control.clone();

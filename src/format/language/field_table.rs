@@ -138,7 +138,7 @@ impl<T: FieldValue> FieldEntry<T> for CheckedField {
 /// Several fields that together state one value of type `T`.
 pub(in crate::format) struct FieldGroup<T: 'static> {
     /// Fields of the group.
-    pub fields: FieldList,
+    pub list: FieldList,
     /// Function that returns the value that the fields state.
     pub parse: fn(&BlockFields<'_>) -> Result<T, SceneError>,
     /// Function that writes the fields that state a value.
@@ -150,7 +150,7 @@ pub(in crate::format) struct FieldGroup<T: 'static> {
 impl<T> FieldGroup<T> {
     /// Returns the list of the group's fields.
     pub const fn field_list(&'static self) -> FieldList {
-        self.fields
+        self.list
     }
 }
 

@@ -79,7 +79,7 @@ field_table!(RectangleLightDescription { corner: CORNER, edge0: EDGE0, edge1: ED
 
 /// Fields for the strength of an area light; a block has exactly one of them.
 const AREA_STRENGTH: FieldGroup<AreaLightStrength> = FieldGroup {
-    fields: FieldList::shared(&[
+    list: FieldList::shared(&[
         field_schema("radiance", FieldKind::Color, "radiance of the emitting side; give one of the two")
             .with_unit("W/(m² sr)"),
         field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),

@@ -25,7 +25,7 @@ pub enum PointLightStrength {
 
 /// Fields for the strength of a point light or spotlight; a block has exactly one of them.
 pub(super) const POINT_STRENGTH: FieldGroup<PointLightStrength> = FieldGroup {
-    fields: FieldList::shared(&[
+    list: FieldList::shared(&[
         field_schema(
             "color",
             FieldKind::Color,
@@ -42,7 +42,7 @@ pub(super) const POINT_STRENGTH: FieldGroup<PointLightStrength> = FieldGroup {
 
 /// Fields for the strength of a projector or goniometric light; a block has exactly one of them.
 pub(super) const PATTERN_STRENGTH: FieldGroup<PointLightStrength> = FieldGroup {
-    fields: FieldList::shared(&[
+    list: FieldList::shared(&[
         field_schema("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1")
             .with_unit("W/sr"),
         field_schema(

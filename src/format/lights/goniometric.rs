@@ -76,7 +76,7 @@ impl LightBlock for GoniometricLightDescription {
                     "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
                 ),
             ])
-            .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH.fields.fields]);
+            .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH.list.fields]);
     const IS_INFINITE: bool = false;
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {

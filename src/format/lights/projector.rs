@@ -54,7 +54,7 @@ impl LightBlock for ProjectorLightDescription {
                 .with_unit("degrees"),
             field_schema("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").make_required(),
         ])
-        .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH.fields.fields]);
+        .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH.list.fields]);
     const IS_INFINITE: bool = false;
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {

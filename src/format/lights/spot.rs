@@ -48,7 +48,7 @@ field_table!(SpotLightDescription {
 
 /// Axis of a spotlight.
 const AIM: FieldGroup<DirectionOrTarget> = FieldGroup {
-    fields: FieldList::own(&[
+    list: FieldList::own(&[
         field_schema("direction", FieldKind::Direction, "axis of the cone; give this or `lookAt`"),
         field_schema("lookAt", FieldKind::Point, "point on the axis of the cone"),
     ]),

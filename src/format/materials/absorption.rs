@@ -38,7 +38,7 @@ impl DielectricAbsorption {
 
 /// Fields that state the absorption inside a dielectric.
 pub(super) const ABSORPTION: FieldGroup<DielectricAbsorption> = FieldGroup {
-    fields: FieldList::own(&[
+    list: FieldList::own(&[
         field_schema("absorption", FieldKind::Color, "absorption coefficient of the inside")
             .with_range(FieldRange::ClosedInterval(0.0, MAX_MEDIUM_COEFFICIENT))
             .make_optional("0 0 0")

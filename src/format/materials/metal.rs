@@ -60,7 +60,7 @@ impl MetalDescription {
 
 /// Fields that state the complex refractive index of a conductor, or its reflectance.
 pub(super) const METAL: FieldGroup<MetalDescription> = FieldGroup {
-    fields: FieldList::own(&[
+    list: FieldList::own(&[
         field_schema("metal", FieldKind::Name, "a metal by name; give this, `eta` and `k`, or `reflectance`"),
         field_schema("eta", FieldKind::Color, "η of the complex index η + ik for red, green and blue")
             .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX)),

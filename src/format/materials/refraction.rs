@@ -49,7 +49,7 @@ pub(super) const INDEX_FIELD: FieldSchema =
 
 /// Fields that state the refractive index of a dielectric, with or without dispersion.
 pub(super) const REFRACTION: FieldGroup<RefractiveIndexDescription> = FieldGroup {
-    fields: FieldList::own(&[
+    list: FieldList::own(&[
         INDEX_FIELD,
         field_schema("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
             .with_range(FieldRange::Positive)

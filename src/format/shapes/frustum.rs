@@ -45,7 +45,7 @@ field_table!(CylinderDescription {
 
 /// Centers of the ends of a cylinder.
 const CYLINDER_ENDS: FieldGroup<[DVec3; 2]> = FieldGroup {
-    fields: FieldList::own(&[
+    list: FieldList::own(&[
         field_schema("bottom", FieldKind::Point, "center of one end").make_required(),
         field_schema("top", FieldKind::Point, "center of the other end").make_required(),
     ]),
@@ -58,7 +58,7 @@ field_table!(ConeDescription { ends: CONE_ENDS, radii: CONE_RADII, is_capped: CA
 
 /// Centers of the ends of a cone.
 const CONE_ENDS: FieldGroup<[DVec3; 2]> = FieldGroup {
-    fields: FieldList::own(&[
+    list: FieldList::own(&[
         field_schema("bottom", FieldKind::Point, "center of the base").make_required(),
         field_schema("top", FieldKind::Point, "apex, or center of the other end").make_required(),
     ]),
@@ -69,7 +69,7 @@ const CONE_ENDS: FieldGroup<[DVec3; 2]> = FieldGroup {
 
 /// Radii of the ends of a cone.
 const CONE_RADII: FieldGroup<[f64; 2]> = FieldGroup {
-    fields: FieldList::own(&[CONE_RADIUS, CONE_TOP_RADIUS]),
+    list: FieldList::own(&[CONE_RADIUS, CONE_TOP_RADIUS]),
     parse: |f| Ok([CONE_RADIUS.parse(f)?, CONE_TOP_RADIUS.parse(f)?]),
     write: |[radius, top_radius], out| {
         CONE_RADIUS.write(out, radius)?;
@@ -92,7 +92,7 @@ const CAPS_FIELD: FieldSchema = field_schema("caps", FieldKind::Word(&["yes", "n
 
 /// The field `caps`, which cylinders and cones share.
 const CAPS: FieldGroup<bool> = FieldGroup {
-    fields: FieldList::shared(&[CAPS_FIELD]),
+    list: FieldList::shared(&[CAPS_FIELD]),
     parse: |f| CAPS_FIELD.parse(f),
     write: |is_capped, out| CAPS_FIELD.write(out, is_capped),
     texture_name: |_| None,

@@ -53,7 +53,7 @@ const DEGREE_V: FieldSchema = field_schema("degreeV", FieldKind::WholeNumber, "d
 
 /// Degrees along u and v, which both kinds of surfaces have.
 const DEGREES: FieldGroup<[u32; 2]> = FieldGroup {
-    fields: FieldList::shared(&[DEGREE_U, DEGREE_V]),
+    list: FieldList::shared(&[DEGREE_U, DEGREE_V]),
     parse: |f| Ok([DEGREE_U.parse(f)?, DEGREE_V.parse(f)?]),
     write: |[u, v], out| {
         DEGREE_U.write(out, u)?;
@@ -147,7 +147,7 @@ impl ShapeBlock for NurbsDescription {
                 .make_optional("uniform"),
             field_schema("controls", FieldKind::WeightedPoints, "control points, those along v first").make_required(),
         ])
-        .with_shared_fields(&[DEGREES.fields.fields, EMISSION_FIELDS]);
+        .with_shared_fields(&[DEGREES.list.fields, EMISSION_FIELDS]);
 
     fn add(
         &self,

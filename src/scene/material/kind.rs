@@ -15,8 +15,8 @@ use std::sync::Arc;
 /// For a new kind, the compiler asks for an arm in each match, but not for the right one. If the
 /// roughness decides whether the surface stores photons, `roughness_decides_photon_storage` is
 /// true, and `bsdf` reads the roughness by `evaluate_photon_storage_roughness`: camera and photon
-/// paths must find the same kind of BSDF at a point. `visit_extreme_roughness_bsdfs` visits
-/// each kind of BSDF that a texture can make of it. A coat over a base needs `chooses_bsdf_randomly`.
+/// paths must find the same kind of BSDF at a point. `visit_extreme_roughness_bsdfs` visits each
+/// kind of BSDF that a texture can make of it. A coat over a base needs `chooses_bsdf_randomly`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
     /// A surface that absorbs all light.

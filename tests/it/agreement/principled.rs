@@ -1,4 +1,5 @@
-//! Principled materials against the materials of which they are made: pictures of equal bits.
+//! Principled materials: equal bits to the materials that they stand for, and closed forms of clear
+//! coats.
 
 use crate::support::{render_passes, scene_from_text};
 use caustica::color::Rgb;
@@ -29,6 +30,8 @@ fn principled_equals_the_materials_it_is_made_of() {
     let coated = "CoatedDiffuse coated { reflectance .9 .5 .2  indexOfRefraction 1.4  roughness .2  nonlinear no }";
     let glass = "Dielectric glass { indexOfRefraction 1.4  roughness .2  tint .5 .6 .7  tintDistance 2 }";
     let common = "roughness .2  indexOfRefraction 1.4  tint .5 .6 .7  tintDistance 2";
+    let bump = "bump checks  bumpHeight .05";
+    let with_bump = |material: &str| material.replace(" }", &format!("  {bump} }}"));
     let named_m = |material: &str, name: &str| material.replacen(&format!(" {name} "), " m ", 1);
     for (principled, parts) in [
         (format!("{color}  {common}  metallic 1"), named_m(metal, "metal")),
@@ -46,6 +49,10 @@ fn principled_equals_the_materials_it_is_made_of() {
                 Mix m {{ first inner  second metal  amount .3 }}"
             ),
         ),
+        (
+            format!("{color}  {common}  metallic .3  {bump}"),
+            format!("{} {} Mix m {{ first coated  second metal  amount .3 }}", with_bump(coated), with_bump(metal)),
+        ),
     ] {
         for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
             let ours = ball_picture(algorithm, &format!("Principled m {{ {principled} }}"));
@@ -56,14 +63,34 @@ fn principled_equals_the_materials_it_is_made_of() {
     }
 }
 
-/// A clear coat over metal changes the picture, and adds light at most.
+/// Mean of a picture of a flat `material` under a sky of radiance 1, seen 60° from the normal.
+fn flat_surface_under_sky(material: &str) -> f64 {
+    let scene = scene_from_text(&format!(
+        "PerspectiveCamera {{ center 0 5 8.660254  lookAt 0 0 0  angle .05  width 16  height 16 }}
+        Lights {{ EnvironmentLight {{ radiance 1 1 1 }} }}
+        Materials {{ Principled m {{ {material} }} }}
+        Group {{ MaterialName m Rectangle {{ corner -1 0 -1  edge0 0 0 2  edge1 2 0 0 }} }}"
+    ));
+    let camera_paths = CameraPathSettings { samples_per_pixel: Some(256), seed: 3, ..CameraPathSettings::default() };
+    let picture = render_passes(&scene, Algorithm::Path, Settings { camera_paths, ..Settings::default() }, 1);
+    picture.iter().map(|pixel| f64::from(pixel.element_sum())).sum::<f64>() / (3 * picture.len()) as f64
+}
+
+/// A smooth clear coat over black metal shows the sky with the Fresnel reflectance of index 1.5
+/// times its coverage. White metal shows the whole sky, with or without coat.
 #[test]
-fn clear_coats_change_the_picture() {
-    let metal = "baseColor .05 .05 .05  metallic 1  roughness .3";
-    let mean = |coat: &str| {
-        let picture = ball_picture(Algorithm::Path, &format!("Principled m {{ {metal} {coat} }}"));
-        picture.iter().map(|pixel| pixel.element_sum()).sum::<f32>() / (3 * picture.len()) as f32
-    };
-    let (bare, coated) = (mean(""), mean("clearcoat 1  clearcoatRoughness .05"));
-    assert!(coated > 1.005 * bare, "{bare} {coated}");
+fn smooth_clear_coats_reflect_by_fresnels_equations() {
+    let (cos_i, cos_t) = (0.5, (1.0f64 - 0.75 / 2.25).sqrt());
+    let (s, p) = ((cos_i - 1.5 * cos_t) / (cos_i + 1.5 * cos_t), (1.5 * cos_i - cos_t) / (1.5 * cos_i + cos_t));
+    let fresnel = 0.5 * (s * s + p * p);
+    for coverage in [1.0, 0.5] {
+        let black = flat_surface_under_sky(&format!("baseColor 0 0 0  metallic 1  clearcoat {coverage}"));
+        // A sample sees the sky with this probability. The bound is five standard errors.
+        let expected = coverage * fresnel;
+        let bound = 5.0 * (expected * (1.0 - expected) / f64::from(16 * 16 * 256)).sqrt();
+        assert!((black - expected).abs() < bound, "{coverage}: {black}, not {expected}");
+        let white = flat_surface_under_sky(&format!("baseColor 1 1 1  metallic 1  clearcoat {coverage}"));
+        // White metal has the reflectance 0.9999. The rest is for rounding of 256 samples.
+        assert!((white - 1.0).abs() < 1.5e-4, "{coverage}: {white}");
+    }
 }

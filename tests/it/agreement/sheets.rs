@@ -4,6 +4,7 @@ use super::compare::{Estimate, Grid, Renders, compare};
 use super::methods::{ALL, Effort};
 use crate::support::{box_faces, dvec3, square_camera};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
+use caustica::shape::{Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -61,5 +62,35 @@ fn sheets_show_light_from_both_sides() {
             let ours = Renders::new(method, &scene, EFFORT).over(&Grid::new(SIZE, 12));
             compare(&format!("sheet from {name}, {method:?}"), &ours, &expected, 0.03);
         }
+    }
+}
+
+/// Center of the lampshade, and the power of the lamp in it.
+const SHADE_CENTER: DVec3 = DVec3::new(0.2, 0.1, -0.3);
+const LAMP_POWER: DVec3 = DVec3::new(20.0, 30.0, 10.0);
+
+/// A ball of diffuse transmission with a lamp in its center has the same radiance everywhere.
+///
+/// The inside of a Lambertian ball spreads reflected light evenly. So the irradiance E of the
+/// inside is that of the lamp, Φ/(4πR²), plus rE. The outside has the radiance tE/π.
+#[test]
+fn lampshades_have_a_closed_form() {
+    let mut b = SceneBuilder::new();
+    let shade = b.add_material(Material::diffuse_transmission(REFLECTANCE.as_vec3(), TRANSMITTANCE.as_vec3()));
+    b.add_shape(Shape::Sphere(Sphere::new(SHADE_CENTER, 1.0)), shade, Vec3::ZERO);
+    let lamp = UnscaledDeltaLight::Point { position: SHADE_CENTER };
+    b.add_delta_light(lamp, LightStrength::Power(LAMP_POWER.as_vec3()));
+    let eye = SHADE_CENTER + dvec3(1.0, 2.0, 3.0);
+    let scene = b.build(square_camera(eye, SHADE_CENTER, 20.0, SIZE.0)).unwrap();
+    let irradiance = LAMP_POWER / (4.0 * PI) / (1.0 - REFLECTANCE);
+    let expected = Estimate {
+        mean: vec![TRANSMITTANCE * irradiance / PI],
+        variance: vec![DVec3::ZERO],
+        bias: vec![DVec3::ZERO],
+        dof: f64::INFINITY,
+    };
+    for method in ALL {
+        let ours = Renders::new(method, &scene, EFFORT).over(&Grid::new(SIZE, 12));
+        compare(&format!("lampshade, {method:?}"), &ours, &expected, 0.03);
     }
 }
