@@ -16,6 +16,7 @@ pub mod gltf;
 pub mod grid;
 mod import;
 mod import_notes;
+mod imported_materials;
 mod language;
 mod lights;
 mod line_error;

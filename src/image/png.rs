@@ -63,7 +63,7 @@ fn quantize_image(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, Cli
             }
             report
         })
-        .reduce(ClippedPixelReport::default, ClippedPixelReport::merge);
+        .reduce(ClippedPixelReport::default, ClippedPixelReport::merged_with);
     Ok((samples, report))
 }
 

@@ -91,7 +91,7 @@ pub struct ClippedPixelReport {
 
 impl ClippedPixelReport {
     /// Returns a report with the sums of the counts of both reports.
-    pub(super) fn merge(self, other: Self) -> Self {
+    pub(super) fn merged_with(self, other: Self) -> Self {
         Self {
             non_finite: self.non_finite + other.non_finite,
             too_bright: self.too_bright + other.too_bright,

@@ -1,7 +1,7 @@
 //! Sampling of the film: which rays go through each pixel of a picture, and with which weights.
 
 use super::lamp_images::{LampImages, PixelLampImage, aimed_pdf, sample_aimed_film_point};
-use super::prefix_rays::{AimedRayWeights, PixelPrefixRayCounts, PrefixWeights};
+use super::prefix_rays::{FilmPointMisWeights, PixelPrefixRayCounts, PrefixWeights};
 use super::shutter::{PixelRaySlices, SlicedCameras};
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::math::Ray;
@@ -69,7 +69,7 @@ pub(super) struct PixelRays<'a> {
     prefix_weights: PrefixWeights,
     /// Images of lamps at which prefix rays of the pixel are aimed, and the numbers of rays that
     /// share their light; `None` if no ray of the pixel is aimed.
-    lamp_images: Option<(&'a [PixelLampImage], AimedRayWeights)>,
+    lamp_images: Option<(&'a [PixelLampImage], FilmPointMisWeights)>,
     /// True if these rays are aimed; false if the pixel filter distributes them.
     is_aimed: bool,
 }
@@ -135,7 +135,7 @@ impl FilmSampling<'_> {
         let used_slices = slices.used_slice_count();
         let has_aimed_rays = self.prefix_rays.filter(|_| prefix.aimed > 0);
         let lamp_images =
-            has_aimed_rays.map(|rays| (rays.lamp_images.of_pixel(index), AimedRayWeights::new(samples, prefix)));
+            has_aimed_rays.map(|rays| (rays.lamp_images.of_pixel(index), FilmPointMisWeights::new(samples, prefix)));
         let rays = |key: Key, count: u32, slices: PixelRaySlices, prefix_weights: PrefixWeights| PixelRays {
             key: key.pixel_key(x, y),
             count,
@@ -179,7 +179,7 @@ impl FilmSampling<'_> {
         &self,
         rays: &PixelRays<'_>,
         images: &[PixelLampImage],
-        weights: &AimedRayWeights,
+        weights: &FilmPointMisWeights,
         slice: usize,
         corner: Vec2,
         sampler: Sampler,
@@ -212,7 +212,7 @@ impl FilmSampling<'_> {
     pub fn up_to_receiver_weight(
         &self,
         images: &[PixelLampImage],
-        weights: &AimedRayWeights,
+        weights: &FilmPointMisWeights,
         corner: Vec2,
         sampler: Sampler,
     ) -> f32 {
@@ -225,7 +225,7 @@ impl FilmSampling<'_> {
     fn weight_near_lamp_images(
         &self,
         images: &[PixelLampImage],
-        weights: &AimedRayWeights,
+        weights: &FilmPointMisWeights,
         corner: Vec2,
         film: Vec2,
         on_lens: Vec2,

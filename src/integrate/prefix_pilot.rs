@@ -29,7 +29,7 @@ use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::prefix_rays::{AimedRayWeights, PixelPrefixRayCounts, PrefixRayAllocation, PrefixWeights};
+use super::prefix_rays::{FilmPointMisWeights, PixelPrefixRayCounts, PrefixRayAllocation, PrefixWeights};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::sampling::{Key, Purpose};
@@ -320,7 +320,7 @@ fn render_light_parts(
     let sampling = FilmSampling { nests_estimates: false, ..pilot.film_sampling(pass) };
     let (width, _) = renderer.scene.camera().size();
     let aimed = PixelPrefixRayCounts { aimed: ASSUMED_AIMED_RAYS, ..PixelPrefixRayCounts::default() };
-    let weights = AimedRayWeights::new(renderer.samples_per_pixel, aimed);
+    let weights = FilmPointMisWeights::new(renderer.samples_per_pixel, aimed);
     with_interior_type!(pilot.policy.effects, <I> {
         tiles::render_tiles(&sampling, key, &SilentMonitor, |camera_ray, task, branches| {
             let center = camera_ray.weight_lookup_position;

@@ -79,7 +79,7 @@ impl PrefixWeights {
 /// Numbers of rays of a pixel that find images of lamps, from which the weights of their light
 /// follow by the balance heuristic.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct AimedRayWeights {
+pub(super) struct FilmPointMisWeights {
     /// Number of camera paths.
     camera_paths: f32,
     /// Number of camera paths and of prefix rays that the pixel filter distributes.
@@ -88,7 +88,7 @@ pub(super) struct AimedRayWeights {
     aimed_rays: f32,
 }
 
-impl AimedRayWeights {
+impl FilmPointMisWeights {
     /// Returns the weights of a pixel with `samples` camera paths and the prefix rays `prefix`.
     pub fn new(samples: u32, prefix: PixelPrefixRayCounts) -> Self {
         let camera_paths = samples as f32;
@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn aimed_rays_share_light_with_other_rays() {
         let prefix = PixelPrefixRayCounts { unaimed: 3, lookups: 0, aimed: 5 };
-        let weights = AimedRayWeights::new(8, prefix);
+        let weights = FilmPointMisWeights::new(8, prefix);
         for (filter_pdf, aimed_pdf) in [(0.7f32, 0.0), (0.7, 1e-3), (0.2, 400.0), (0.0, 2.0)] {
             let density = 11.0 * filter_pdf + 5.0 * aimed_pdf;
             let weight = weights.up_to_receiver_weight(filter_pdf, aimed_pdf);

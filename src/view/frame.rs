@@ -80,7 +80,7 @@ impl LayerKind {
     /// Returns the name of the layer in the URL of its pixels. Layers other than the picture have
     /// the names of `--aov` in EXR files, such as `radius.caustic`.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub fn url_name(self) -> &'static str {
         match self {
             Self::Picture => "picture",
             Self::Direct => LightGroup::Direct.name(),
@@ -131,10 +131,10 @@ impl LayerKind {
         }
     }
 
-    /// Returns the kind that has the given [`name`](Self::name); `None` if there is none.
+    /// Returns the kind that has the given [`url_name`](Self::url_name); `None` if there is none.
     #[must_use]
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    pub fn from_url_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.url_name() == name)
     }
 }
 

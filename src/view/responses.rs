@@ -123,7 +123,7 @@ pub(super) async fn layer_pixels_response(
         if name == "reference" {
             return page.reference()?.encoded_layer(LayerKind::Picture);
         }
-        let kind = LayerKind::from_name(&name)?;
+        let kind = LayerKind::from_url_name(&name)?;
         let newest = page.newest_state();
         let frame = match kind.frame_kind() {
             FrameKind::Picture => &newest.state.picture,

@@ -297,7 +297,7 @@ impl FrameReport {
             height: frame.size.1,
             passes: frame.passes,
             preview: frame.is_preview,
-            layers: frame.layers.iter().map(|layer| layer.kind.name()).collect(),
+            layers: frame.layers.iter().map(|layer| layer.kind.url_name()).collect(),
         }
     }
 }

@@ -172,7 +172,7 @@ fn the_page_needs_no_other_server() {
         assert!(page.contains(&format!("id=\"{id}\"")), "{id}");
     }
     for kind in LayerKind::ALL {
-        let name = kind.name();
+        let name = kind.url_name();
         assert!(page.contains(&format!("\"{name}\":")) || page.contains(&format!("  {name}:")), "{name}");
     }
 }

@@ -16,7 +16,7 @@ use caustica::image::{self, Image, Rgb8Image, ToneCurve, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::math::Ray;
 use caustica::scene::{Material, Scene, SceneBuilder};
-use caustica::shape::parametric::SplineBasis;
+use caustica::shape::parametric_surface::SplineBasis;
 use caustica::shape::{Revolution, Shape};
 use glam::{DVec2, DVec3, Vec3};
 use std::fs;

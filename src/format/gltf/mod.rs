@@ -76,7 +76,7 @@ fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene
         framing_camera(content.world_bounds)
     });
     materials.remove_unused(&content.root);
-    let GltfMaterials { textures: GltfTextures { textures, pictures, .. }, descriptions, .. } = materials;
+    let GltfMaterials { textures: GltfTextures { textures, pictures, .. }, list, .. } = materials;
     let description = SceneDescription {
         camera: Spanned::new(camera, Span::default()),
         background: DVec3::ZERO,
@@ -84,7 +84,7 @@ fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene
         lights,
         textures,
         media: Vec::new(),
-        materials: descriptions,
+        materials: list.descriptions,
         root: content.root,
     };
     let assets = EmbeddedAssets { meshes: content.meshes, pictures, ..EmbeddedAssets::default() };

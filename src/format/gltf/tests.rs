@@ -206,7 +206,7 @@ fn surfaces_emit_by_strength_and_alpha() {
     });
     let scene = import_json(&triangle_scene(material, json!({})));
     let emission = scene.description.materials.iter().find_map(|material| material.emission.clone());
-    assert_eq!(emission, Some(EmissionDescription::Radiance(DVec3::new(4.0, 2.0, 1.0))));
+    assert_eq!(emission, Some(EmissionDescription::Constant(DVec3::new(4.0, 2.0, 1.0))));
     assert!(!scene.notes.iter().any(|note| note.message.contains("no light")), "{:?}", scene.notes);
 }
 

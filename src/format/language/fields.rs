@@ -17,7 +17,7 @@ use crate::format::span::{Span, Spanned};
 /// color to a `T`.
 ///
 /// A block has exactly one of several such fields: a light, for example, has `radiance` or `power`.
-pub(in crate::format) type ColorFieldConverter<'a, T> = (&'a str, fn(DVec3) -> T);
+pub(in crate::format) type ColorFieldAlternative<'a, T> = (&'a str, fn(DVec3) -> T);
 
 /// Fields of a block that was parsed.
 pub(in crate::format) struct BlockFields<'a> {
@@ -302,7 +302,7 @@ impl<'a> BlockFields<'a> {
     ///
     /// # Errors
     /// If no field or more than one field of `variants` is present.
-    pub fn require_one_color_field<T>(&self, variants: &[ColorFieldConverter<'_, T>]) -> Result<T, SceneError> {
+    pub fn require_one_color_field<T>(&self, variants: &[ColorFieldAlternative<'_, T>]) -> Result<T, SceneError> {
         let names: Vec<&str> = variants.iter().map(|(name, _)| *name).collect();
         let field = self.require_one_field_of(&names)?;
         let index = names.iter().position(|name| *name == field.field.keyword).unwrap_or_default();

@@ -16,7 +16,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub enum EmissionDescription {
     /// Constant radiance in W/(m² sr).
-    Radiance(DVec3),
+    Constant(DVec3),
     /// Radiance given by the values of a texture.
     Texture {
         /// Name of the texture.
@@ -43,7 +43,7 @@ impl EmissionDescription {
             Some(TexturedValue::Texture(name)) => {
                 return Ok(Some(Self::Texture { name, scale: f.value_or_default("emissionScale")? }));
             }
-            Some(TexturedValue::Constant(radiance)) => Some(Self::Radiance(radiance)),
+            Some(TexturedValue::Constant(radiance)) => Some(Self::Constant(radiance)),
             None => None,
         };
         f.forbid_fields(&["emissionScale"], "has no effect without a texture as `emission`")?;
@@ -53,7 +53,7 @@ impl EmissionDescription {
     /// Writes the fields of the emission.
     pub(super) fn write(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         match self {
-            Self::Radiance(radiance) => out.write_vec3("emission", *radiance),
+            Self::Constant(radiance) => out.write_vec3("emission", *radiance),
             Self::Texture { name, scale } => {
                 out.write_texture_name_field("emission", name)?;
                 out.write_number("emissionScale", *scale)
@@ -64,7 +64,7 @@ impl EmissionDescription {
     /// Returns the name of the texture that varies the emission; `None` for constant emission.
     pub(super) fn texture_name(&self) -> Option<&Spanned<String>> {
         match self {
-            Self::Radiance(_) => None,
+            Self::Constant(_) => None,
             Self::Texture { name, .. } => Some(name),
         }
     }
@@ -78,7 +78,7 @@ impl EmissionDescription {
         requirements: &mut TextureRequirements,
     ) -> Result<MaterialEmission, SceneError> {
         match self {
-            Self::Radiance(radiance) => Ok(MaterialEmission { radiance: rgb(*radiance), texture: None }),
+            Self::Constant(radiance) => Ok(MaterialEmission { radiance: rgb(*radiance), texture: None }),
             Self::Texture { name, scale } => {
                 let texture = r.texture_by_name(name, &NON_NEGATIVE_TEXTURE_RANGE)?;
                 requirements.add_texture_requirements(&texture);

@@ -8,11 +8,11 @@ use std::collections::HashMap;
 const NO_POINT: u32 = u32::MAX;
 
 /// Largest tolerance whose square is finite \[length].
-const MAX_TOLERANCE: f64 = 1e150;
+const MAX_SQUARABLE_TOLERANCE: f64 = 1e150;
 
 pub(super) fn weld_vertices(mesh: &mut TriangleMesh, tolerance: f64) -> usize {
     let (_, before) = mesh.distinct_position_indices();
-    let mut kept = WeldGrid::new(tolerance.clamp(0.0, MAX_TOLERANCE), &mesh.positions);
+    let mut kept = WeldGrid::new(tolerance.clamp(0.0, MAX_SQUARABLE_TOLERANCE), &mesh.positions);
     for p in &mut mesh.positions {
         *p = kept.find_or_insert(*p);
     }

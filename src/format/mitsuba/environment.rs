@@ -27,7 +27,7 @@ pub(super) fn read_environment(
     emitter: &MitsubaObject,
     to_world: DMat4,
 ) -> ReadResult<EnvironmentRadiance> {
-    let (file, image) = textures.read_picture(context, emitter, false)?;
+    let (file, image) = textures.decode_picture_file(context, emitter, false)?;
     let scale = emitter.number("scale").unwrap_or(1.0);
     if !(0.0..=1e30).contains(&scale) {
         return Err(emitter.place.error("the scale of the environment map is negative", "correct `scale`"));

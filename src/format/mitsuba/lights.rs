@@ -128,7 +128,7 @@ fn read_spot(
             let message = format!("a spotlight with a texture is wider than {MAX_TEXTURED_CUTOFF_DEGREES} degrees");
             return Err(emitter.place.error(message, "choose a smaller `cutoff_angle`"));
         }
-        let (_, picture) = textures.read_picture(context, &texture, texture.boolean("raw", false))?;
+        let (_, picture) = textures.decode_picture_file(context, &texture, texture.boolean("raw", false))?;
         let size = SPOT_PICTURE_SIZE;
         let tangent = libm::tan(cutoff.to_radians());
         let mut pixels = Vec::with_capacity((size * size) as usize);
@@ -172,7 +172,7 @@ fn read_projector(
     let scale = emitter.number("scale").unwrap_or(1.0).max(0.0);
     let texture = context.named_child(emitter, ObjectClass::Texture, "irradiance")?;
     let image = match texture.filter(|texture| texture.plugin == "bitmap") {
-        Some(texture) => (*textures.read_picture(context, &texture, texture.boolean("raw", false))?.1).clone(),
+        Some(texture) => (*textures.decode_picture_file(context, &texture, texture.boolean("raw", false))?.1).clone(),
         None => {
             let irradiance = context.linear_rgb(emitter, "irradiance", ColorMeaning::Emission, 1.0)?;
             let image = Image::from_pixels(1, 1, vec![irradiance.as_vec3()]);

@@ -113,7 +113,7 @@ fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Imp
         context.notes.borrow_mut().add_missing(&message);
     }
     context.note_unread_values();
-    let used_textures = shapes.materials.remove_unused(&shapes.root);
+    let used_textures = shapes.materials.list.remove_unused(&shapes.root);
     let pictures_of_lights = lights.iter_mut().filter_map(|light| light.value.file_path_mut().cloned()).collect();
     textures.keep_textures(&used_textures, &pictures_of_lights);
     let notes = context.notes.into_inner();
@@ -124,7 +124,7 @@ fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Imp
         lights,
         textures: textures.descriptions,
         media: shapes.media.descriptions,
-        materials: shapes.materials.descriptions,
+        materials: shapes.materials.list.descriptions,
         root: shapes.root,
     };
     let assets =

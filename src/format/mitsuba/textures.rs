@@ -163,7 +163,7 @@ impl MitsubaTextures {
     /// Reads the picture file of a `bitmap` texture or emitter. Returns its path and the picture.
     ///
     /// Integer values are decoded as sRGB, unless `is_raw` is true.
-    pub fn read_picture(
+    pub fn decode_picture_file(
         &mut self,
         context: &ImportContext<'_>,
         object: &MitsubaObject,
@@ -244,7 +244,7 @@ impl MitsubaTextures {
         let is_raw = wanted == MitsubaTextureUse::Normal
             || texture.boolean("raw", false)
             || texture.number("gamma").is_some_and(|gamma| gamma == 1.0);
-        let (file, picture) = self.read_picture(context, texture, is_raw)?;
+        let (file, picture) = self.decode_picture_file(context, texture, is_raw)?;
         let key = (file, is_raw, wanted, factor.to_bits());
         let values = match self.converted_pictures.get(&key) {
             Some(values) => values.clone(),

@@ -125,7 +125,7 @@ fn mtl_materials_become_scene_materials() {
     assert_eq!(converted_material_kind("Kd .1\nKs .9\nillum 3"), phong(0.1, 0.9, 0.0));
     let whole = std::path::absolute("folder/a.png").unwrap();
     let lamp = read_single_material("Kd 0\nKe 3 2 1\nmap_Kd a.png").to_description().unwrap();
-    assert_eq!(lamp.emission, Some(EmissionDescription::Radiance(DVec3::new(3.0, 2.0, 1.0))));
+    assert_eq!(lamp.emission, Some(EmissionDescription::Constant(DVec3::new(3.0, 2.0, 1.0))));
     assert!(
         matches!(lamp.kind, MaterialKindDescription::Phong(PhongDescription { texture: Some(path), .. }) if Path::new(&path.value) == whole)
     );

@@ -58,7 +58,7 @@ impl MtlMaterial {
                 texture: self.diffuse_texture_path.as_ref().map(absolute_texture_path),
             })
         };
-        let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(EmissionDescription::Radiance);
+        let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(EmissionDescription::Constant);
         Ok(MaterialDescription {
             name: Some(self.name.clone()),
             kind,

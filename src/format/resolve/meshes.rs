@@ -223,7 +223,7 @@ fn add_mesh_file_material(
     r.materials.resize(index as usize + 1, AddedMaterial::default());
     r.materials[index as usize].texture_requirements = requirements;
     let emission = match description.emission {
-        Some(EmissionDescription::Radiance(radiance)) => rgb(radiance),
+        Some(EmissionDescription::Constant(radiance)) => rgb(radiance),
         // MTL files name no textures of emission.
         Some(EmissionDescription::Texture { .. }) | None => Rgb::ZERO,
     };

@@ -9,7 +9,7 @@ use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
 use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement, add_shape_object};
-use crate::shape::parametric::{SplineBasis, SplineError};
+use crate::shape::parametric_surface::{SplineBasis, SplineError};
 use crate::shape::{Revolution, Shape, TextureMappingKind};
 use glam::DVec2;
 

@@ -12,7 +12,7 @@ use crate::format::language::writer::{SceneWriter, SpacedNumbers};
 use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement, add_shape_object};
 use crate::format::span::Span;
-use crate::shape::parametric::{MAX_DEGREE, SplineBasis, SplineError};
+use crate::shape::parametric_surface::{MAX_DEGREE, SplineBasis, SplineError};
 use crate::shape::{Patch, Shape, TextureMappingKind};
 use glam::DVec4;
 use std::fmt;

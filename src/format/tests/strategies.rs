@@ -251,7 +251,7 @@ fn assign_texture_names(material: &mut MaterialDescription, textures: &[Spanned<
 
 fn random_emission() -> impl Strategy<Value = EmissionDescription> {
     prop_oneof![
-        random_color().prop_map(EmissionDescription::Radiance),
+        random_color().prop_map(EmissionDescription::Constant),
         (any::<u8>(), random_positive())
             .prop_map(|(i, scale)| EmissionDescription::Texture { name: with_empty_span(i.to_string()), scale }),
     ]

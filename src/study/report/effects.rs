@@ -1,8 +1,8 @@
-//! HTML report of a study of effects; submodule `text_reports` has CSV and Markdown.
+//! HTML report of a study of effects; submodule `csv_and_markdown` has CSV and Markdown.
 
-mod text_reports;
+mod csv_and_markdown;
 
-pub use text_reports::{csv_report, markdown_report};
+pub use csv_and_markdown::{csv_report, markdown_report};
 
 use super::html::{escape_html, inline_png, number_cells_html};
 use super::picture::{auto_exposure_stops, encode_png, exposure_text, negative_part, positive_part};

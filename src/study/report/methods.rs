@@ -1,12 +1,12 @@
-//! HTML report of a study of methods; submodule `text_reports` has CSV, JSON and Markdown.
+//! HTML report of a study of methods; submodule `csv_json_markdown` has CSV, JSON and Markdown.
 
 mod analysis;
+mod csv_json_markdown;
 mod figures;
 mod tables;
-mod text_reports;
 mod warnings;
 
-pub use text_reports::{csv_report, markdown_report, method_study_json};
+pub use csv_json_markdown::{csv_report, markdown_report, method_study_json};
 
 use super::html::escape_html;
 use super::text::{duration_text, error_percent_text};

@@ -4,19 +4,16 @@ use super::{GltfImportedMaterial, GltfMaterials};
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
     CoatedDiffuseDescription, ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription,
-    EmissionDescription, MaterialKindDescription, MetalDescription, MixDescription, NormalPerturbationDescription,
-    PhongDescription, RefractiveIndexDescription, Span, Spanned, TexturedValue, ThinDielectricDescription,
+    EmissionDescription, MaterialDescription, MaterialKindDescription, MetalDescription, NormalPerturbationDescription,
+    PhongDescription, RefractiveIndexDescription, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::gltf::context::{FileContext, ReadResult};
 use crate::format::gltf::document::IGNORED_MATERIAL_EXTENSIONS;
 use crate::format::gltf::textures::{GltfConvertedTexture, GltfTextureUse, TextureReference};
 use crate::format::import_notes::ImportNotes;
+use crate::format::imported_materials::mix_of;
 use glam::{DVec3, DVec4};
 use gltf::material::AlphaMode;
-
-/// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
-/// degree.
-const MIN_PHONG_ALPHA: f64 = 0.01;
 
 /// Least transmittance of glass. A transmittance of 0 would need infinite absorption.
 const MIN_TRANSMITTANCE: f64 = 1e-6;
@@ -95,12 +92,18 @@ impl GltfMaterialConverter<'_, '_> {
             TexturedValue::Constant(alpha) if *alpha == 1.0 => kind,
             _ => {
                 let (clear, solid) =
-                    (self.materials.transparent_material_name(), self.add_mix_component("solid", kind));
-                mix_description(clear, solid, alpha.clone())
+                    (self.materials.list.transparent_material_name(), self.add_mix_component("solid", kind));
+                mix_of(clear, solid, alpha.clone())
             }
         };
         let normal = if kind.mix_material_names().is_none() { self.normal.take() } else { None };
-        self.materials.push_material(self.name.clone(), kind, emission, normal);
+        self.materials.list.push(MaterialDescription {
+            name: Some(self.name.clone()),
+            kind,
+            emission,
+            normal_perturbation: normal,
+            medium: None,
+        });
         let is_invisible = alpha == TexturedValue::Constant(0.0);
         Ok(GltfImportedMaterial { name: self.name.clone(), texcoord_set: self.texcoord_set, is_invisible, emits })
     }
@@ -152,7 +155,7 @@ impl GltfMaterialConverter<'_, '_> {
         let metal = self.metal_description(&surface)?;
         let (first, second) =
             (self.add_mix_component("dielectric", dielectric), self.add_mix_component("metal", metal));
-        Ok(mix_description(first, second, metallic))
+        Ok(mix_of(first, second, metallic))
     }
 
     /// Converts the dielectric part of the metallic-roughness model.
@@ -178,7 +181,7 @@ impl GltfMaterialConverter<'_, '_> {
         let opaque_dielectric = self.opaque_dielectric_description(surface)?;
         let (first, second) =
             (self.add_mix_component("opaque", opaque_dielectric), self.add_mix_component("glass", glass));
-        Ok(mix_description(first, second, amount))
+        Ok(mix_of(first, second, amount))
     }
 
     /// Converts the opaque dielectric part of the metallic-roughness model.
@@ -207,14 +210,7 @@ impl GltfMaterialConverter<'_, '_> {
         self.add_note(
             "strong or colored gloss of non-metals is a Phong lobe, which does not grow towards grazing angles",
         );
-        let shininess = phong_exponent(alpha.1);
-        let specular = *f0 * phong_normalization_factor(shininess);
-        Ok(MaterialKindDescription::Phong(PhongDescription {
-            diffuse,
-            specular: specular.into(),
-            shininess,
-            texture: None,
-        }))
+        Ok(MaterialKindDescription::Phong(PhongDescription::in_place_of_ggx(diffuse, *f0, alpha.1)))
     }
 
     /// Converts the metal part of the metallic-roughness model.
@@ -356,7 +352,7 @@ impl GltfMaterialConverter<'_, '_> {
         }
         Ok(match self.textured_color(texture, factor)? {
             TexturedValue::Constant(color) if color == DVec3::ZERO => None,
-            TexturedValue::Constant(color) => Some(EmissionDescription::Radiance(color * scale)),
+            TexturedValue::Constant(color) => Some(EmissionDescription::Constant(color * scale)),
             TexturedValue::Texture(name) => Some(EmissionDescription::Texture { name, scale }),
         })
     }
@@ -373,7 +369,7 @@ impl GltfMaterialConverter<'_, '_> {
             }
         };
         match emission {
-            EmissionDescription::Radiance(radiance) => EmissionDescription::Radiance(radiance * alpha),
+            EmissionDescription::Constant(radiance) => EmissionDescription::Constant(radiance * alpha),
             EmissionDescription::Texture { name, scale } => EmissionDescription::Texture { name, scale: scale * alpha },
         }
     }
@@ -461,9 +457,9 @@ impl GltfMaterialConverter<'_, '_> {
 
     /// Adds a part of a mix as a material, and returns the material's name.
     fn add_mix_component(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
-        let name = self.materials.unique_name(&format!("{} {suffix}", self.name));
+        let name = self.materials.list.unique_name(&format!("{} {suffix}", self.name));
         let normal = if kind.mix_material_names().is_none() { self.normal.clone() } else { None };
-        self.materials.push_material(name.clone(), kind, None, normal);
+        self.materials.list.push_surface(name.clone(), kind, normal);
         name
     }
 
@@ -472,31 +468,12 @@ impl GltfMaterialConverter<'_, '_> {
     }
 }
 
-fn mix_description(first: String, second: String, amount: TexturedValue<f64>) -> MaterialKindDescription {
-    let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
-    MaterialKindDescription::Mix(MixDescription { first, second, second_probability: amount })
-}
-
 /// Returns the refractive index of a coat with the reflectance `f0` along the normal; `None` if the
 /// channels differ, or if the index is not between 1 and the largest index of coats.
 fn coat_index(f0: DVec3) -> Option<f64> {
     let root = f0.x.sqrt();
     let index = (1.0 + root) / (1.0 - root);
     (f0 == DVec3::splat(f0.x) && (1.0..=f64::from(MAX_COAT_INDEX)).contains(&index)).then_some(index)
-}
-
-/// Returns the Phong exponent 2/α² − 2 for the GGX roughness `alpha`, which is clamped to \[0.01,
-/// 1].
-fn phong_exponent(alpha: f64) -> f64 {
-    let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
-    2.0 / (alpha * alpha) - 2.0
-}
-
-/// Returns the specular coefficient with which a Phong lobe reflects all light at normal incidence.
-///
-/// `shininess` is the exponent of the lobe.
-fn phong_normalization_factor(shininess: f64) -> f64 {
-    0.5 * (shininess + 2.0)
 }
 
 /// Returns `factor` clamped to \[0, 1]; 0 for NaN.

@@ -77,7 +77,7 @@ fn texture_names_replace_numbers() {
         }
         other => panic!("{other:?}"),
     }
-    assert_eq!(e.emission, Some(EmissionDescription::Radiance(DVec3::new(1.0, 2.0, 3.0))));
+    assert_eq!(e.emission, Some(EmissionDescription::Constant(DVec3::new(1.0, 2.0, 3.0))));
     let uv = "uv0 0 1 uv1 1 1 uv2 .5 0";
     let triangle = format!("Group {{ Triangle {{ vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 {uv} }} }}");
     match &parse_with_camera(&triangle).unwrap().root.items[0] {

@@ -27,6 +27,28 @@ pub struct PhongDescription {
     pub texture: Option<Spanned<String>>,
 }
 
+/// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
+/// degree.
+const MIN_PHONG_ALPHA: f64 = 0.01;
+
+impl PhongDescription {
+    /// Returns a diffuse surface with a lobe that reflects the fraction `reflectance` at normal
+    /// incidence. `shininess` is the exponent of the lobe.
+    pub fn with_lobe_reflectance(diffuse: TexturedValue<DVec3>, reflectance: DVec3, shininess: f64) -> Self {
+        let specular = reflectance * (0.5 * (shininess + 2.0));
+        Self { diffuse, specular: specular.into(), shininess, texture: None }
+    }
+
+    /// Returns a diffuse surface with a lobe in place of a GGX lobe of the roughness `alpha`.
+    ///
+    /// The lobe reflects the fraction `reflectance` at normal incidence. Its exponent is 2/α² − 2,
+    /// with α clamped to \[0.01, 1].
+    pub fn in_place_of_ggx(diffuse: TexturedValue<DVec3>, reflectance: DVec3, alpha: f64) -> Self {
+        let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
+        Self::with_lobe_reflectance(diffuse, reflectance, 2.0 / (alpha * alpha) - 2.0)
+    }
+}
+
 field_table!(PhongDescription {
     diffuse: field_schema("diffuseColor", FieldKind::ColorOrTexture, "diffuse reflectance kd")
         .with_default_numbers(&[1.0, 1.0, 1.0])

@@ -4,10 +4,10 @@ use super::MitsubaMaterials;
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
     CoatedDiffuseDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription,
-    DiffuseTransmissionDescription, MaterialKindDescription, MixDescription, NormalPerturbationDescription,
-    NullInterfaceDescription, PhongDescription, PrincipledDescription, Span, Spanned, TexturedValue,
-    ThinDielectricDescription,
+    DiffuseTransmissionDescription, MaterialKindDescription, NormalPerturbationDescription, NullInterfaceDescription,
+    PhongDescription, PrincipledDescription, TexturedValue, ThinDielectricDescription,
 };
+use crate::format::imported_materials::mix_of;
 use crate::format::mitsuba::color::parse_numbers;
 use crate::format::mitsuba::conductors::conductor;
 use crate::format::mitsuba::context::ImportContext;
@@ -277,14 +277,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         let specular =
             self.convert_texture_parameter(bsdf, "specular_reflectance", 0.2, MitsubaTextureUse::Color)?.mean();
         let shininess = bsdf.number("exponent").unwrap_or(30.0).clamp(0.0, 1e6);
-        let specular = specular * phong_normalization_factor(shininess);
-        Ok(MaterialKindDescription::Phong(PhongDescription {
-            diffuse,
-            specular: specular.into(),
-            shininess,
-            texture: None,
-        })
-        .into())
+        Ok(MaterialKindDescription::Phong(PhongDescription::with_lobe_reflectance(diffuse, specular, shininess)).into())
     }
 
     fn convert_blend(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
@@ -307,8 +300,8 @@ impl MitsubaMaterialConverter<'_, '_> {
             return Err(bsdf.place.error("a blend needs two BSDFs", "nest two `bsdf` elements in it"));
         };
         let (first, second) = (self.convert_bsdf(first, depth + 1)?, self.convert_bsdf(second, depth + 1)?);
-        let names = [self.add_mix_component("first", first), self.add_mix_component("second", second)];
-        Ok(mix_description(names, weight).into())
+        let (first, second) = (self.add_mix_component("first", first), self.add_mix_component("second", second));
+        Ok(mix_of(first, second, weight).into())
     }
 
     /// Returns a mix of `solid`, with the weight `opacity`, and a fully transparent material.
@@ -318,8 +311,8 @@ impl MitsubaMaterialConverter<'_, '_> {
         if opacity == TexturedValue::Constant(1.0) {
             return solid;
         }
-        let names = [self.materials.transparent_material_name(), self.add_mix_component("solid", solid)];
-        mix_description(names, opacity).into()
+        let clear = self.materials.list.transparent_material_name();
+        mix_of(clear, self.add_mix_component("solid", solid), opacity).into()
     }
 
     /// Returns `surface`; if it is a mix, without its own bump map or normal map.
@@ -338,10 +331,10 @@ impl MitsubaMaterialConverter<'_, '_> {
     /// For a null interface, returns the fully transparent material instead.
     fn add_mix_component(&mut self, suffix: &str, surface: ConvertedBsdf) -> String {
         if surface.kind.is_null_interface() {
-            return self.materials.transparent_material_name();
+            return self.materials.list.transparent_material_name();
         }
-        let name = self.materials.unique_name(&format!("{} {suffix}", self.name));
-        self.materials.push_material(name.clone(), surface.kind, surface.normal, None);
+        let name = self.materials.list.unique_name(&format!("{} {suffix}", self.name));
+        self.materials.list.push_surface(name.clone(), surface.kind, surface.normal);
         name
     }
 
@@ -390,16 +383,4 @@ impl MitsubaMaterialConverter<'_, '_> {
     fn textured_color(&mut self, bsdf: &MitsubaObject, name: &str, default: f64) -> ReadResult<TexturedValue<DVec3>> {
         Ok(self.convert_texture_parameter(bsdf, name, default, MitsubaTextureUse::Color)?.into_color())
     }
-}
-
-fn mix_description([first, second]: [String; 2], amount: TexturedValue<f64>) -> MaterialKindDescription {
-    let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
-    MaterialKindDescription::Mix(MixDescription { first, second, second_probability: amount })
-}
-
-/// Returns the specular coefficient with which a Phong lobe reflects all light at normal incidence.
-///
-/// `shininess` is the exponent of the lobe.
-fn phong_normalization_factor(shininess: f64) -> f64 {
-    0.5 * (shininess + 2.0)
 }

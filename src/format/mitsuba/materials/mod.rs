@@ -8,12 +8,12 @@ use super::meshes::TexcoordConvention;
 use super::textures::MitsubaTextures;
 use super::tree::MitsubaObject;
 use crate::format::description::{
-    EmissionDescription, GroupItem, MaterialDescription, MaterialKindDescription, NormalPerturbationDescription,
-    NullInterfaceDescription, ObjectGroup, Span, Spanned, ThinDielectricDescription,
+    EmissionDescription, MaterialDescription, MaterialKindDescription, NullInterfaceDescription, Span, Spanned,
 };
+use crate::format::imported_materials::ImportedMaterials;
 use converter::{ConvertedBsdf, MitsubaMaterialConverter, diffuse_description};
 use glam::DVec3;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::rc::Rc;
 
 /// Kind of boundary that a material makes. It decides which surfaces a shape needs.
@@ -58,11 +58,9 @@ pub(super) struct ShapeMaterialInputs {
 /// Materials of the imported scene so far, with tables that find materials for reuse.
 #[derive(Default)]
 pub(super) struct MitsubaMaterials {
-    /// Materials of the imported scene. The materials of a mix are listed before it.
-    pub descriptions: Vec<Spanned<MaterialDescription>>,
-    names: HashSet<String>,
+    /// Materials of the imported scene.
+    pub list: ImportedMaterials,
     converted: HashMap<(Option<*const MitsubaObject>, String), MitsubaImportedMaterial>,
-    transparent_material_name: Option<String>,
     black_material_name: Option<String>,
     null_interface_names: HashMap<String, String>,
 }
@@ -85,7 +83,7 @@ impl MitsubaMaterials {
         }
         let ShapeMaterialInputs { medium, emission_texture: emission, convention } = inputs;
         let wanted = bsdf.and_then(|bsdf| bsdf.id.clone()).unwrap_or_else(|| "material".to_owned());
-        let name = self.unique_name(&wanted);
+        let name = self.list.unique_name(&wanted);
         let mut converter =
             MitsubaMaterialConverter { materials: self, textures, context, convention: *convention, name: &name };
         let surface = match bsdf {
@@ -111,7 +109,7 @@ impl MitsubaMaterials {
         let description =
             MaterialDescription { name: Some(name.clone()), kind, emission, normal_perturbation: normal, medium };
         let is_textured = !description.texture_names().is_empty() || description.kind.mix_material_names().is_some();
-        self.descriptions.push(Spanned::new(description, Span::default()));
+        self.list.push(description);
         let imported = MitsubaImportedMaterial { name, boundary, may_be_textured: is_textured };
         if !imported.may_be_textured {
             // Without textures, the convention for texture coordinates makes no difference.
@@ -130,10 +128,16 @@ impl MitsubaMaterials {
         if let Some(name) = self.null_interface_names.get(medium) {
             return name.clone();
         }
-        let name = self.unique_name("boundary");
+        let name = self.list.unique_name("boundary");
         let kind = MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 });
         let filling = Some(Spanned::new(medium.to_owned(), Span::default()));
-        self.push_material(name.clone(), kind, None, filling);
+        self.list.push(MaterialDescription {
+            name: Some(name.clone()),
+            kind,
+            emission: None,
+            normal_perturbation: None,
+            medium: filling,
+        });
         self.null_interface_names.insert(medium.to_owned(), name.clone());
         name
     }
@@ -144,74 +148,9 @@ impl MitsubaMaterials {
         if let Some(name) = &self.black_material_name {
             return name.clone();
         }
-        let name = self.unique_name("black");
-        self.push_material(name.clone(), diffuse_description(DVec3::ZERO), None, None);
+        let name = self.list.unique_name("black");
+        self.list.push_surface(name.clone(), diffuse_description(DVec3::ZERO), None);
         self.black_material_name = Some(name.clone());
         name
-    }
-
-    /// Keeps only the materials that an object uses, directly or through a mix.
-    ///
-    /// Returns the names of the textures that these materials use.
-    pub fn remove_unused(&mut self, objects: &ObjectGroup) -> HashSet<String> {
-        let mut used = HashSet::new();
-        collect_material_names(objects, &mut used);
-        // The materials of a mix are listed before it, so one backward pass finds all.
-        for material in self.descriptions.iter().rev() {
-            if material.name.as_ref().is_some_and(|name| used.contains(name)) {
-                used.extend(material.kind.mix_material_names().into_iter().flatten().map(|part| part.value.clone()));
-            }
-        }
-        self.descriptions.retain(|material| material.name.as_ref().is_some_and(|name| used.contains(name)));
-        self.descriptions.iter().flat_map(|m| m.texture_names()).map(|name| name.value.clone()).collect()
-    }
-
-    fn push_material(
-        &mut self,
-        name: String,
-        kind: MaterialKindDescription,
-        normal_perturbation: Option<NormalPerturbationDescription>,
-        medium: Option<Spanned<String>>,
-    ) {
-        let material = MaterialDescription { name: Some(name), kind, emission: None, normal_perturbation, medium };
-        self.descriptions.push(Spanned::new(material, Span::default()));
-    }
-
-    /// Reserves and returns a material name that is not in use: `wanted`, or `wanted` with a
-    /// number.
-    ///
-    /// Control characters and quotes become spaces.
-    fn unique_name(&mut self, wanted: &str) -> String {
-        let clean: String = wanted.chars().map(|c| if c.is_control() || c == '"' { ' ' } else { c }).collect();
-        let clean = clean.trim();
-        let base = if clean.is_empty() { "material" } else { clean };
-        let numbered = (self.names.len() + 1..).map(|i| format!("{base} {i}"));
-        let mut candidates = std::iter::once(base.to_owned()).chain(numbered);
-        let name = candidates.find(|name| !self.names.contains(name)).unwrap_or_default();
-        self.names.insert(name.clone());
-        name
-    }
-
-    /// Returns the name of a material that transmits all light unchanged. Adds it at its first use.
-    fn transparent_material_name(&mut self) -> String {
-        if let Some(name) = &self.transparent_material_name {
-            return name.clone();
-        }
-        let name = self.unique_name("clear");
-        let kind =
-            MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
-        self.push_material(name.clone(), kind, None, None);
-        self.transparent_material_name = Some(name.clone());
-        name
-    }
-}
-
-/// Adds the names of the materials that objects in `group` use to `names`.
-fn collect_material_names(group: &ObjectGroup, names: &mut HashSet<String>) {
-    for item in &group.items {
-        match item {
-            GroupItem::MaterialName(name) => drop(names.insert(name.value.clone())),
-            GroupItem::MaterialIndex(_) | GroupItem::Object(_) => {}
-        }
     }
 }

@@ -6,10 +6,11 @@ use crate::color::{conductor_refractive_index, glass_by_name};
 use crate::format::description::{
     CoatedDiffuseDescription, ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription,
     DiffuseTransmissionDescription, MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription,
-    MixDescription, NormalPerturbationDescription, NullInterfaceDescription, PhongDescription, PrincipledDescription,
+    NormalPerturbationDescription, NullInterfaceDescription, PhongDescription, PrincipledDescription,
     RefractiveIndexDescription, Span, Spanned, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::import_notes::ImportNotes;
+use crate::format::imported_materials::mix_of;
 use crate::format::pbrt::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use crate::format::pbrt::graphics_state::CurrentMaterial;
 use crate::format::pbrt::parameters::Parameters;
@@ -22,10 +23,6 @@ const MAX_MIX_DEPTH: usize = 16;
 
 /// Least GGX α of a rough surface. pbrt treats a smaller α as smooth.
 const MIN_ROUGH_ALPHA: f64 = 1e-3;
-
-/// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
-/// degree.
-const MIN_PHONG_ALPHA: f64 = 0.01;
 
 /// Refractive index of pbrt's coats and glossy materials, and the default for dielectrics.
 const DEFAULT_REFRACTIVE_INDEX: f64 = 1.5;
@@ -121,15 +118,7 @@ impl PbrtMaterialConverter<'_> {
         let clear =
             MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
         let clear = self.push_material(clear, None)?;
-        let part = |name: &str| Spanned::new(name.to_owned(), Span::default());
-        self.push_material(
-            MaterialKindDescription::Mix(MixDescription {
-                first: part(&clear),
-                second: part(name),
-                second_probability: opacity,
-            }),
-            None,
-        )
+        self.push_material(mix_of(clear, name.to_owned(), opacity), None)
     }
 
     /// Converts a mix of two named materials, adds it, and returns its name. `depth` counts outer
@@ -152,16 +141,9 @@ impl PbrtMaterialConverter<'_> {
             None => TextureValue::Constant(DVec3::splat(0.5)),
         };
         let (amount, _) = self.textured_scalar_and_mean(&amount, &|amount| amount.clamp(0.0, 1.0))?;
-        let mut parts = Vec::new();
-        for name in names {
-            let name = self.convert_material(&CurrentMaterial::Named(name.into(), place.clone()), depth + 1)?;
-            parts.push(Spanned::new(name, Span::default()));
-        }
-        let [first, second] = [parts[0].clone(), parts[1].clone()];
-        self.push_material(
-            MaterialKindDescription::Mix(MixDescription { first, second, second_probability: amount }),
-            None,
-        )
+        let [first, second] =
+            names.map(|name| self.convert_material(&CurrentMaterial::Named(name.into(), place.clone()), depth + 1));
+        self.push_material(mix_of(first?, second?, amount), None)
     }
 
     /// Converts the reflection and transmission of the pbrt material `kind` with the parameters
@@ -213,7 +195,7 @@ impl PbrtMaterialConverter<'_> {
                 let kept = DVec3::splat(1.0 - f0.max_element());
                 let (diffuse, _) = self.textured_color_and_mean(p, "Kd", default, &|c| c * kept)?;
                 let roughness = self.roughness(p, 0.1, true)?;
-                phong_description(diffuse, f0, roughness.mean)
+                MaterialKindDescription::Phong(PhongDescription::in_place_of_ggx(diffuse, f0, roughness.mean))
             }
             "mirror" => MaterialKindDescription::Mirror(MirrorDescription {
                 reflectance: self.textured_color_and_mean(p, "Kr", 0.9, &|c| c)?.0,
@@ -516,16 +498,6 @@ impl PbrtMaterialConverter<'_> {
     fn add_note(&mut self, message: &str, place: &PbrtSourceLocation) {
         self.notes.add_unsupported(message, place.position_text());
     }
-}
-
-/// Returns a diffuse surface with a Phong lobe whose total reflectance is `f0`.
-///
-/// The lobe's exponent is 2/α² − 2, where α = `alpha` is a GGX roughness.
-fn phong_description(diffuse: TexturedValue<DVec3>, f0: DVec3, alpha: f64) -> MaterialKindDescription {
-    let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
-    let shininess = 2.0 / (alpha * alpha) - 2.0;
-    let specular = f0 * (0.5 * (shininess + 2.0));
-    MaterialKindDescription::Phong(PhongDescription { diffuse, specular: specular.into(), shininess, texture: None })
 }
 
 /// Returns the Fresnel reflectance at normal incidence of a dielectric with a given index.

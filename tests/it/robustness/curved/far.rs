@@ -10,7 +10,7 @@ use caustica::light::{AreaLight, Light, LightSurface, ShadowTarget};
 use caustica::math::{Ray, Transform, warp};
 use caustica::sampling::DiscreteDistribution;
 use caustica::scene::{Material, SceneBuilder};
-use caustica::shape::parametric::SplineBasis;
+use caustica::shape::parametric_surface::SplineBasis;
 use caustica::shape::{Disc, Mesh, MeshInstance, MeshWithBvh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec2, Vec3};
 use rand::rngs::SmallRng;

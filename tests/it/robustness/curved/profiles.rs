@@ -2,7 +2,7 @@
 
 use caustica::accel::ShapeHit;
 use caustica::math::{Ray, warp};
-use caustica::shape::parametric::SplineBasis;
+use caustica::shape::parametric_surface::SplineBasis;
 use caustica::shape::{Patch, Revolution, Shape};
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use libm::{cbrt, hypot};

@@ -7,7 +7,7 @@ use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
-use caustica::shape::parametric::SplineBasis;
+use caustica::shape::parametric_surface::SplineBasis;
 use caustica::shape::{Disc, Revolution, Shape};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;

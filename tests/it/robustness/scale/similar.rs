@@ -293,7 +293,7 @@ impl Similarity {
             | MaterialKindDescription::Mix(_) => {}
         }
         match emission {
-            None | Some(EmissionDescription::Radiance(_) | EmissionDescription::Texture { .. }) => {}
+            None | Some(EmissionDescription::Constant(_) | EmissionDescription::Texture { .. }) => {}
         }
         match normal_perturbation {
             Some(NormalPerturbationDescription::Bump { texture: _, height }) => self.length(height),

@@ -4,7 +4,7 @@ use super::double_double::{Affine, DoubleDouble, DoubleDoubleVec};
 use super::maps::maps;
 use caustica::accel::ShapeHit;
 use caustica::math::{Ray, Transform, offset_ray_origin, warp};
-use caustica::shape::parametric::SplineBasis;
+use caustica::shape::parametric_surface::SplineBasis;
 use caustica::shape::{Disc, Patch, Rectangle, Revolution, Shape, Sphere, SurfacePoint};
 use glam::{DAffine3, DVec2, DVec3, DVec4, Vec2, Vec3};
 use rand::rngs::SmallRng;

@@ -4,7 +4,7 @@ use super::*;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::scene::{Body, Material, Scene, SceneBuilder};
-use crate::shape::parametric::SplineBasis;
+use crate::shape::parametric_surface::SplineBasis;
 use crate::shape::{Plane, Sphere};
 use glam::{DVec2, Vec2, Vec3};
 

@@ -2,7 +2,7 @@ use super::super::spline::MIN_RELATIVE_KNOT_SPAN;
 use super::*;
 
 /// An eighth of the unit sphere as a rational patch of degrees 2 and 2, with a pole on the y axis.
-pub(in crate::shape::parametric) fn sphere_octant_patch() -> Patch {
+pub(in crate::shape::parametric_surface) fn sphere_octant_patch() -> Patch {
     let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, std::f64::consts::FRAC_1_SQRT_2), (0.0, 1.0, 1.0)];
     let mut controls = Vec::new();
     for (r, h, w) in arc {
