@@ -42,7 +42,7 @@ pub struct ClearCoated {
 
 /// A BSDF that can be under a clear coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum CoatableBsdf {
+pub(super) enum CoatableBsdf {
     Diffuse(Rgb),
     CoatedDiffuse(CoatedDiffuse),
     DielectricCoat(DielectricCoat),
@@ -64,7 +64,7 @@ impl ClearCoat {
     /// a clear coat; any other BSDF is returned unchanged.
     #[must_use]
     pub fn over(self, surface: Bsdf) -> Bsdf {
-        CoatableBsdf::from_bsdf(surface).map_or(surface, |base| {
+        surface.to_coatable().map_or(surface, |base| {
             Bsdf::ClearCoated(ClearCoated { base, coat: self, inverse_selection_probability: 1.0 })
         })
     }
@@ -92,24 +92,6 @@ impl ClearCoat {
 }
 
 impl CoatableBsdf {
-    /// Returns `bsdf` as a BSDF that can be under a clear coat; `None` if it cannot.
-    fn from_bsdf(bsdf: Bsdf) -> Option<Self> {
-        match bsdf {
-            Bsdf::Diffuse(reflectance) => Some(Self::Diffuse(reflectance)),
-            Bsdf::CoatedDiffuse(coated) => Some(Self::CoatedDiffuse(coated)),
-            Bsdf::DielectricCoat(coat) => Some(Self::DielectricCoat(coat)),
-            Bsdf::Conductor(conductor) => Some(Self::Conductor(conductor)),
-            Bsdf::Black
-            | Bsdf::DiffuseTransmission(_)
-            | Bsdf::Phong(_)
-            | Bsdf::Mirror(_)
-            | Bsdf::Dielectric(_)
-            | Bsdf::RoughDielectric(_)
-            | Bsdf::ThinDielectric(_)
-            | Bsdf::ClearCoated(_) => None,
-        }
-    }
-
     /// The BSDF without the clear coat.
     fn to_bsdf(self) -> Bsdf {
         match self {
@@ -187,7 +169,7 @@ impl ClearCoated {
         }
         let base = match self.base {
             CoatableBsdf::CoatedDiffuse(coated) => {
-                CoatableBsdf::from_bsdf(coated.select_layer(wo, ns, u / base_probability)).unwrap_or(self.base)
+                coated.select_layer(wo, ns, u / base_probability).to_coatable().unwrap_or(self.base)
             }
             CoatableBsdf::Diffuse(_) | CoatableBsdf::DielectricCoat(_) | CoatableBsdf::Conductor(_) => self.base,
         };

@@ -37,6 +37,7 @@ pub use thin::ThinDielectric;
 
 use crate::color::Rgb;
 use crate::math::{Frame, warp};
+use clear_coat::CoatableBsdf;
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
@@ -329,6 +330,24 @@ impl Bsdf {
             | Self::ThinDielectric(_)
             | Self::CoatedDiffuse(_)
             | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => None,
+        }
+    }
+
+    /// Returns the BSDF as one that can be under a clear coat; `None` if it cannot.
+    fn to_coatable(self) -> Option<CoatableBsdf> {
+        match self {
+            Self::Diffuse(reflectance) => Some(CoatableBsdf::Diffuse(reflectance)),
+            Self::CoatedDiffuse(coated) => Some(CoatableBsdf::CoatedDiffuse(coated)),
+            Self::DielectricCoat(coat) => Some(CoatableBsdf::DielectricCoat(coat)),
+            Self::Conductor(conductor) => Some(CoatableBsdf::Conductor(conductor)),
+            Self::Black
+            | Self::DiffuseTransmission(_)
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::RoughDielectric(_)
+            | Self::ThinDielectric(_)
             | Self::ClearCoated(_) => None,
         }
     }

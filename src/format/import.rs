@@ -20,7 +20,8 @@ use std::path::{Path, PathBuf};
 /// `framing.rs`.
 ///
 /// Malformed files are tested by a function in `tests/it/robustness/input/readers.rs`, a folder of
-/// `tests/corpus/` and its line in `corpus.rs` beside the readers.
+/// `tests/corpus/` and its line in `corpus.rs` beside the readers, and a target in
+/// `fuzz/fuzz_targets/` with its entry in `fuzz/Cargo.toml`.
 pub trait SceneImporter: Sync {
     /// Returns the name of the scene format, for messages.
     fn name(&self) -> &'static str;

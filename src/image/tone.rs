@@ -23,7 +23,7 @@ pub enum ToneCurve {
     Filmic,
     /// Clamps to \[0, 1] and truncates to levels, without a transfer function: trunc(255 · c).
     ///
-    /// This curve reproduces the pictures of the ray caster for which the legacy scene format was
+    /// This curve reproduces the pictures of the ray caster for which the scene format of MIT course 6.837 was
     /// made.
     Legacy,
 }

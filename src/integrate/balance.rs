@@ -107,8 +107,8 @@ pub(super) fn camera_path_work(counters: &Counters) -> f64 {
     CAMERA_RAY_WORK * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
-/// Returns the work of the photon density estimates that `counters` count. The unit is the work of
-/// tracing one photon ray.
+/// Returns the work of the photons in the density estimates that `counters` count, without the work
+/// of each search. The unit is the work of tracing one photon ray.
 pub(super) fn gathering_work(counters: &Counters) -> f64 {
     GATHERED_PHOTON_WORK * counters.gathered_photons as f64
 }

@@ -27,7 +27,7 @@ pub(super) type FilmPoint = (Vec2, Sampler);
 pub(super) fn generate_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
-    let key = key.purpose_key(Purpose::Camera);
+    let key = key.purpose_key(Purpose::CameraPaths);
     let point = |i| {
         let pixel = (Sampler::new(key, i, FILM_POINT_COUNT).get_2d(Dimension::Film) * size).floor();
         let sampler = Sampler::new(key.film_point_key(set, i), 0, 1);

@@ -109,14 +109,14 @@ impl<'a> FilmSampling<'a> {
 impl FilmSampling<'_> {
     /// Returns the number of camera rays of a pixel, at least one. `pixel` is an index by rows from
     /// the top.
-    fn ray_count(&self, pixel: usize) -> u32 {
+    fn pixel_camera_ray_count(&self, pixel: usize) -> u32 {
         let exact = |counts: &[f32]| (self.samples_per_pixel as f32 * counts[pixel]).round().max(1.0) as u32;
         self.relative_ray_counts.map_or(self.samples_per_pixel, exact)
     }
 
     /// Returns the number of [prefix rays](super::prefix_rays) of a pixel. `pixel` is an index by
     /// rows from the top.
-    fn prefix_ray_count(&self, pixel: usize) -> PixelPrefixRayCounts {
+    fn pixel_prefix_ray_count(&self, pixel: usize) -> PixelPrefixRayCounts {
         self.prefix_rays.map_or(PixelPrefixRayCounts::default(), |rays| rays.counts[pixel])
     }
 
@@ -130,7 +130,7 @@ impl FilmSampling<'_> {
         y: u32,
     ) -> (PixelRays<'_>, Option<PixelRays<'_>>, Option<PixelRays<'_>>) {
         let index = y as usize * self.camera.size().0 as usize + x as usize;
-        let (samples, prefix) = (self.ray_count(index), self.prefix_ray_count(index));
+        let (samples, prefix) = (self.pixel_camera_ray_count(index), self.pixel_prefix_ray_count(index));
         let slices = self.divide_rays(x, y, samples);
         let used_slices = slices.used_slice_count();
         let has_aimed_rays = self.prefix_rays.filter(|_| prefix.aimed > 0);

@@ -80,7 +80,8 @@ const ASSUMED_VARIANCE_IN_MEDIA: f64 = 1e4;
 /// Bias of a density estimate, divided by its difference from an estimate with half the disc area.
 const BIAS_FACTOR: f64 = 2.0;
 
-/// Parts of the light of one camera path, averaged over RGB \[W/(m² sr)].
+/// Light that one camera path of a trial finds, averaged over RGB \[W/(m² sr)]. Its indirect light is
+/// estimated twice: by the path, and by photons.
 #[derive(Clone, Copy, Debug, Default)]
 struct TrialPathLight {
     /// Direct light at the first receiver.
@@ -121,7 +122,7 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
     let divisor = unaimed_paths.div_ceil(MAX_PHOTON_PATHS).max(MIN_PHOTON_PATH_DIVISOR);
     let (cell_size, grid) = film_grid(renderer.scene.camera().size());
     let points = |trial: u32| -> Vec<FilmPoint> {
-        let key = pilot_key(&pilot).pilot_trial_key(trial).purpose_key(Purpose::Camera);
+        let key = pilot_key(&pilot).pilot_trial_key(trial).purpose_key(Purpose::CameraPaths);
         let cell_points = |cell: u32| {
             let corner = Vec2::new((cell % grid.0) as f32, (cell / grid.0) as f32) * cell_size;
             let key = key.film_point_key(0, cell);

@@ -107,8 +107,8 @@ pub(super) struct LampImageContribution {
     pub mean_square: f64,
 }
 
-/// A lamp near a camera ray of the pilot, whose image may be near.
-struct Candidate {
+/// Start of a search for the image of a lamp: a lamp near a camera ray of the pilot.
+struct ImageSearchStart {
     /// Film point and lens point of the camera ray.
     point: CameraPoint,
     /// Sampler of the camera ray.
@@ -155,7 +155,7 @@ fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
     lamps.into_iter().map(|(_, lamp)| lamp).take(MAX_LAMPS).collect()
 }
 
-/// Search for images of lamps.
+/// Search for the optical images of lamps that camera rays see over specular surfaces.
 struct ImageSearch<'a> {
     scene: &'a Scene,
     effects: Effects,
@@ -185,11 +185,11 @@ impl ImageSearch<'_> {
             candidates.shrink_to_fit();
             candidates
         };
-        let first: Vec<Vec<Candidate>> = corners.par_iter().map(first_candidates).collect();
+        let first: Vec<Vec<ImageSearchStart>> = corners.par_iter().map(first_candidates).collect();
         let least = least_searched_noise(first.iter().flatten(), 0.5 * MAX_OMITTED_NOISE_FRACTION);
 
         // Find more lamps near the predicted images, and move to the images.
-        let images = |(corner, mut candidates): (&(u32, u32), Vec<Candidate>)| {
+        let images = |(corner, mut candidates): (&(u32, u32), Vec<ImageSearchStart>)| {
             let tile = tile_pixels(corner);
             candidates.retain(|candidate| candidate.noise >= least);
             let near = pixels_near_images(&tile, &candidates);
@@ -207,7 +207,7 @@ impl ImageSearch<'_> {
 
     /// Returns the lamps near camera rays through `pixels`. `indices` are the numbers of the rays
     /// of each pixel, below [`MAX_RAYS_PER_PIXEL`].
-    fn candidates_near_rays<I: Interior>(&self, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<Candidate> {
+    fn candidates_near_rays<I: Interior>(&self, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<ImageSearchStart> {
         let camera = self.scene.camera();
         let has_lens = self.lens_radius() > 0.0;
         let (mut candidates, mut stack) = (Vec::new(), Vec::new());
@@ -225,14 +225,18 @@ impl ImageSearch<'_> {
     /// Moves from `candidates` to the images near them, and from found images to their other parts.
     /// Makes at most `searches` searches, for the noisiest candidates first. Returns the distinct
     /// images.
-    fn search_images<I: Interior>(&self, mut candidates: Vec<Candidate>, mut searches: u32) -> Vec<FoundLampImage> {
-        candidates.sort_by(|a: &Candidate, b: &Candidate| b.noise.total_cmp(&a.noise));
+    fn search_images<I: Interior>(
+        &self,
+        mut candidates: Vec<ImageSearchStart>,
+        mut searches: u32,
+    ) -> Vec<FoundLampImage> {
+        candidates.sort_by(|a: &ImageSearchStart, b: &ImageSearchStart| b.noise.total_cmp(&a.noise));
         let mut images = ImageSet::new(self.lens_radius() as f32);
         let mut parts = Vec::new();
         for candidate in candidates {
             parts.push(candidate);
             while let Some(candidate) = parts.pop() {
-                let Candidate { point, to_image, lamp, chain, .. } = candidate;
+                let ImageSearchStart { point, to_image, lamp, chain, .. } = candidate;
                 if images.covers(point.film + to_image, point.lens_point(), lamp.light, chain) {
                     continue;
                 }
@@ -244,7 +248,7 @@ impl ImageSearch<'_> {
                 if images.insert(image) {
                     parts.extend(image.ends().map(|film| {
                         let point = CameraPoint { film, ..image.point };
-                        Candidate { point, sampler: image.sampler, to_image: Vec2::ZERO, ..candidate }
+                        ImageSearchStart { point, sampler: image.sampler, to_image: Vec2::ZERO, ..candidate }
                     }));
                 }
             }
@@ -264,7 +268,7 @@ impl ImageSearch<'_> {
         &self,
         point: CameraPoint,
         sampler: Sampler,
-        candidates: &mut Vec<Candidate>,
+        candidates: &mut Vec<ImageSearchStart>,
         stack: &mut Vec<RayBundle<I>>,
     ) {
         stack.push(RayBundle::from_camera(self.scene, self.effects, point, sampler));
@@ -287,7 +291,14 @@ impl ImageSearch<'_> {
                     let radiance = color::channel_mean(bundle.throughput) * self.lamp_radiance(lamp);
                     let noise = area * (f64::from(radiance) * f64::from(radiance));
                     let to_image = to_image.as_vec2();
-                    candidates.push(Candidate { point, sampler, chain: bundle.chain, lamp: *lamp, to_image, noise });
+                    candidates.push(ImageSearchStart {
+                        point,
+                        sampler,
+                        chain: bundle.chain,
+                        lamp: *lamp,
+                        to_image,
+                        noise,
+                    });
                 }
             }
             if let PathEvent::Surface(vertex) = event {
@@ -304,8 +315,8 @@ impl ImageSearch<'_> {
 
     /// Moves the film point of `candidate` to the image by Newton's method. Returns the image;
     /// `None` if the search fails, or if the lamp is hidden.
-    fn search_image<I: Interior>(&self, candidate: &Candidate) -> Option<FoundLampImage> {
-        let Candidate { point: start, sampler, chain, lamp, .. } = *candidate;
+    fn search_image<I: Interior>(&self, candidate: &ImageSearchStart) -> Option<FoundLampImage> {
+        let ImageSearchStart { point: start, sampler, chain, lamp, .. } = *candidate;
         let mut from = start.film;
         let mut step = candidate.to_image;
         for _ in 0..MAX_STEPS {
@@ -352,7 +363,7 @@ impl ImageSearch<'_> {
 ///
 /// The candidates below it have together at most the part `omitted_fraction` of the predicted noise
 /// of all `candidates`.
-fn least_searched_noise<'a>(candidates: impl IntoIterator<Item = &'a Candidate>, omitted_fraction: f64) -> f64 {
+fn least_searched_noise<'a>(candidates: impl IntoIterator<Item = &'a ImageSearchStart>, omitted_fraction: f64) -> f64 {
     let mut noises: Vec<f64> = candidates.into_iter().map(|candidate| candidate.noise).collect();
     noises.sort_by(f64::total_cmp);
     let mut rest = omitted_fraction * noises.iter().sum::<f64>();
@@ -365,8 +376,8 @@ fn least_searched_noise<'a>(candidates: impl IntoIterator<Item = &'a Candidate>,
 
 /// Returns the pixels of `tile`, as columns and rows, that are at most one pixel from the pixel of
 /// an image that `candidates` predict.
-fn pixels_near_images(tile: &[(u32, u32)], candidates: &[Candidate]) -> Vec<(u32, u32)> {
-    let around = |candidate: &Candidate| {
+fn pixels_near_images(tile: &[(u32, u32)], candidates: &[ImageSearchStart]) -> Vec<(u32, u32)> {
+    let around = |candidate: &ImageSearchStart| {
         let at = (candidate.point.film + candidate.to_image).floor().as_ivec2();
         (at.y - 1..=at.y + 1).flat_map(move |y| (at.x - 1..=at.x + 1).map(move |x| (x, y)))
     };

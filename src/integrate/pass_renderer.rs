@@ -163,7 +163,7 @@ impl<'a> PassRenderer<'a> {
 
     /// Returns the random key of the camera paths of pass `pass`.
     pub fn camera_path_key(&self, pass: u32) -> Key {
-        let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera);
+        let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::CameraPaths);
         if self.policy.passes_share_paths { key.shared_camera_paths_key() } else { key.pass_key(pass) }
     }
 
@@ -208,7 +208,7 @@ impl<'a> PassRenderer<'a> {
             return None;
         }
         let tile_stride = tiles::rendered_tile_stride(sampling.window.size(), UNSHARED_PATH_TILE_COUNT);
-        let key = Key::new(settings.seed).purpose_key(Purpose::Camera).unshared_camera_paths_key(pass);
+        let key = Key::new(settings.seed).purpose_key(Purpose::CameraPaths).unshared_camera_paths_key(pass);
         Some((FilmSampling { nests_estimates: false, tile_stride, ..sampling }, key))
     }
 }

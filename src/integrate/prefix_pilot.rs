@@ -122,8 +122,7 @@ struct PixelLightStatistics {
     /// Photon estimate at the first receiver, as mean and variance.
     photon_estimate: RunningVariance,
     /// Sum over whole camera paths of (`after_receiver` − its mean) times (`up_to_receiver` − its
-    /// mean), from which
-    /// their covariance follows.
+    /// mean), from which their covariance follows.
     deviation_product_sum: f64,
 }
 

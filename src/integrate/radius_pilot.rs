@@ -227,10 +227,11 @@ pub(super) fn find_volume_kernel_radii(
     Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beam_fraction })
 }
 
-/// Returns the width of a pixel's footprint in the medium \[length], at the median distance of all
-/// `camera_paths`; 0 if none of them crosses a medium.
+/// Returns the width of a pixel's footprint \[length] at the median distance of those `camera_paths`
+/// that cross a medium; 0 if none of them does.
 ///
-/// The distance of a path is that from the camera to the middle of its way through media.
+/// The distance of a path is that from the camera to its first segment in a medium, plus half the
+/// length of all such segments.
 fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint_and_growth();
     let size = scene.photon_domain().radius;

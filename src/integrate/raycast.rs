@@ -13,7 +13,7 @@ use crate::math::Ray;
 use crate::plan::Plan;
 use crate::sampling::{Key, Purpose};
 use crate::scene::{
-    Effect, Effects, Hit, LegacyLight, MeanParameterEvaluator, PhongAppearance, RayCone, Scene, SurfaceInteraction,
+    Effect, Effects, Hit, MeanParameterEvaluator, Mit6837Light, PhongAppearance, RayCone, Scene, SurfaceInteraction,
     TextureEvaluator,
 };
 use crate::stats::Counters;
@@ -37,7 +37,7 @@ impl Integrator for RaycastIntegrator<'_> {
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
         let samples = self.samples_per_pixel;
         let sampling = FilmSampling { window: self.window, ..FilmSampling::of_camera(camera, filter, samples, false) };
-        let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
+        let key = Key::new(self.seed).purpose_key(Purpose::CameraPaths).pass_key(pass);
         let FilmImage { image, counters, .. } =
             tiles::render_tiles(&sampling, key, monitor, |camera_ray, _, (): &mut ()| self.radiance(&camera_ray.ray));
         let seconds = StageTimes { camera: start.elapsed().as_secs_f64(), ..StageTimes::default() };
@@ -84,7 +84,7 @@ impl<'a> RaycastIntegrator<'a> {
         surface.emission
             + self
                 .scene
-                .legacy_lights()
+                .mit_6837_lights()
                 .iter()
                 .map(|light| phong_shading_of_light(&surface, &appearance, light))
                 .sum::<Rgb>()
@@ -106,10 +106,10 @@ fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, 
 /// V is `surface.wo`, N the shading normal, and L the unit direction to the light. `appearance`
 /// holds kd, ks and the exponent s. By the course's definition, surfaces that face away from the
 /// light keep their highlight. Normals are not flipped towards the viewer, and 0⁰ is 1.
-fn phong_shading_of_light(surface: &SurfaceInteraction<'_>, appearance: &PhongAppearance, light: &LegacyLight) -> Rgb {
+fn phong_shading_of_light(surface: &SurfaceInteraction<'_>, appearance: &PhongAppearance, light: &Mit6837Light) -> Rgb {
     let (to_light, color) = match light {
-        LegacyLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),
-        LegacyLight::Directional(direction, color) => (-*direction, *color),
+        Mit6837Light::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),
+        Mit6837Light::Directional(direction, color) => (-*direction, *color),
     };
     let n = surface.point.ns;
     let cos = n.dot(to_light);

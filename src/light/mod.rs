@@ -4,6 +4,11 @@
 //! `PositionalLight` if its light leaves from one point. The enum [`Light`] holds a light of any
 //! kind.
 //!
+//! A new kind needs four files: one here with its variant of [`Light`] in this file, and one in
+//! `format/lights/` with its line in `format/lights/mod.rs`. A light with an orientation is also a
+//! variant of `IntensityPattern` in `oriented.rs`; the builder and the animation then need no
+//! change.
+//!
 //! A light of a scene file is a `LightDescription` first. The scene builder keeps lights at one
 //! position or direction as [`UnscaledDeltaLight`], so that they can move. It makes a [`Light`] of
 //! each for a given time.

@@ -53,7 +53,7 @@ pub enum Purpose {
     /// Photon paths that are emitted towards surfaces that cast caustics, such as glass or mirrors.
     AimedPhotons,
     /// Camera paths.
-    Camera,
+    CameraPaths,
     /// Pilot simulation that finds gather radii before the first pass.
     RadiusPilot,
     /// Pilot simulation that finds the probability with which each light emits caustic photons.

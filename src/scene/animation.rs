@@ -4,7 +4,7 @@
 //! over moving shapes is rebuilt for each pass.
 
 use super::build::{derive_scene_data, mean_emission_lights};
-use super::delta_light::{legacy_area_light, place_delta_light};
+use super::delta_light::{mit_6837_area_light, place_delta_light};
 use super::geometry::HitPrimitive;
 use super::{Hit, LightStrength, Scene, UnscaledDeltaLight};
 use crate::camera::Camera;
@@ -108,7 +108,7 @@ pub(super) fn medium_at_time(medium: &Medium, motion: &Motion, time: f64) -> Opt
 
 /// Strength of a moving delta light in physical units.
 ///
-/// [`LightStrength::LegacyColor`] depends on the distance of the light from the origin, so it is
+/// [`LightStrength::Mit6837Color`] depends on the distance of the light from the origin, so it is
 /// converted for the light's position at mid-shutter. The light keeps this strength while it moves.
 /// Other strengths are returned unchanged.
 pub(super) fn physical_light_strength_at_mid_shutter(
@@ -116,7 +116,7 @@ pub(super) fn physical_light_strength_at_mid_shutter(
     strength: LightStrength,
     motion: &Motion,
 ) -> LightStrength {
-    let (LightStrength::LegacyColor(_), Some(placed)) = (strength, delta_light_at_time(kind, motion, MID_SHUTTER))
+    let (LightStrength::Mit6837Color(_), Some(placed)) = (strength, delta_light_at_time(kind, motion, MID_SHUTTER))
     else {
         return strength;
     };
@@ -153,7 +153,7 @@ pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
     }
     for (i, kind, strength, motion) in &animation.lights {
         if let Some(placed) = delta_light_at_time(kind, motion, time) {
-            (moved.lights[*i], moved.legacy_lights[*i]) = place_delta_light(&placed, *strength, DVec3::ZERO);
+            (moved.lights[*i], moved.mit_6837_lights[*i]) = place_delta_light(&placed, *strength, DVec3::ZERO);
         }
     }
     if let Some((camera, motion)) = &animation.camera
@@ -181,7 +181,7 @@ fn replace_moving_shape(scene: &mut Scene, i: usize, shape: Shape) {
             };
             area.texture = area.texture.as_ref().map(remapped);
         }
-        scene.legacy_lights[light] = legacy_area_light(&scene.lights[light]);
+        scene.mit_6837_lights[light] = mit_6837_area_light(&scene.lights[light]);
     }
     scene.geometry.shapes.replace_moving(i, shape);
 }

@@ -45,7 +45,7 @@ impl Hit {
     /// Converts an intersection that [`Geometry::moving_hierarchy`] found: with a moving shape.
     /// `first_moving` is the index of the first moving shape in the list of all shapes.
     #[inline]
-    pub(super) fn from_moving_shape(hit: PrimitiveHit, first_moving: u32) -> Self {
+    pub(super) fn from_moving_primitive(hit: PrimitiveHit, first_moving: u32) -> Self {
         let (PrimitiveIndex::Triangle(i) | PrimitiveIndex::Other(i)) = hit.primitive;
         Self { t: hit.t, primitive: HitPrimitive::Shape(first_moving + i, Vec2::new(hit.u, hit.v)) }
     }
@@ -231,7 +231,7 @@ impl Geometry {
         // Find a moving shape that is nearer.
         if let Some(moving) = moving {
             let nearer = moving.closest_hit(&Hit::limit_ray(hit, ray), |i, ray| in_motion[i as usize].intersect(ray));
-            hit = nearer.map(|h| Hit::from_moving_shape(h, shapes.first_moving_index())).or(hit);
+            hit = nearer.map(|h| Hit::from_moving_primitive(h, shapes.first_moving_index())).or(hit);
         }
 
         self.nearest_plane_hit(&Hit::limit_ray(hit, ray)).or(hit)

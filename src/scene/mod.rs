@@ -23,7 +23,7 @@ mod textured;
 
 pub use crate::light::UnscaledDeltaLight;
 pub use build::SceneBuilder;
-pub use delta_light::{LegacyLight, LightStrength};
+pub use delta_light::{LightStrength, Mit6837Light};
 pub use effects::{CASTER_DESCRIPTION, Effect, Effects};
 pub use error::BuildError;
 pub use film_motion::FilmMotionMeter;
@@ -80,7 +80,7 @@ pub struct Scene {
     /// Copies of the lights in which mean radiances replace emission textures; empty if no light
     /// has a texture.
     mean_emission_lights: Vec<Light>,
-    legacy_lights: Vec<LegacyLight>,
+    mit_6837_lights: Vec<Mit6837Light>,
     animation: Option<Arc<Animation>>,
     origin: DVec3,
     coincident: CoincidentFlags,
@@ -169,8 +169,8 @@ impl Scene {
     /// The lights for the shading model of MIT course 6.837, in the order of [`Scene::lights`]
     /// without the environment.
     #[must_use]
-    pub fn legacy_lights(&self) -> &[LegacyLight] {
-        &self.legacy_lights
+    pub fn mit_6837_lights(&self) -> &[Mit6837Light] {
+        &self.mit_6837_lights
     }
 
     /// Distance \[length] below which a surface point counts as touching the light with index

@@ -62,7 +62,7 @@ impl<'a> NearPrimitives<'a> {
                 Some(leaves) => hierarchy.closest_hit_in_leaves(leaves, &within, test),
                 None => hierarchy.closest_hit(&within, test),
             };
-            hit = nearer.map(|h| Hit::from_moving_shape(h, geometry.shapes.first_moving_index())).or(hit);
+            hit = nearer.map(|h| Hit::from_moving_primitive(h, geometry.shapes.first_moving_index())).or(hit);
         }
         geometry.nearest_plane_hit(&Hit::limit_ray(hit, ray)).or(hit)
     }

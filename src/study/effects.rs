@@ -76,7 +76,7 @@ impl PictureCost {
 /// Cost of an effect: cost of the picture with all effects of the plan, minus cost of the picture
 /// without this effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct EffectCost {
+pub struct AddedCost {
     /// Time that the effect adds to a pass, mean over passes \[s].
     #[serde(rename = "seconds")]
     pub seconds_per_pass: f64,
@@ -124,7 +124,7 @@ pub struct EffectResult {
     /// Time and work of the picture without the effect.
     pub cost_without_effect: PictureCost,
     /// Time and work that the effect adds.
-    pub cost: EffectCost,
+    pub added_cost: AddedCost,
     /// Light that the effect adds to and removes from the picture.
     pub contribution: EffectContribution,
     /// Picture with all effects minus the picture without this effect \[W/(m² sr)].
@@ -135,7 +135,7 @@ pub struct EffectResult {
 #[derive(Clone, Debug)]
 pub struct EffectStudyResult {
     /// Decisions about which effects the full picture simulates, with reasons.
-    pub plan: Plan,
+    pub effect_plan: Plan,
     /// Clock that measured all times.
     pub clock: ClockKind,
     /// Mean of the passes with all effects of the plan.
@@ -252,7 +252,7 @@ impl<'a> EffectStudy<'a> {
 
     fn into_result(self, interrupted: bool) -> Result<EffectStudyResult, StudyError> {
         let (width, height) = self.size;
-        let plan = self.plan().clone();
+        let effect_plan = self.plan().clone();
         let image = |run: &PictureInProgress<'_>| Image::from_pixels(width, height, run.film.mean_picture());
         let (picture, whole) = (image(&self.runs[0])?, self.runs[0].spent.clone());
         let mean = mean_over_image(picture.pixels().iter().map(|p| p.as_dvec3().element_sum()), &picture);
@@ -263,11 +263,17 @@ impl<'a> EffectStudy<'a> {
             let contribution = effect_contribution(&picture, &without, mean)?;
             let pairs = picture.pixels().iter().zip(without.pixels());
             let difference = Image::from_pixels(width, height, pairs.map(|(a, b)| *a - *b).collect())?;
-            let cost = effect_cost(&whole, &run.spent);
-            effects.push(EffectResult { decision, cost_without_effect: run.spent, cost, contribution, difference });
+            let added_cost = effect_cost(&whole, &run.spent);
+            effects.push(EffectResult {
+                decision,
+                cost_without_effect: run.spent,
+                added_cost,
+                contribution,
+                difference,
+            });
         }
         Ok(EffectStudyResult {
-            plan,
+            effect_plan,
             clock: self.clock,
             mean_radiance: mean,
             full_picture_cost: whole,
@@ -309,13 +315,13 @@ fn effect_contribution(whole: &Image, without: &Image, mean_of_whole: f64) -> Re
     Ok(EffectContribution { rmse, relative_rmse, added_radiance: adds, removed_radiance: removes })
 }
 
-fn effect_cost(whole: &PictureCost, without: &PictureCost) -> EffectCost {
+fn effect_cost(whole: &PictureCost, without: &PictureCost) -> AddedCost {
     let differences: Vec<f64> = whole.pass_seconds.iter().zip(&without.pass_seconds).map(|(a, b)| a - b).collect();
     let n = differences.len() as f64;
     let seconds = differences.iter().sum::<f64>() / n;
     let variance = differences.iter().map(|d| (d - seconds) * (d - seconds)).sum::<f64>() / (n - 1.0);
     let a_pass = |count: fn(&Counters) -> u64| (count(&whole.counters) as f64 - count(&without.counters) as f64) / n;
-    EffectCost {
+    AddedCost {
         seconds_per_pass: seconds,
         seconds_standard_error: (differences.len() > 1).then(|| (variance / n).sqrt()),
         time_ratio: whole.total_pass_seconds() / without.total_pass_seconds(),

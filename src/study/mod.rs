@@ -8,7 +8,7 @@ mod tests;
 mod work;
 
 pub use effects::{
-    ClockKind, EffectContribution, EffectCost, EffectResult, EffectStudy, EffectStudyResult, PictureCost, StudyError,
+    AddedCost, ClockKind, EffectContribution, EffectResult, EffectStudy, EffectStudyResult, PictureCost, StudyError,
 };
 pub use report::effects::{EffectReportHeader, effects_html_page};
 pub use report::text;

@@ -58,7 +58,7 @@ fn unneeded_caustics_cost_rays_and_change_no_bit() {
         (0.0, 0.0, 0.0)
     );
     // Each of the 4,000 photon paths of the caustic map has at least one ray.
-    assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
+    assert!(caustics.added_cost.rays >= 4000.0, "{:?}", caustics.added_cost);
     let scene = diffuse_sphere_on_floor(24, 18);
     let work = expected_work(Algorithm::Hybrid.prepare(&scene, settings_with_few_photons(overrides)).as_ref());
     assert!(work.work_of_effect(Effect::Caustics).unwrap().rays >= 4000);
@@ -81,8 +81,8 @@ fn shadows_only_remove_light() {
     );
     assert!(shadows.difference.pixels().iter().all(|d| d.max_element() <= 0.0));
     // Only the picture with all effects has shadow rays.
-    assert!(shadows.cost.rays > 0.0);
-    assert_eq!((shadows.cost.seconds_standard_error, found.full_picture_cost.pass_seconds.len()), (None, 1));
+    assert!(shadows.added_cost.rays > 0.0);
+    assert_eq!((shadows.added_cost.seconds_standard_error, found.full_picture_cost.pass_seconds.len()), (None, 1));
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn contributions_equal_differences_of_means() {
     let found =
         run_effect_study(&scene, Algorithm::Hybrid, &settings_with_few_photons(EffectOverrides::NO_OVERRIDES), 3);
     let names: Vec<Effect> = found.effects.iter().map(|f| f.decision.effect).collect();
-    assert_eq!(names, found.plan.simulated_effects().iter().collect::<Vec<_>>());
+    assert_eq!(names, found.effect_plan.simulated_effects().iter().collect::<Vec<_>>());
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     let settings = settings_with_few_photons(EffectOverrides::NO_OVERRIDES.with_forced_off(Effect::Caustics));
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
@@ -103,7 +103,7 @@ fn contributions_equal_differences_of_means() {
     assert!((expected / mean_without - 1.0).abs() < 1e-6, "{expected} {mean_without}");
     assert!(
         caustics.contribution.added_radiance > caustics.contribution.removed_radiance
-            && caustics.cost.gathered_photons > 0.0
+            && caustics.added_cost.gathered_photons > 0.0
     );
     let again =
         run_effect_study(&scene, Algorithm::Hybrid, &settings_with_few_photons(EffectOverrides::NO_OVERRIDES), 3);
@@ -133,7 +133,7 @@ fn page_lists_every_effect() {
     let overrides = EffectOverrides::NO_OVERRIDES.with_forced_on(Effect::Environment).with_forced_off(Effect::Shadows);
     let found =
         run_effect_study(&diffuse_sphere_on_floor(8, 6), Algorithm::Whitted, &settings_with_few_photons(overrides), 1);
-    let environment = found.plan.decisions.iter().find(|d| d.effect == Effect::Environment).unwrap();
+    let environment = found.effect_plan.decisions.iter().find(|d| d.effect == Effect::Environment).unwrap();
     let page = effects_html_page(&about, &found).unwrap();
     assert!(
         Effect::ALL.iter().all(|e| page.contains(&format!("<dt>{e}</dt>")) || page.contains(&format!("id=\"{e}\"")))

@@ -79,7 +79,7 @@ pub struct DiffArguments {
     #[arg(long)]
     pub json: bool,
 
-    /// Print only the figures, errors and warnings
+    /// Print only the measured differences, errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
 }

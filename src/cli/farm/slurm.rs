@@ -56,7 +56,7 @@ pub(super) enum SlurmError {
 
 /// A job of Slurm, or a task of a job array.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct SlurmTask {
+pub(super) struct SlurmTaskStatus {
     /// Number of the job, such as `12`, or of the task in its array, such as `12_3`.
     pub id: String,
     /// State in Slurm's words, such as `RUNNING`.
@@ -66,7 +66,7 @@ pub(super) struct SlurmTask {
     pub reason: String,
 }
 
-impl SlurmTask {
+impl SlurmTaskStatus {
     /// True if the task waits or runs.
     pub fn is_active(&self) -> bool {
         !FINAL_STATES.contains(&self.state.as_str())
@@ -98,7 +98,7 @@ pub(super) fn submit(arguments: &[String]) -> Result<String, SlurmError> {
 }
 
 /// Returns all tasks of `jobs` that Slurm still knows. Slurm forgets ended jobs after some minutes.
-pub(super) fn query_tasks(jobs: &[String]) -> Result<Vec<SlurmTask>, SlurmError> {
+pub(super) fn query_tasks(jobs: &[String]) -> Result<Vec<SlurmTaskStatus>, SlurmError> {
     let list = jobs.join(",");
     let arguments = ["--noheader", "--array", "--states=all", "--format=%i|%T|%r", "--jobs", &list];
     let text = match run("squeue", &arguments) {
@@ -107,7 +107,7 @@ pub(super) fn query_tasks(jobs: &[String]) -> Result<Vec<SlurmTask>, SlurmError>
     };
     let task = |line: &str| {
         let mut fields = line.trim().split('|').map(str::to_owned);
-        Some(SlurmTask { id: fields.next()?, state: fields.next()?, reason: fields.next().unwrap_or_default() })
+        Some(SlurmTaskStatus { id: fields.next()?, state: fields.next()?, reason: fields.next().unwrap_or_default() })
     };
     Ok(text.lines().filter_map(task).collect())
 }
@@ -119,7 +119,7 @@ pub(super) fn cancel(jobs: &[String]) {
 }
 
 /// Returns the number of tasks in each state, such as `2 completed, 3 pending (Resources)`.
-pub(super) fn tasks_text(tasks: &[SlurmTask]) -> String {
+pub(super) fn tasks_text(tasks: &[SlurmTaskStatus]) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for task in tasks {
         let waits = task.state == "PENDING" && !["None", "Dependency", ""].contains(&task.reason.as_str());
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn counts_name_the_reason_of_waiting() {
-        let task = |state: &str, reason: &str| SlurmTask {
+        let task = |state: &str, reason: &str| SlurmTaskStatus {
             id: "1_1".to_owned(),
             state: state.to_owned(),
             reason: reason.to_owned(),
@@ -163,7 +163,7 @@ mod tests {
             task("PENDING", "Dependency"),
         ];
         assert_eq!(tasks_text(&all), "1 completed, 1 out of memory, 1 pending, 2 pending (Resources)");
-        assert_eq!(all.each_ref().map(SlurmTask::is_active), [true, false, true, false, true]);
+        assert_eq!(all.each_ref().map(SlurmTaskStatus::is_active), [true, false, true, false, true]);
         assert!(task("COMPLETING", "None").is_active() && task("SUSPENDED", "None").is_active());
     }
 }

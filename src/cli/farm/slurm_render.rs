@@ -6,7 +6,7 @@
 use super::args::SlurmArguments;
 use super::division::{ArrayTasks, ShardDivision, job_arrays, number_list};
 use super::script::JobScripts;
-use super::slurm::{self, SlurmError, SlurmTask};
+use super::slurm::{self, SlurmError, SlurmTaskStatus};
 use super::waves::{NextWave, next_wave};
 use super::work_folder::{FarmState, MERGE_SCRIPT_NAME, MERGED_FILM_NAME, SHARD_SCRIPT_NAME, WorkFolder};
 use crate::cli::film::{check_film_memory, read_film};
@@ -69,7 +69,7 @@ enum RoundEnd {
     /// All shards are complete and merged.
     Complete,
     /// All jobs ended, but passes are missing. Holds the tasks as Slurm knew them last.
-    Incomplete(Vec<SlurmTask>),
+    Incomplete(Vec<SlurmTaskStatus>),
     /// A signal interrupted the command.
     Interrupted,
 }
@@ -174,7 +174,7 @@ impl<'a> SlurmRender<'a> {
     /// code if a signal interrupts this.
     fn complete_shards(&self, state: &mut FarmState, most_tasks: u32) -> Result<Option<Exit>, CommandFailure> {
         let mut failures = 0;
-        if tasks_of_earlier_jobs(&state.last_round_jobs)?.iter().any(SlurmTask::is_active) {
+        if tasks_of_earlier_jobs(&state.last_round_jobs)?.iter().any(SlurmTaskStatus::is_active) {
             let jobs = jobs_text(&state.last_round_jobs);
             self.progress.print_line(&format!("following {jobs} of an earlier command"));
             match self.finish_round(state)? {
@@ -265,10 +265,10 @@ impl<'a> SlurmRender<'a> {
     /// Waits until no job is active. Prints a line whenever the states of tasks change.
     ///
     /// Returns the tasks as Slurm knew them last; `None` if a signal interrupted the command.
-    fn follow_jobs(&self, jobs: &[String]) -> Result<Option<Vec<SlurmTask>>, CommandFailure> {
+    fn follow_jobs(&self, jobs: &[String]) -> Result<Option<Vec<SlurmTaskStatus>>, CommandFailure> {
         let start = Instant::now();
         let mut shown = String::new();
-        let mut last: Vec<SlurmTask> = Vec::new();
+        let mut last: Vec<SlurmTaskStatus> = Vec::new();
         let mut silent_since: Option<Instant> = None;
         loop {
             match slurm::query_tasks(jobs) {
@@ -280,7 +280,7 @@ impl<'a> SlurmRender<'a> {
                         self.progress.print_line(&format!("{time}: {text}"));
                         shown = text;
                     }
-                    if !tasks.iter().any(SlurmTask::is_active) {
+                    if !tasks.iter().any(SlurmTaskStatus::is_active) {
                         // Slurm forgets ended jobs. The last known states of their tasks show why
                         // they ended.
                         return Ok(Some(if tasks.is_empty() { last } else { tasks }));
@@ -305,7 +305,7 @@ impl<'a> SlurmRender<'a> {
 
     /// Waits for files that completed jobs must have written, but that a network file system does
     /// not show yet.
-    fn wait_for_files(&self, division: ShardDivision, tasks: &[SlurmTask]) {
+    fn wait_for_files(&self, division: ShardDivision, tasks: &[SlurmTaskStatus]) {
         let start = Instant::now();
         let all_completed = !tasks.is_empty() && tasks.iter().all(|task| task.state == "COMPLETED");
         while all_completed && !self.is_complete(division) && start.elapsed() < FILE_DELAY {
@@ -340,7 +340,7 @@ impl<'a> SlurmRender<'a> {
         missing: &[u32],
         rounds: u32,
         state: &FarmState,
-        tasks: &[SlurmTask],
+        tasks: &[SlurmTaskStatus],
     ) -> CommandFailure {
         let failed = tasks.iter().find(|task| task.state != "COMPLETED").map(|task| task.id.clone());
         let log = failed.or_else(|| state.last_round_jobs.last().cloned()).unwrap_or_default();
@@ -413,7 +413,7 @@ fn is_interrupted_within(time: Duration) -> bool {
 }
 
 /// Returns the tasks of the jobs that an earlier command submitted; none without such jobs.
-fn tasks_of_earlier_jobs(jobs: &[String]) -> Result<Vec<SlurmTask>, CommandFailure> {
+fn tasks_of_earlier_jobs(jobs: &[String]) -> Result<Vec<SlurmTaskStatus>, CommandFailure> {
     if jobs.is_empty() { Ok(Vec::new()) } else { slurm::query_tasks(jobs).map_err(slurm_failure) }
 }
 

@@ -15,7 +15,7 @@ use crate::stats::Counters;
 use crate::study::report::effects::{csv_report, markdown_report};
 use crate::study::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
 use crate::study::{
-    ClockKind, EffectContribution, EffectCost, EffectReportHeader, EffectStudy, EffectStudyResult, PictureCost,
+    AddedCost, ClockKind, EffectContribution, EffectReportHeader, EffectStudy, EffectStudyResult, PictureCost,
     effects_html_page,
 };
 use miette::IntoDiagnostic;
@@ -132,14 +132,14 @@ fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
         );
     }
     for finding in &found.effects {
-        let EffectCost {
+        let AddedCost {
             seconds_per_pass: seconds,
             seconds_standard_error: seconds_error,
             time_ratio: ratio,
             rays,
             gathered_photons,
             ..
-        } = finding.cost;
+        } = finding.added_cost;
         let EffectContribution { relative_rmse, added_radiance: adds, removed_radiance: removes, rmse } =
             finding.contribution;
         let error = seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
@@ -159,7 +159,7 @@ fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
             share(removes),
         );
     }
-    for decision in found.plan.decisions.iter().filter(|d| !d.is_simulated) {
+    for decision in found.effect_plan.decisions.iter().filter(|d| !d.is_simulated) {
         let forced = if decision.is_forced_against_need() { ", forced, although " } else { ": " };
         let _ = writeln!(text, "  {:<16} off{forced}{}", decision.effect, decision.reason);
     }
@@ -202,7 +202,7 @@ struct EffectResultReport<'f> {
     #[serde(rename = "without")]
     cost_without_effect: Option<PictureCostReport<'f>>,
     /// Time and rays that the effect adds to a pass; `None` if the effect is off.
-    cost: Option<EffectCost>,
+    cost: Option<AddedCost>,
     /// Light that the effect adds to and removes from the picture; `None` if the effect is off.
     #[serde(rename = "gain")]
     contribution: Option<EffectContribution>,
@@ -225,7 +225,7 @@ impl<'f> EffectStudyReport<'f> {
             EffectResultReport {
                 decision: effect,
                 cost_without_effect: finding.map(|f| (&f.cost_without_effect).into()),
-                cost: finding.map(|f| f.cost),
+                cost: finding.map(|f| f.added_cost),
                 contribution: finding.map(|f| f.contribution),
             }
         };
@@ -242,7 +242,11 @@ impl<'f> EffectStudyReport<'f> {
             clock: found.clock,
             mean_radiance: found.mean_radiance,
             full_picture_cost: (&found.full_picture_cost).into(),
-            effects: plan::plan_effect_reports(&found.plan).into_iter().zip(&found.plan.decisions).map(row).collect(),
+            effects: plan::plan_effect_reports(&found.effect_plan)
+                .into_iter()
+                .zip(&found.effect_plan.decisions)
+                .map(row)
+                .collect(),
         }
     }
 }

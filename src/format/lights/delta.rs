@@ -16,7 +16,7 @@ use std::fmt;
 pub enum PointLightStrength {
     /// Color in the shading model of MIT course 6.837, where light does not fall off with
     /// distance.
-    LegacyColor(DVec3),
+    Mit6837Color(DVec3),
     /// Radiant intensity in W/sr.
     Intensity(DVec3),
     /// Radiant flux in W.
@@ -61,7 +61,7 @@ impl PointLightStrength {
     /// Parses the strength of a point light or spotlight.
     fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         f.require_one_color_field(&[
-            ("color", Self::LegacyColor),
+            ("color", Self::Mit6837Color),
             ("intensity", Self::Intensity),
             ("power", Self::Power),
         ])
@@ -75,7 +75,7 @@ impl PointLightStrength {
     /// Writes the field that states the strength.
     fn write(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         match *self {
-            Self::LegacyColor(c) => out.write_vec3("color", c),
+            Self::Mit6837Color(c) => out.write_vec3("color", c),
             Self::Intensity(c) => out.write_vec3("intensity", c),
             Self::Power(c) => out.write_vec3("power", c),
         }
@@ -84,7 +84,7 @@ impl PointLightStrength {
     /// Returns the strength in single precision.
     pub(super) fn resolve(self) -> LightStrength {
         match self {
-            Self::LegacyColor(c) => LightStrength::LegacyColor(rgb(c)),
+            Self::Mit6837Color(c) => LightStrength::Mit6837Color(rgb(c)),
             Self::Intensity(i) => LightStrength::Physical(rgb(i)),
             Self::Power(w) => LightStrength::Power(rgb(w)),
         }

@@ -27,7 +27,7 @@ pub struct DirectionalLightDescription {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionalLightStrength {
     /// Color in the shading model of MIT course 6.837.
-    LegacyColor(DVec3),
+    Mit6837Color(DVec3),
     /// Irradiance in W/m² of a surface perpendicular to the light.
     Irradiance(DVec3),
 }
@@ -35,7 +35,7 @@ pub enum DirectionalLightStrength {
 impl BlockCodec for DirectionalLightDescription {
     fn parse_fields(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         let strength = f.require_one_color_field(&[
-            ("color", DirectionalLightStrength::LegacyColor),
+            ("color", DirectionalLightStrength::Mit6837Color),
             ("irradiance", DirectionalLightStrength::Irradiance),
         ])?;
         Ok(Self { direction: f.value_or_default("direction")?, strength })
@@ -44,7 +44,7 @@ impl BlockCodec for DirectionalLightDescription {
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         out.write_vec3("direction", self.direction)?;
         match self.strength {
-            DirectionalLightStrength::LegacyColor(c) => out.write_vec3("color", c),
+            DirectionalLightStrength::Mit6837Color(c) => out.write_vec3("color", c),
             DirectionalLightStrength::Irradiance(c) => out.write_vec3("irradiance", c),
         }
     }
@@ -66,7 +66,7 @@ impl LightBlock for DirectionalLightDescription {
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
         let strength = match self.strength {
-            DirectionalLightStrength::LegacyColor(c) => LightStrength::LegacyColor(rgb(c)),
+            DirectionalLightStrength::Mit6837Color(c) => LightStrength::Mit6837Color(rgb(c)),
             DirectionalLightStrength::Irradiance(e) => LightStrength::Physical(rgb(e)),
         };
         add_delta_light(r, UnscaledDeltaLight::Directional { direction: self.direction }, strength, motion);

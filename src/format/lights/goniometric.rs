@@ -25,7 +25,7 @@ pub struct GoniometricLightDescription {
     pub pose: LightPose,
     /// Intensity in each direction, relative to `strength`.
     pub distribution: IntensityDistribution,
-    /// Intensity where the distribution is 1, or flux. [`PointLightStrength::LegacyColor`] is not
+    /// Intensity where the distribution is 1, or flux. [`PointLightStrength::Mit6837Color`] is not
     /// allowed.
     pub strength: PointLightStrength,
 }

@@ -26,7 +26,7 @@ pub struct ProjectorLightDescription {
     pub vertical_fov_degrees: f64,
     /// Path of the picture as the text writes it: not empty, without line breaks.
     pub path: Spanned<String>,
-    /// Intensity where the picture is 1, or flux. [`PointLightStrength::LegacyColor`] is not
+    /// Intensity where the picture is 1, or flux. [`PointLightStrength::Mit6837Color`] is not
     /// allowed.
     pub strength: PointLightStrength,
 }

@@ -126,7 +126,7 @@ pub(super) struct MaterialEmission {
 }
 
 impl Resolver<'_> {
-    /// Returns the properties of the current material.
+    /// Returns the properties of the material of the next object.
     pub fn current_material(&self) -> Option<&AddedMaterial> {
         self.materials.get(self.current_material_index as usize)
     }

@@ -23,7 +23,7 @@ pub struct BezierPatchesDescription {
     /// Degrees along u and v, each from 1 to [`MAX_DEGREE`].
     pub degree: [u32; 2],
     /// Control points (x, y, z, weight): (degree u + 1) · (degree v + 1) for each patch. The index
-    /// along v varies fastest.
+    /// along v varies fastest. The weight does not multiply x, y and z.
     pub controls: Vec<DVec4>,
 }
 

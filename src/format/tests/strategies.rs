@@ -65,7 +65,7 @@ fn random_projection() -> impl Strategy<Value = ProjectionDescription> {
 
 fn random_point_light_strength() -> impl Strategy<Value = PointLightStrength> {
     (random_color(), 0..3).prop_map(|(c, kind)| match kind {
-        0 => PointLightStrength::LegacyColor(c),
+        0 => PointLightStrength::Mit6837Color(c),
         1 => PointLightStrength::Intensity(c),
         _ => PointLightStrength::Power(c),
     })
@@ -91,7 +91,7 @@ fn random_still_light() -> impl Strategy<Value = LightDescription> {
             let strength = if physical {
                 DirectionalLightStrength::Irradiance(c)
             } else {
-                DirectionalLightStrength::LegacyColor(c)
+                DirectionalLightStrength::Mit6837Color(c)
             };
             LightDescription::Directional(DirectionalLightDescription { direction, strength })
         }),

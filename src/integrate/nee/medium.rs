@@ -255,9 +255,10 @@ fn sample_scatter_point_near<I: Interior>(
 /// Distribution of points along a segment in a homogeneous medium, from which shadow rays to one
 /// light start.
 ///
-/// Half of the unguided points follow the transmittance. The other half are equiangular: uniform in
-/// the angle seen from the light (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path
-/// Tracing in Participating Media"). For a light at infinity, all follow the transmittance.
+/// Without a guide, half of the points follow the transmittance. The other half are equiangular:
+/// uniform in the angle seen from the light (Kulla and Fajardo 2012, "Importance Sampling
+/// Techniques for Path Tracing in Participating Media"). For a light at infinity, all follow the
+/// transmittance.
 struct ScatterPointDistribution<'a, I> {
     path_segment: &'a MediumPathSegment<'a, I>,
     angles: Option<EquiangularDistribution>,

@@ -6,7 +6,7 @@ use super::confidence::Confidence;
 use super::estimate::ErrorEstimate;
 use super::fireflies::FireflyHistogram;
 use super::forecast::ErrorForecast;
-use super::leading_passes::LeadingPasses;
+use super::leading_passes::LeadingPassPictures;
 use super::pixel_sums::{MIN_PIXELS_PER_TASK, sum_over_pixels, sums_of_values};
 use super::pixel_variance::PixelVarianceSums;
 use super::shared_paths::SharedPathErrorSums;
@@ -22,11 +22,11 @@ use rayon::prelude::*;
 /// Smallest number of passes for which the error is estimated.
 pub const MIN_ERROR_ESTIMATE_PASSES: u32 = 4;
 
-/// Number of passes from which [`LeadingPasses`] measures the effective sample count of the noise:
+/// Number of passes from which [`LeadingPassPictures`] measures the effective sample count of the noise:
 /// those with the lowest pass numbers.
 const LEADING_PASSES: usize = 8;
 
-/// Number of passes from which [`LeadingPasses`] measures the effective sample count of D₀, the
+/// Number of passes from which [`LeadingPassPictures`] measures the effective sample count of D₀, the
 /// difference of density estimates with full and half discs: those with the lowest pass numbers.
 const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 
@@ -59,7 +59,7 @@ pub struct ErrorEstimator {
     shared_paths: SharedPathErrorSums,
     /// Light that clamping removed; `None` if no pass was clamped.
     clamping_loss: Option<ClampingLossSums>,
-    leading: LeadingPasses,
+    leading_pictures: LeadingPassPictures,
 }
 
 /// Sums over passes of the differences between photon density estimates with nested discs, for each
@@ -77,7 +77,7 @@ struct NestedDifferenceSums {
     /// then for the indirect map and the interreflection map of `hybrid` together.
     discs: Vec<[GatherDiscTotals; 2]>,
     /// D₀ of each pixel in the passes with the lowest numbers, which measure how D₀ varies.
-    leading: LeadingPasses,
+    leading_pictures: LeadingPassPictures,
 }
 
 /// Sums over passes of the mean gather radius and photon count of one pixel, for one photon map.
@@ -120,14 +120,14 @@ impl ErrorEstimator {
             nested_differences: None,
             shared_paths: SharedPathErrorSums::default(),
             clamping_loss: None,
-            leading: LeadingPasses::default(),
+            leading_pictures: LeadingPassPictures::default(),
         }
     }
 
     /// Adds `pass`, whose pass number is `number`. Each number may be added only once.
     pub fn add(&mut self, number: u32, pass: &PassResult) {
         self.variances.add(&pass.image);
-        self.leading.add(number, LEADING_PASSES, pass.image.par_iter().copied());
+        self.leading_pictures.add(number, LEADING_PASSES, pass.image.par_iter().copied());
         if !pass.nested.is_empty() {
             let sums = self.nested_differences.get_or_insert_with(|| NestedDifferenceSums::new(pass.nested.len()));
             sums.add(number, &pass.nested);
@@ -164,7 +164,7 @@ impl ErrorEstimator {
             }
             self.shared_paths.merge(&other.shared_paths);
             self.variances.merge(&other.variances);
-            self.leading.merge(&other.leading, LEADING_PASSES);
+            self.leading_pictures.merge(&other.leading_pictures, LEADING_PASSES);
             self.passes = passes;
         }
         Ok(())
@@ -178,14 +178,14 @@ impl ErrorEstimator {
         let nested_differences = self.nested_differences.as_ref();
         self.passes == passes
             && (passes == 0
-                || self.variances.is_consistent(pixels) && self.leading.is_consistent(pixels, LEADING_PASSES))
+                || self.variances.is_consistent(pixels) && self.leading_pictures.is_consistent(pixels, LEADING_PASSES))
             && self.shared_paths.is_consistent(pixels)
             && self.clamping_loss.as_ref().is_none_or(|sums| sums.pixel_count() == Some(pixels))
             && nested_differences.is_none_or(|sums| {
                 sums.differences.iter().all(|sums| fits(sums.pixel_count()))
                     && fits(sums.products.pixel_count())
                     && fits(sums.discs.len())
-                    && sums.leading.is_consistent(pixels, LEADING_PASSES_OF_DIFFERENCES)
+                    && sums.leading_pictures.is_consistent(pixels, LEADING_PASSES_OF_DIFFERENCES)
             })
     }
 
@@ -221,7 +221,7 @@ impl ErrorEstimator {
             return ErrorEstimate { passes, error, low, high, noise, bias, ..ErrorEstimate::default() };
         }
         let n = f64::from(passes);
-        let error_weights = RelativeErrorWeights::from_pixels(film.size(), &film.mean_picture());
+        let error_weights = self.error_weights(film);
         let pixels = self.variances.pixel_count();
         let fraction = 1.0 / error_weights.pixel_weights().len() as f64;
         let add_pixel = |sums: &mut NoiseSums, i: usize| {
@@ -249,7 +249,7 @@ impl ErrorEstimator {
         let (clamping2, clamping_variance) = clamping.unwrap_or_default();
         // The squared error of this one picture varies about its expectation. The estimate
         // varies too.
-        let relative_variance = self.leading.squared_error_relative_variance(error_weights.pixel_weights(), n);
+        let relative_variance = self.leading_pictures.squared_error_relative_variance(error_weights.pixel_weights(), n);
         // With outliers, the variance of a variance estimate is (kurtosis − 1) / 2 times that of
         // Gaussian noise.
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
@@ -283,6 +283,26 @@ impl ErrorEstimator {
         }
     }
 
+    /// Returns the weights for errors relative to the mean picture without its estimated blur.
+    ///
+    /// Blur brightens a caustic and its surroundings. Relative to the blurred picture, the error
+    /// there would seem too small. `film` must hold exactly the passes added so far.
+    fn error_weights(&self, film: &Film) -> RelativeErrorWeights {
+        let n = f64::from(self.passes.max(1));
+        let blurred = film.mean_picture();
+        let weights = RelativeErrorWeights::from_pixels(film.size(), &blurred);
+        let Some(sums) = &self.nested_differences else { return weights };
+        let moments = sums.nested_difference_moments(&weights, n);
+        // Noisy differences would make noisy weights.
+        let factor = moments.measurement_weight() * BlurEstimate::from_differences(&moments).extrapolation_factor;
+        if factor <= 0.0 {
+            return weights;
+        }
+        let pixels = blurred.par_iter().enumerate().with_min_len(MIN_PIXELS_PER_TASK);
+        let sharp = pixels.map(|(i, pixel)| (*pixel - sums.blur(i, factor / n)).max(pixel.min(Vec3::ZERO)));
+        RelativeErrorWeights::from_pixels(film.size(), &sharp.collect::<Vec<Vec3>>())
+    }
+
     /// Returns the forecast of the error after more passes than those of `estimate`; `None` before
     /// [`MIN_ERROR_ESTIMATE_PASSES`] passes.
     #[must_use]
@@ -301,11 +321,7 @@ impl ErrorEstimator {
         let noise = spreads.map(|pixel| (pixel.squared_deviations / over).map(f64::sqrt).as_vec3()).collect();
         let Some(sums) = &self.nested_differences else { return ErrorMaps { noise, ..ErrorMaps::default() } };
         let factor = self.estimate(film).blur_extrapolation_factor / n;
-        let bias = (0..sums.discs.len()).map(|i| {
-            let [d0, d1] = sums.difference_sums(i);
-            ((d0 + d1) * factor).as_vec3()
-        });
-        let bias = bias.collect();
+        let bias = (0..sums.discs.len()).map(|i| sums.blur(i, factor)).collect();
         let discs = |map: usize| sums.discs.iter().map(|d| d[map].mean()).collect();
         ErrorMaps { noise, blur: bias, caustic_discs: discs(0), indirect_discs: discs(1) }
     }
@@ -327,7 +343,7 @@ impl NestedDifferenceSums {
             differences: [BinnedSums::new(pixels), BinnedSums::new(pixels)],
             products: BinnedSums::new(pixels),
             discs: vec![[GatherDiscTotals::default(); 2]; pixels],
-            leading: LeadingPasses::default(),
+            leading_pictures: LeadingPassPictures::default(),
         }
     }
 
@@ -345,7 +361,7 @@ impl NestedDifferenceSums {
             indirect.add(pixel.indirect_disc);
         });
         let differences = pixels.par_iter().map(|pixel| pixel.differences[0]);
-        self.leading.add(number, LEADING_PASSES_OF_DIFFERENCES, differences);
+        self.leading_pictures.add(number, LEADING_PASSES_OF_DIFFERENCES, differences);
     }
 
     /// Adds the passes of `other`, which must have the same number of pixels.
@@ -356,13 +372,20 @@ impl NestedDifferenceSums {
         self.products.merge(&other.products);
         let discs = self.discs.par_iter_mut().zip(&other.discs).with_min_len(MIN_PIXELS_PER_TASK);
         discs.for_each(|(discs, others)| discs.iter_mut().zip(others).for_each(|(disc, other)| disc.merge(*other)));
-        self.leading.merge(&other.leading, LEADING_PASSES_OF_DIFFERENCES);
+        self.leading_pictures.merge(&other.leading_pictures, LEADING_PASSES_OF_DIFFERENCES);
     }
 
     /// Returns the sums over passes of both differences at pixel `i`: D₀ between density estimates
     /// with full and half discs, and D₁ between half and quarter discs.
     fn difference_sums(&self, i: usize) -> [DVec3; 2] {
         self.differences.each_ref().map(|sums| DVec3::from_array(sums.pixel_sums(i)))
+    }
+
+    /// Returns `factor` times the sum over passes of the difference between density estimates with
+    /// full and quarter discs, at pixel `i`.
+    fn blur(&self, i: usize, factor: f64) -> Vec3 {
+        let [d0, d1] = self.difference_sums(i);
+        ((d0 + d1) * factor).as_vec3()
     }
 
     /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, with their
@@ -386,7 +409,7 @@ impl NestedDifferenceSums {
         let [d0_squared, d0_d1, d1_squared, variance] = sums.map(|sum| sum / pixels as f64);
         let variance = n * variance;
         let squared_noise_relative_variance =
-            self.leading.squared_error_relative_variance(error_weights.pixel_weights(), n);
+            self.leading_pictures.squared_error_relative_variance(error_weights.pixel_weights(), n);
         let d0_squared_variance =
             NestedDifferenceMoments::d0_squared_variance(d0_squared, variance, squared_noise_relative_variance, n);
         NestedDifferenceMoments {

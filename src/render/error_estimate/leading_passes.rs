@@ -15,7 +15,7 @@ use rayon::prelude::*;
 ///
 /// The set of leading passes is a function of the set of passes, in whatever order they come.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(super) struct LeadingPasses {
+pub(super) struct LeadingPassPictures {
     /// Pass number and grey picture of each leading pass, in ascending order of pass numbers.
     /// Non-finite values are replaced by 0.
     pictures: Vec<(u32, Vec<f32>)>,
@@ -35,7 +35,7 @@ const PRIOR_EFFECTIVE_SAMPLE_COUNT: f64 = 100.0;
 /// it counts as much as this number of products.
 const PRIOR_WEIGHT_IN_PRODUCTS: f64 = 2.0;
 
-impl LeadingPasses {
+impl LeadingPassPictures {
     /// Adds the picture of pass `number`, if the pass is one of the `most` passes with the lowest
     /// numbers.
     pub fn add(&mut self, number: u32, most: usize, picture: impl IndexedParallelIterator<Item = Rgb>) {

@@ -48,14 +48,14 @@ fn three_passes_give_no_estimate() {
     assert!(estimator.forecast(&estimate).is_none());
 }
 
-/// The estimated noise is near σ/√(2n) and the estimated bias near b/√2. Both are divided by 1 + b,
-/// the radiance with bias.
+/// The estimated noise is near σ/√(2n) and the estimated bias near b/√2. Both are relative to the
+/// radiance without bias, which is 1.
 #[test]
 fn noise_and_bias_are_separated() {
     for (sigma, bias) in [(0.3, 0.0), (0.3, 0.1), (0.01, 0.1)] {
         let (estimator, film) = render_noisy_passes(16, 2, sigma, bias);
         let estimate = estimator.estimate(&film);
-        let unit = f64::from(1.0 + bias) * 2f64.sqrt();
+        let unit = 2f64.sqrt();
         let expected = f64::from(sigma) / 4.0 / unit;
         // The variance of 1600 · 15 values has relative error √(2/24,000); weights add the noise of
         // 25 pixels.
@@ -69,6 +69,14 @@ fn noise_and_bias_are_separated() {
         let square = estimate.noise * estimate.noise + estimate.bias * estimate.bias;
         assert!((estimate.error * estimate.error - square).abs() < 1e-12);
     }
+}
+
+/// A caustic that is blurred to twice its radiance has an error relative to its true radiance.
+#[test]
+fn errors_are_relative_to_the_picture_without_blur() {
+    let (estimator, film) = render_noisy_passes(16, 3, 0.0, 1.0);
+    let estimate = estimator.estimate(&film);
+    assert!((estimate.blur - 0.5f64.sqrt()).abs() < 1e-6, "{}", estimate.blur);
 }
 
 /// The 90 % intervals of 200 pictures contain the true error about as often as they should.

@@ -14,7 +14,12 @@ fn random_numbers_depend_on_every_key_part() {
         base(1, 2, 3, 5).random_bits(Dimension::Light),
         base(1, 3, 2, 4).random_bits(Dimension::Light),
         base(1, 2, 3, 4).random_bits(Dimension::Film),
-        Key::new(1).purpose_key(Purpose::Camera).child_key(2).child_key(3).child_key(4).random_bits(Dimension::Light),
+        Key::new(1)
+            .purpose_key(Purpose::CameraPaths)
+            .child_key(2)
+            .child_key(3)
+            .child_key(4)
+            .random_bits(Dimension::Light),
     ];
     assert!(others.iter().all(|o| *o != reference));
     assert_eq!(base(1, 2, 3, 4).random_bits(Dimension::Light), reference);

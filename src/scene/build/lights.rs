@@ -6,8 +6,8 @@ use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSur
 use crate::math::Motion;
 use crate::sampling::DiscreteDistribution;
 use crate::scene::animation::{MID_SHUTTER, delta_light_at_time, physical_light_strength_at_mid_shutter};
-use crate::scene::delta_light::{legacy_area_light, place_delta_light};
-use crate::scene::{BuildError, LegacyLight, LightStrength, UnscaledDeltaLight};
+use crate::scene::delta_light::{mit_6837_area_light, place_delta_light};
+use crate::scene::{BuildError, LightStrength, Mit6837Light, UnscaledDeltaLight};
 use crate::texture::Texture;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
@@ -27,7 +27,7 @@ pub(super) struct CollectedLights {
     pub lights: Vec<Light>,
     /// Index of the environment light in `lights`; `None` if there is none.
     pub environment_light_index: Option<usize>,
-    pub legacy_lights: Vec<LegacyLight>,
+    pub mit_6837_lights: Vec<Mit6837Light>,
     /// Moving delta lights: index in `lights`, light before its motion is applied, strength and
     /// motion.
     pub moving: Vec<(usize, UnscaledDeltaLight, LightStrength, Motion)>,
@@ -51,7 +51,7 @@ pub(super) fn collect_lights(
     let mut found = CollectedLights {
         lights: Vec::new(),
         environment_light_index: None,
-        legacy_lights: Vec::new(),
+        mit_6837_lights: Vec::new(),
         moving: Vec::new(),
         area_light_of_object: Vec::new(),
     };
@@ -90,14 +90,14 @@ pub(super) fn collect_lights(
                 Arc::new(EmissionTexture { texture: textures[texture as usize].clone(), mapping, scale })
             });
             let light = Light::Area(AreaLight { surface, radiance: object.emission, texture });
-            let legacy = legacy_area_light(&light);
-            found.add_light((light, legacy))
+            let mit_6837 = mit_6837_area_light(&light);
+            found.add_light((light, mit_6837))
         });
         found.area_light_of_object.push(light);
     }
-    // The environment light comes last: [`LegacyLight`] has no counterpart of it, and the order of
-    // the others is that of the legacy lights.
-    assert_eq!(found.legacy_lights.len(), found.lights.len());
+    // The environment light comes last: [`Mit6837Light`] has no counterpart of it, and the order of
+    // the others is that of the mit_6837 lights.
+    assert_eq!(found.mit_6837_lights.len(), found.lights.len());
     if let Some(environment) = environment {
         found.environment_light_index = Some(found.lights.len());
         found.lights.push(Light::Environment(Arc::new(environment)));
@@ -106,10 +106,10 @@ pub(super) fn collect_lights(
 }
 
 impl CollectedLights {
-    /// Adds a light and its [`LegacyLight`], and returns the index of both.
-    fn add_light(&mut self, (light, legacy): (Light, LegacyLight)) -> u32 {
+    /// Adds a light and its [`Mit6837Light`], and returns the index of both.
+    fn add_light(&mut self, (light, mit_6837): (Light, Mit6837Light)) -> u32 {
         self.lights.push(light);
-        self.legacy_lights.push(legacy);
+        self.mit_6837_lights.push(mit_6837);
         self.lights.len() as u32 - 1
     }
 }

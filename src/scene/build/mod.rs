@@ -43,7 +43,7 @@ pub struct SceneBuilder {
     ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
     objects: Vec<SceneObject>,
-    /// The triangles of all mesh objects.
+    /// The triangles of all mesh objects. Instances of a mesh are shapes.
     mesh: MergedMeshes,
     delta_lights: Vec<DeltaLight>,
     camera_motion: Option<Motion>,
@@ -224,16 +224,21 @@ impl SceneBuilder {
         let PlacedObjects { objects, geometry, mappings, mut animation } =
             sort_and_place_objects(objects, mesh, origin)?;
         validate_coordinate_range(&geometry, &animation)?;
-        let CollectedLights { lights, environment_light_index, legacy_lights, moving, area_light_of_object: of_object } =
-            collect_lights(
-                &self.delta_lights,
-                &objects,
-                &geometry,
-                &mappings,
-                &self.textures,
-                self.environment,
-                origin,
-            )?;
+        let CollectedLights {
+            lights,
+            environment_light_index,
+            mit_6837_lights,
+            moving,
+            area_light_of_object: of_object,
+        } = collect_lights(
+            &self.delta_lights,
+            &objects,
+            &geometry,
+            &mappings,
+            &self.textures,
+            self.environment,
+            origin,
+        )?;
         animation.lights = moving;
         let camera = place_camera(&camera, self.camera_motion, origin, &mut animation)?;
         let media = place_media(&self.media, &objects, &self.materials, origin, &mut animation);
@@ -252,7 +257,7 @@ impl SceneBuilder {
             mean_emission_lights: mean_emission_lights(&lights),
             lights,
             environment_light_index,
-            legacy_lights,
+            mit_6837_lights,
             animation: (!animation.is_empty()).then(|| Arc::new(animation)),
             origin,
             coincident: CoincidentFlags::default(),

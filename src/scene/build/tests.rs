@@ -55,7 +55,7 @@ fn escaped_rays_see_the_environment_or_background() {
     let (without, with) = (scene(&[]), scene(&[2.0, 3.0]));
     assert_eq!((without.environment_light_index(), without.escaped_radiance(Vec3::X)), (None, Rgb::splat(0.5)));
     assert_eq!((with.environment_light_index(), with.escaped_radiance(Vec3::X)), (Some(1), Rgb::splat(3.0)));
-    assert_eq!((with.lights().len(), with.legacy_lights().len()), (2, 1));
+    assert_eq!((with.lights().len(), with.mit_6837_lights().len()), (2, 1));
 }
 
 #[test]

@@ -38,7 +38,8 @@ pub(super) const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 /// Adjacent pieces overlap by this distance, so no root is lost between them.
 pub(super) const PIECE_OVERLAP: f64 = 1e-10;
 
-/// Size of a piece, relative to the surface, below which a tangential hit counts as one point.
+/// Largest size of a piece of a surface, relative to the surface, at which a ray that lies in the
+/// piece counts as hitting one point.
 pub(super) const TANGENT_HIT_RELATIVE_SIZE: f64 = 1e-6;
 
 /// Result of a test whether a ray hits a surface within a box of surface parameters.

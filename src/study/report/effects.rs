@@ -119,14 +119,14 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
         "<h2>Figures</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">effect</th>".to_owned();
     heads.iter().for_each(|head| table += &format!("<th scope=\"col\" class=\"n\">{head}</th>"));
     table += "</tr></thead>\n<tbody>\n";
-    for EffectResult { decision, cost, contribution, .. } in &findings.effects {
-        let error = cost.seconds_standard_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
+    for EffectResult { decision, added_cost, contribution, .. } in &findings.effects {
+        let error = added_cost.seconds_standard_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         let cells = [
-            signed_milliseconds_text(cost.seconds_per_pass) + &error,
-            format!("{:.2}", cost.time_ratio),
-            signed_milliseconds_text(cost.setup_seconds),
-            signed_count_text(cost.rays),
-            signed_count_text(cost.gathered_photons),
+            signed_milliseconds_text(added_cost.seconds_per_pass) + &error,
+            format!("{:.2}", added_cost.time_ratio),
+            signed_milliseconds_text(added_cost.setup_seconds),
+            signed_count_text(added_cost.rays),
+            signed_count_text(added_cost.gathered_photons),
             three_digit_text(contribution.rmse),
             contribution.relative_rmse.map_or("–".to_owned(), percent_text),
             percent_of_mean_text(contribution.added_radiance, findings.mean_radiance),
@@ -161,7 +161,7 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
 }
 
 fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
-    let EffectResult { decision, cost, contribution, difference, .. } = finding;
+    let EffectResult { decision, added_cost, contribution, difference, .. } = finding;
     let effect = decision.effect;
     let mut article = format!("<article id=\"{effect}\">\n<h3>{effect}</h3>\n<dl>\n");
     let because = if decision.is_forced_against_need() {
@@ -178,10 +178,10 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
     };
     let costs = format!(
         "{} ms per pass, {:.2} times the time without it; {} rays and {} gathered photons per pass",
-        signed_milliseconds_text(cost.seconds_per_pass),
-        cost.time_ratio,
-        signed_count_text(cost.rays),
-        signed_count_text(cost.gathered_photons),
+        signed_milliseconds_text(added_cost.seconds_per_pass),
+        added_cost.time_ratio,
+        signed_count_text(added_cost.rays),
+        signed_count_text(added_cost.gathered_photons),
     );
     for (term, text) in [
         ("On, because", because.as_str()),
@@ -208,7 +208,7 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
 }
 
 fn omitted_effects_html(findings: &EffectStudyResult) -> String {
-    let off: Vec<_> = findings.plan.decisions.iter().filter(|d| !d.is_simulated).collect();
+    let off: Vec<_> = findings.effect_plan.decisions.iter().filter(|d| !d.is_simulated).collect();
     if off.is_empty() {
         return String::new();
     }

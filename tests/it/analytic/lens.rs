@@ -150,12 +150,12 @@ fn adaptive_rays_change_only_noise() {
     assert_mean("light", &differences, 100.0, 1e-6, 0.05);
 }
 
-/// A legacy light that moves keeps its strength.
+/// A light of MIT course 6.837 that moves keeps its strength.
 ///
 /// The light's `color` is the radiance of a white floor at the scene's center, at the middle of the
 /// light's movement. At other times, irradiance falls with the squared distance.
 #[test]
-fn legacy_light_keeps_its_strength_in_motion() {
+fn mit_6837_light_keeps_its_strength_in_motion() {
     let scene = scene(
         "OrthographicCamera { center 0 1 0  direction 0 -1 0  up 0 0 1  size .001  width 1  height 1 }
          Lights { Moving { Translate 0 4 0  PointLight { position 0 2 0  color .5 .5 .5 } } }

@@ -2,8 +2,8 @@ use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
 /// Returns `passes` passes of uniform noise, in which each run of `block` pixels is equal.
-fn passes_of_block_noise(block: usize, pixels: usize, passes: u32, seed: u64) -> LeadingPasses {
-    let mut leading = LeadingPasses::default();
+fn passes_of_block_noise(block: usize, pixels: usize, passes: u32, seed: u64) -> LeadingPassPictures {
+    let mut leading = LeadingPassPictures::default();
     for pass in 0..passes {
         let key = Key::new(seed).purpose_key(Purpose::Test).child_key(pass.into());
         let value = |i: usize| Rgb::splat(key.child_key((i / block) as u64).uniform_1d(Dimension::Film));
@@ -39,7 +39,7 @@ fn equal_pixels_count_as_one_sample() {
 /// A lone bright pixel does not correlate the noise of different passes.
 #[test]
 fn fireflies_leave_products_small() {
-    let mut leading = LeadingPasses::default();
+    let mut leading = LeadingPassPictures::default();
     for pass in 0..8 {
         let value = |i| Rgb::splat(if pass == 3 && i == 5 { 100.0 } else { 0.0 });
         leading.add(pass, 8, (0..50).into_par_iter().map(value));
@@ -55,7 +55,7 @@ fn few_passes_give_the_prior_variance() {
     };
     assert_eq!([variance(0, 1), variance(1, 1), variance(2, 1)], [2.0 / PRIOR_EFFECTIVE_SAMPLE_COUNT; 3]);
     assert!(variance(8, 10) > 10.0 * 2.0 / PRIOR_EFFECTIVE_SAMPLE_COUNT);
-    let mut black = LeadingPasses::default();
+    let mut black = LeadingPassPictures::default();
     (0..8).for_each(|pass| black.add(pass, 8, rayon::iter::repeat_n(Rgb::ZERO, 4)));
     assert_eq!(black.squared_error_relative_variance(&[1.0; 4], 1.0), 0.0);
 }

@@ -43,7 +43,8 @@ impl CoincidentPart {
     }
 }
 
-/// The parts of a scene's primitives with which a boundary of another object may coincide.
+/// For each primitive of a scene, the part that may coincide with the boundary of another object's
+/// dielectric body.
 ///
 /// Both lists are empty if `all_flagged`, or if no boxes of boundary objects overlap.
 #[derive(Clone, Debug, Default)]

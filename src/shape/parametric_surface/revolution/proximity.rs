@@ -9,10 +9,10 @@ use glam::{DMat3, DVec3};
 const PROFILE_INTERVALS: usize = 1024;
 
 /// Largest deviation of two axes that count as one, relative to the size of the surface.
-const AXIS_TOLERANCE: f64 = 1e-9;
+const COAXIAL_TOLERANCE: f64 = 1e-9;
 
 /// Largest condition number, by the Frobenius norm, of a map to world space for which
-/// [`AXIS_TOLERANCE`] stays far below the distance within which surfaces may touch. It is 3 for a
+/// [`COAXIAL_TOLERANCE`] stays far below the distance within which surfaces may touch. It is 3 for a
 /// rotation.
 const MAX_CONDITION: f64 = 10.0;
 
@@ -40,7 +40,7 @@ impl CoaxialMap {
         let map = *to.to_world.inverse() * *from.to_world.forward();
         let DMat3 { x_axis: x, y_axis: y, z_axis: z } = map.matrix3;
         let largest = x.abs().max(y.abs()).max(z.abs()).max_element();
-        let is_zero = |value: f64, size: f64| value.abs() <= AXIS_TOLERANCE * size;
+        let is_zero = |value: f64, size: f64| value.abs() <= COAXIAL_TOLERANCE * size;
         let keeps_axis = [x.y, z.y, y.x, y.z].into_iter().all(|value| is_zero(value, largest));
         let across = x.length_squared();
         let keeps_circles = is_zero(x.dot(z), across) && is_zero(across - z.length_squared(), across);

@@ -30,7 +30,7 @@ pub fn csv_report(findings: &EffectStudyResult) -> String {
         "adds",
         "takes",
     ]);
-    for decision in &findings.plan.decisions {
+    for decision in &findings.effect_plan.decisions {
         let found = findings.effects.iter().find(|f| f.decision.effect == decision.effect);
         let number_cell =
             |of: &dyn Fn(&EffectResult) -> Option<f64>| found.and_then(of).map_or(String::new(), |v| v.to_string());
@@ -39,13 +39,13 @@ pub fn csv_report(findings: &EffectStudyResult) -> String {
             decision.is_simulated.to_string(),
             decision.is_forced_against_need().to_string(),
             decision.reason.to_string(),
-            number_cell(&|f| Some(f.cost.seconds_per_pass)),
-            number_cell(&|f| f.cost.seconds_standard_error),
-            number_cell(&|f| Some(f.cost.time_ratio)),
-            number_cell(&|f| Some(f.cost.setup_seconds)),
-            number_cell(&|f| Some(f.cost.rays)),
-            number_cell(&|f| Some(f.cost.gathers)),
-            number_cell(&|f| Some(f.cost.gathered_photons)),
+            number_cell(&|f| Some(f.added_cost.seconds_per_pass)),
+            number_cell(&|f| f.added_cost.seconds_standard_error),
+            number_cell(&|f| Some(f.added_cost.time_ratio)),
+            number_cell(&|f| Some(f.added_cost.setup_seconds)),
+            number_cell(&|f| Some(f.added_cost.rays)),
+            number_cell(&|f| Some(f.added_cost.gathers)),
+            number_cell(&|f| Some(f.added_cost.gathered_photons)),
             number_cell(&|f| Some(f.contribution.rmse)),
             number_cell(&|f| f.contribution.relative_rmse),
             number_cell(&|f| Some(f.contribution.added_radiance)),
@@ -73,14 +73,14 @@ pub fn markdown_report(about: &EffectReportHeader, findings: &EffectStudyResult)
         a_pass(findings.full_picture_cost.counters.gathered_photons),
         three_digit_text(findings.mean_radiance),
     );
-    let row = |EffectResult { decision, cost, contribution, .. }: &EffectResult| {
-        let error = cost.seconds_standard_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
+    let row = |EffectResult { decision, added_cost, contribution, .. }: &EffectResult| {
+        let error = added_cost.seconds_standard_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         vec![
             decision.effect.to_string(),
-            signed_milliseconds_text(cost.seconds_per_pass) + &error,
-            format!("{:.2}", cost.time_ratio),
-            signed_count_text(cost.rays),
-            signed_count_text(cost.gathered_photons),
+            signed_milliseconds_text(added_cost.seconds_per_pass) + &error,
+            format!("{:.2}", added_cost.time_ratio),
+            signed_count_text(added_cost.rays),
+            signed_count_text(added_cost.gathered_photons),
             contribution.relative_rmse.map_or(three_digit_text(contribution.rmse), percent_text),
             percent_of_mean_text(contribution.added_radiance, findings.mean_radiance),
             percent_of_mean_text(contribution.removed_radiance, findings.mean_radiance),
@@ -90,7 +90,7 @@ pub fn markdown_report(about: &EffectReportHeader, findings: &EffectStudyResult)
     let heads =
         ["effect", "ms per pass", "time ratio", "rays per pass", "gathered photons", "changes", "adds", "takes"];
     text += &markdown_table(&heads, &rows);
-    for decision in findings.plan.decisions.iter().filter(|d| !d.is_simulated) {
+    for decision in findings.effect_plan.decisions.iter().filter(|d| !d.is_simulated) {
         let state = if decision.is_forced_against_need() { "forced off, though " } else { "off: " };
         text += &format!("\n- {}: {state}{}", decision.effect, escape_markdown(&decision.reason.to_string()));
     }
@@ -116,7 +116,7 @@ mod tests {
         let findings = study.run(2, &AtomicBool::new(false), &SilentMonitor, |_| {}).unwrap();
         let table = csv_report(&findings);
         let rows: Vec<&str> = table.split("\r\n").collect();
-        assert_eq!(rows.len(), 1 + findings.plan.decisions.len() + 1);
+        assert_eq!(rows.len(), 1 + findings.effect_plan.decisions.len() + 1);
         assert!(rows.iter().any(|row| row.starts_with("shadows,true,false,")));
         // An effect that is off has empty cells.
         assert!(rows.iter().any(|row| row.starts_with("caustics,false,") && row.ends_with(",,,,,,,,,,,")));

@@ -163,7 +163,7 @@ impl Similarity {
             LightDescription::Directional(DirectionalLightDescription { direction, strength }) => {
                 self.vector(direction);
                 match strength {
-                    DirectionalLightStrength::LegacyColor(_) | DirectionalLightStrength::Irradiance(_) => {}
+                    DirectionalLightStrength::Mit6837Color(_) | DirectionalLightStrength::Irradiance(_) => {}
                 }
             }
             LightDescription::Spot(SpotLightDescription {
@@ -226,7 +226,7 @@ impl Similarity {
         match strength {
             // This strength is the radiance of a white surface at the scene's center, which does
             // not depend on scale.
-            PointLightStrength::LegacyColor(_) => {}
+            PointLightStrength::Mit6837Color(_) => {}
             PointLightStrength::Intensity(watts) | PointLightStrength::Power(watts) => self.area(watts),
         }
     }
