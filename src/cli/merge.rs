@@ -81,7 +81,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
         }
     }
     let passes = rendered.film.passes();
-    progress.print_line(&format!("{passes} passes"));
+    progress.print_line(&format!("{passes} {}", if passes == 1 { "pass" } else { "passes" }));
     if let Some(estimator) = rendered.estimator.as_ref().filter(|_| passes >= MIN_ERROR_ESTIMATE_PASSES) {
         let estimate = estimator.estimate(&rendered.film);
         progress.print_line(&format!("estimated error {}", forecast_text::error_text(&estimate)));

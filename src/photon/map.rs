@@ -104,8 +104,8 @@ impl PhotonMap {
     }
 }
 
-/// Merges photons of equal position and normal, at each position with more than [`MAX_COINCIDENT`]
-/// photons.
+/// Merges photons of equal position, normal, wavelength and share of density estimates, at each
+/// position with more than [`MAX_COINCIDENT`] photons.
 ///
 /// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {
@@ -125,8 +125,13 @@ fn merge_coincident_photons(photons: &mut Vec<Photon>) {
             continue;
         }
         let mut run = run.to_vec();
-        run.sort_by_key(|p| p.attributes.quantized_normal());
-        for side in run.chunk_by(|a, b| a.attributes.quantized_normal() == b.attributes.quantized_normal()) {
+        let class = |photon: &Photon| {
+            let attributes = &photon.attributes;
+            let share = attributes.density_estimate_share_steps();
+            (attributes.quantized_normal(), attributes.wavelength_code(), share)
+        };
+        run.sort_by_key(class);
+        for side in run.chunk_by(|a, b| class(a) == class(b)) {
             let flux: glam::DVec3 = side.iter().map(|p| p.attributes.flux().as_dvec3()).sum();
             let from: Vec3 =
                 side.iter().map(|p| p.attributes.incident_direction() * p.attributes.flux().element_sum()).sum();
@@ -134,9 +139,11 @@ fn merge_coincident_photons(photons: &mut Vec<Photon>) {
             let position = side[0].position;
             // The position is rotated, so the plane offset is taken from an original photon.
             let photon = Photon::new(position, flux.as_vec3(), from.normalize_or(normal), normal);
-            merged.extend(
-                photon.map(|p| Photon { position, attributes: p.attributes.with_plane_offset_of(&side[0].attributes) }),
-            );
+            let (_, wavelength, share) = class(&side[0]);
+            merged.extend(photon.map(|p| {
+                let p = p.with_wavelength_code(wavelength).with_density_estimate_share(share);
+                Photon { position, attributes: p.attributes.with_plane_offset_of(&side[0].attributes) }
+            }));
         }
     }
     *photons = merged;

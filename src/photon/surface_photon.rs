@@ -163,7 +163,12 @@ impl PhotonAttributes {
     #[inline]
     #[must_use]
     pub fn density_estimate_share(&self) -> f32 {
-        (self.flux.channel_sum.to_bits() & 15) as f32 * (1.0 / SHARE_STEPS as f32)
+        f32::from(self.density_estimate_share_steps()) * (1.0 / SHARE_STEPS as f32)
+    }
+
+    /// The share as an integer number of steps of 1/[`SHARE_STEPS`].
+    pub(super) fn density_estimate_share_steps(&self) -> u8 {
+        (self.flux.channel_sum.to_bits() & 15) as u8
     }
 
     /// Wavelength of the photon as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code);

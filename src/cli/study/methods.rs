@@ -215,6 +215,8 @@ fn studied_scene(arguments: &StudyArguments) -> StudiedScene {
     // A name with a leading dash would be parsed as a flag.
     let named = if scene.starts_with('-') { format!("./{scene}") } else { scene.clone() };
     let mut words = ["caustica", "study", &named].map(str::to_owned).to_vec();
+    let import_flags = arguments.scene.import.repeated_flags();
+    words.extend(import_flags.iter().cloned());
     let mut add = |flag: &str, value: Option<String>| {
         words.extend(value.into_iter().flat_map(|value| [flag.to_owned(), value]));
     };
@@ -239,5 +241,6 @@ fn studied_scene(arguments: &StudyArguments) -> StudiedScene {
     add("--seed", Some(arguments.method.seed.to_string()));
     // Skip the first flag with its value, `--integrator`: a study of methods does not take it.
     words.extend(method_flags(&arguments.method, "--simulate", arguments.simulate).into_iter().skip(2));
-    StudiedScene { study_command: shell_command_line(&words), scene_path: scene, size: arguments.scene.size }
+    let (study_command, size) = (shell_command_line(&words), arguments.scene.size);
+    StudiedScene { study_command, scene_path: scene, size, import_flags }
 }

@@ -52,9 +52,14 @@ fn rms_estimated_error_text(checkpoint: &ConvergenceCheckpoint) -> String {
     checkpoint.mean_square_of_estimated_error().map_or(String::new(), square_root_percent_text)
 }
 
-/// Returns the exponent in error ∝ time^exponent between two checkpoints; `None` if it is unknown.
+/// Returns the exponent in error ∝ time^exponent between two checkpoints; `None` if it is unknown,
+/// as when an estimated squared error is not positive.
 fn convergence_rate(before: &ConvergenceCheckpoint, after: &ConvergenceCheckpoint) -> Option<f64> {
-    let error = 0.5 * libm::log(after.mean_squared_error() / before.mean_squared_error());
+    let squares = [before, after].map(ConvergenceCheckpoint::mean_squared_error);
+    if squares.iter().any(|square| *square <= 0.0) {
+        return None;
+    }
+    let error = 0.5 * libm::log(squares[1] / squares[0]);
     let rate = error / libm::log(after.cpu_seconds / before.cpu_seconds);
     rate.is_finite().then_some(rate)
 }
@@ -73,6 +78,7 @@ mod tests {
         // In four times the time, the squared error falls to a quarter. The error falls to a half,
         // so the exponent is −½.
         assert!((convergence_rate(&at(1.0, 0.04), &at(4.0, 0.01)).unwrap() + 0.5).abs() < 1e-12);
+        assert_eq!(convergence_rate(&at(1.0, -0.04), &at(4.0, -0.01)), None);
         assert_eq!(
             (convergence_rate(&at(1.0, 0.04), &at(1.0, 0.01)), convergence_rate(&at(1.0, 0.04), &at(4.0, -0.01))),
             (None, None)

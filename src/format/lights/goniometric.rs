@@ -105,11 +105,20 @@ impl LightBlock for GoniometricLightDescription {
     }
 }
 
+/// Largest memory that reading a profile takes, in bytes per byte of its file: the text, and 16
+/// bytes for each pair, whose shortest line has 4 bytes, in a list that doubles as it grows.
+const PROFILE_MEMORY_PER_BYTE: u64 = 1 + 3 * 4;
+
 /// Returns the intensity map of the profile in the file `path`.
 fn read_profile_as_map(r: &Resolver<'_>, path: &Spanned<String>) -> Result<EquirectangularMap, SceneError> {
     let help = "write an angle from 0 to 180 degrees and an intensity per line, in ascending order";
     let refuse = |message: &str| r.file_error(path, &message, help);
-    let text = std::fs::read_to_string(r.find_file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;
+    let file = r.find_file("profile", path)?;
+    let size = std::fs::metadata(&file).map_err(|e| refuse(&e.to_string()))?.len();
+    if r.memory.available_bytes().is_some_and(|free| PROFILE_MEMORY_PER_BYTE * size > free) {
+        return Err(r.file_or_memory_error(path, &"the profile does not fit into memory", true, help));
+    }
+    let text = std::fs::read_to_string(file).map_err(|e| refuse(&e.to_string()))?;
     let profile = parse_angle_intensity_table(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
     map_from_intensity_profile(&profile).map_err(|e| refuse(&e.to_string()))
 }

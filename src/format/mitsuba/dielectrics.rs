@@ -46,7 +46,8 @@ pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &MitsubaObject
         return Ok(inner / outer);
     }
     let surrounds = |object: &MitsubaObject| {
-        object.plugin.contains("dielectric")
+        !std::ptr::eq(object, bsdf)
+            && object.plugin.contains("dielectric")
             && index_parameter(object, "int_ior", 1.5046).is_ok_and(|index| (index - outer).abs() < 1e-3)
     };
     let is_nested = context.tree.any_object(&surrounds);

@@ -211,7 +211,7 @@ impl MitsubaShapes {
             return Ok(MitsubaShapeEmission::default());
         }
         let wanted = (MitsubaTextureUse::Radiance, convention);
-        Ok(match textures.convert_texture_parameter(context, emitter, ("radiance", 1.0), wanted)? {
+        Ok(match textures.convert_texture_parameter(context, emitter, ("radiance", 1.0), wanted, 1.0)? {
             MitsubaConvertedTexture::Constant(_) => {
                 let radiance = context.linear_rgb(emitter, "radiance", ColorMeaning::Emission, 1.0)?;
                 let radiance = Some(radiance).filter(|radiance| *radiance != DVec3::ZERO);

@@ -97,13 +97,14 @@ impl MitsubaTextures {
     /// neither.
     ///
     /// `wanted` is the quantity that the values stand for. `convention` is that of the shape's
-    /// texture coordinates.
+    /// texture coordinates. All values are multiplied by `factor`.
     pub fn convert_texture_parameter(
         &mut self,
         context: &ImportContext<'_>,
         object: &MitsubaObject,
         (name, default): (&str, f64),
         (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
+        factor: f64,
     ) -> ReadResult<MitsubaConvertedTexture> {
         let meaning = match wanted {
             MitsubaTextureUse::Color => ColorMeaning::Reflectance,
@@ -116,12 +117,10 @@ impl MitsubaTextures {
         if context.color_value(object, name)?.is_none()
             && let Some(texture) = context.named_child(object, ObjectClass::Texture, name)?
         {
-            return self.convert_texture(context, &texture, (wanted, convention), 1.0, 0);
+            return self.convert_texture(context, &texture, (wanted, convention), factor, 0);
         }
-        Ok(MitsubaConvertedTexture::Constant(clamped_to_range(
-            context.linear_rgb(object, name, meaning, default)?,
-            wanted,
-        )))
+        let color = factor * context.linear_rgb(object, name, meaning, default)?;
+        Ok(MitsubaConvertedTexture::Constant(clamped_to_range(color, wanted)))
     }
 
     /// Converts a texture object to the quantity `wanted`, with its values multiplied by `factor`.

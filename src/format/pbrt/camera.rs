@@ -94,8 +94,9 @@ pub(super) fn read_camera(
     let axes = to_world.matrix3;
     let lengths = [axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length()];
     let scale = lengths[2];
+    let [x, y, z] = [axes.x_axis, axes.y_axis, axes.z_axis];
     let is_even = lengths.iter().all(|length| (length / scale - 1.0).abs() < 1e-4)
-        && axes.x_axis.dot(axes.y_axis).abs() + axes.y_axis.dot(axes.z_axis).abs() < 1e-4 * scale * scale;
+        && x.dot(y).abs() + y.dot(z).abs() + z.dot(x).abs() < 1e-4 * scale * scale;
     if !is_even {
         notes.add_unsupported("cameras that are sheared or stretched are not", place.position_text());
     }

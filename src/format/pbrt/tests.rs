@@ -194,6 +194,32 @@ fn textures_become_constants_or_textures() {
     };
 }
 
+/// A factor above 1 scales a texture. Only the product is limited to the range of a reflectance.
+#[test]
+fn texture_factors_may_be_above_one() {
+    let kind = sphere_material(
+        "Texture \"dim\" \"spectrum\" \"constant\" \"rgb value\" [.25 .5 .1] \
+         Texture \"lit\" \"spectrum\" \"scale\" \"texture tex\" \"dim\" \"rgb scale\" [2 2 2] \
+         Material \"diffuse\" \"texture reflectance\" \"lit\"",
+    );
+    let MaterialKindDescription::Diffuse(DiffuseDescription { reflectance }) = kind else { panic!("{kind:?}") };
+    assert_eq!(reflectance, TexturedValue::Constant(DVec3::new(0.5, 1.0, 0.2)));
+}
+
+/// A material that is defined again has its new values on later shapes, and its old ones on earlier
+/// shapes.
+#[test]
+fn redefined_materials_apply_to_later_shapes() {
+    let red = "MakeNamedMaterial \"m\" \"string type\" \"diffuse\" \"rgb reflectance\" [1 0 0]";
+    let shape = "NamedMaterial \"m\" Shape \"sphere\"";
+    let scene = import_text(&format!("WorldBegin {red} {shape} {} {shape}", red.replace("1 0 0", "0 1 0")));
+    let colors: Vec<_> = scene.description.materials.iter().map(|material| &material.kind).collect();
+    let [MaterialKindDescription::Diffuse(first), MaterialKindDescription::Diffuse(second)] = colors[..] else {
+        panic!("{colors:?}")
+    };
+    assert_eq!((&first.reflectance, &second.reflectance), (&DVec3::X.into(), &DVec3::Y.into()));
+}
+
 #[test]
 fn blocks_restore_the_state_and_instances_repeat_objects() {
     let scene = import_text(

@@ -2,7 +2,7 @@
 
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::parameters::{Parameter, Parameters};
-use super::spectra::{ColorMeaning, linear_rgb};
+use super::spectra::{ColorMeaning, SpectralValue, linear_rgb, spectral_value};
 use crate::format::description::{
     PictureEncoding, SolidPatternDescription, Span, Spanned, TexcoordTransformDescription, TextureDescription,
     TextureKindDescription, TexturedValue, WrapMode,
@@ -235,10 +235,17 @@ impl PbrtTextures {
         files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<TextureValue> {
         if parameter.kind != "texture" {
-            let wanted = if is_color { ColorMeaning::Reflectance } else { ColorMeaning::Unbounded };
-            if !is_color && parameter.numbers.len() == 1 {
+            if parameter.numbers.len() == 1 && (!is_color || parameter.kind == "float") {
                 return Ok(TextureValue::Constant(DVec3::splat(parameter.numbers[0])));
             }
+            if is_color
+                && parameter.kind != "blackbody"
+                && let SpectralValue::Rgb(rgb) = spectral_value(parameter, place, files)?
+            {
+                // A color may be a factor above 1. The parameter of the material limits the product.
+                return Ok(TextureValue::Constant(rgb.max(DVec3::ZERO)));
+            }
+            let wanted = if is_color { ColorMeaning::Reflectance } else { ColorMeaning::Unbounded };
             return linear_rgb(parameter, wanted, place, files).map(TextureValue::Constant);
         }
         let name = parameter.texts.first().map(String::as_str).unwrap_or_default();

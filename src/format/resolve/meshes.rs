@@ -57,20 +57,34 @@ pub(in crate::format) fn add_mesh(
 ) -> Result<(), SceneError> {
     let parts = load_mesh_parts(r, path, options)?;
     let current_material = r.current_material_index;
-    for MeshPart { prepared, file_material } in parts.iter() {
-        let emission = match file_material {
-            Some(material) if !object_emission.is_set_on_object => material.emission,
-            _ => object_emission.radiance,
-        };
-        r.current_material_index = file_material.as_ref().map_or(current_material, |material| material.index);
-        let name = file_material.as_ref().map(|material| &*material.name);
-        r.require_texcoords(prepared.mesh.texcoords.is_some(), path, name)?;
-        add_mesh_part(r, placement, path, prepared, emission)?;
-        if file_material.is_none() {
-            set_emission_texture(r, object_emission);
-        }
-    }
+    let added = parts.iter().try_for_each(|part| {
+        let material = part.file_material.as_ref().map_or(current_material, |material| material.index);
+        r.current_material_index = material;
+        add_file_part(r, placement, path, part, object_emission)
+    });
+    // Later objects have the current material, even if this mesh has an error.
     r.current_material_index = current_material;
+    added
+}
+
+/// Adds a part of a mesh file with the current material.
+fn add_file_part(
+    r: &mut Resolver<'_>,
+    placement: &ObjectPlacement<'_>,
+    path: &Spanned<String>,
+    MeshPart { prepared, file_material }: &MeshPart,
+    object_emission: &ObjectEmission,
+) -> Result<(), SceneError> {
+    let emission = match file_material {
+        Some(material) if !object_emission.is_set_on_object => material.emission,
+        _ => object_emission.radiance,
+    };
+    let name = file_material.as_ref().map(|material| &*material.name);
+    r.require_texcoords(prepared.mesh.texcoords.is_some(), path, name)?;
+    add_mesh_part(r, placement, path, prepared, emission)?;
+    if file_material.is_none() {
+        set_emission_texture(r, object_emission);
+    }
     Ok(())
 }
 

@@ -84,3 +84,26 @@ fn coincident_photons_merge_to_their_total_flux() {
     });
     assert!((power / 200_000.0 - 1.0).abs() < 1e-5);
 }
+
+/// Photons of one position keep their wavelengths, and the flux that density estimates use.
+#[test]
+fn merged_photons_keep_wavelengths_and_shares() {
+    let mut photons = Vec::new();
+    for i in 0..900u32 {
+        let photon = photon_facing_z(Vec3::splat(0.3), 1.0 + (i % 7) as f32);
+        photons.push(photon.with_wavelength_code((i % 3) as u8).with_density_estimate_share((i % 5) as u8 * 3));
+    }
+    let used_flux = |photons: &mut dyn Iterator<Item = PhotonAttributes>| {
+        let mut sums = [0.0; 3];
+        photons.for_each(|p| sums[usize::from(p.wavelength_code())] += p.flux().x * p.density_estimate_share());
+        sums
+    };
+    let before = used_flux(&mut photons.iter().map(|photon| photon.attributes));
+    let map = PhotonMap::build(photons);
+    assert_eq!(map.len(), 15);
+    let mut merged = Vec::new();
+    map.visit_within_radius(Vec3::splat(0.3), 1e-4, |photon, _| merged.push(*photon));
+    for (before, after) in before.into_iter().zip(used_flux(&mut merged.into_iter())) {
+        assert!((after / before - 1.0).abs() < 1e-4, "{before} {after}");
+    }
+}

@@ -10,6 +10,8 @@ pub struct StudiedScene {
     /// Width and height of the study's pictures \[pixels]; `None` for the size that the scene
     /// defines.
     pub size: Option<(u32, u32)>,
+    /// Flags that say how to read the scene file, such as `--allow-outside`.
+    pub import_flags: Vec<String>,
     /// Shell command that repeats the study.
     pub study_command: String,
 }
@@ -25,6 +27,7 @@ impl StudiedScene {
         } else {
             self.scene_path.clone()
         });
+        words.extend(self.import_flags.iter().cloned());
         if let Some((width, height)) = self.size {
             words.extend(["--size".to_owned(), format!("{width}x{height}")]);
         }
@@ -69,7 +72,7 @@ mod tests {
         let flags = ["--integrator", "sppm", "--gather-k", "20"].map(str::to_owned).to_vec();
         let variant = MethodVariant { label: "sppm --gather-k 20".into(), algorithm: Algorithm::Sppm, settings, flags };
         let subject =
-            |scene: &str| StudiedScene { scene_path: scene.into(), size: Some((4, 3)), study_command: String::new() };
+            |scene: &str| StudiedScene { scene_path: scene.into(), size: Some((4, 3)), ..StudiedScene::default() };
         let rest = "--size 4x3 --integrator sppm --gather-k 20 --seed 7 --passes 5 -o sppm-gather-k-20.exr";
         assert_eq!(subject("a/b.txt").render_command_line(&variant, 5), format!("caustica render a/b.txt {rest}"));
         assert_eq!(
@@ -77,6 +80,9 @@ mod tests {
             format!(r"caustica render 'it'\''s $1.txt' {rest}")
         );
         assert_eq!(subject("-x.txt").render_command_line(&variant, 5), format!("caustica render ./-x.txt {rest}"));
+        let outside = StudiedScene { import_flags: vec!["--allow-outside".into()], ..subject("a.pbrt") };
+        let expected = format!("caustica render a.pbrt --allow-outside {rest}");
+        assert_eq!(outside.render_command_line(&variant, 5), expected);
         assert_eq!(shell_command_line(&[String::new()]), "''");
     }
 }

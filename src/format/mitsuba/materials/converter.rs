@@ -340,14 +340,9 @@ impl MitsubaMaterialConverter<'_, '_> {
 
     /// Returns GGX α of a BSDF.
     ///
-    /// A constant α of a Beckmann distribution is multiplied by √ln 2. Then GGX has the same median
-    /// slope.
+    /// α of a Beckmann distribution is multiplied by √ln 2. Then GGX has the same median slope.
     fn roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<TexturedValue<f64>> {
-        let is_ggx = bsdf.text("distribution").unwrap_or("beckmann") == "ggx";
-        if !is_ggx {
-            self.context.add_note("Beckmann distributions become GGX with the same median slope", bsdf);
-        }
-        let factor = if is_ggx { 1.0 } else { std::f64::consts::LN_2.sqrt() };
+        let factor = self.ggx_alpha_factor(bsdf);
         let _ = bsdf.boolean("sample_visible", true);
         if bsdf.values.contains_key("alpha_u") || bsdf.values.contains_key("alpha_v") {
             self.context.add_note("anisotropic roughness becomes isotropic", bsdf);
@@ -355,19 +350,29 @@ impl MitsubaMaterialConverter<'_, '_> {
                 .map(|name| self.convert_texture_parameter(bsdf, name, 0.1, MitsubaTextureUse::Fraction));
             return Ok((factor * (u?.mean().x * v?.mean().x).sqrt()).into());
         }
-        Ok(match self.convert_texture_parameter(bsdf, "alpha", 0.1, MitsubaTextureUse::Fraction)?.into_number() {
-            TexturedValue::Constant(alpha) => (factor * alpha).into(),
-            texture @ TexturedValue::Texture(_) => texture,
-        })
+        Ok(self.ggx_alpha(bsdf, factor)?.into_number())
     }
 
     fn mean_roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<f64> {
         match self.roughness(bsdf)? {
             TexturedValue::Constant(alpha) => Ok(alpha),
-            TexturedValue::Texture(_) => {
-                Ok(self.convert_texture_parameter(bsdf, "alpha", 0.1, MitsubaTextureUse::Fraction)?.mean().x)
-            }
+            TexturedValue::Texture(_) => Ok(self.ggx_alpha(bsdf, self.ggx_alpha_factor(bsdf))?.mean().x),
         }
+    }
+
+    /// Returns the factor from α of a BSDF to GGX α. Notes a Beckmann distribution.
+    fn ggx_alpha_factor(&self, bsdf: &MitsubaObject) -> f64 {
+        if bsdf.text("distribution") == Some("ggx") {
+            return 1.0;
+        }
+        self.context.add_note("Beckmann distributions become GGX with the same median slope", bsdf);
+        std::f64::consts::LN_2.sqrt()
+    }
+
+    /// Returns the parameter `alpha` of a BSDF, multiplied by `factor`.
+    fn ggx_alpha(&mut self, bsdf: &MitsubaObject, factor: f64) -> ReadResult<MitsubaConvertedTexture> {
+        let wanted = (MitsubaTextureUse::Fraction, self.convention);
+        self.textures.convert_texture_parameter(self.context, bsdf, ("alpha", 0.1), wanted, factor)
     }
 
     fn convert_texture_parameter(
@@ -377,7 +382,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         default: f64,
         wanted: MitsubaTextureUse,
     ) -> ReadResult<MitsubaConvertedTexture> {
-        self.textures.convert_texture_parameter(self.context, bsdf, (name, default), (wanted, self.convention))
+        self.textures.convert_texture_parameter(self.context, bsdf, (name, default), (wanted, self.convention), 1.0)
     }
 
     fn textured_color(&mut self, bsdf: &MitsubaObject, name: &str, default: f64) -> ReadResult<TexturedValue<DVec3>> {

@@ -430,13 +430,14 @@ impl PbrtMaterialConverter<'_> {
             };
             if alpha < MIN_ROUGH_ALPHA { 0.0 } else { alpha.min(1.0) }
         };
-        let (mut first, mean) = self.textured_scalar_and_mean(&first, &alpha)?;
+        let (textured, mean) = self.textured_scalar_and_mean(&first, &alpha)?;
         let (_, other) = self.textured_scalar_and_mean(&second, &alpha)?;
-        if (mean - other).abs() > 1e-9 {
-            self.add_note("roughness that differs by direction is even: the geometric mean", place);
-            first = TexturedValue::Constant((mean * other).sqrt());
+        if (mean - other).abs() <= 1e-9 {
+            return Ok(Roughness { alpha: textured, mean });
         }
-        Ok(Roughness { alpha: first, mean })
+        self.add_note("roughness that differs by direction is even: the geometric mean", place);
+        let even = (mean * other).sqrt();
+        Ok(Roughness { alpha: TexturedValue::Constant(even), mean: even })
     }
 
     /// Returns a color parameter, clamped to \[0, 1] and mapped by `map`, and its mean over the
