@@ -72,8 +72,8 @@
 //! 5. At a surface that stores photons, `Deposits::store_deposit` adds a
 //!    [`Photon`](photon::Photon) to the [`Deposits`](photon::Deposits) of the pass.
 //!    `LightTracer::splat_and_return_share` also sends caustic photons to the pixel that sees them.
-//! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then ends
-//!    the path by its throughput.
+//! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then may
+//!    end the path; the probability is the relative decrease of its throughput.
 //! 7. `PhotonMapBuilder::index_photons` calls [`PhotonMap::build`](photon::PhotonMap::build) for
 //!    each photon map that the algorithm reads: the caustic map, the indirect map, the
 //!    interreflection map of `hybrid`, or the map that guides gather rays.

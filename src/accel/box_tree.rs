@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 /// Hierarchy of boxes that finds every box that a ray crosses.
 ///
-/// Rounding never loses a box. A box may be reported although the ray misses it by up to 10⁻⁶ of
-/// its distance. Coordinates must be below 10¹⁸ in magnitude.
+/// Rounding never loses a box. A box may be reported although the ray misses it narrowly: by up to
+/// about 2·10⁻⁶ of the distance from the ray's origin. Coordinates must be below 10¹⁸ in magnitude.
 ///
 /// Boxes are sorted along a Morton curve, and each node holds eight consecutive boxes or nodes.
 /// This build is several times faster than one by the surface area heuristic. A better tree gains

@@ -91,7 +91,8 @@ pub(super) struct BinaryNode {
     ///
     /// If this subtree fills n slots of the wide node, with n from 2 to [`ARITY`], the left subtree
     /// gets `left_slots[n]` of them. The right subtree gets the others. This division has the least
-    /// traversal cost. If `left_slots[n]` is 0, n − 1 slots cost as little.
+    /// traversal cost. If `left_slots[n]` is 0, the subtree fills only n − 1 slots or fewer, at no
+    /// higher cost.
     pub left_slots: [u8; ARITY + 1],
     /// True if all primitives of this node become one leaf.
     pub is_leaf: bool,
@@ -183,8 +184,8 @@ fn build_subtree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth
 /// Sets box, leaf flag and [`left_slots`](BinaryNode::left_slots) of `root`, whose subtrees are `a`
 /// and `b`.
 ///
-/// Returns the summary of the subtree below `root`. The shares minimize the traversal cost of the
-/// tree with eight children per node (after Ylitie, Karras and Laine 2017, section 3.1).
+/// Returns the summary of the subtree below `root`. These slot counts minimize the traversal cost
+/// of the tree with eight children per node (after Ylitie, Karras and Laine 2017, section 3.1).
 fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSummary) -> SubtreeSummary {
     let bounds = a.bounds.union(b.bounds);
     let mut count = a.count;

@@ -133,7 +133,7 @@ impl Bvh8 {
 /// Origin and reciprocal direction of a ray, repeated for slab tests of eight boxes at a time
 /// (SIMD).
 ///
-/// `near` is [`RayPrecalc::near_sides`].
+/// The fields are those of [`RayPrecalc`].
 pub(super) struct SlabTestRay {
     origin: [f32x8; 3],
     reciprocal_direction: [f32x8; 3],
@@ -171,10 +171,10 @@ impl Boxes8 {
         self.0[axis]
     }
 
-    /// Bit mask of the boxes that the ray enters below the ray parameter `limit` (Ize 2013).
+    /// Bit mask of the boxes that the ray enters at a ray parameter from 0 to `limit` (Ize 2013).
     ///
-    /// Also returns the ray parameter at which the ray enters each box. Ray parameters refer to the
-    /// scaled direction of [`RayPrecalc`].
+    /// Also returns the ray parameter at which the ray enters each box: 0 if the origin is inside.
+    /// Ray parameters refer to the scaled direction of [`RayPrecalc`].
     #[inline]
     pub fn intersect_boxes(&self, slabs: &SlabTestRay, limit: f32) -> (u32, f32x8) {
         let at =

@@ -10,14 +10,14 @@ use wide::f32x8;
 /// Above about this number, a traversal for each ray is faster than a test of all leaves.
 const MAX_LEAVES: usize = 6;
 
-/// Entries of the stack of a search for leaves: the nodes that are still to be visited.
+/// Capacity of the stack of a search for leaves: nodes that are still to be visited.
 ///
-/// A box that needs more holds too many leaves in any case.
+/// A box that needs more entries overlaps too many leaves in any case.
 const MAX_STACK_ENTRIES: usize = 4 * ARITY;
 
-/// The leaves of a [`Hierarchy`](super::Hierarchy) that overlap one box, if they are few.
+/// The leaves of a [`Hierarchy`](super::Hierarchy) whose boxes overlap one query box.
 ///
-/// A ray inside that box hits no primitive of other leaves.
+/// A ray inside the query box hits no primitive of other leaves.
 #[derive(Clone, Copy, Debug)]
 pub struct LeafList {
     /// Child references of the leaves; only the first `count` are valid.
@@ -26,7 +26,10 @@ pub struct LeafList {
 }
 
 impl LeafList {
-    /// Leaves of `bvh` whose boxes overlap `bounds`; `None` if there are more than [`MAX_LEAVES`].
+    /// Leaves of `bvh` whose boxes overlap `bounds`.
+    ///
+    /// `None` if there are more than [`MAX_LEAVES`], or if the search for them needs more than
+    /// [`MAX_STACK_ENTRIES`].
     pub(super) fn new(bvh: &Bvh8, bounds: &Bounds) -> Option<Self> {
         let mut list = Self { leaves: [0; MAX_LEAVES], count: 0 };
         let overlap = OverlapTest::new(bounds);
@@ -52,13 +55,15 @@ impl LeafList {
         Some(list)
     }
 
-    /// True if no primitive is near the box.
+    /// True if no leaf overlaps the query box, so no primitive is in it.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Index of the only primitive near the box, if there is just one and it is not a triangle.
+    /// Index of the only primitive near the query box, if it is not a triangle.
+    ///
+    /// `None` if the list does not consist of one leaf, or if that leaf holds triangles.
     #[must_use]
     pub fn single_other_primitive(&self) -> Option<u32> {
         match self.leaves() {

@@ -5,10 +5,10 @@ use glam::{Vec3, Vec3A};
 
 /// Constants of one ray, which box tests and triangle tests use.
 ///
-/// The ray's direction is multiplied by a power of two, which keeps its digits. The largest
-/// component becomes at least 1 and less than 2, or less than 4 if it is near the largest f32.
-/// Reciprocals and products then stay in the range of f32. In these tests, ray parameters refer to
-/// the scaled direction.
+/// The ray's direction is multiplied by a power of two, which keeps its digits. The component of
+/// largest magnitude becomes at least 1 and less than 2. It becomes less than 4 if it is near the
+/// largest f32, and less than 1 if it is subnormal. Reciprocals and products then stay in the range
+/// of f32. In these tests, ray parameters refer to the scaled direction.
 pub(super) struct RayPrecalc {
     /// Origin of the ray, in the caller's space.
     pub origin: [f32; 3],
@@ -19,7 +19,8 @@ pub(super) struct RayPrecalc {
     ///
     /// It is 1 if the direction's component is negative or a negative zero.
     pub near_sides: [usize; 3],
-    /// Permutation of the axes 0, 1, 2 whose last axis has the direction's largest component.
+    /// Permutation of the axes 0, 1, 2. Along the last axis, the direction's component has the
+    /// largest magnitude.
     pub axis_permutation: [usize; 3],
     /// Direction components along `axis_permutation[0]` and `axis_permutation[1]`, divided by the
     /// component along `axis_permutation[2]`.

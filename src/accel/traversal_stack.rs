@@ -65,8 +65,10 @@ impl TraversalStack {
         entries.pop().map_or(0, |nearest| nearest as u32)
     }
 
-    /// Removes entries up to the first child that the ray enters below the ray parameter `limit`,
-    /// and returns this child; `None` if no such child is left.
+    /// Pops entries until a child is found that the ray enters at a ray parameter up to `limit`.
+    ///
+    /// Returns the reference of this child; `None` if no such child is left. The comparison has a
+    /// margin for rounding errors.
     #[inline(always)]
     pub fn pop(&mut self, limit: f32) -> Option<u32> {
         loop {

@@ -37,7 +37,7 @@ pub fn shading_normal_correction(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 
 }
 
 /// Returns the factor on a stored photon's flux that shading normals require:
-/// |wo · ns| / |wo · ng|.
+/// |wo · ns| / |wo · ng|, or 0 if the denominator is 0.
 ///
 /// The unit vector `wo` points back along the photon path. `ns` is the shading normal of the
 /// surface, `ng` the geometric normal. The density of photons is proportional to |wo · ng|, but the

@@ -11,7 +11,9 @@ use std::f32::consts::FRAC_1_PI;
 /// Refractive index of clear coats relative to the surroundings.
 const CLEAR_COAT_INDEX: f32 = 1.5;
 
-/// Number of steps in which the parameters of a clear coat are stored, which keeps [`Bsdf`] small.
+/// Number of quantization steps between 0 and 1 for the parameters of a clear coat.
+///
+/// Parameters of 16 bits keep [`Bsdf`] small.
 const STEPS: f32 = 65_535.0;
 
 /// A clear coat of index 1.5: how much of the surface it covers, and its roughness.
@@ -124,7 +126,7 @@ impl ClearCoated {
         }
     }
 
-    /// True if the surface under the coat is a mirror.
+    /// True if the surface under the coat has only a delta lobe.
     #[inline]
     pub(super) fn is_specular(&self) -> bool {
         match &self.base {
@@ -143,7 +145,8 @@ impl ClearCoated {
         }
     }
 
-    /// See [`Bsdf::ray_cone_spread`].
+    /// Tangent of the angle by which the surface widens the ray cone of texture filtering; see
+    /// [`Bsdf::ray_cone_spread`].
     #[inline]
     pub(super) fn ray_cone_spread(&self) -> f32 {
         match &self.base {
@@ -153,7 +156,10 @@ impl ClearCoated {
         }
     }
 
-    /// Factor of the coat on the BRDF of the surface, for the directions `wo` and `wi`.
+    /// Factor on the BRDF of the surface: the coat's factor 1 − max(c(wo), c(wi)), divided by the
+    /// probability with which [`Bsdf::select_layer`] chose the surface.
+    ///
+    /// c is the fraction of light that the coat reflects. `n` is the shading normal.
     #[inline]
     fn coat_factor(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         (1.0 - self.coat.albedo(wo, n).max(self.coat.albedo(wi, n))) * self.inverse_selection_probability
@@ -177,7 +183,9 @@ impl ClearCoated {
         Bsdf::ClearCoated(Self { base, inverse_selection_probability, ..self })
     }
 
-    /// BRDF f(wo, wi) \[1/sr]. `wo` and `wi` must be on one side of the shading normal `n`.
+    /// BRDF f(wo, wi) \[1/sr], without reflection on the clear coat.
+    ///
+    /// `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         let base = match &self.base {

@@ -159,8 +159,8 @@ impl CoatedDiffuse {
         DielectricCoat { eta: self.eta, alpha: self.alpha, reflectance_factor: 1.0 / probability }
     }
 
-    /// True if [`CoatedDiffuse::evaluate`] includes reflection on the coat, because the coat is
-    /// rough.
+    /// True if [`CoatedDiffuse::evaluate`] includes reflection on the coat, because the coat's α
+    /// exceeds [`MIN_PHOTON_STORAGE_ALPHA`].
     #[inline]
     fn includes_coat(&self) -> bool {
         self.alpha > MIN_PHOTON_STORAGE_ALPHA
@@ -205,6 +205,8 @@ impl CoatedDiffuse {
     }
 
     /// BRDF f(wo, wi) \[1/sr]. `wo` and `wi` must be on one side of the shading normal `n`.
+    ///
+    /// Reflection on the coat is included only if its α exceeds [`MIN_PHOTON_STORAGE_ALPHA`].
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         let base = self.base_brdf_factor * (self.transmittance(wo, n) * self.transmittance(wi, n) * FRAC_1_PI);

@@ -11,8 +11,8 @@ use super::{
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
-/// Cosine of incidence at which the Fresnel reflectance stands for its mean over all microfacets
-/// but the first that light meets.
+/// Cosine of incidence whose Fresnel reflectance stands for the mean over all microfacets that
+/// reflect light, if there are several.
 ///
 /// It is the mean cosine of diffuse light.
 const MEAN_COSINE: f32 = 2.0 / 3.0;

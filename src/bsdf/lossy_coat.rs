@@ -14,8 +14,9 @@ const MIN_LOSSY_COAT_INDEX: f64 = 1.01;
 
 /// A coat that loses energy, as the layered BSDF of pbrt-v4 simulates it (Guo et al. 2018).
 ///
-/// Light that would scatter at two microfacets of the interface is lost. The coat absorbs with an
-/// extinction of 1 over its thickness. [`CoatedDiffuse`](super::CoatedDiffuse) is lossless instead.
+/// Light that would scatter at two microfacets of the interface is lost. The coat also absorbs
+/// light: it transmits the fraction exp(−τ) along the normal, where τ is its optical thickness.
+/// [`CoatedDiffuse`](super::CoatedDiffuse) is lossless instead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LossyCoat {
     /// Fraction of diffuse light from outside that reaches the base.
@@ -33,8 +34,8 @@ pub struct LossyCoat {
 }
 
 impl LossyCoat {
-    /// Creates the coat from its relative index `eta` in \[1.01, 4], its GGX roughness `alpha` in
-    /// \[0, 1], and its optical thickness `thickness` ≥ 0.
+    /// Creates the coat from its relative index `eta`, which is clamped to \[1.01, 4], its GGX
+    /// roughness `alpha` in \[0, 1], and its optical thickness `thickness` ≥ 0.
     #[must_use]
     pub fn new(eta: f64, alpha: f64, thickness: f64) -> Self {
         let eta = eta.clamp(MIN_LOSSY_COAT_INDEX, f64::from(MAX_COAT_INDEX));
@@ -64,8 +65,8 @@ impl LossyCoat {
         }
     }
 
-    /// Fraction of diffuse light from outside that a base of this reflectance sends back through
-    /// the coat.
+    /// Fraction of diffuse light from outside that a base of this reflectance sends back out
+    /// through the coat. Reflection on the outside of the coat is not included.
     #[must_use]
     pub fn base_albedo_through_coat(&self, reflectance: f64) -> f64 {
         self.entering_fraction * reflectance * self.leaving_fraction / (1.0 - reflectance * self.returning_fraction)
@@ -73,8 +74,8 @@ impl LossyCoat {
 
     /// Returns the reflectance of a base that looks equal under a lossless coat.
     ///
-    /// With it, a lossless coat gives the albedo that [`Self::base_albedo_through_coat`] returns
-    /// for `reflectance` in \[0, 1].
+    /// Over a base of the returned reflectance, a lossless coat gives the albedo that
+    /// [`Self::base_albedo_through_coat`] returns for `reflectance` in \[0, 1].
     #[must_use]
     pub fn equivalent_lossless_reflectance(&self, reflectance: f64) -> f64 {
         let albedo = self.base_albedo_through_coat(reflectance);

@@ -77,7 +77,8 @@ pub struct BsdfSample {
     /// Weight f(wo, wi)·|cosθ|/pdf, where θ is the angle between `wi` and the shading normal.
     ///
     /// For a delta lobe, the weight is the lobe's reflectance or transmittance, divided by the
-    /// probability of choosing the lobe.
+    /// probability of choosing the lobe. Refracted radiance is also divided by the squared relative
+    /// index.
     pub weight: Rgb,
     /// Solid-angle pdf of `wi` \[1/sr], equal to [`Bsdf::pdf`]; 0 for a delta lobe.
     pub pdf: f32,
@@ -158,8 +159,8 @@ pub enum Bsdf {
     /// Reflection on a coat that [`Bsdf::select_layer`] selects: a clear coat, or a coat with α up
     /// to [`MIN_PHOTON_STORAGE_ALPHA`] over a diffuse base.
     DielectricCoat(DielectricCoat),
-    /// A surface under a clear coat, without reflection on the coat, which [`Bsdf::select_layer`]
-    /// selects.
+    /// A surface under a clear coat. Reflection on the coat is not included:
+    /// [`Bsdf::select_layer`] chooses the surface or the coat.
     ClearCoated(ClearCoated),
 }
 
@@ -191,7 +192,9 @@ impl Bsdf {
         }
     }
 
-    /// True if the BSDF scatters no light.
+    /// True if the BSDF is [`Bsdf::Black`], or a diffuse BSDF that scatters no light.
+    ///
+    /// Other BSDFs count as not black, even a mirror of reflectance 0.
     #[inline]
     #[must_use]
     pub fn is_black(&self) -> bool {
@@ -352,7 +355,7 @@ impl Bsdf {
         }
     }
 
-    /// True if all lobes are delta lobes.
+    /// True if all lobes are delta lobes. A clear coat over the surface does not count.
     #[inline]
     #[must_use]
     pub fn is_specular(&self) -> bool {
@@ -391,8 +394,8 @@ impl Bsdf {
 
     /// True if photons are stored on the surface. Density estimates then evaluate this BSDF.
     ///
-    /// Diffuse BSDFs, with transmission or a coat, and Phong BSDFs store photons, and so do
-    /// conductors rougher than [`MIN_PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons
+    /// Phong BSDFs and diffuse BSDFs store photons, the latter also with transmission or a coat. So
+    /// do conductors rougher than [`MIN_PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons
     /// fall into the lobe, so sampling the BSDF has less noise. Dielectrics store none, because an
     /// estimate would blur the objects behind them.
     #[inline]
@@ -411,10 +414,12 @@ impl Bsdf {
         }
     }
 
-    /// True if the surface is a caustic caster: it scatters light, but stores no photons.
+    /// True if the BSDF is a caustic caster: it scatters light, but stores no photons.
     ///
-    /// Casters are mirrors, panes, dielectrics and clear coats of any roughness, and conductors and
-    /// coats over a diffuse base of roughness α up to [`MIN_PHOTON_STORAGE_ALPHA`].
+    /// Casters are mirrors, thin dielectrics, dielectrics, and clear coats of any roughness. Also
+    /// conductors, and coats over a diffuse base, with α up to [`MIN_PHOTON_STORAGE_ALPHA`]. A
+    /// coated surface casts caustics if its base does; its coat becomes a BSDF of its own in
+    /// [`Bsdf::select_layer`].
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {

@@ -176,17 +176,20 @@ impl MultipleConductorScattering {
         Self { lost_light: loss, lost_fraction: loss.fraction(RARE_SIDE, cos_o) }
     }
 
-    /// BRDF \[1/sr] of microfacets that reflect all light, for `wi` of cosine `cos_i`.
+    /// BRDF \[1/sr] of light that is reflected more than once, if microfacets reflect all light.
+    ///
+    /// `cos_i` is the cosine of `wi`.
     #[inline]
     pub(super) fn evaluate(&self, cos_i: f64) -> f64 {
         FRAC_1_PI * self.lost_fraction * self.lost_light.fraction(RARE_SIDE, cos_i)
             / self.lost_light.mean_fraction(RARE_SIDE)
     }
 
-    /// Returns the factor of the BRDF for microfacets that reflect the fraction `reflectance`.
+    /// Returns the factor on [`Self::evaluate`] for microfacets that reflect the fraction
+    /// `reflectance`.
     ///
-    /// It is the sum of a series: of the light, a part leaves after two reflections, a part of the
-    /// rest after three, and so on (Kulla and Conty 2017; Hill 2018).
+    /// It is the sum of a series: some light leaves after two reflections, some of the rest after
+    /// three, and so on (Kulla and Conty 2017; Hill 2018).
     #[inline]
     pub(super) fn repeated_reflectance(&self, reflectance: f64) -> f64 {
         let lost = self.lost_light.mean_fraction(RARE_SIDE);
@@ -196,10 +199,11 @@ impl MultipleConductorScattering {
 
 /// Reflection and transmission of light that microfacets of a dielectric scatter more than once.
 ///
-/// Let diffuse light arrive on both sides, in proportion to the squared index n². Then the light
-/// that crosses the interface is T = t·min(b, b′) times the irradiance. b and b′ are the lost
-/// fractions of light on both sides, and t is the transmittance of a smooth interface. T is the
-/// same in both directions, so the BSDF is reciprocal up to n².
+/// Let diffuse light arrive on both sides, in proportion to the squared index n². b and b′ are the
+/// lost light on the two sides, relative to the irradiance on the side of lower index. Of this
+/// irradiance, the fraction T = t·min(b, b′) crosses the interface after several scatterings. t is
+/// the diffuse transmittance of a smooth interface. T is the same in both directions, so the BSDF
+/// is reciprocal up to n².
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MultipleDielectricScattering {
     lost_light: LostLight,
@@ -241,7 +245,7 @@ impl MultipleDielectricScattering {
         if is_transmitted { self.crossing_fraction } else { 1.0 - self.crossing_fraction }
     }
 
-    /// BSDF \[1/sr] for `wi` of absolute cosine `cos_i`.
+    /// BSDF \[1/sr] of light that scatters more than once, for `wi` of absolute cosine `cos_i`.
     #[inline]
     pub(super) fn evaluate(&self, cos_i: f64, is_transmitted: bool, transport: TransportMode) -> f64 {
         let side = if is_transmitted { 1 - self.near_side } else { self.near_side };

@@ -46,8 +46,8 @@ impl ThinDielectric {
     /// light.
     ///
     /// The probability of each is proportional to its reflectance or transmittance, averaged over
-    /// the color channels. `wo` points away from the sheet, `ns` is the shading normal on its side,
-    /// and `ng` the geometric normal.
+    /// the color channels. `wo` points away from the sheet, `ns` is the shading normal on the side
+    /// of `wo`, and `ng` the geometric normal.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32) -> Option<BsdfSample> {
         let (mirrored, uses_geometric_normal) = dielectric::reflect_above_surface(wo, ns, ng);

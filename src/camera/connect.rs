@@ -14,13 +14,15 @@ pub struct CameraConnection {
     pub ray_origin: Vec3,
     /// Unit direction from the scene point to `ray_origin`.
     pub direction_to_camera: Vec3,
-    /// Film area per scene area at the point, measured perpendicular to `direction_to_camera`
-    /// \[pixels²/length²].
+    /// Film area \[pixels²] per scene area \[length²] at the scene point. The scene area is
+    /// measured perpendicular to `direction_to_camera`.
     pub importance: f32,
 }
 
 impl Camera {
     /// Connects the world-space point `p` to the camera; `None` if `p` is behind or at the camera.
+    ///
+    /// Also `None` if the importance is not finite, as at the poles of a panorama.
     ///
     /// `lens` in \[0, 1)² samples a point of the lens, as in [`Camera::generate_ray`]. The film
     /// position is that of the camera ray from this lens point through `p`. Pixels average radiance
@@ -85,11 +87,11 @@ impl Camera {
         }
     }
 
-    /// Returns how far the image moves on the film if point `p`, seen by this camera, goes to `q`
-    /// and the camera becomes `later` \[pixels to the right and down].
+    /// Returns the displacement on the film from point `p`, seen by this camera, to point `q`, seen
+    /// by the camera `later` \[pixels to the right and down].
     ///
-    /// Lenses count as pinholes. Images in a panorama go the shorter way around. `None` if a point
-    /// is behind its camera.
+    /// Lenses count as pinholes. A displacement in a panorama goes the shorter way around. `None`
+    /// if a camera does not connect to its point; see [`Camera::connect_to_point`].
     #[must_use]
     pub fn film_displacement(&self, p: Vec3, later: &Self, q: Vec3) -> Option<Vec2> {
         let mut by = later.connect_to_point(q, None)?.film_position - self.connect_to_point(p, None)?.film_position;
@@ -100,10 +102,11 @@ impl Camera {
         Some(by)
     }
 
-    /// Returns how far the image of a point at infinity in unit `direction` moves on the film if
-    /// the camera becomes `later` \[pixels to the right and down].
+    /// Returns the displacement on the film of a point at infinity in unit `direction`, from this
+    /// camera to the camera `later` \[pixels to the right and down].
     ///
-    /// `None` if the point is behind a camera, or the projection is orthographic.
+    /// `None` if the point is behind a camera or at a pole of a panorama, or if the projection is
+    /// orthographic.
     #[must_use]
     pub fn film_displacement_at_infinity(&self, direction: Vec3, later: &Self) -> Option<Vec2> {
         if self.is_orthographic() {
@@ -123,7 +126,7 @@ impl Camera {
     }
 
     /// Makes the connection of `p` to the camera ray that starts at `origin`; `None` if the points
-    /// coincide or a number is not finite.
+    /// coincide, or if the film position or `importance` is not finite.
     ///
     /// `offset` is the film position relative to the film's center \[pixels right and up].
     fn connection_from_ray_origin(

@@ -4,7 +4,8 @@ use std::str::FromStr;
 
 /// Window of pixels of a picture: columns `left` to `right` and rows `top` to `bottom`.
 ///
-/// Both count from the upper left corner of the picture. `right` and `bottom` are not included.
+/// Columns and rows count from 0 at the upper left corner of the picture. `right` and `bottom` are
+/// not included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CropWindow {
     /// First column.

@@ -13,7 +13,7 @@ pub enum FilterKind {
     Box,
     /// Tent filter of radius 1.
     Tent,
-    /// Gaussian filter with standard deviation ½ and radius 1½.
+    /// Gaussian filter with standard deviation ½, lowered so that it reaches 0 at the radius 1½.
     Gaussian,
     /// Four-term Blackman–Harris window of radius 1½ (Harris 1978).
     #[default]
@@ -209,8 +209,10 @@ impl Filter {
         if self.has_negative_values() { sign(offset.x) * sign(offset.y) } else { 1.0 }
     }
 
-    /// Pdf \[1/pixel] of the sampled offset `x` along one axis: that of the table of quantiles, so
-    /// it is constant between two of them.
+    /// Pdf \[1/pixel] with which [`Filter::sample`] samples the offset `x` along one axis; 0
+    /// outside the radius.
+    ///
+    /// It is constant between two neighbouring entries of [`Filter::quantiles`].
     fn axis_offset_pdf(&self, x: f32) -> f32 {
         let above = self.quantiles.partition_point(|quantile| *quantile <= x);
         if above == 0 || above > QUANTILE_CELL_COUNT {

@@ -13,14 +13,14 @@ pub use lens::Lens;
 use crate::math::{Ray, Transform};
 use glam::{DVec2, DVec3, Vec2};
 
-/// A camera, which maps points of the image to rays in world space.
+/// A camera, which maps positions on the film to rays in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     center: DVec3,
     forward: DVec3,
-    /// Vector to the right in the image, of length `pixel_size`.
+    /// World-space vector of length `pixel_size` that points to the right in the picture.
     pixel_right: DVec3,
-    /// Vector to the top in the image, of length `pixel_size`.
+    /// World-space vector of length `pixel_size` that points to the top of the picture.
     pixel_up: DVec3,
     /// Width of a pixel \[length]. For a perspective camera, it is measured in the plane at
     /// distance 1; for an orthographic camera, in the image plane. It is 1 for a panorama.
@@ -37,7 +37,7 @@ enum CameraProjection {
     Perspective(Option<Lens>),
     /// Parallel rays that start in a plane.
     Orthographic,
-    /// Rays in all directions: longitude across the image, latitude down.
+    /// Rays in all directions: longitude across the picture, latitude down.
     Panorama,
 }
 
@@ -49,7 +49,7 @@ pub struct DegenerateUpVector;
 impl Camera {
     /// Creates a pinhole camera at `center` that looks along `direction`.
     ///
-    /// `angle` is the full vertical angle of view \[radians]. The image has `width` × `height`
+    /// `angle` is the full vertical angle of view \[radians]. The picture has `width` × `height`
     /// pixels, and its top is towards `up`.
     ///
     /// # Errors
@@ -69,7 +69,7 @@ impl Camera {
     /// Creates an orthographic camera, whose rays start in a plane through `center` and run along
     /// `direction`.
     ///
-    /// `size` is the height of the image in world space \[length].
+    /// `size` is the height of the picture in world space \[length].
     ///
     /// # Errors
     /// [`DegenerateUpVector`] if `direction × up` vanishes.
@@ -84,9 +84,9 @@ impl Camera {
         Self::new(center, direction, up, size / f64::from(height), CameraProjection::Orthographic, (width, height))
     }
 
-    /// Creates a camera at `center` whose equirectangular image covers all directions.
+    /// Creates a camera at `center` whose equirectangular picture covers all directions.
     ///
-    /// The center of the image shows `direction`. The top of the image shows `up`, made
+    /// The center of the picture shows `direction`. The top of the picture shows `up`, made
     /// perpendicular to `direction`.
     ///
     /// # Errors
@@ -157,14 +157,15 @@ impl Camera {
         self.projection == CameraProjection::Orthographic
     }
 
-    /// Width and height of the image \[pixels].
+    /// Width and height of the picture \[pixels].
     #[must_use]
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// World-space position of the pinhole or lens center. For an orthographic camera, it is the
-    /// origin of the ray through the image center.
+    /// World-space position of the pinhole, of the lens center, or of a panorama's center.
+    ///
+    /// For an orthographic camera, it is the origin of the ray through the picture's center.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         self.center
@@ -172,6 +173,8 @@ impl Camera {
 
     /// Width of a pixel's footprint at the ray origin \[length], and its increase per unit of
     /// distance along the ray.
+    ///
+    /// Both hold at the center of the picture.
     #[inline]
     #[must_use]
     pub fn pixel_footprint_and_growth(&self) -> (f32, f32) {
@@ -189,11 +192,12 @@ impl Camera {
         Self { center: self.center + by, ..self }
     }
 
-    /// Returns the cameras of a left and a right eye, `distance` apart along the rows of the image;
-    /// `None` unless the projection is perspective. This camera is halfway between them.
+    /// Returns the cameras of a left and a right eye, `distance` \[length] apart along the rows of
+    /// the picture; `None` unless the projection is perspective.
     ///
-    /// Their viewing directions are parallel. A point at depth `z` lies `distance / (z * w)` pixels
-    /// further right in the left image, where `w` is the width of a pixel at distance 1.
+    /// This camera is halfway between them, and all viewing directions are parallel. A point at
+    /// depth `z` lies `distance / (z * w)` pixels further right in the left picture, where `w` is
+    /// the width of a pixel at distance 1.
     #[must_use]
     pub fn stereo_pair(&self, distance: f64) -> Option<[Self; 2]> {
         match self.projection {
@@ -220,7 +224,8 @@ impl Camera {
 
     /// Copy of the camera with a picture of `width` × `height` pixels.
     ///
-    /// The vertical angle of view, or the height of an orthographic image, does not change.
+    /// The vertical angle of view, or the height of an orthographic picture in world space, does
+    /// not change.
     #[must_use]
     pub fn with_size(self, width: u32, height: u32) -> Self {
         let ratio = match self.projection {
@@ -246,8 +251,8 @@ impl Camera {
     /// Copy of the camera, rotated about the point `pivot` together with its viewing direction.
     ///
     /// `yaw` rotates about the unit vector `axis`, then `pitch` about the camera's right vector
-    /// \[radians]. The distance from `pivot` is multiplied by `distance` > 0, and so are the focus
-    /// distance of a lens and the size of an orthographic image.
+    /// \[radians]. The distance from `pivot` is multiplied by the factor `distance` > 0, and so are
+    /// the focus distance of a lens and the size of an orthographic picture.
     #[must_use]
     pub fn orbited(self, pivot: DVec3, axis: DVec3, yaw: f64, pitch: f64, distance: f64) -> Self {
         let right = rotated_vector(self.pixel_right.normalize(), axis, yaw);
@@ -269,7 +274,7 @@ impl Camera {
         }
     }
 
-    /// Generates the world-space ray through image point `p` \[pixels from the top left].
+    /// Generates the world-space ray through the film position `p` \[pixels from the top left].
     ///
     /// The ray has a unit direction. `lens` in \[0, 1)² samples the point of the lens where the ray
     /// starts; `None` stands for the lens center. Cameras without a lens ignore it.
@@ -299,7 +304,7 @@ impl Camera {
         }
     }
 
-    /// Generates the world-space ray through image point `p` \[pixels from the top left] that
+    /// Generates the world-space ray through the film position `p` \[pixels from the top left] that
     /// starts at the point `on_lens` of the lens \[length right and up from its center].
     ///
     /// The ray has a unit direction. Cameras without a lens ignore `on_lens`.
@@ -325,8 +330,8 @@ impl Camera {
         self.lens().map_or(DVec2::ZERO, |lens| lens.sample(u))
     }
 
-    /// Coordinates of image point `p` \[pixels from the top left] right and up from the image
-    /// center \[pixels].
+    /// Coordinates of the film position `p` \[pixels from the top left] right and up from the
+    /// film's center \[pixels].
     #[inline]
     fn centered_coordinates(&self, p: Vec2) -> (f64, f64) {
         (f64::from(p.x) - 0.5 * f64::from(self.width), 0.5 * f64::from(self.height) - f64::from(p.y))

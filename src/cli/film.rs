@@ -176,8 +176,8 @@ pub(super) struct FilmHeaderSettings<'a> {
 }
 
 impl FilmHeaderSettings<'_> {
-    /// Returns the flags of all settings that differ from their default, except the seed and the
-    /// size of the picture.
+    /// Returns `--integrator`, and the flags of all other settings that differ from their default.
+    /// Leaves out the seed and the size of the picture.
     pub fn non_default_flags(&self) -> Vec<String> {
         let mut flags = method_flags(self.method, "--effects", self.effects);
         if self.no_error_estimate {
@@ -196,7 +196,7 @@ impl FilmHeaderSettings<'_> {
     }
 }
 
-/// Returns the layers of a render whose film has this header.
+/// Returns which layers a film with this header holds beside the picture.
 fn film_layers(header: &FilmHeader) -> RenderedLayers {
     let has = |flag: &str| header.settings.iter().any(|word| word == flag);
     RenderedLayers {
@@ -269,7 +269,8 @@ impl<'a> LockedFilmFile<'a> {
     /// Locks the film file at `path`. Returns it with the render that it holds; the render is
     /// `None` if the file does not exist.
     ///
-    /// The film must belong to the render with `header`. `interval` is the time between two saves.
+    /// Returns a failure if another process uses the file, or if its film belongs to another render
+    /// than `header`. `interval` is the smallest time between two saves while the render goes on.
     pub fn open(
         path: &'a Path,
         header: FilmHeader,

@@ -10,8 +10,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Largest allowed `end` of a [`FrameRange`]. All output files are checked before the first frame
-/// is rendered.
+/// Largest allowed `end` of a [`FrameRange`]. It bounds the number of output files, which are all
+/// checked before the first frame is rendered.
 const MAX_FRAME_END: u32 = 10_000;
 
 /// Numbers of the frames to render, from `first` to before `end`: value of `--frames`.
@@ -59,11 +59,11 @@ pub(super) struct FrameNameError {
 #[diagnostic(help("remove Moving around the camera"))]
 pub(super) struct MovingTurntableCameraError;
 
-/// Returns `path` with the number `frame` in place of `%d`, or of `%04d` with leading zeros up to
-/// four digits.
+/// Returns `path` with the number `frame` in place of `%d`, or of `%0Nd` with leading zeros up to N
+/// digits (1 to 9).
 ///
-/// `flag` is the flag that names the file. The error names it if `path` has no such place, or more
-/// than one.
+/// `flag` is the flag that names the file. It appears in the error, which is returned if `path` has
+/// no such place, or more than one.
 pub(super) fn frame_path(flag: &'static str, path: &Path, frame: u32) -> Result<PathBuf, FrameNameError> {
     let numbered = path.to_str().and_then(|text| {
         let (before, rest) = text.split_once('%')?;
@@ -92,8 +92,8 @@ pub(super) struct Turntable {
 impl Turntable {
     /// Makes the turntable of a scene with a full turn of `frames` frames.
     ///
-    /// The camera turns about the point that it looks at, or else about the surface point in the
-    /// center of the picture.
+    /// If the scene names a point that the camera looks at, the camera turns about that point. If
+    /// the scene gives a viewing direction instead, the camera turns about [`pivot`].
     pub fn new(
         scene: &Scene,
         description: &CameraDescription,
@@ -110,8 +110,8 @@ impl Turntable {
         Ok(Self { initial_camera: scene.camera_in_description(), pivot, axis, frames_per_turn: frames })
     }
 
-    /// Returns the camera of a frame; `None` for the frame that the scene's own camera shows. The
-    /// camera moves to the right as frame numbers rise.
+    /// Returns the camera of a frame; `None` for frame 0 and after each full turn, which the
+    /// scene's own camera shows. The camera moves to the right as frame numbers rise.
     pub fn camera(&self, frame: u32) -> Option<Camera> {
         let step = frame % self.frames_per_turn;
         let angle = TAU * f64::from(step) / f64::from(self.frames_per_turn);

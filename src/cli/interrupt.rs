@@ -8,7 +8,8 @@ use super::Exit;
 use super::progress::{clear_progress_bar, print_message};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// True after the first interrupting signal.
+/// True after the first interrupting signal, or after a stop request of the live page of
+/// `--listen`.
 pub(super) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Starts to handle signals.

@@ -63,7 +63,8 @@ pub(super) fn picture_flags(arguments: &PictureArguments) -> Vec<String> {
     flags
 }
 
-/// Writes `picture` to `paths`, and prints which files were written. Collects errors in `failures`.
+/// Writes `picture` to `paths`. Prints which files were written, and warns of pixels that they
+/// cannot store. Collects errors in `failures`.
 pub(super) fn write_pictures<'a>(
     paths: impl Iterator<Item = &'a PathBuf>,
     picture: &Image,
@@ -79,7 +80,8 @@ pub(super) fn write_pictures<'a>(
     }
 }
 
-/// Prints warnings of pixels whose values the file format cannot store.
+/// Prints warnings of pixels whose values the file format cannot store. `exposure` is that of the
+/// written file \[stops].
 fn warn_of_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &ProgressDisplay) {
     let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
     if written.non_finite > 0 {

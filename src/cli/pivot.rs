@@ -3,9 +3,12 @@
 use crate::scene::Scene;
 use glam::{DVec3, Vec2};
 
-/// Returns the surface point in the center of the picture, in the coordinates of the description.
+/// Returns the surface point in the center of the picture, in the coordinates of the scene
+/// description.
 ///
-/// If there is no surface, the point lies on the same ray, as far away as the middle of the scene.
+/// If the ray through the picture's center hits no surface, returns the point of this ray that is
+/// nearest to the center of the scene. Its distance from the camera is at least a tenth of the
+/// scene's radius.
 pub(super) fn pivot(scene: &Scene) -> DVec3 {
     let camera = scene.camera();
     let (width, height) = camera.size();

@@ -49,7 +49,8 @@ pub(super) fn simulated_effects_line(plan: &Plan) -> String {
     format!("plan: {}; without {}", names(|d| d.is_simulated), names(|d| !d.is_simulated))
 }
 
-/// Prints the plan and the numbers of rays and photons of a pass, and warns of omitted effects.
+/// Prints the plan and the work of a pass. Warns of needed effects that the plan omits, and of
+/// caustics that are found only by chance.
 pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay) {
     progress.print_line(&simulated_effects_line(integrator.plan()));
     pass_work_lines(integrator).iter().for_each(|line| progress.print_line(line));
@@ -59,7 +60,7 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay
     }
 }
 
-/// True if the scene has caustics, but the algorithm of `integrator` traces no photons.
+/// True if the render simulates caustics of the scene, but `integrator` traces no photons.
 ///
 /// The estimated error of the picture then leaves out the caustics that no camera path hit.
 pub(super) fn finds_caustics_only_by_chance(integrator: &dyn Integrator) -> bool {
@@ -101,8 +102,8 @@ fn prefix_rays_line(mean: f64) -> Option<String> {
     (mean > 0.0).then(|| format!("and {mean:.2} rays per pixel up to the first diffuse surface, {reason}"))
 }
 
-/// Returns a line with the shares of indirect light that photon estimates carry in the first pass
-/// and in pass 100; `None` if camera paths carry all indirect light.
+/// Returns a line with the shares of indirect light that photon estimates carry in pass 1 and in
+/// pass 100. Returns `None` if camera paths carry all indirect light in pass 1.
 fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
     let percent = |pass| (100.0 * integrator.photon_share_of_indirect_light(pass)).round();
     let (first, later) = (percent(0), percent(99));
@@ -213,7 +214,7 @@ struct EffectCostReport {
 pub(super) struct EffectDecisionReport {
     effect: &'static str,
     on: bool,
-    /// True if the scene needs the effect.
+    /// True if the scene needs the effect and the algorithm can simulate it.
     needed: bool,
     reason: String,
     /// Visible flaw of a picture without the effect; `None` unless the scene needs the effect and

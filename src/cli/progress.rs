@@ -93,7 +93,8 @@ impl ProgressDisplay {
         }
     }
 
-    /// Sets the pass number that the bar shows: `pass`, counted from 1, of `of` passes if known.
+    /// Sets the pass number that the bar shows, such as `pass 3/20`. `pass` is counted from 1, and
+    /// `of` is the number of all passes; `None` if unknown.
     pub fn set_pass_number(&self, pass: u32, of: Option<u32>) {
         let label = match of {
             Some(of) => format!("pass {pass}/{of}"),
@@ -129,7 +130,8 @@ impl ProgressDisplay {
         }
     }
 
-    /// Restarts the bar at zero. The bar is full after `total` units of progress.
+    /// Restarts this display's bar at zero; does nothing for other displays. The bar is full after
+    /// `total` units of progress.
     fn restart_progress_bar(
         &self,
         style: Result<ProgressStyle, indicatif::style::TemplateError>,
@@ -154,7 +156,7 @@ fn progress_rate_label(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn f
     }
 }
 
-/// Returns a label that shows the remaining time of the render, which is expected at `end`.
+/// Returns a label that shows the time left until `end`, the expected end of the render.
 ///
 /// Without `end`, the label shows the remaining time of the current stage of the pass.
 fn time_left_label(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {

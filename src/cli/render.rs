@@ -96,7 +96,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     with_thread_pool(&arguments.scene, || load_scene_and_render(arguments, &progress))
 }
 
-/// Returns an error if `settings` or `--target-error` need light that `raycast` does not simulate.
+/// Returns a failure if the algorithm is `raycast`, and a flag needs simulated light or an error
+/// estimate. The flags are `--clamp`, `--light-groups` and `--target-error`.
 pub(super) fn check_raycast_flags(
     settings: &FilmHeaderSettings<'_>,
     target_error: Option<f64>,
@@ -166,8 +167,8 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
 
 /// Renders `scene`, and writes all outputs.
 ///
-/// `inputs` are the files that the scene names. `start` is the time at which loading began. `live`
-/// shows the render on a page.
+/// `inputs` are the files that the scene names. `--time` counts from `start`: the start of loading,
+/// or of this picture if there are several. `live` shows the render on a page.
 fn render_scene(
     arguments: &RenderArguments,
     scene: &Scene,
@@ -310,7 +311,7 @@ fn shard_passes_and_stop<'a>(
     Ok((numbers, StopCriteria { max_passes: Some(count), ..stop }))
 }
 
-/// Returns the scene and the settings that the film file names.
+/// Returns the scene and the settings that the header of the film file holds.
 fn film_header_settings(arguments: &RenderArguments) -> FilmHeaderSettings<'_> {
     FilmHeaderSettings {
         scene: &arguments.scene.scene,
@@ -347,7 +348,7 @@ fn find_surface_aovs(
     render_surface_aovs(scene, effects, settings, surface, SURFACE_AOV_RAYS, progress)
 }
 
-/// Returns the surface whose properties the command line asks for.
+/// Returns which surface along a camera ray the surface AOVs describe.
 fn aov_surface(arguments: &RenderArguments) -> AovSurface {
     if arguments.aov_first_hit { AovSurface::First } else { AovSurface::FirstNonSpecular }
 }

@@ -40,7 +40,7 @@ pub(super) struct RenderReport {
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
     pub photons: PhotonReports,
-    /// Estimated error; `None` after too few passes, or with `--no-error-estimate`.
+    /// Estimated error; `None` after too few passes, with `--no-error-estimate`, or for `raycast`.
     pub error: Option<EstimatedErrorReport>,
     /// Light that clamping removed, as a fraction of the light without clamping; `None` without
     /// clamping.
@@ -55,7 +55,8 @@ pub(super) struct RenderReport {
 /// Limits of the render. The field `ended` of [`RenderReport`] names the limit that it reached.
 #[derive(Debug, Serialize)]
 pub(super) struct LimitsReport {
-    /// True if the command line sets no limit.
+    /// True if the command line has none of `--passes`, `--time` and `--target-error`. The limits
+    /// are then the defaults, or those of `--preview`.
     #[serde(rename = "default")]
     is_default: bool,
     /// Largest number of passes; `None` without this limit.
@@ -89,9 +90,9 @@ pub(super) struct EstimatedErrorReport {
     pub estimate: ErrorEstimate,
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     pub confidence: Confidence,
-    /// Total number of passes after which the estimated error is expected to be half of its present
-    /// value (median of the forecast). `None` if it is unknown, or if no number of passes halves
-    /// the error.
+    /// Total number of passes after which a render would end whose error target is half of the
+    /// present error (median of the forecast). `None` if it is unknown, or if no number of passes
+    /// halves the error.
     #[serde(rename = "halving_passes")]
     halving_total_passes: Option<u32>,
     /// Expected time of the passes that are still missing to `halving_total_passes` \[s]; `None` if
@@ -120,8 +121,8 @@ impl EstimatedErrorReport {
 pub(super) struct GatherRadiiReport {
     /// Largest gather radius of the indirect map in the first pass \[length].
     ///
-    /// The map holds all indirect light. In `hybrid`, it holds only light that a receiver scattered
-    /// after a caustic.
+    /// The map holds all indirect light. In `hybrid`, it holds only caustic light that a receiver
+    /// has scattered further.
     #[serde(rename = "global")]
     pub indirect: f32,
     /// Largest gather radius of the caustic map in the first pass \[length].
@@ -167,7 +168,8 @@ pub(super) struct RenderSetup {
     pub scatter_point_guiding: Option<ScatterPointGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
-    /// Time from the start of loading to the end of the pilots \[s].
+    /// Time of loading and pilots \[s]. Loading does not count if there are several pictures
+    /// (`--frames`, `--stereo`).
     pub setup_seconds: f64,
 }
 

@@ -11,8 +11,8 @@ use crate::stats::MemoryLimit;
 use miette::Report;
 use std::path::{Path, PathBuf};
 
-/// Reads and builds the scene that the command line names. `--size` replaces the picture size of
-/// the scene.
+/// Reads and builds the scene that the command line names, and prints the warnings of its importer.
+/// `--size` replaces the picture size of the scene.
 ///
 /// If a picture or an input does not fit into memory, returns a failure before memory is allocated.
 /// `monitor` receives the progress of reading.

@@ -68,18 +68,19 @@ impl SceneArguments {
     }
 }
 
-/// File extensions of all scene formats.
+/// Returns the file extensions of all scene formats.
 fn scene_extensions() -> impl Iterator<Item = &'static str> {
     IMPORTERS.iter().flat_map(|importer| importer.extensions()).copied()
 }
 
-/// Help of `--format`, which lists the extensions of all scene formats.
+/// Returns the help text of `--format`, which lists the extensions of all scene formats.
 fn scene_format_help() -> String {
     let known = join_with_or(scene_extensions().map(str::to_owned).collect());
     format!("Format of the scene, by its file extension: {known}  [default: by the extension of the file]")
 }
 
-/// Help of the scene file, which lists the extensions of all importers.
+/// Returns the help text of the scene file: scene text, or a format of another program by its file
+/// extension.
 fn scene_file_help() -> String {
     let foreign = scene_extensions().filter(|extension| !SCENE_TEXT_EXTENSIONS.contains(extension));
     let kinds = std::iter::once("scene text".to_owned()).chain(foreign.map(|extension| format!(".{extension}")));

@@ -93,7 +93,8 @@ impl ValueEnum for VolumeEstimator {
     }
 }
 
-/// Returns the settings that the arguments describe.
+/// Returns the settings that the arguments describe. Error estimates, light groups, crop window and
+/// clamping are off: the caller sets them.
 pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: EffectOverrides) -> Settings {
     let unaimed_paths = arguments.photons.unwrap_or(Settings::default().unaimed_paths);
     Settings {
@@ -128,7 +129,8 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
     }
 }
 
-/// Returns the flags that reproduce `arguments`. Leaves out the seed and default values.
+/// Returns the flags that reproduce `arguments`: first `--integrator`, then all flags whose value
+/// is not the default. Leaves out the seed.
 ///
 /// `effects_flag` is the name of the flag for `overrides`: `--effects` or `--simulate`.
 pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, overrides: EffectOverrides) -> Vec<String> {

@@ -146,7 +146,8 @@ pub(super) fn parse_positive_factor(text: &str) -> Result<f64, String> {
     parse_number_where(text, |x| x > 0.0).ok_or_else(|| format!("`{text}` is not a factor: write a number above 0"))
 }
 
-/// Parses the exponent α by which gather radii shrink, in (0, 1].
+/// Parses the parameter α of progressive photon mapping, in (0, 1]. Gather radii shrink faster for
+/// smaller α; 1 keeps them.
 pub(super) fn parse_alpha(text: &str) -> Result<f64, String> {
     parse_number_where(text, |x| x > 0.0 && x <= 1.0)
         .ok_or_else(|| format!("`{text}` is not an exponent of the radii: write a number above 0 and at most 1"))

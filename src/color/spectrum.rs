@@ -10,8 +10,8 @@ use super::wavelength::color_matching_rgb;
 use glam::DVec3;
 use std::sync::LazyLock;
 
-/// Shortest and longest wavelength of the integrals \[nm]. Beyond them, no response exceeds 10⁻⁴ of
-/// its maximum.
+/// Shortest and longest wavelength over which spectra are integrated \[nm]. Beyond them, no
+/// response of an RGB channel exceeds 10⁻⁴ of its maximum.
 const INTEGRATION_BAND_NM: [u32; 2] = [360, 830];
 
 /// Product of Planck's constant, the square of the speed of light, and 2 \[W m²/sr].
@@ -23,8 +23,7 @@ const SECOND_RADIATION_CONSTANT: f64 = 1.438_776_877e-2;
 /// Wien's displacement constant \[m K]: the peak of a blackbody's spectrum times its temperature.
 const WIEN_CONSTANT: f64 = 2.897_771_955e-3;
 
-/// Least and greatest reflectance at normal incidence for which [`conductor_refractive_index`]
-/// finds k.
+/// Bounds to which [`conductor_refractive_index`] clamps the reflectance at normal incidence.
 const CONDUCTOR_REFLECTANCE_BOUNDS: [f64; 2] = [1e-4, 0.9999];
 
 /// Least η that [`conductor_refractive_index`] returns.
@@ -112,15 +111,16 @@ impl Spectrum {
 
     /// Returns the spectral radiance of a blackbody by Planck's law \[W/(m² sr nm)].
     ///
-    /// `kelvin` is the temperature, above 0.
+    /// `kelvin` is the temperature, above 0. The samples cover 360 to 830 nm in steps of 1 nm.
     #[must_use]
     pub fn blackbody(kelvin: f64) -> Self {
         Self { samples: band_wavelengths_nm().map(|nm| [nm, planck(kelvin, nm)]).collect() }
     }
 
-    /// Returns the spectrum of a blackbody whose maximum over all wavelengths is 1.
+    /// Returns the spectrum of a blackbody, scaled to the maximum 1 over all wavelengths.
     ///
-    /// `kelvin` is the temperature, above 0.
+    /// `kelvin` is the temperature, above 0. The samples cover 360 to 830 nm in steps of 1 nm, so
+    /// the maximum may lie outside of them.
     #[must_use]
     pub fn normalized_blackbody(kelvin: f64) -> Self {
         let peak = planck(kelvin, WIEN_CONSTANT / kelvin * 1e9);
@@ -225,7 +225,8 @@ fn reflectance_rgb(reflectance: impl Fn(f64) -> f64) -> DVec3 {
 /// Returns η and k of a conductor for linear red, green and blue, from the spectra of both.
 ///
 /// η is [`Spectrum::channel_means`] of `eta`, clamped so that a k exists. k is chosen so that the
-/// reflectance at normal incidence equals the color of the spectral reflectance.
+/// reflectance at normal incidence equals the color of the spectral reflectance, clamped to the
+/// range from 10⁻⁴ to 0.9999.
 #[must_use]
 pub fn conductor_refractive_index(eta: &Spectrum, k: &Spectrum) -> (DVec3, DVec3) {
     let reflectance = reflectance_rgb(|nm| {

@@ -21,7 +21,8 @@ use std::fmt;
 /// A camera as the scene file describes it, with its picture size and motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDescription {
-    /// Position of the pinhole, of the lens center, or of the center of an orthographic picture.
+    /// Position of the pinhole, of the lens center, of the center of an orthographic picture, or of
+    /// the viewpoint of a panorama.
     pub center: DVec3,
     /// View direction, or a point to look at.
     pub aim: DirectionOrTarget,
@@ -33,8 +34,8 @@ pub struct CameraDescription {
     pub width: u32,
     /// Picture height in pixels.
     pub height: u32,
-    /// Steps of the motion while the shutter is open. The camera's own position is the origin of
-    /// its rotations.
+    /// Steps of the motion while the shutter is open; empty for a camera at rest. The camera's own
+    /// position is the origin of its rotations.
     ///
     /// The first listed step is applied last.
     pub motion: Vec<TransformStep>,
@@ -66,14 +67,14 @@ pub struct LensDescription {
     pub aperture: ApertureDescription,
     /// Position of the plane in focus.
     pub focus: FocusDescription,
-    /// Number of diaphragm blades, at least 3; 0 for a round aperture.
+    /// Number of diaphragm blades, from 3 to 64; 0 for a round aperture.
     pub blades: u32,
 }
 
 /// Size of a lens aperture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ApertureDescription {
-    /// Lens radius, at least 0.
+    /// Lens radius in scene units, at least 0.
     Radius(f64),
     /// Given by the f-number: the ratio of focal length to lens diameter. The sensor height and the
     /// field of view give the focal length.
@@ -88,7 +89,7 @@ pub enum ApertureDescription {
 /// Position of the plane in focus, which is perpendicular to the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FocusDescription {
-    /// Distance of the plane in focus from the lens, above 0.
+    /// Distance of the plane in focus from the lens, along the view, in scene units; above 0.
     Distance(f64),
     /// A point on the plane in focus, in front of the camera.
     Point(DVec3),
@@ -371,9 +372,11 @@ const MAX_DIRECTION_ERROR: f64 = 1.0 / 16_777_216.0;
 /// from the picture's center.
 const MAX_CORNER_TANGENT: f64 = 65_536.0;
 
-/// Fails if single precision cannot distinguish the directions to the pixels of a perspective
-/// picture.
+/// Fails if the field of view of a perspective picture is too narrow or too wide for single
+/// precision.
 ///
+/// It is too narrow if a pixel spans less than [`MAX_DIRECTION_ERROR`]. It is too wide if the
+/// tangent at a corner exceeds [`MAX_CORNER_TANGENT`].
 /// `angle` is the vertical field of view in degrees. `width` and `height` are in pixels.
 fn check_field_of_view(angle: f64, (width, height): (u32, u32)) -> Result<(), MessageAndRemedy> {
     let (width, height) = (f64::from(width), f64::from(height));
@@ -392,14 +395,14 @@ fn check_field_of_view(angle: f64, (width, height): (u32, u32)) -> Result<(), Me
     Ok(())
 }
 
-/// Least focus distance \[length]. Squares of shorter lengths underflow in single precision.
+/// Least focus distance \[length]. Its square is far from underflow in single precision.
 const MIN_FOCUS_DISTANCE: f64 = 1e-12;
 
 /// Greatest lens radius and focus distance \[length]. Single precision can hold their squares and
 /// products.
 const MAX_RADIUS_OR_FOCUS: f64 = 1e12;
 
-/// Fails if single precision cannot hold the squares of the lens radius and the focus distance.
+/// Fails unless the lens radius is below 10¹² and the focus distance inside \[10⁻¹², 10¹²).
 fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
     if !(lens.radius < MAX_RADIUS_OR_FOCUS && lens.focus_distance < MAX_RADIUS_OR_FOCUS) {
         let message = "the lens is larger, or focused farther, than single precision can hold";

@@ -32,7 +32,8 @@ use glam::DVec3;
 pub struct SceneDescription {
     /// Camera of the picture.
     pub camera: Spanned<CameraDescription>,
-    /// Radiance of rays that leave the scene, in W/(m² sr).
+    /// Radiance along rays that hit nothing, in W/(m² sr). It does not illuminate surfaces, and an
+    /// environment light hides it.
     pub background: DVec3,
     /// Name of the medium outside all bodies; `None` for vacuum.
     pub ambient_medium: Option<Spanned<String>>,
@@ -70,7 +71,7 @@ pub enum GroupItem {
     Object(Spanned<ObjectDescription>),
 }
 
-/// An object of a description: a surface, a group, or a transformed object.
+/// An object of a description: a surface, a group, or a transformed or moving object.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ObjectDescription {
     /// A nested group of objects.
@@ -78,7 +79,7 @@ pub enum ObjectDescription {
     /// An object under an affine transform.
     Transform {
         /// Steps of the transform from the object to its surroundings. The first listed step is
-        /// applied last.
+        /// applied last, except for matrix steps; see [`TransformStep::composed_matrix`].
         steps: Vec<TransformStep>,
         /// Object that the steps transform, in its own space.
         object: Box<Spanned<ObjectDescription>>,
@@ -93,7 +94,7 @@ pub enum ObjectDescription {
         /// Object that moves, in its own space.
         object: Box<Spanned<ObjectDescription>>,
     },
-    /// A surface that has its own emission or that of its material.
+    /// A surface. It emits its own radiance or that of its material.
     Shape {
         /// Geometry in object space.
         shape: ShapeDescription,

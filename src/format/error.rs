@@ -115,7 +115,7 @@ struct SceneErrorData {
     source: SourceText,
     span: Span,
     /// Copy of the text and span, with control characters near the span escaped; `None` if there
-    /// are no such characters.
+    /// is nothing to escape.
     escaped_source: Option<(SourceText, Span)>,
     message: String,
     label: Option<String>,
@@ -237,7 +237,8 @@ impl SceneError {
         self.0.source.file_name()
     }
 
-    /// Returns the text at the error's position; empty if there is none.
+    /// Returns the text at the error's position: at most 80 bytes of one line. Empty if the error
+    /// concerns the whole file or has no position.
     #[must_use]
     pub fn offending_text(&self) -> &str {
         &self.0.source.text[self.0.span.start..][..self.0.span.len]
@@ -281,7 +282,8 @@ impl Diagnostic for SceneError {
 /// Returns a copy of the text with control characters near `span` escaped, and the span in the
 /// copy.
 ///
-/// Escaping keeps a terminal from executing them. `None` if there are no such characters.
+/// Escaping keeps a terminal from obeying the control characters. Line ends and tabs stay.
+/// Returns `None` if there is nothing to escape.
 fn escape_near_span(source: &SourceText, span: Span) -> Option<(SourceText, Span)> {
     let text = source.scene_text();
     let is_unsafe = |c: char| c.is_control() && !['\n', '\r', '\t'].contains(&c);

@@ -26,7 +26,9 @@ pub(super) fn is_unsupported_mesh_format(extension: &str) -> bool {
 }
 
 /// Returns advice to a user who gives a file with this extension as scene text; `None` if the file
-/// may be scene text. Extensions of importers do not occur.
+/// may be scene text.
+///
+/// `extension` must not be one that an importer reads.
 pub(super) fn remedy_for_foreign_scene(extension: &str) -> Option<&'static str> {
     if UNSUPPORTED_SCENE_EXTENSIONS.contains(&extension) {
         Some("export the meshes as OBJ or PLY, and name them in a scene text: `TriangleMesh { file a.obj }`")

@@ -30,7 +30,8 @@ pub struct SceneFile {
 }
 
 impl SceneFile {
-    /// Reads the file at `path` by the importer of its extension.
+    /// Reads the file at `path` by the importer of its extension. A file with an unknown extension
+    /// is read as scene text.
     ///
     /// # Errors
     /// [`SceneReadError`].
@@ -83,8 +84,8 @@ impl SceneFile {
         })
     }
 
-    /// Builds the scene. Files that it names are looked up in its folder, then in the parent
-    /// folder.
+    /// Builds the scene. Files that the description names are looked up in the folder of the scene
+    /// file, then in the parent of this folder.
     ///
     /// # Errors
     /// [`SceneError`].
@@ -92,8 +93,10 @@ impl SceneFile {
         self.resolve_monitored(&(), MemoryLimit::Unbounded)
     }
 
-    /// Builds the scene within `memory`; `monitor` receives the progress of reading meshes.
+    /// Builds the scene within the limit `memory`.
     ///
+    /// `monitor` receives the paths of files that the scene needs, and the progress of reading
+    /// meshes.
     /// Looks up files in the same folders as [`SceneFile::resolve`].
     ///
     /// # Errors
@@ -105,9 +108,8 @@ impl SceneFile {
     /// Builds the scene as [`SceneFile::resolve_monitored`] does, and shares with an `earlier`
     /// version of it what has not changed.
     ///
-    /// A mesh file with an unchanged [`FileStamp`](super::FileStamp) is not read again, and a
-    /// hierarchy over equal geometry is not built again. The scene has the same bits as without
-    /// `earlier`.
+    /// A mesh file with an unchanged [`FileStamp`](super::FileStamp) is not read again, and a BVH
+    /// over equal geometry is not built again. The scene has the same bits as without `earlier`.
     ///
     /// # Errors
     /// [`SceneError`].
@@ -123,7 +125,8 @@ impl SceneFile {
     /// Returns the camera of the description.
     ///
     /// # Errors
-    /// [`SceneError`] if single precision cannot represent its view.
+    /// [`SceneError`] if single precision cannot represent its view, or if its up direction is
+    /// parallel to the view.
     pub fn resolve_camera(&self) -> Result<Camera, SceneError> {
         resolve_camera(&self.description.camera, &self.source)
     }

@@ -15,9 +15,9 @@ use std::path::{Path, PathBuf};
 /// An importer checks what the scene language checks in its own files: values lie in their ranges
 /// (see [`description`](super::description)), and groups nest at most
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep. The paths of its [`EmbeddedAssets`] must
-/// not name files beside the scene, because an asset hides a file of the same path. Messages about
-/// unsupported content come from `import_notes.rs`, and sizes of binary data are checked by
-/// `framing.rs`.
+/// not name files beside the scene, because an asset hides a file of the same path.
+/// `import_notes.rs` collects messages about unsupported content. `framing.rs` makes a camera for a
+/// file that has none.
 ///
 /// Malformed files are tested by a function in `tests/it/robustness/input/readers.rs`, a folder of
 /// `tests/corpus/` and its line in `corpus.rs` beside the readers, and a target in

@@ -32,7 +32,7 @@ impl ImportNotes {
         self.places.entry((is_unsupported, message.to_owned())).or_default().insert(place);
     }
 
-    /// Returns the messages. Each ends with the number of its places and the first few of them.
+    /// Returns the messages. A message that has places ends with their number and the first three.
     pub fn into_notes(self) -> Vec<ImportNote> {
         let note = |((is_unsupported, message), places): ((bool, String), BTreeSet<String>)| {
             let message = if places.is_empty() { message } else { format!("{message} ({})", place_list(&places)) };

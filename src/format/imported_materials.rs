@@ -66,9 +66,10 @@ impl ImportedMaterials {
         name
     }
 
-    /// Keeps only the materials that an object uses, directly or through a mix.
+    /// Keeps only the materials that entries of `objects` name, and the materials of their mixes.
     ///
-    /// Returns the names of the textures that these materials use.
+    /// Nested groups are not searched. Returns the names of the textures that the kept materials
+    /// use.
     pub fn remove_unused(&mut self, objects: &ObjectGroup) -> HashSet<String> {
         let named = |item: &GroupItem| match item {
             GroupItem::MaterialName(name) => Some(name.value.clone()),

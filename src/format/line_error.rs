@@ -25,7 +25,7 @@ impl LineError {
     }
 }
 
-/// Returns at most 40 characters of `word`, with control characters escaped.
+/// Returns `word` with control characters, quotes and backslashes escaped, cut to 40 characters.
 pub(in crate::format) fn escaped_excerpt(word: &str) -> String {
     word.escape_debug().take(40).collect()
 }

@@ -53,7 +53,7 @@ pub enum MediumCoefficients {
     ExtinctionAlbedo {
         /// Extinction coefficient σt = σa + σs in 1/length at density 1, at least 0.
         extinction: DVec3,
-        /// Single-scattering albedo σs/σt, inside [0, 1].
+        /// Single-scattering albedo σs/σt, inside \[0, 1].
         albedo: DVec3,
     },
 }
@@ -87,7 +87,7 @@ pub enum DensityDescription {
     Cloud {
         /// Cloud cover, from 0 (empty) to 1 (everywhere).
         cover: f64,
-        /// Width of the cloud's soft edge, as a fraction of the ellipsoid's radius, inside [0, 1].
+        /// Width of the cloud's soft edge, as a fraction of the ellipsoid's radius, inside \[0, 1].
         softness: f64,
         /// Number of noise octaves, from 1 to 16.
         octaves: u32,
@@ -353,7 +353,8 @@ fn write_medium_box(out: &mut SceneWriter<'_, '_>, extent: &TransformedBoxDescri
     write_transform_field(out, &extent.steps)
 }
 
-/// Greatest allowed density. Its products with coefficients and lengths fit into single precision.
+/// Greatest allowed density of a grid after scaling. Its products with coefficients and lengths fit
+/// into single precision.
 const MAX_DENSITY: f64 = 1e12;
 
 /// Adds all `media` of the description to the scene.
@@ -366,7 +367,7 @@ pub(super) fn add_media<'a>(r: &mut Resolver<'a>, media: &'a [Spanned<MediumDesc
     Ok(())
 }
 
-/// Converts a described medium to one of the renderer. Reads its grid file or samples its cloud.
+/// Converts a described medium to one of the renderer. Reads its density grid or samples its cloud.
 fn make_medium(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Result<Medium, SceneError> {
     let (absorption, scattering) = match described.coefficients {
         MediumCoefficients::AbsorptionScattering { absorption, scattering } => (absorption, scattering),
@@ -386,7 +387,8 @@ fn make_medium(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Resu
     })
 }
 
-/// Returns the density grid of a medium, read from a file or sampled from a cloud.
+/// Returns the density grid of a medium: scaled values of a grid file or embedded grid, or samples
+/// of a cloud.
 ///
 /// `None` for a homogeneous medium.
 fn make_density_grid(
@@ -439,11 +441,13 @@ fn make_density_grid(
     Ok(Some(density))
 }
 
-/// Sets the medium outside all bodies, if `name` is one. `lights` are those of the scene.
+/// Makes the medium called `name` the medium outside all bodies. Does nothing if `name` is `None`.
 ///
 /// # Errors
-/// If the medium varies in space, or emits in a channel in which it neither absorbs nor scatters.
-/// Also if it absorbs or scatters, and the scene has a light at infinity.
+/// - No medium has this name.
+/// - The medium varies in space.
+/// - It emits in a channel in which it neither absorbs nor scatters.
+/// - It absorbs or scatters, and one of the scene's `lights` is at infinity.
 pub(super) fn set_ambient_medium(
     r: &mut Resolver<'_>,
     name: Option<&Spanned<String>>,
@@ -475,7 +479,7 @@ pub(super) fn set_ambient_medium(
     Ok(())
 }
 
-/// Returns the index and a copy of the medium called `name`; an error if there is none.
+/// Returns the medium called `name` and its index in the scene; an error if there is none.
 pub(super) fn medium_by_name(r: &Resolver<'_>, name: &Spanned<String>) -> Result<(u32, Medium), SceneError> {
     r.media.get(name.as_str()).cloned().ok_or_else(|| {
         let message = format!("no medium is called `{}`", name.value);
@@ -492,7 +496,7 @@ fn unit_cube_to_world(extent: &TransformedBoxDescription) -> DAffine3 {
 /// Returns the number of grid cells along each axis of a box, with `resolution` along its longest
 /// side.
 ///
-/// Cells are nearly cubic. Each axis has at least 2.
+/// Cells are nearly cubic before the box is transformed. Each axis has at least 2 cells.
 fn grid_size(extent: &TransformedBoxDescription, resolution: u32) -> [u32; 3] {
     let sides = extent.max - extent.min;
     let count = |side: f64| (f64::from(resolution) * (side / sides.max_element())).ceil().max(2.0) as u32;

@@ -56,7 +56,7 @@ pub fn resolve_monitored(
     Ok(resolve_with_assets(description, source, folder, &assets, None, monitor, memory)?.scene)
 }
 
-/// A scene that was built from a description, with what a later version of it can share.
+/// A scene that was built from a description, with its meshes, which a later version can share.
 #[derive(Clone, Debug)]
 pub struct ResolvedScene {
     /// The scene, ready to render.
@@ -68,7 +68,7 @@ pub struct ResolvedScene {
 /// Returns the scene that a description describes, with embedded `assets` in place of files.
 ///
 /// A path that is listed in `assets` is not looked up in the file system. The new scene shares
-/// unchanged meshes and hierarchies with the `earlier` one, which changes no bit of it.
+/// unchanged meshes and BVHs with the `earlier` one. Sharing changes no bit of the new scene.
 /// [`resolve_monitored`] explains other paths, `monitor` and `memory`.
 ///
 /// # Errors
@@ -181,7 +181,7 @@ fn add_object(r: &mut Resolver<'_>, object: &Spanned<ObjectDescription>, to_worl
     }
 }
 
-/// Returns the emission of an object with the current material.
+/// Returns the emission of an object that has the current material of `r`.
 ///
 /// `own` is the radiance set on the object; `None` selects the emission of the material.
 fn object_emission(r: &Resolver<'_>, own: Option<DVec3>) -> ObjectEmission {
@@ -194,7 +194,7 @@ fn object_emission(r: &Resolver<'_>, own: Option<DVec3>) -> ObjectEmission {
     }
 }
 
-/// Fails if the current material is a null interface and `radiance` is above 0.
+/// Fails if the current material of `r` is a null interface and `radiance` is above 0.
 fn refuse_null_interface_emission(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result<(), SceneError> {
     if radiance == Rgb::ZERO || !r.current_material().is_some_and(|material| material.is_null_interface) {
         return Ok(());

@@ -67,9 +67,9 @@ fn unused_item_messages(description: &SceneDescription, uses: &UsedSceneItems<'_
     found
 }
 
-/// Returns the defect that keeps a mesh from bounding a dielectric body; `None` if there is none.
+/// Returns, as text, the first defect that keeps a mesh from bounding a dielectric body.
 ///
-/// A mesh without triangles has no defect.
+/// `None` if the mesh has no defect or no triangles.
 fn dielectric_mesh_defect(report: &MeshReport) -> Option<String> {
     if report.triangles == 0 {
         return None;
@@ -92,7 +92,8 @@ struct UsedSceneItems<'a> {
     materials: BTreeSet<usize>,
     /// Names of the textures that any material refers to.
     textures: BTreeSet<&'a str>,
-    /// Paths of meshes with a dielectric material, and the span of the first use of each.
+    /// Paths of meshes with a dielectric material of the description, and the span of the first use
+    /// of each. Meshes with the materials of their files are left out.
     dielectric_meshes: BTreeMap<&'a str, Span>,
 }
 
@@ -108,7 +109,7 @@ impl<'a> UsedSceneItems<'a> {
 
     /// Records the materials and dielectric meshes that the objects of a group use.
     ///
-    /// `material` is the index of the current material. Entries of the group change it.
+    /// `material` is the index of the material of the next object. Entries of the group change it.
     fn collect_items_used_by_group(
         &mut self,
         description: &'a SceneDescription,
@@ -129,8 +130,8 @@ impl<'a> UsedSceneItems<'a> {
 
     /// Records the materials and dielectric meshes that an object uses.
     ///
-    /// `material` is the index of the current material. If the object is a group, its entries
-    /// change it.
+    /// `material` is the index of the object's material. If the object is a group, its entries
+    /// change `material`.
     fn collect_items_used_by_object(
         &mut self,
         description: &'a SceneDescription,

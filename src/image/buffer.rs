@@ -38,7 +38,7 @@ pub enum PictureSizeError {
     },
 }
 
-/// Number of pixels of a picture of `width` × `height`; fails if the size is invalid.
+/// Returns the number of pixels of a picture of `width` × `height`; fails if the size is invalid.
 pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize, PictureSizeError> {
     if width == 0 || height == 0 {
         return Err(PictureSizeError::Empty { width, height });
@@ -65,7 +65,7 @@ pub type Image = Raster<Vec3>;
 pub type Rgb8Image = Raster<[u8; 3]>;
 
 impl Image {
-    /// A black picture.
+    /// Makes a black picture.
     ///
     /// # Errors
     /// [`PictureSizeError`] if a side is zero or the picture exceeds [`MAX_PIXELS`].
@@ -76,7 +76,7 @@ impl Image {
 }
 
 impl<T: Copy> Raster<T> {
-    /// A picture from `width · height` pixels in rows from the top left.
+    /// Makes a picture from `width · height` pixels in rows from the top left.
     ///
     /// # Errors
     /// [`PictureSizeError`] if the sides are invalid or do not match the number of pixels.

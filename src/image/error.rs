@@ -113,7 +113,7 @@ pub enum ReadError {
         /// Reason why the size is invalid.
         source: PictureSizeError,
     },
-    /// The picture does not fit into memory.
+    /// The picture, or its file, does not fit into memory.
     #[error(
         "`{}` takes {} of memory, and {} are free: make the picture smaller, or allow more --memory",
         path.display(), format_bytes(*needed), format_bytes(*free)
@@ -121,7 +121,8 @@ pub enum ReadError {
     Memory {
         /// Path of the picture file.
         path: PathBuf,
-        /// Peak memory while the picture is read \[bytes].
+        /// Peak memory while the picture is read, or the length of the file if that alone exceeds
+        /// `free` \[bytes].
         needed: u64,
         /// Memory that reading may use \[bytes].
         free: u64,

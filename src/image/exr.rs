@@ -25,7 +25,8 @@ pub(super) const REC_709: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.3290),
 };
 
-/// Encodes `image` as the bytes of an OpenEXR file with lossless compression.
+/// Encodes `image` as the bytes of an OpenEXR file with lossless compression. Also returns the
+/// numbers of pixels with clamped or non-finite values.
 pub(super) fn encode(
     image: &Image,
     floats: ExrPrecision,
@@ -68,7 +69,7 @@ fn to_clamped_half(x: f32) -> f16 {
     f16::from_f32(if x.is_finite() { x.clamp(-LARGEST_HALF, LARGEST_HALF) } else { x })
 }
 
-/// OpenEXR layer attributes with `metadata` in the attribute `comments`.
+/// Returns OpenEXR layer attributes with `metadata` in the attribute `comments`.
 pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
     if !metadata.is_empty() {
@@ -94,7 +95,8 @@ impl From<exr::error::Error> for DecodeFailure {
 
 /// Decodes the first layer with channels R, G and B of any sample type. Other channels are ignored.
 ///
-/// Fails if reading needs more than `free` bytes of memory; for `free`, `None` is no limit.
+/// The picture has the size of the display window. It is black outside of the data window. Fails if
+/// reading needs more than `free` bytes of memory; for `free`, `None` is no limit.
 pub(super) fn decode(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     for header in &MetaData::read_from_buffered(Cursor::new(file), false)?.headers {
         let Vec2(width, height) = header.layer_size;

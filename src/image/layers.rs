@@ -27,7 +27,8 @@ pub struct ExrLayer {
 }
 
 impl ExrLayer {
-    /// Name of a channel with the prefix of its layer, such as `noise.R`; `R` in the unnamed layer.
+    /// Returns the name of a channel with the prefix of its layer, such as `noise.R`; `R` in the
+    /// unnamed layer.
     #[must_use]
     pub fn full_channel_name(&self, channel: &str) -> String {
         if self.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", self.name) }

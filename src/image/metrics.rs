@@ -35,7 +35,7 @@ pub enum MetricError {
     },
 }
 
-/// Root mean square error over all pixels and channels \[W/(m² sr)].
+/// Returns the root mean square error over all pixels and channels \[W/(m² sr)].
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
@@ -48,12 +48,12 @@ pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
     Ok((sum / (3.0 * b.pixels().len() as f64)).sqrt())
 }
 
-/// Relative mean square error: mean of (a − b)² / (b² + ε) over pixels and channels (Rousselle et
-/// al. 2011).
+/// Returns the relative mean square error: mean of (a − b)² / (b² + ε) over pixels and channels
+/// (Rousselle et al. 2011).
 ///
 /// In the formula, a and b are channel values of `a` and `reference`. ε is `epsilon`, in the unit
-/// of b²; 0.01 is common. `clip` limits the contribution of each pixel, so that a firefly does not
-/// dominate.
+/// of b²; 0.01 is common. The mean over the channels of a pixel is limited to `clip`, so that a
+/// firefly does not dominate. `None` is no limit.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or ε or `clip` is not positive.
@@ -117,8 +117,9 @@ pub fn largest_differences(a: &Image, b: &Image) -> Result<PixelDifferences, Met
     Ok(found)
 }
 
-/// Relative root mean square error of `a`: errors are divided by about the local radiance of
-/// `reference`, see [`RelativeErrorWeights`].
+/// Returns the relative root mean square error of `a`. Errors are divided by about the local
+/// radiance of `reference`, see [`RelativeErrorWeights`]. The squared relative error of a pixel
+/// counts at most 1.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
@@ -169,8 +170,8 @@ pub(super) fn check_comparable(a: &Image, b: &Image) -> Result<(), MetricError> 
     Ok(())
 }
 
-/// Pairs of the pixels of `a` and `b` at equal positions; fails if the sizes differ or a pixel is
-/// not finite.
+/// Returns pairs of the pixels of `a` and `b` at equal positions; fails if the sizes differ or a
+/// pixel is not finite.
 fn pixel_pairs<'a>(
     a: &'a Image,
     b: &'a Image,

@@ -11,7 +11,8 @@ use super::error::{DecodeFailure, WriteError, check_compression_ratio, check_mem
 use super::options::{BitDepth, WriteOptions};
 use super::tone::{ClippedPixelReport, Quantizer, ToneCurve, srgb_decode};
 
-/// Encodes `image` as the bytes of a PNG file.
+/// Encodes `image` as the bytes of a PNG file. Also returns the numbers of pixels with clamped or
+/// non-finite values.
 ///
 /// The file has an sRGB chunk unless the tone curve is [`ToneCurve::Legacy`].
 pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
@@ -42,7 +43,8 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
     Ok((file, report))
 }
 
-/// Converts radiance to the samples of a PNG file; 16-bit samples are big-endian.
+/// Converts radiance to the samples of a PNG file by the tone map of `options`; 16-bit samples are
+/// big-endian.
 fn quantize_image(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
     let (white, size) = match options.depth {
         BitDepth::Eight => (255, 1),
@@ -85,8 +87,8 @@ struct DecodedPng {
     encoding_gamma: Option<f64>,
 }
 
-/// Decodes the samples of a PNG file. Fails if that needs more than `free` bytes of memory; for
-/// `free`, `None` is no limit.
+/// Decodes the samples of a PNG file. Fails if that needs more than `free` bytes of memory, or if a
+/// pixel is transparent. For `free`, `None` is no limit.
 fn decode_png_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, DecodeFailure> {
     let mut decoder = Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::EXPAND);
@@ -167,7 +169,7 @@ fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> 
     Ok(Image::from_pixels(width, height, pixels)?)
 }
 
-/// Decodes the levels of an 8-bit PNG file, without a transfer function.
+/// Decodes the levels of an 8-bit PNG file, without a transfer function. Fails for a 16-bit file.
 pub(super) fn decode_rgb8(file: &[u8]) -> Result<Rgb8Image, DecodeFailure> {
     let decoded = decode_png_samples(file, None)?;
     if decoded.sixteen {

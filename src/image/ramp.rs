@@ -24,13 +24,15 @@ const MAGMA: [[u8; 3]; 9] = [
 const BLUE_RED: [[u8; 3]; 5] =
     [[0x05, 0x71, 0xb0], [0x92, 0xc5, 0xde], [0xf7, 0xf7, 0xf7], [0xf4, 0xa5, 0x82], [0xca, 0x00, 0x20]];
 
-/// Colour of `t` in \[0, 1] by the colour map magma, as linear RGB: black is 0, pale yellow is 1.
+/// Returns the colour of `t`, clamped to \[0, 1], by the colour map magma, as linear RGB. Black is
+/// 0, pale yellow is 1.
 #[must_use]
 pub fn sequential_color(t: f64) -> Vec3 {
     interpolate_color_map(&MAGMA, t)
 }
 
-/// Colour of `t` in \[−1, 1], from blue (−1) over near-white (0) to red (1), as linear RGB.
+/// Returns the colour of `t`, clamped to \[−1, 1], as linear RGB: blue at −1, near-white at 0, red
+/// at 1.
 #[must_use]
 pub fn diverging_color(t: f64) -> Vec3 {
     interpolate_color_map(&BLUE_RED, 0.5 + 0.5 * t)

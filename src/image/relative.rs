@@ -14,9 +14,12 @@ const MIN_PIXELS_PER_TASK: usize = 2048;
 /// Per-pixel weights that turn squared errors into relative squared errors.
 ///
 /// The relative squared error is the mean of e² / (L² + m²) over pixels and channels, for the error
-/// e. L is the mean radiance of the pixel's 5 × 5 neighbourhood in the reference. m is the median
-/// of L over pixels with L > 0. So errors in bright regions are relative to the local radiance, and
-/// in dark regions to the median. For a black reference, the divisor is 1.
+/// e. L is the mean radiance of the pixel's 5 × 5 neighbourhood in the reference, over channels. m
+/// is the median of L over pixels with L > 0. So errors in bright regions are relative to the local
+/// radiance, and in dark regions to the median. For a black reference, the divisor is 1.
+///
+/// The relative squared error of each pixel is clamped to \[−1, 1], so that fireflies do not
+/// dominate. It can be negative if it is estimated as a product of two errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RelativeErrorWeights {
     /// 1 / (3 (L² + m²)) of each pixel, in rows from the top.
@@ -71,16 +74,16 @@ impl RelativeErrorWeights {
         Self { weights }
     }
 
-    /// Weight of each pixel, in rows from the top.
+    /// Returns the weight 1 / (3 (L² + m²)) of each pixel, in rows from the top.
     ///
     /// A weight times the squared error, summed over channels, is the relative squared error of the
-    /// pixel.
+    /// pixel before clamping.
     #[must_use]
     pub fn pixel_weights(&self) -> &[f64] {
         &self.weights
     }
 
-    /// Relative squared error of pixel `i`, clamped to \[−1, 1].
+    /// Returns the relative squared error of pixel `i`, clamped to \[−1, 1].
     ///
     /// `product` is the sum over channels of the squared error, or of the product of two errors.
     #[must_use]
@@ -88,7 +91,8 @@ impl RelativeErrorWeights {
         (self.weights[i] * product).clamp(-1.0, 1.0)
     }
 
-    /// Mean over pixels of the relative squared error, which is clamped to \[−1, 1] per pixel.
+    /// Returns the mean over pixels of the relative squared error, which is clamped to \[−1, 1] per
+    /// pixel.
     ///
     /// `product(i)` gives the squared error of pixel i in each channel. It may also give the
     /// product of the errors against two independent references, whose noise then cancels in the

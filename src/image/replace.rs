@@ -46,7 +46,8 @@ pub fn check_replaceable(path: &Path) -> Result<(), WriteError> {
     ReplaceTarget::find_replaceable_file(path)?.create_temporary_file().map(drop)
 }
 
-/// Absolute path of the file that [`replace_file`] would write, with symbolic links resolved.
+/// Returns the absolute path of the file that [`replace_file`] would write, with symbolic links
+/// resolved.
 ///
 /// Two paths to one file have equal results. A path whose folder does not exist is returned
 /// unchanged.
@@ -68,8 +69,8 @@ const TEMPORARY_NAME: (&str, &str) = (".caustica-", ".tmp");
 /// removed.
 const ABANDONED_AGE: Duration = Duration::from_secs(3600);
 
-/// Removes temporary files that killed processes left in `folder` before the time `now`. Failures
-/// are ignored.
+/// Removes the temporary files in `folder` that killed processes left: those with an age above
+/// [`ABANDONED_AGE`] at the time `now`. Failures are ignored.
 ///
 /// A file that is newer than `now`, because the clock was set back, stays.
 fn remove_abandoned_files(folder: &Path, now: SystemTime) {

@@ -21,10 +21,11 @@ pub enum ToneCurve {
     ///
     /// Highlights are compressed: white is reached at radiance 7.2 instead of 1.
     Filmic,
-    /// Clamps to \[0, 1] and truncates to levels, without a transfer function: trunc(255 · c).
+    /// Clamps to \[0, 1] and truncates to levels, without a transfer function: trunc(255 · c) for 8
+    /// bits.
     ///
-    /// This curve reproduces the pictures of the ray caster for which the scene format of MIT course 6.837 was
-    /// made.
+    /// This curve reproduces the pictures of the ray caster for which the scene format of MIT
+    /// course 6.837 was made.
     Legacy,
 }
 
@@ -159,12 +160,12 @@ fn filmic_curve(x: f64) -> f64 {
     x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
 }
 
-/// sRGB signal of a linear value in \[0, 1] (IEC 61966-2-1).
+/// Returns the sRGB signal of a linear value in \[0, 1] (IEC 61966-2-1).
 pub(super) fn srgb_encode(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
 }
 
-/// Linear value of an sRGB signal in \[0, 1] (IEC 61966-2-1).
+/// Returns the linear value of an sRGB signal in \[0, 1] (IEC 61966-2-1).
 pub(crate) fn srgb_decode(signal: f64) -> f64 {
     if signal <= 0.040_45 { signal / 12.92 } else { libm::pow((signal + 0.055) / 1.055, 2.4) }
 }

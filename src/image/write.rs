@@ -32,7 +32,8 @@ impl OutputFormat {
     }
 }
 
-/// Encodes a picture as the bytes of a file.
+/// Encodes a picture as the bytes of a file. Also returns the numbers of pixels with clamped or
+/// non-finite values.
 ///
 /// # Errors
 /// [`WriteError::Exposure`] or [`WriteError::Metadata`] if an option is invalid, or
@@ -51,8 +52,8 @@ pub fn encode(
 
 /// Writes a picture to `path`, whose extension determines the file format.
 ///
-/// Returns the numbers of clamped and non-finite pixels. The file is replaced atomically, see
-/// [`replace_file`].
+/// Returns the numbers of pixels with clamped or non-finite values. The file is replaced
+/// atomically, see [`replace_file`].
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged.

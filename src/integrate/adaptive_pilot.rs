@@ -33,7 +33,7 @@ const MAX_RELATIVE_COUNT: f64 = 8.0;
 /// Returns the number of camera rays that each pixel needs, divided by the mean over all pixels.
 ///
 /// The values are ordered by rows from the top. A pilot renders a few pictures and measures their
-/// noise. Returns `None` if they have no noise.
+/// noise. Returns `None` if the pictures have no noise.
 pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let options = MapBuildOptions::for_pilot(key, PHOTON_PATH_DIVISOR);

@@ -59,7 +59,8 @@ impl Algorithm {
         }
     }
 
-    /// Returns the number of passes of a render that has no limits and estimates no error.
+    /// Returns the number of passes of a render that estimates no error, if neither the number of
+    /// passes nor the time is limited.
     #[must_use]
     pub fn default_passes(self) -> u32 {
         match self {

@@ -49,8 +49,8 @@ pub(super) const LOOKUP_WORK: f64 = 20.0;
 /// aimed at casters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseSource {
-    /// Variance of the picture of a pass with one sample of this source: one camera ray per pixel,
-    /// or one photon path.
+    /// Relative variance of the picture of a pass due to this source, if the source had one sample:
+    /// one camera ray per pixel, or one photon path.
     pub single_sample_variance: f64,
     /// Work of one sample. The unit is the work of tracing one photon ray.
     pub work_per_sample: f64,
@@ -68,7 +68,7 @@ impl NoiseSource {
 }
 
 /// Returns the numbers of samples of all sources for which a pass has the least noise, at the total
-/// work of the default numbers.
+/// work of the numbers before balancing.
 ///
 /// A sample is one camera ray per pixel, or one photon path. No number changes by more than a
 /// factor of [`MAX_CHANGE`]. A source without noise keeps its number of samples, and its work is
@@ -123,8 +123,8 @@ pub(super) fn photon_storage_work(photons: u64) -> f64 {
 /// points are black.
 ///
 /// `one` and `other` are two independent estimates at the same points. `light` is the mean radiance
-/// at each point. The squared difference at a point is divided by the squared radiance there plus
-/// the squared median radiance of all points.
+/// at each point. At each point, half the squared difference is divided by the squared radiance
+/// there plus the squared median of the positive radiances. Values that are not finite count as 0.
 pub(super) fn relative_variance(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
     let Some(median) = positive_median(light.iter().copied()) else { return 0.0 };
     let square = |((a, b), light): ((&Rgb, &Rgb), &f64)| {

@@ -90,7 +90,7 @@ pub(super) struct PathState<I> {
     /// light and a photon estimate carries the rest.
     carries_divided_light: bool,
     /// Previous vertex, if next-event estimation there could have sampled the light that the path
-    /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
+    /// hits next. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
     /// shadow rays.
     prev_nee_vertex: Option<PrevVertex>,
     /// Sampler of the next vertex's random decisions.
@@ -330,8 +330,10 @@ fn continue_path<I: Interior>(
 /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from photon
 /// maps \[W/(m² sr)].
 ///
-/// Returns 0 if the policy reads no map at `vertex`. With [`PhotonLookups::RecordVisible`], records
-/// `vertex` as a visible point instead. Adds the estimate to the sums of `task`.
+/// If only few paths of a pixel read the maps, the radiance is multiplied by a weight and by the
+/// number of paths for which this path stands. Returns 0 if the policy reads no map at `vertex`.
+/// With [`PhotonLookups::RecordVisible`], records `vertex` as a visible point instead. Adds the
+/// radiance, times the throughput, to the sums of `task`.
 #[inline]
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
@@ -369,8 +371,8 @@ fn photon_radiance<I: Interior>(
     estimate
 }
 
-/// True if photon estimates find a part or all of the indirect light at a receiver. They do so only
-/// at the first receiver of a camera path.
+/// True if photon estimates from the interreflection map find a part or all of the indirect light
+/// at a receiver. They do so only at the first receiver of a camera path.
 ///
 /// `history` holds the receivers and casters on the path before this receiver.
 #[inline]
@@ -388,8 +390,9 @@ fn is_path_continued(weights: IndirectWeights, sampler: Sampler) -> bool {
     weights.continues_at_receiver(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverBranch))
 }
 
-/// Returns `light` times its weight, for `light` that `path` found: emission that it hit, or direct
-/// light at a caster. Also adds the weighted light to sums of `task`.
+/// Returns `light` times its weight. `light` is a contribution to the pixel that `path` found:
+/// emission that it hit, or direct light at a caster. Also adds the weighted light to sums of
+/// `task`.
 ///
 /// Up to the first receiver, extra prefix rays find the same light, so it has the weight of
 /// [`PrefixWeights`]. Later the weight is 1.
@@ -409,8 +412,8 @@ fn weigh_and_record_light<I>(light: Rgb, path: &PathState<I>, weights: &PathWeig
 }
 
 /// Records `vertex` in `task` as a point visible to the camera, once for each side from which it
-/// scatters light. The weight is the throughput times the BSDF, which is the importance of photons
-/// on that side.
+/// scatters light. The weight is the throughput times the BSDF for light along the normal, averaged
+/// over RGB. It is the importance of photons on that side.
 fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, task: &mut PathTask) {
     let surface = vertex.surface;
     for normal in surface.light_side_normals() {

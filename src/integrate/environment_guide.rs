@@ -87,8 +87,8 @@ impl EnvironmentGuide {
 }
 
 impl EnvironmentGuideFitter {
-    /// Makes a fit without rays. The boundaries of its cells divide the positions `points` evenly
-    /// along each axis.
+    /// Makes a fitter without pilot rays. The boundaries of its cells divide the positions `points`
+    /// evenly along each axis.
     pub fn new(points: &[Vec3]) -> Self {
         let bins = (CELLS_PER_AXIS * CELLS_PER_AXIS * CELLS_PER_AXIS) as usize * BINS_PER_CELL;
         Self { grid: SceneCellGrid::new(points), counts: vec![0.0; bins], squared_contribution_sums: vec![0.0; bins] }

@@ -37,8 +37,8 @@ const RAYS_PER_POINT: u32 = 6;
 /// find a widely visible environment without shadow rays.
 const MIN_GAIN: f64 = 1.5;
 
-/// Largest fraction of unguided shadow rays that reach the environment, for which the
-/// environment-guiding pilot goes on.
+/// Largest fraction of unguided shadow rays that reach the environment and contribute to the
+/// picture, at which the environment-guiding pilot goes on.
 ///
 /// Above it, the pilot ends after the first round without a guide: camera paths that sample the
 /// BSDF find such a widely visible sky well.
@@ -50,11 +50,12 @@ pub struct EnvironmentGuidingReport {
     /// Number of shadow rays that the pilot traced.
     #[serde(rename = "rays")]
     pub shadow_rays: u64,
-    /// Fraction in \[0, 1] of unguided shadow rays that reach the environment.
+    /// Fraction in \[0, 1] of unguided shadow rays that reach the environment and contribute to the
+    /// picture.
     #[serde(rename = "unoccluded")]
     pub unoccluded_fraction: f64,
     /// Second moment of unguided shadow rays' contributions to the picture, divided by that of
-    /// guided ones; 1 if no ray contributes.
+    /// guided ones; 1 if no ray contributes, or if the pilot ends after the first round.
     #[serde(rename = "gain")]
     pub variance_gain: f64,
     /// True if the render guides shadow rays.

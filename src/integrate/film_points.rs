@@ -39,7 +39,7 @@ pub(super) fn generate_film_points(scene: &Scene, key: Key, set: u32) -> Vec<Fil
 /// Traces a camera path through each of `points`.
 ///
 /// Returns the radiance at each point \[W/(m² sr)], and the parallel tasks that traced the paths.
-/// The tasks hold the ray counts and the visible points.
+/// The tasks hold the ray counts and the records of pilots, such as visible points.
 pub(super) fn trace_paths_through_film_points(
     paths: &PathContext<'_>,
     points: &[FilmPoint],

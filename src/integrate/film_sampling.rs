@@ -114,15 +114,15 @@ impl FilmSampling<'_> {
         self.relative_ray_counts.map_or(self.samples_per_pixel, exact)
     }
 
-    /// Returns the number of [prefix rays](super::prefix_rays) of a pixel. `pixel` is an index by
+    /// Returns the numbers of [prefix rays](super::prefix_rays) of a pixel. `pixel` is an index by
     /// rows from the top.
     fn pixel_prefix_ray_count(&self, pixel: usize) -> PixelPrefixRayCounts {
         self.prefix_rays.map_or(PixelPrefixRayCounts::default(), |rays| rays.counts[pixel])
     }
 
-    /// Returns the camera rays of the pixel in column `x`, row `y` of the whole picture, its prefix
-    /// rays, and its aimed prefix rays, if it has any. `key` is the random key of the picture's
-    /// camera rays.
+    /// Returns the camera rays of the pixel in column `x`, row `y` of the whole picture, its
+    /// unaimed prefix rays, and its prefix rays that are aimed at images of lamps. `None` stands
+    /// for no such rays. `key` is the random key of the picture's camera rays.
     pub fn camera_and_prefix_rays(
         &self,
         key: Key,
@@ -255,7 +255,8 @@ impl FilmSampling<'_> {
     /// Samples a film position around the pixel whose upper left corner is `corner`, by the pixel
     /// filter.
     ///
-    /// Returns the film position \[pixels from the top left] and the weight of the sample.
+    /// Returns the film position \[pixels from the top left] and the weight of the sample. Without
+    /// a filter, these are the lower left corner of the pixel and 1.
     #[inline]
     fn sample_film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };

@@ -3,7 +3,8 @@
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 
-/// Number of nearby photons whose directions guide a final-gathering ray.
+/// Largest number of nearby photons, on each side of a surface, whose directions guide a
+/// final-gathering ray.
 pub(super) const GUIDE_PHOTONS: u32 = 32;
 
 /// 1 − cosine of the half angle of the cone around each photon's direction. The half angle is 0.2

@@ -36,18 +36,20 @@ use glam::Vec2;
 /// Weights of camera paths and of photon estimates for the indirect light of one pixel in one pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct IndirectWeights {
-    /// Weight of the photon estimate in \[0, 1]; camera paths have the rest. If it is 0, all camera
-    /// paths continue at their first receiver.
+    /// Weight of the photon estimate in \[0, 1]; camera paths have the rest, except in a pilot that
+    /// compares both. If it is 0, all camera paths continue at their first receiver.
     pub photon_weight: f32,
     /// Number of the pixel's camera paths that continue at their first receiver: those with the
-    /// lowest sample indices.
+    /// lowest sample indices. Meaningless if `photon_weight` is 0.
     pub continued_paths: u32,
-    /// Number of camera paths of the pixel.
+    /// Mean number of camera paths per pixel in a pass. The single path of a pixel in a pilot
+    /// stands for this many paths.
     pub samples_per_pixel: u32,
 }
 
 /// Relative variance and bias of indirect light in one cell of the film grid, by camera paths and
-/// by photon estimates. They are divided by the squared indirect light of the cell.
+/// by photon estimates. They are divided by the squared radiance of all light in the cell, plus
+/// 1/100 of the squared median radiance of all cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct RelativeIndirectErrors {
     /// Relative variance of the indirect light found by one camera path that continues at its first
@@ -96,7 +98,7 @@ pub(super) enum IndirectTechnique<'a> {
     /// Camera paths and photon estimates, with weights that sum to 1.
     Weighted {
         division: &'a IndirectDivision,
-        /// Number of passes up to this one, which counts too.
+        /// Number of passes up to and including this one.
         pass_count: f32,
         /// Area of gather discs in the pass, divided by that in the first pass.
         relative_disc_area: f32,
@@ -138,7 +140,7 @@ impl IndirectWeights {
     /// True if camera path number `index` of the `count` paths of a pixel continues at its first
     /// receiver: if `index` is below the number of continued paths.
     ///
-    /// A pilot traces a single path per pixel (`count` is 1). It continues with the probability
+    /// If `count` is 1, as in a pilot, the path instead continues with the probability
     /// `continued_paths`/`samples_per_pixel`, by the random number `u` in \[0, 1).
     #[inline]
     pub fn continues_at_receiver(&self, (index, count): (u32, u32), u: f32) -> bool {
@@ -149,10 +151,12 @@ impl IndirectWeights {
         }
     }
 
-    /// Returns the factor on the light of each camera path that continues at its first receiver, if
-    /// `count` paths of the pixel are traced.
+    /// Returns the factor on the indirect light of each camera path that continues at its first
+    /// receiver, if `count` paths of the pixel are traced.
     ///
-    /// In a pilot, `count` is 1, and the single path stands for all paths of the pixel.
+    /// It is the weight of camera paths, times `count`, divided by the number of continued paths.
+    /// If `count` is 1, as in a pilot, the single path stands for `samples_per_pixel` paths. In a
+    /// pilot that compares both techniques, the factor is 1.
     #[inline]
     pub fn continued_path_factor(&self, count: u32) -> f32 {
         if *self == Self::COMPARISON {
@@ -165,7 +169,8 @@ impl IndirectWeights {
 
 impl RelativeIndirectErrors {
     /// Returns the weights of camera paths and of photon estimates, and the number of continued
-    /// camera paths, for which the error of indirect light is least at the price of a path.
+    /// camera paths, for which the error of indirect light is least at the price of a path. The
+    /// photon weight is 0 if a pilot found no light by one of the techniques.
     ///
     /// `pass_count` is the number of passes up to this one. `area` is the area of its gather discs,
     /// divided by that in the first pass.
@@ -242,7 +247,8 @@ impl IndirectDivision {
     /// light in a pass, and the number of continued camera paths per pixel.
     ///
     /// `pass_count` is the number of passes up to this one. `area` is the area of its gather discs,
-    /// divided by that in the first pass.
+    /// divided by that in the first pass. The squared bias of photon estimates counts `pass_count`
+    /// times.
     pub fn mean_error_and_paths(&self, pass_count: f32, area: f32) -> (f64, f64) {
         let mut sums = (0.0, 0.0);
         for cell in &self.cells {

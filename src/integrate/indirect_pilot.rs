@@ -67,8 +67,8 @@ const SEARCH_STEPS: u32 = 12;
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
 /// Largest fraction of a cell's indirect light that photon estimates of the indirect-light pilot
-/// may miss. If they miss more, the pilot has too few photons there to measure their variance, and
-/// assumes one.
+/// may miss. If they miss more, the pilot has too few photons there to measure their variance. It
+/// then assumes the relative variance [`ASSUMED_VARIANCE_IN_MEDIA`], or 1 without scattering media.
 const MAX_MISSED_FRACTION: f64 = 0.9;
 
 /// Relative variance that is assumed for photon estimates in a cell where they miss more than
@@ -80,14 +80,15 @@ const ASSUMED_VARIANCE_IN_MEDIA: f64 = 1e4;
 /// Bias of a density estimate, divided by its difference from an estimate with half the disc area.
 const BIAS_FACTOR: f64 = 2.0;
 
-/// Light that one camera path of a trial finds, averaged over RGB \[W/(m² sr)]. Its indirect light is
-/// estimated twice: by the path, and by photons.
+/// Light that one camera path of a trial finds, averaged over RGB \[W/(m² sr)]. Its indirect light
+/// is estimated twice: by the path, and by photons.
 #[derive(Clone, Copy, Debug, Default)]
 struct TrialPathLight {
     /// Direct light at the first receiver.
     direct: f64,
-    /// Emission that the path finds up to its first receiver, plus the caustics there. This pilot
-    /// ignores their noise, because other pilots reduce it.
+    /// Emission that the path finds up to its first receiver, plus the photon estimates of caustics
+    /// and of their indirect light there. This pilot ignores their noise, because other pilots
+    /// reduce it.
     emission_and_caustics: f64,
     /// Indirect light found by the camera path after its first receiver.
     path_indirect: f64,
@@ -279,6 +280,10 @@ impl TrialPathLight {
 /// Returns the relative errors of both techniques in each cell, and the mean relative variance of
 /// the direct light of a camera path; `None` if all is black.
 ///
+/// Variances and squared biases are divided by the squared light of the cell, plus 1/100 of the
+/// squared median light of all cells. The mean variance of direct light leaves out the noisiest 5 %
+/// of the cells.
+///
 /// `one` and `other` hold the light of the two trials. `paths` is the number of photon paths of a
 /// trial. `rare` is the variance that is assumed for photon estimates that found almost no light,
 /// divided by the squared light that camera paths found.
@@ -349,7 +354,7 @@ fn cell_errors(
 
 /// Chooses the number of photon paths, the number of passes with photon estimates, and
 /// [`IndirectDivision::path_price`] for which error times work is least. Returns a copy of
-/// `division` with them; `None` if camera paths alone are as good.
+/// `division` with them; `None` if camera paths alone are about as good.
 ///
 /// `parts` are the numbers of photon paths to choose from, divided by the number of `division`.
 /// `area` returns the disc area of a pass, counted from 0, divided by that of the first pass.

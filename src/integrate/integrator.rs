@@ -11,7 +11,7 @@ use crate::scene::Effects;
 use crate::stats::Counters;
 
 /// A rendering algorithm, prepared to render passes of one scene. *Pilots* are small simulations
-/// that run when it is made, before the first pass.
+/// that run when the integrator is made, before the first pass.
 ///
 /// The picture is the mean of all passes. Pass `i` depends only on the scene, the settings and
 /// `i`, so any pass can be computed alone.
@@ -45,16 +45,17 @@ pub trait Integrator: Send + Sync {
         0.0
     }
 
-    /// Returns the share in \[0, 1] of indirect light that photon estimates carry in pass `pass`,
-    /// as a mean over the picture. Camera paths carry the rest.
+    /// Returns the weight in \[0, 1] of photon estimates from the interreflection map of `hybrid`
+    /// in pass `pass`, as a mean over the picture. Returns 0 for other algorithms.
     ///
-    /// Only indirect light at the first receiver of each camera path counts.
+    /// Camera paths have the rest of the weight. The indirect light of caustics does not count: in
+    /// `hybrid`, photons always carry it.
     fn photon_share_of_indirect_light(&self, _pass: u32) -> f64 {
         0.0
     }
 
-    /// Returns the largest gather radius of each photon map in the first pass; `None` without
-    /// photons. In later passes, radii may be smaller.
+    /// Returns the largest gather radii of the caustic and the indirect map in the first pass;
+    /// `None` without photons. In later passes, radii may be smaller.
     fn initial_gather_radii(&self) -> Option<GatherRadii> {
         None
     }
@@ -65,7 +66,7 @@ pub trait Integrator: Send + Sync {
     }
 
     /// True if passes return the data from which the error of the picture is estimated. With
-    /// photons, these are [`NestedDifferences`](super::NestedDifferences).
+    /// photons, the data include [`NestedDifferences`](super::NestedDifferences).
     fn estimates_error(&self) -> bool {
         false
     }
@@ -94,7 +95,7 @@ pub trait Integrator: Send + Sync {
     }
 
     /// Returns the work and benefit of guiding photon emission towards points that the camera sees,
-    /// for each set of photon paths.
+    /// for photon paths in all directions and for paths aimed at casters.
     fn emission_guiding_reports(&self) -> EmissionGuidingReports {
         EmissionGuidingReports::default()
     }

@@ -31,18 +31,19 @@ const MAX_LAMPS: usize = 64;
 /// predicted images.
 const MIN_RAYS_PER_PIXEL: u32 = 2;
 
-/// Largest part of the predicted noise that candidates which are left out may have.
+/// Largest fraction of the predicted noise of all images that may belong to images which are not
+/// searched.
 ///
 /// Half of it is for the choice in each tile, and half for the choice among all tiles.
 ///
-/// Most candidates have little noise: without this limit, nine of ten searches would be for a
+/// Most images have little noise: if all were searched, nine of ten searches would be for a
 /// thousandth of the noise.
 const MAX_OMITTED_NOISE_FRACTION: f64 = 1e-3;
 
 /// Least throughput, as a mean over RGB, of a chain of specular vertices that is followed.
 ///
-/// The noise of an image is proportional to the squared throughput. This one keeps chains with one
-/// reflection at glass, and leaves out those with two.
+/// The noise of an image is proportional to the squared throughput. This value keeps chains with
+/// one reflection at glass, and leaves out those with two.
 const MIN_THROUGHPUT: f32 = 0.02;
 
 /// Largest distance from a camera ray of the pilot to the image that it searches, along each axis
@@ -55,8 +56,8 @@ const MAX_AREA: f64 = 1.0;
 /// Edge length of the square of pixels in which images are searched together \[pixels].
 const TILE_SIZE: u32 = 16;
 
-/// Largest number of searches in a tile, per pixel. It limits the work of the pilot; the candidates
-/// with most noise come first.
+/// Largest number of searches in a tile, per pixel. It limits the work of the pilot; searches with
+/// the most predicted noise come first.
 const MAX_SEARCHES_PER_PIXEL: f64 = 3.0;
 
 /// Largest number of Newton steps of a search.
@@ -86,7 +87,7 @@ struct FoundLampImage {
     image: LampImage,
     /// Film point and lens point of a camera ray that hits the lamp.
     point: CameraPoint,
-    /// Sampler of that ray.
+    /// Sampler of the camera ray through `point`.
     sampler: Sampler,
     /// Index of the light in the scene.
     light: u32,
@@ -95,7 +96,7 @@ struct FoundLampImage {
     radiance: f32,
 }
 
-/// Light of an image in a pixel, averaged over RGB.
+/// Light that the image of a lamp adds to a pixel, averaged over RGB.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampImageContribution {
     /// Index of the pixel, by rows from the top.
@@ -103,7 +104,8 @@ pub(super) struct LampImageContribution {
     pub image: LampImage,
     /// Radiance that the image adds to the pixel \[W/(m² sr)].
     pub pixel_radiance: f64,
-    /// Mean square of the radiance that a camera ray of the pixel finds in the image.
+    /// Mean square of the radiance that a camera ray of the pixel finds in the image \[(W/(m²
+    /// sr))²].
     pub mean_square: f64,
 }
 
@@ -121,8 +123,11 @@ struct ImageSearchStart {
     noise: f64,
 }
 
-/// Returns the images of lamps in each pixel, by pixels. A pixel has an image for each that the
-/// pixel filter reaches.
+/// Returns the images of lamps in each pixel, sorted by pixel. A pixel has every image that its
+/// filter reaches.
+///
+/// Returns no images if no light is an analytic shape, or if the effect of specular surfaces is
+/// off.
 pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<LampImageContribution> {
     let scene = renderer.scene;
     let lamps = lamp_spheres(scene);
@@ -137,7 +142,8 @@ pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<LampImageCont
     images_by_pixel(&images, scene.camera(), &renderer.settings.camera_paths.filter, lens_radius)
 }
 
-/// Returns spheres around the brightest lamps of `scene` that are analytic shapes.
+/// Returns spheres around the lamps of `scene` that are analytic shapes: at most [`MAX_LAMPS`],
+/// those with the largest radiance.
 fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
     let mut lamps: Vec<(f32, LampSphere)> = Vec::new();
     for (light, area) in scene.lights().iter().map(Light::as_area_light).enumerate() {
@@ -205,8 +211,8 @@ impl ImageSearch<'_> {
         distinct.images
     }
 
-    /// Returns the lamps near camera rays through `pixels`. `indices` are the numbers of the rays
-    /// of each pixel, below [`MAX_RAYS_PER_PIXEL`].
+    /// Returns starts of image searches: the lamps near camera rays through `pixels`. `indices` are
+    /// the indices of the rays of each pixel, below [`MAX_RAYS_PER_PIXEL`].
     fn candidates_near_rays<I: Interior>(&self, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<ImageSearchStart> {
         let camera = self.scene.camera();
         let has_lens = self.lens_radius() > 0.0;
@@ -256,14 +262,16 @@ impl ImageSearch<'_> {
         images.images
     }
 
-    /// Radius of the lens \[length]; 0 if rays do not sample it.
+    /// Returns the radius of the lens \[length]; 0 if rays do not sample it.
     fn lens_radius(&self) -> f64 {
         let lens = self.scene.camera().lens().filter(|_| self.effects.has(Effect::Lens));
         lens.map_or(0.0, |lens| lens.radius)
     }
 
-    /// Adds the lamps near the camera ray through `point` to `candidates`. `stack` is empty before
-    /// and after.
+    /// Adds to `candidates` the lamps near the camera ray through `point`, and near the rays into
+    /// which specular surfaces split it. Rays that carry a single wavelength are left out.
+    ///
+    /// `stack` is empty before and after.
     fn find_candidates<I: Interior>(
         &self,
         point: CameraPoint,
@@ -307,14 +315,14 @@ impl ImageSearch<'_> {
         }
     }
 
-    /// Radiance of `lamp`, averaged over RGB and its surface \[W/(m² sr)].
+    /// Returns the radiance of `lamp`, averaged over RGB and its surface \[W/(m² sr)].
     fn lamp_radiance(&self, lamp: &LampSphere) -> f32 {
         let area = self.scene.lights()[lamp.light as usize].as_area_light();
         area.map_or(0.0, |area| color::channel_mean(area.radiance))
     }
 
     /// Moves the film point of `candidate` to the image by Newton's method. Returns the image;
-    /// `None` if the search fails, or if the lamp is hidden.
+    /// `None` if the search fails, if the lamp is hidden or black, or if the image is too large.
     fn search_image<I: Interior>(&self, candidate: &ImageSearchStart) -> Option<FoundLampImage> {
         let ImageSearchStart { point: start, sampler, chain, lamp, .. } = *candidate;
         let mut from = start.film;
@@ -359,9 +367,9 @@ impl ImageSearch<'_> {
     }
 }
 
-/// Returns the least noise of a candidate at which its image is searched.
+/// Returns the least predicted noise at which the image of a candidate is searched.
 ///
-/// The candidates below it have together at most the part `omitted_fraction` of the predicted noise
+/// Candidates below it have together at most the fraction `omitted_fraction` of the predicted noise
 /// of all `candidates`.
 fn least_searched_noise<'a>(candidates: impl IntoIterator<Item = &'a ImageSearchStart>, omitted_fraction: f64) -> f64 {
     let mut noises: Vec<f64> = candidates.into_iter().map(|candidate| candidate.noise).collect();
@@ -445,7 +453,8 @@ impl ImageSet {
     }
 }
 
-/// Returns the images of `images` in each pixel that the pixel filter reaches, sorted by pixels.
+/// Returns the light of each of `images` in each pixel whose filter reaches the image, sorted by
+/// pixel.
 ///
 /// `lens_radius` is the radius of the lens \[length]; 0 if rays do not sample it.
 fn images_by_pixel(

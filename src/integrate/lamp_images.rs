@@ -10,7 +10,8 @@ use glam::{Mat2, Vec2};
 use std::f32::consts::{FRAC_1_PI, TAU};
 use std::sync::Arc;
 
-/// Radius of the disc in which most rays are aimed, relative to the image of the lamp.
+/// Radius of the disc at which most rays are aimed, in coordinates in which the lamp's image is the
+/// unit disc.
 ///
 /// It is above 1 because images are ellipses only nearly.
 const CORE_RADIUS: f32 = 1.25;
@@ -18,7 +19,8 @@ const CORE_RADIUS: f32 = 1.25;
 /// Probability that a ray is aimed at the disc of [`CORE_RADIUS`]. Other rays follow a heavy tail.
 const CORE_SHARE: f32 = 0.75;
 
-/// Radius within which half of the rays of the tail fall, relative to the image of the lamp.
+/// Radius within which half of the rays of the tail fall, in coordinates in which the lamp's image
+/// is the unit disc.
 const TAIL_RADIUS: f32 = 2.0;
 
 /// Image of a lamp on the film, as an ellipse.
@@ -26,20 +28,20 @@ const TAIL_RADIUS: f32 = 2.0;
 pub(super) struct LampImage {
     /// Center of the image for rays through the center of the lens \[pixels from the top left].
     pub center: Vec2,
-    /// Shift of the image by the position on the lens \[pixels/length].
+    /// Shift of the image on the film per shift of the lens point \[pixels/length].
     pub shift_per_lens_position: Mat2,
     /// Map from vectors on the film \[pixels] to coordinates in which the image is the unit disc.
     pub to_disc: Mat2,
 }
 
 impl LampImage {
-    /// Area of the image \[pixels²].
+    /// Returns the area of the image \[pixels²].
     pub fn area(&self) -> f32 {
         std::f32::consts::PI / self.to_disc.determinant().abs()
     }
 
-    /// Half the width and half the height of the part of the film \[pixels] that the image covers
-    /// as the point on the lens varies. `lens_radius` is the radius of the lens \[length].
+    /// Returns half the width and half the height of the part of the film \[pixels] that the image
+    /// covers as the point on the lens varies. `lens_radius` is the radius of the lens \[length].
     pub fn half_extent_over_lens(&self, lens_radius: f32) -> Vec2 {
         let from_disc = self.to_disc.inverse();
         let rows = |matrix: Mat2| Vec2::new(matrix.row(0).length(), matrix.row(1).length());
@@ -68,8 +70,8 @@ impl LampImage {
         self.center + self.shift_per_lens_position * on_lens + self.to_disc.inverse() * disc
     }
 
-    /// Pdf \[1/pixel²] with which rays are aimed at film point `film`, given their point `on_lens`
-    /// of the lens.
+    /// Returns the pdf \[1/pixel²] with which rays are aimed at film point `film`, given their
+    /// point `on_lens` of the lens.
     fn pdf(&self, film: Vec2, on_lens: Vec2) -> f32 {
         let squared = self.disc_point(film, on_lens).length_squared();
         let core = if squared < CORE_RADIUS * CORE_RADIUS { CORE_SHARE / (CORE_RADIUS * CORE_RADIUS) } else { 0.0 };
@@ -126,8 +128,8 @@ pub(super) fn sample_aimed_film_point(images: &[PixelLampImage], sampler: Sample
 pub(super) struct LampImages {
     /// Images of all pixels, by rows from the top.
     images: Arc<[PixelLampImage]>,
-    /// Index in `images` of each pixel's first image, by rows from the top; last, the number of
-    /// all.
+    /// Index in `images` of each pixel's first image, by rows from the top. The last entry is the
+    /// number of all images.
     starts: Arc<[u32]>,
 }
 

@@ -35,7 +35,8 @@ const GUIDE_PHOTON_DIVISOR: u32 = 16;
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
 const WAVELENGTH_KERNEL_HALF_WIDTH: f32 = 20.0;
 
-/// Lower bound on the photon limit k of density estimates. The limit shrinks over the passes.
+/// Lower bound on the photon limit k of density estimates, which shrinks over the passes. A limit
+/// that is smaller in the first pass stays as it is.
 const MIN_K: f64 = 8.0;
 
 /// Source, number and random key of the photon paths to trace for one map, and the kinds of photons
@@ -110,10 +111,10 @@ pub(super) struct PhotonMapBuilder<'a> {
     settings: Settings,
     policy: PathPolicy,
     pub request: PhotonMapRequest,
-    /// Photon source that emits in all directions; `None` if no map needs it, or if no light has
-    /// power.
+    /// Photon source that emits in all directions; `None` if passes trace no such paths.
     unaimed_source: Option<PhotonSource<'a>>,
-    /// Photon source aimed at casters; `None` if no map needs it, or if no light has power.
+    /// Photon source aimed at casters; it emits in all directions if the scene has no lit casters.
+    /// `None` if passes trace no such paths.
     aimed_source: Option<PhotonSource<'a>>,
     pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass \[length]; `None` if passes trace no photons.
@@ -229,6 +230,9 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Returns what fills the indirect map: its photon source, the kinds of photons that it stores,
     /// and the number of photon paths per pass.
+    ///
+    /// In `hybrid`, the number of aimed paths is divided by [`AFTER_CAUSTIC_THINNING`]. Russian
+    /// roulette ends the other paths after a caustic.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.aimed_paths_fill_indirect_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };

@@ -1,8 +1,9 @@
 //! Rendering algorithms: path tracing, photon mapping, ray tracing and ray casting.
 //!
 //! All implement [`Integrator`]. `PathIntegrator` implements it for every algorithm that a
-//! `PathPolicy` describes: `hybrid.rs` makes such a policy, and `camera_path.rs` holds the loop
-//! that follows it. Ray casting implements [`Integrator`] directly, in `raycast.rs`.
+//! `PathPolicy` describes. Each algorithm's file, such as `hybrid.rs`, makes its policy, and
+//! `camera_path.rs` holds the loop that follows it. Ray casting implements [`Integrator`] directly,
+//! in `raycast.rs`.
 //!
 //! # Terms
 //!
@@ -39,9 +40,9 @@
 //! density estimates from the indirect and the interreflection map.
 //!
 //! Which photons a pass stores is decided in three steps. `PathPolicy::photon_map_request` names
-//! the kinds of photons for the maps that a policy reads. `PhotonMapBuilder::new` drops unaimed
-//! paths if media emit light. `PhotonMapBuilder::mask_for_volume_estimator` decides between photon
-//! beams and photon points.
+//! the kinds of photons for the maps that a policy reads. In `hybrid`, `PhotonMapBuilder::new`
+//! drops unaimed paths if media emit light. `PhotonMapBuilder::mask_for_volume_estimator` decides
+//! between photon beams and photon points.
 //!
 //! # State of a camera path
 //!

@@ -26,7 +26,8 @@ const FEW_LIGHTS: usize = 4;
 /// Targets and number of the shadow rays of one vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShadowRayScheme {
-    /// This many shadow rays to every light.
+    /// This many shadow rays to every light, but only one to delta lights and to lights that are
+    /// sampled at their centers.
     EveryLight(u32),
     /// This many shadow rays, each to a randomly chosen light.
     RandomLights(u32),
@@ -55,8 +56,9 @@ pub(super) enum ScatterPointSampling {
     /// Points that follow a guide.
     Guided {
         guide: Arc<ScatterPointGuide>,
-        /// Expected number of points on a segment, divided by the radiance that the segment adds to
-        /// the pixel according to the guide \[m² sr/W].
+        /// Expected number of points on a segment, for each shadow ray that a surface point would
+        /// send to the light. It is divided by the radiance that the segment adds to the pixel
+        /// according to the guide \[m² sr/W].
         points_per_radiance: f32,
     },
 }
@@ -72,10 +74,11 @@ pub(super) struct NextEventEstimator<'a> {
     has_null_interfaces: bool,
     /// True if shadow rays go to the centers of lights instead of random points.
     aims_at_centers: bool,
-    /// Sampler that chooses lights; `None` if every vertex sends shadow rays to all lights.
+    /// Sampler that chooses lights; `None` if every vertex sends shadow rays to all lights, or if
+    /// no light has power.
     light_sampler: Option<LightBvhSampler>,
-    /// Shadow rays of a vertex. The first scheme is for vertices up to the path's first receiver,
-    /// the second for later vertices.
+    /// Targets and numbers of the shadow rays of a vertex. The first scheme is for vertices up to
+    /// the path's first receiver, the second for later vertices.
     schemes: [ShadowRayScheme; 2],
     guides: ShadowRayGuides,
 }
@@ -139,8 +142,9 @@ impl<'a> NextEventEstimator<'a> {
         }
     }
 
-    /// Returns the environment light whose shadow rays a guide could improve: `None` if the scene
-    /// has none, if shadow rays go to the centers of lights, or if the effect of shadows is off.
+    /// Returns the environment light whose shadow rays a guide could improve. Returns `None` if the
+    /// scene has none, or if its effect is off. Also returns `None` if shadow rays go to the
+    /// centers of lights, or if the effect of shadows is off.
     pub fn guidable_environment_light(&self) -> Option<&EnvironmentLight> {
         let environment = self.lights.iter().find_map(Light::as_environment_light)?;
         (!self.aims_at_centers && self.effects.has(Effect::Shadows)).then_some(environment)
@@ -172,8 +176,9 @@ impl<'a> NextEventEstimator<'a> {
 
     /// Estimates the direct light that `vertex` scatters towards the previous vertex \[W/(m² sr)].
     ///
-    /// If the path `continues`, its next ray may hit the same light. The estimate is then
-    /// multiplied by the MIS weight (balance heuristic) of shadow rays against that ray.
+    /// If the path `continues`, its next ray may hit the same light, unless it is a delta light.
+    /// The contribution of that light is then multiplied by the MIS weight (balance heuristic) of
+    /// shadow rays against that ray.
     pub fn estimate_direct_light<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
@@ -323,7 +328,8 @@ impl<'a> NextEventEstimator<'a> {
     }
 
     /// Returns the transmittance from `vertex` to the sampled point of a light, through the media
-    /// and absorbing bodies around the vertex. Surfaces on the way are ignored.
+    /// and absorbing bodies around the vertex. Surfaces on the way are ignored. For a light at
+    /// infinity, only media count.
     #[inline]
     fn transmittance<I: Interior>(&self, vertex: &PathVertex<'_, I>, sample: &DirectLightSample) -> Rgb {
         match sample.target {

@@ -6,8 +6,8 @@ use crate::photon::NESTED_DISC_COUNT;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Mean gather radius and photon count of a pixel's density estimates from one photon map, in one
-/// pass or in several.
+/// Mean gather radius and photon count of a pixel's density estimates on surfaces, from one photon
+/// map or from two, in one pass or in several.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MeanGatherDisc {
     /// Mean gather radius of the density estimates \[length].
@@ -26,15 +26,15 @@ pub struct NestedDifferences {
     /// Two differences of radiance \[W/(m² sr)] between estimates with discs of neighbouring areas:
     /// full minus half, and half minus quarter.
     pub differences: [Rgb; NESTED_DISC_COUNT - 1],
-    /// Mean radius and photon count of the estimates from the caustic map; `None` without an
-    /// estimate.
-    pub caustic_disc: Option<MeanGatherDisc>,
-    /// Mean radius and photon count of the estimates from the indirect and the interreflection map;
+    /// Mean radius and photon count of the density estimates on surfaces from the caustic map;
     /// `None` without an estimate.
+    pub caustic_disc: Option<MeanGatherDisc>,
+    /// Mean radius and photon count of the density estimates on surfaces from the indirect and the
+    /// interreflection map; `None` without an estimate.
     pub indirect_disc: Option<MeanGatherDisc>,
 }
 
-/// Sums of the gather radii and of the photon counts of a pixel's density estimates from one map.
+/// Sums of the gather radii and of the photon counts of a pixel's density estimates on surfaces.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct GatherDiscSum {
     radius: f32,
@@ -63,9 +63,9 @@ impl GatherDiscSum {
 pub(super) struct PixelNestedDifferenceSum {
     /// True if photon estimates are repeated with smaller nested discs; false leaves all sums at 0.
     pub is_wanted: bool,
-    /// Sums over the photon estimates of the current camera ray of throughput times difference
-    /// \[W/(m² sr)]. The differences are: full minus half disc area, and half minus quarter disc
-    /// area.
+    /// Sums of throughput times difference over the photon estimates of the camera ray that is
+    /// being traced \[W/(m² sr)]. The differences are: full minus half disc area, and half minus
+    /// quarter disc area.
     camera_ray_sum: [Rgb; NESTED_DISC_COUNT - 1],
     /// Sum of `camera_ray_sum` over the camera rays of the pixel, weighted by the pixel filter
     /// \[W/(m² sr)].
@@ -96,8 +96,8 @@ impl PixelNestedDifferenceSum {
         self.last_difference = radiance[0] - radiance[1];
     }
 
-    /// Adds the sums of the current camera ray, times its filter weight `weight`, to the sums of
-    /// the pixel, and resets them.
+    /// Adds the sums of the camera ray that was traced last, times its filter weight `weight`, to
+    /// the sums of the pixel, and resets them.
     ///
     /// A weight of `None`, or a sum that is not finite, drops the ray.
     #[inline]

@@ -72,9 +72,11 @@ pub struct PhotonReport {
 pub struct ExpectedPhotons {
     /// Number of photon paths that a pass traces for all maps.
     pub paths: u64,
-    /// Expected number of stored photons of all maps.
+    /// Expected number of stored photons of all maps. A photon beam counts as four photons, because
+    /// it takes as much memory.
     pub stored_photons: u64,
-    /// Expected number of stored photons in the largest map.
+    /// Expected number of stored photons in the largest map. A photon beam counts as four photons,
+    /// because it takes as much memory.
     pub photons_in_largest_map: u64,
 }
 
@@ -94,7 +96,7 @@ pub struct PassResult {
     /// They fill the caustic map, and in `hybrid` the indirect map too.
     pub aimed: PhotonReport,
     /// Differences between photon estimates with nested discs, for each pixel; empty unless the
-    /// error is estimated.
+    /// error is estimated and the algorithm reads photon maps.
     pub nested: Vec<NestedDifferences>,
     /// Radiance of each pixel by light group, which adds up to `image`, in the order of
     /// [`LightGroup::ALL`](super::LightGroup::ALL) \[W/(m² sr)].

@@ -1,4 +1,4 @@
-//! Inputs of a pass: the scene, its policy, photon maps, camera rays and random keys.
+//! Inputs of a pass: the scene, the path policy, photon maps, camera rays and random keys.
 
 use super::camera_path::PathContext;
 use super::environment_pilot::{EnvironmentGuidingReport, guide_environment_light};
@@ -15,8 +15,8 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::{self, Effect, Scene};
 use std::sync::Arc;
 
-/// Number of tiles that a pass renders a second time, with camera paths of its own, if all passes
-/// share camera paths. The difference measures the error that the shared paths cause.
+/// Approximate number of tiles that a pass renders a second time, with camera paths of its own, if
+/// all passes share camera paths. The difference measures the error that the shared paths cause.
 const UNSHARED_PATH_TILE_COUNT: u32 = 48;
 
 /// Scene, path policy, settings and sample counts from which passes are rendered.
@@ -96,8 +96,8 @@ impl<'a> PassRenderer<'a> {
     /// renderer, with a new guide for the environment if it would reduce the noise enough, and a
     /// report.
     ///
-    /// The report is `None` if the scene has no environment light to guide to, or if the settings
-    /// forbid the pilot.
+    /// The report is `None` if the settings forbid the pilot, or if no shadow rays go to an
+    /// environment light that a guide could improve.
     pub fn find_environment_guide(&self) -> (ShadowRayGuides, Option<EnvironmentGuidingReport>) {
         let light = self.nee.guidable_environment_light().filter(|_| self.settings.allows_environment_guiding);
         let Some(light) = light.filter(|_| self.policy.uses_nee) else { return (self.guides.clone(), None) };
@@ -106,7 +106,7 @@ impl<'a> PassRenderer<'a> {
         (ShadowRayGuides { environment: guide.map(Arc::new), ..self.guides.clone() }, Some(report))
     }
 
-    /// Returns this renderer with one camera ray per pixel and no prefix rays.
+    /// Returns a copy of this renderer with one camera ray per pixel and no prefix rays.
     pub fn with_one_sample(&self) -> Self {
         Self {
             samples_per_pixel: 1,
@@ -124,7 +124,8 @@ impl<'a> PassRenderer<'a> {
     /// Returns the number of slices of the shutter interval in each pass; 1 if nothing moves.
     ///
     /// Each slice covers [`SLICE_PIXELS`] pixels of motion on the film. There are fewer slices if
-    /// they would cost too much.
+    /// copies of the scene would cost too much, or if a slice would get too few camera rays or
+    /// photons.
     pub fn find_slice_count(&self) -> u32 {
         if !self.has_motion() {
             return 1;
@@ -173,6 +174,8 @@ impl<'a> PassRenderer<'a> {
     }
 
     /// Returns the camera, filter and numbers of camera rays of pass `pass`.
+    ///
+    /// Shutter slices, crop window, light groups and clamping are off; the caller sets them.
     pub fn film_sampling(&self, pass: u32) -> FilmSampling<'_> {
         let filter = Some(&self.settings.camera_paths.filter);
         let lens = self.policy.effects.has(Effect::Lens);

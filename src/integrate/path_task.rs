@@ -9,10 +9,11 @@ use crate::medium::TransmittanceCurve;
 use crate::photon::{PhotonSearchBuffers, VisiblePoint};
 use crate::stats::Counters;
 
-/// Parallel task that traces camera paths one after the other, such as those of a tile: what its
-/// paths have found so far, and the buffers that they reuse. It holds no input of a path.
+/// State of a parallel task that traces camera paths one after the other, such as those of a tile.
+/// It holds what the paths have found so far, and the buffers that they reuse, but no input of a
+/// path.
 ///
-/// Each task starts with a new value, so results do not depend on the number of threads.
+/// Each task starts with an empty state, so results do not depend on the number of threads.
 #[derive(Debug, Default)]
 pub(super) struct PathTask {
     /// Counts of rays and photons of all camera paths of the task.
@@ -22,26 +23,30 @@ pub(super) struct PathTask {
     pub scratch: ScratchBuffers,
 }
 
-/// Light of the current pixel, and of its current camera ray, that is kept apart from the radiance.
-/// A pixel's last camera ray or prefix ray ends its lifetime.
+/// Light of the pixel that a task is rendering, and of the camera ray that it is tracing, kept
+/// apart from the radiance. It is reset after the pixel's last ray.
 #[derive(Debug, Default)]
 pub(super) struct PixelLight {
-    /// Radiance of the current camera ray that photon estimates found \[W/(m² sr)].
+    /// Radiance that photon estimates found for the camera ray that is being traced \[W/(m² sr)].
     pub photon_radiance: Rgb,
-    /// Light of the current camera ray, divided into direct, indirect and caustic light.
+    /// Light of the camera ray that is being traced, divided into direct, indirect and caustic
+    /// light.
     pub groups: GroupedLight,
-    /// Sums of nested differences over the rays of the pixel.
+    /// Sums of differences between photon estimates with nested gather discs, over the rays of the
+    /// pixel.
     pub nested: PixelNestedDifferenceSum,
 }
 
 /// Records that pilots take from the task. A render writes only `light`, and does not read it.
 #[derive(Debug, Default)]
 pub(super) struct PilotRecords {
-    /// Light by part, summed over the camera paths since the pilot last took it.
+    /// Sums of light since the pilot last took them, by the part of the camera path, or the
+    /// technique, that found the light.
     pub light: LightByPart,
-    /// Shadow rays that started in media, from all camera paths of the task.
+    /// Light that each shadow ray from a point of a medium found, over all camera paths of the
+    /// task.
     pub in_scattering_samples: Vec<InScatteringSample>,
-    /// Points visible to the camera, from all camera paths of the task.
+    /// Points on receivers that the camera paths of the task reached.
     pub visible_points: Vec<VisiblePoint>,
 }
 
@@ -52,8 +57,8 @@ pub(super) struct PilotRecords {
 /// [both techniques](super::indirect_division) find.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LightByPart {
-    /// Light found up to the first receiver: emission, environment light and direct light at
-    /// casters, with the weights of [`PrefixWeights`](super::prefix_rays::PrefixWeights).
+    /// Light found up to the first receiver: emission of surfaces, environment light and direct
+    /// light at casters, with the weights of [`PrefixWeights`](super::prefix_rays::PrefixWeights).
     pub up_to_receiver: Rgb,
     /// Photon estimates from all maps.
     pub photon_estimates: Rgb,
@@ -72,11 +77,12 @@ pub(super) struct LightByPart {
 pub(super) struct ScratchBuffers {
     /// Buffers of photon searches in each map.
     pub searches: MapSearchBuffers,
-    /// Distribution of final-gathering directions at the current receiver.
+    /// Distribution of final-gathering directions at the path's last receiver.
     pub gather_guide: GatherGuide,
-    /// Transmittance along the current medium segment.
+    /// Transmittance along the medium segment that the path is crossing.
     pub transmittance: TransmittanceCurve,
-    /// Distribution of guided scattering distances along the current medium segment.
+    /// Distribution of guided scattering distances along the medium segment that the path is
+    /// crossing.
     pub guided_distances: GuidedDistanceDistribution,
 }
 

@@ -162,7 +162,7 @@ impl PhotonMaps<'_> {
 }
 
 impl PhotonDensityEstimator<'_> {
-    /// Returns the largest gather radius \[length].
+    /// Returns the largest gather radius on surfaces \[length].
     pub fn max_gather_radius(&self) -> f32 {
         self.bandwidth.radius
     }

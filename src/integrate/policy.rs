@@ -63,10 +63,11 @@ pub(super) enum LightSampling {
 pub(super) enum PathContinuation {
     /// The path ends at its first receiver.
     Never,
-    /// The path continues from receivers whose sampled BSDF lobe is not diffuse.
+    /// The path continues from receivers whose sampled BSDF lobe is neither diffuse nor a coat over
+    /// a diffuse base.
     Glossy,
     /// The path continues from its first receiver, by a final-gathering ray. It also continues from
-    /// the end of a gather ray that is too short to read photon maps there.
+    /// the end of a gather ray that is too short to read the indirect map there.
     GatherRays,
     /// The path continues from all receivers.
     Always,
@@ -100,8 +101,8 @@ pub(super) enum PhotonLookups {
     /// Each path reads the caustic map at the start of a final-gathering ray, and the caustic map
     /// and the indirect map at its end.
     GatherRays,
-    /// Camera paths read no photon maps. They record the first receiver as a visible point, for a
-    /// pilot.
+    /// Camera paths read no photon maps. They record each receiver that they reach as a visible
+    /// point, for a pilot.
     RecordVisible,
 }
 

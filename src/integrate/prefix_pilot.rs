@@ -111,10 +111,12 @@ impl RunningVariance {
     }
 }
 
-/// Light of one pixel in the prefix-ray pilot's pictures, averaged over RGB \[W/(m² sr)].
+/// Means and variances of the light of one pixel over the prefix-ray pilot's pictures. The light is
+/// averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
 struct PixelLightStatistics {
-    /// Light that camera paths find after their first receiver, as mean and variance.
+    /// Light that camera paths find from their first receiver on, without photon estimates, as mean
+    /// and variance.
     after_receiver: RunningVariance,
     /// Emission and direct light that camera paths find up to their first receiver, as mean and
     /// variance.
@@ -129,7 +131,8 @@ struct PixelLightStatistics {
 /// Relative variances of the light that one ray of a pixel finds; see [`pixel_variances`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct RelativePixelVariances {
-    /// Variance of the light after the first receiver.
+    /// Variance of the light that a camera path finds from its first receiver on, without photon
+    /// estimates.
     after_receiver: f64,
     /// Variance of the emission and direct light that the path finds up to its first receiver.
     ///
@@ -142,7 +145,8 @@ struct RelativePixelVariances {
     ///
     /// It is about the variance that one aimed ray has.
     aimed: f64,
-    /// Variance of the light of these images if no rays are aimed at them.
+    /// Variance of the light that one camera ray finds in the images of lamps, if no rays are aimed
+    /// at them.
     unaimed: f64,
 }
 
@@ -290,7 +294,8 @@ enum PathParts {
 ///
 /// `variances` are those of single whole camera paths. A pass traces n = `samples` camera paths in
 /// each pixel, and only one of them reads photon maps. A second photon estimate pays if the
-/// variance of the estimate is above about 1/n² of that of a camera path.
+/// variance of the estimate is above about 1/n² of that of a camera path. The function selects
+/// pixels from [`CANDIDATE_VARIANCE`] times this value on.
 fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.after_receiver + v.up_to_receiver).sum();
@@ -301,10 +306,11 @@ fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) ->
 /// Renders picture `i` of the prefix-ray pilot, with one ray per pixel. `parts` returns which parts
 /// of a camera path are traced in a pixel, given the center of the pixel.
 ///
-/// The channels of a pixel hold three parts of its light. First comes the light after the first
-/// receiver, then emission and direct light up to it, then the photon estimate. Each is averaged
-/// over RGB. The light up to the first receiver has the weight that it will have if
-/// [`ASSUMED_AIMED_RAYS`] rays are aimed at the images of lamps in each pixel that has some.
+/// The channels of a pixel hold three parts of its light. First comes the light from the first
+/// receiver on, without photon estimates. Then come emission and direct light up to the receiver,
+/// and last the photon estimate. Each is averaged over RGB. The light up to the first receiver has
+/// the weight that it will have if [`ASSUMED_AIMED_RAYS`] rays are aimed at the images of lamps in
+/// each pixel that has some.
 fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,

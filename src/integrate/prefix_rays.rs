@@ -15,7 +15,8 @@ pub(super) struct PrefixWeights {
     /// Weight n/(n + m) of light that camera paths and prefix rays both find: emission, environment
     /// light, and direct light at casters.
     ///
-    /// The pixel has n camera paths and m prefix rays.
+    /// The pixel has n camera paths and m prefix rays. If prefix rays are aimed at images of lamps,
+    /// [`FilmPointMisWeights`] gives each ray a weight of its own.
     pub up_to_receiver: f32,
     /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
     /// with the lowest sample indices.
@@ -34,9 +35,9 @@ pub(super) struct PrefixWeights {
 pub(super) struct PixelPrefixRayCounts {
     /// Number of prefix rays that the pixel filter distributes.
     pub unaimed: u8,
-    /// Number of these that read photon maps.
+    /// Number of the unaimed prefix rays that read photon maps.
     pub lookups: u8,
-    /// Number of further prefix rays, which are aimed at images of lamps.
+    /// Number of prefix rays that are aimed at images of lamps; `unaimed` does not include them.
     pub aimed: u8,
 }
 
@@ -69,8 +70,8 @@ impl PrefixWeights {
         Self { lookup_count: prefix.lookups.into(), lookup_weight: lookup, ends_at_receiver: true, ..weights }
     }
 
-    /// Returns the weights of the light that each prefix ray finds which is aimed at an image of a
-    /// lamp. The pixel's `samples` camera paths set the weight up to the receiver for each ray.
+    /// Returns the weights of prefix rays that are aimed at images of lamps. `up_to_receiver` is 1
+    /// here; the caller replaces it by [`FilmPointMisWeights::up_to_receiver_weight`] for each ray.
     pub fn of_aimed_rays() -> Self {
         Self { lookup_count: 0, lookup_weight: 0.0, ends_at_receiver: true, ..Self::default() }
     }
@@ -82,7 +83,7 @@ impl PrefixWeights {
 pub(super) struct FilmPointMisWeights {
     /// Number of camera paths.
     camera_paths: f32,
-    /// Number of camera paths and of prefix rays that the pixel filter distributes.
+    /// Number of camera paths, plus the number of prefix rays that the pixel filter distributes.
     filtered_rays: f32,
     /// Number of prefix rays that are aimed at images of lamps.
     aimed_rays: f32,
@@ -98,8 +99,8 @@ impl FilmPointMisWeights {
 
     /// Returns the weight of light that a ray finds up to its first receiver.
     ///
-    /// The pdfs \[1/pixel²] of the film point of the ray are those by which the pixel filter and
-    /// aiming sample it.
+    /// `filter_pdf` and `aimed_pdf` are the pdfs \[1/pixel²] with which the pixel filter and aiming
+    /// sample the film point of the ray. The weight is 0 if both are 0.
     pub fn up_to_receiver_weight(&self, filter_pdf: f32, aimed_pdf: f32) -> f32 {
         let filtered = self.filtered_rays * filter_pdf;
         let total = filtered + self.aimed_rays * aimed_pdf;
@@ -107,7 +108,8 @@ impl FilmPointMisWeights {
     }
 }
 
-/// Number of prefix rays of each pixel, which a pilot chose, and their work.
+/// Numbers of prefix rays of each pixel, which a pilot chose, the images of lamps at which some are
+/// aimed, and the expected work of all.
 #[derive(Clone, Debug)]
 pub(super) struct PrefixRayAllocation {
     /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the
@@ -115,7 +117,7 @@ pub(super) struct PrefixRayAllocation {
     pub counts: Arc<[PixelPrefixRayCounts]>,
     /// Images of lamps in the pixels that have aimed rays.
     pub lamp_images: LampImages,
-    /// Rays and gathered photons of all prefix rays of a pass.
+    /// Expected counts of the rays and gathered photons of all prefix rays of a pass.
     pub expected_work: Counters,
 }
 

@@ -26,8 +26,8 @@ const PILOT_PATH_FACTOR: u32 = 4;
 /// paths.
 const MIN_PATHS: u32 = 1 << 14;
 
-/// Number of stored photons at which a pilot measures the distance to the k-th nearest photon, to
-/// find the gather radius.
+/// Largest number of stored photons at which a pilot measures the distance to the k-th nearest
+/// photon, to find the gather radius.
 const RADIUS_SAMPLES: usize = 512;
 
 /// Quantile that becomes the gather radius, among the distances from photons to their k-th nearest
@@ -39,8 +39,8 @@ const RADIUS_QUANTILE: f64 = 0.75;
 const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
 /// Smallest gather radius that single precision resolves, divided by the radius of the scene. If
-/// most photons are closer to the origin than that radius, it is divided by their distance from the
-/// origin.
+/// most photons are closer to the origin than the scene's radius, their distance from the origin is
+/// the divisor instead.
 const MIN_RELATIVE_RADIUS: f32 = 1e-6;
 
 /// Smallest gather radius, divided by the width of a pixel's footprint on the closest visible
@@ -99,11 +99,11 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
     paths.saturating_mul(PILOT_PATH_FACTOR).max(MIN_PATHS).min(most)
 }
 
-/// Runs a gather-radius pilot. Returns the gather radius \[length] within which three of four
-/// stored photons have `k` neighbours; `None` if the pilot stores no photon.
+/// Runs a gather-radius pilot. Returns the gather radius \[length] that holds `k` photons around
+/// three of four stored photons; `None` if the pilot stores no photon.
 ///
-/// The radius suits a pass of `paths` photon paths, and is at least `min_radius`. The pilot traces
-/// at most `max_pilot_paths` paths.
+/// The radius suits a pass of `paths` photon paths. It is at least `min_radius`, and at most 1/10
+/// of the scene's radius. The pilot traces at most `max_pilot_paths` paths.
 pub(super) fn find_gather_radius(
     tracer: &PhotonTracer<'_>,
     (paths, max_pilot_paths): (u32, u32),
@@ -139,7 +139,7 @@ pub(super) fn find_gather_radius(
 }
 
 /// Returns the lower bound on gather radii in the first pass \[length]: 1/8 of the width of a
-/// pixel's footprint on the closest visible surface.
+/// pixel's footprint on the closest visible surface, but at most 1/10 of the scene's radius.
 pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint_and_growth();
     let (columns, rows) = scene.camera().size();
@@ -171,10 +171,10 @@ impl Default for VolumeKernelRadii {
 /// passes keep; `None` if the pilot stores no photon in media.
 ///
 /// Within a kernel radius, the median camera ray finds 64 beams or photons, in a pass of `paths`
-/// photon paths. The radius for beams is at least [`MIN_BEAM_RADIUS_PIXELS`] of a pixel's
-/// footprint. If it then holds more than 64 beams, passes keep only a fraction of the beams. This
-/// costs little sharpness and saves time: the bounding boxes of dense beams are far larger than a
-/// smaller radius.
+/// photon paths. Rays that find none do not count. The radius for beams is at least
+/// [`MIN_BEAM_RADIUS_PIXELS`] of a pixel's footprint. If it then holds more than 64 beams, passes
+/// keep only a fraction of the beams. This costs little sharpness and saves time: the bounding
+/// boxes of dense beams are far larger than a smaller radius.
 pub(super) fn find_volume_kernel_radii(
     tracer: &PhotonTracer<'_>,
     effects: Effects,
@@ -227,7 +227,7 @@ pub(super) fn find_volume_kernel_radii(
     Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beam_fraction })
 }
 
-/// Returns the width of a pixel's footprint \[length] at the median distance of those `camera_paths`
+/// Returns the width of a pixel's footprint \[length] at the median distance of the `camera_paths`
 /// that cross a medium; 0 if none of them does.
 ///
 /// The distance of a path is that from the camera to its first segment in a medium, plus half the

@@ -41,8 +41,9 @@ pub(super) struct InScatteringSample {
     pub light: usize,
     /// Point of the medium where the light scatters and the shadow ray starts, in world space.
     pub p: Vec3,
-    /// Irradiance that arrives from the light, times the phase function \[W/(m² sr)]. The medium
-    /// scatters this, times its scattering coefficient, for each unit of length.
+    /// Irradiance that arrives from the light, times the phase function, divided by the number of
+    /// shadow rays that a surface point sends to the light \[W/(m² sr)]. Times that number and the
+    /// scattering coefficient, it is the radiance that the medium scatters per unit of length.
     pub scattered_radiance: f64,
     /// Contribution of the ray to the light that its camera path finds \[W/(m² sr)].
     pub contribution: f64,
@@ -74,7 +75,7 @@ impl ScatterPointGuide {
     /// Sets `distances` to the distribution of guided distances along `ray`, for the light with
     /// index `light`, in a medium of mean extinction coefficient `extinction` \[1/length].
     ///
-    /// The distribution is empty if the ray meets no cell in which the pilot found light.
+    /// Its total weight is 0 if the ray meets no cell in which the pilot found light.
     pub fn distances_along(
         &self,
         light: usize,
@@ -96,8 +97,8 @@ impl ScatterPointGuide {
 }
 
 impl ScatterPointGuideFitter {
-    /// Makes an empty fit for `lights` lights, over the bounding box of `points`. Returns `None` if
-    /// the box is empty or not finite.
+    /// Makes a fitter without pilot rays for `lights` lights, over the bounding box of `points`.
+    /// Returns `None` if the box is empty, a single point, or not finite.
     pub fn new(points: impl Iterator<Item = Vec3>, lights: usize) -> Option<Self> {
         let grid = MediumCellGrid::new(&Bounds::from_points(points))?;
         let len = grid.len() * lights;
@@ -154,7 +155,7 @@ impl GuidedDistanceDistribution {
         self.cumulative.last().copied().unwrap_or(0.0)
     }
 
-    /// Samples a distance by uniform `u` in \[0, 1). The distribution must not be empty.
+    /// Samples a distance by uniform `u` in \[0, 1). The total weight must be positive.
     pub fn sample(&self, u: f32) -> f32 {
         let target = u * self.total_weight();
         let i = self.cumulative.partition_point(|sum| *sum <= target).min(self.ends.len() - 1);
@@ -163,8 +164,8 @@ impl GuidedDistanceDistribution {
         (from + fraction.clamp(0.0, 1.0) * (self.ends[i] - from)).min(self.ends[i])
     }
 
-    /// Returns the pdf of distance `t` \[1/length]; 0 outside all pieces. The distribution must not
-    /// be empty.
+    /// Returns the pdf of distance `t` \[1/length]; 0 outside all pieces. The total weight must be
+    /// positive.
     pub fn pdf(&self, t: f32) -> f32 {
         let i = self.ends.partition_point(|end| *end < t);
         if t < self.start || i == self.ends.len() {
@@ -181,7 +182,8 @@ impl GuidedDistanceDistribution {
 }
 
 impl MediumCellGrid {
-    /// Makes a grid of nearly cubic cells over `bounds`; `None` if the box is empty or not finite.
+    /// Makes a grid of nearly cubic cells over `bounds`; `None` if the box is empty, a single
+    /// point, or not finite.
     fn new(bounds: &Bounds) -> Option<Self> {
         let extent = bounds.extent();
         let longest = extent.max_element();

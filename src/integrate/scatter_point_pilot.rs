@@ -58,9 +58,9 @@ pub struct ScatterPointGuidingReport {
 /// homogeneous media from which shadow rays start, and a report.
 ///
 /// The result depends only on the scene, the policy and the settings. The report is `None` if the
-/// settings forbid the pilot, or if the scene gives it nothing to do: no homogeneous medium
-/// scatters, no medium gets direct light, or shadow rays go to randomly chosen lights because there
-/// are many.
+/// settings forbid the pilot, or if next-event estimation or media are off. It is also `None` if no
+/// homogeneous medium scatters, or if no medium gets direct light. It is also `None` if there are
+/// so many lights that shadow rays go to randomly chosen ones.
 pub(super) fn guide_scatter_points(
     renderer: &PassRenderer<'_>,
 ) -> (ScatterPointSampling, Option<ScatterPointGuidingReport>) {
@@ -115,7 +115,8 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
 }
 
 /// Returns the guided sampling whose number of points has little noise for its work. Also returns
-/// the gain: noise times work without guide, divided by that with guide.
+/// the gain: noise times work without guide, divided by that with guide. Returns unguided sampling
+/// and 1 if the estimates have no noise.
 fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGuide) -> (ScatterPointSampling, f64) {
     let LearnedGuide { guide, mean_radiance, .. } = learned;
     let guided = TRIAL_POINTS.map(|points| ScatterPointSampling::Guided {

@@ -9,7 +9,8 @@ use crate::plan::EffectOverrides;
 /// Settings of camera paths, which all algorithms use.
 #[derive(Clone, Debug)]
 pub struct CameraPathSettings {
-    /// Camera rays per pixel and pass; `None` uses the default of the algorithm.
+    /// Number of camera rays per pixel and pass; `None` uses the default of the algorithm. A pilot
+    /// may then change the number: see [`Settings::allows_ray_photon_balance`].
     pub samples_per_pixel: Option<u32>,
     /// Largest number of bounces of a camera or photon path.
     pub max_bounces: u32,
@@ -65,7 +66,10 @@ impl CameraPathSettings {
     }
 }
 
-/// Settings of all algorithms. Algorithms without photons read only `camera_paths`.
+/// Settings of all algorithms.
+///
+/// Algorithms without photons read only `camera_paths`, `allows_environment_guiding` and
+/// `allows_scatter_point_guiding`.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Settings that all algorithms use.
@@ -82,19 +86,23 @@ pub struct Settings {
     pub aimed_paths: u32,
     /// True if a pilot may trade camera rays for photon paths, to get less noise for the same work.
     ///
-    /// `unaimed_paths`, `aimed_paths` and the camera rays per pixel are then starting values.
+    /// `unaimed_paths`, `aimed_paths` and the camera rays per pixel are then starting values. If
+    /// [`CameraPathSettings::samples_per_pixel`] is set, a pilot may only reduce `unaimed_paths` of
+    /// `hybrid`. `ppm` ignores this setting.
     pub allows_ray_photon_balance: bool,
-    /// Largest number of photons of a density estimate; 0 for no limit.
+    /// Largest number of photons of a density estimate on a surface in the first pass; 0 for no
+    /// limit.
     ///
     /// `None` stands for [`DEFAULT_CAUSTIC_K`](super::DEFAULT_CAUSTIC_K) in the caustic map, and
-    /// for no limit in other maps. The farthest photon only sets the radius, so a limit of 1 acts
-    /// like 2.
+    /// for no limit in other maps. If a pilot changes `aimed_paths`, this default changes in
+    /// proportion. The farthest photon only sets the radius, so a limit of 1 acts like 2. If a
+    /// limit above 0 is set, pilots choose gather radii that hold about that many photons.
     pub gather_k: Option<u32>,
-    /// Largest gather radius of the first pass \[length]. `None` lets a pilot choose one for each
-    /// map.
+    /// Largest gather radius of the first pass, on surfaces and in media \[length]. `None` lets
+    /// pilots choose a radius for each map.
     pub initial_gather_radius: Option<f32>,
-    /// Exponent α in (0, 1] by which gather radii shrink over the passes; 1 keeps them fixed.
-    /// [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
+    /// Exponent α in (0, 1] of shrinking gather radii: the squared radius falls as n^(α−1) with the
+    /// number of passes n. 1 keeps radii fixed. [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
     pub alpha: f64,
     /// Kernel of photon density estimates.
     pub kernel: Kernel,
@@ -104,8 +112,8 @@ pub struct Settings {
     /// True if a pilot may guide shadow rays to the environment light: towards the directions from
     /// which the light reaches each part of the scene.
     pub allows_environment_guiding: bool,
-    /// True if a pilot may choose the points of homogeneous media from which shadow rays start: in
-    /// the lit parts, and as many as reduce the noise most in a given time.
+    /// True if a pilot may choose from which points of homogeneous media shadow rays start. It
+    /// prefers points in lit parts, and finds a number of points with little noise for their work.
     pub allows_scatter_point_guiding: bool,
     /// Division of directly visible caustics between photon estimates and light tracing, in
     /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
@@ -136,6 +144,9 @@ pub enum FinalGathering {
 
 /// Division of indirect light between camera paths and photon estimates, at the first receiver of a
 /// camera path.
+///
+/// The indirect light of caustics is not divided: in
+/// [`Algorithm::Hybrid`](super::Algorithm::Hybrid), photon estimates always carry it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IndirectPhotons {
     /// Camera paths carry all indirect light.

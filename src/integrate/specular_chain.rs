@@ -45,7 +45,7 @@ impl SpecularChain {
     }
 }
 
-/// Point of the film and of the lens through which a camera ray goes.
+/// Film point and lens point through which a camera ray goes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CameraPoint {
     /// Film point \[pixels from the top left].
@@ -56,7 +56,8 @@ pub(super) struct CameraPoint {
 }
 
 impl CameraPoint {
-    /// Point on the lens \[length right and up from its center].
+    /// Returns the point on the lens \[length right and up from its center]; zero if rays do not
+    /// sample the lens.
     pub fn lens_point(&self) -> Vec2 {
         self.on_lens.map_or(Vec2::ZERO, |on_lens| on_lens.as_vec2())
     }
@@ -74,7 +75,7 @@ pub(super) struct RayBundle<I> {
     lens_step: f64,
     /// Factor from radiance that arrives along the camera ray to radiance of the pixel.
     pub throughput: Rgb,
-    /// Vertices that the rays have passed.
+    /// Chain of the specular vertices that the rays have passed.
     pub chain: SpecularChain,
     /// Sampler of the next vertex's random decisions.
     sampler: Sampler,
@@ -96,9 +97,10 @@ pub(super) struct LampPassage {
     pub relative_miss: f64,
     /// Vector on the film from the camera ray to the center of the lamp's image \[pixels].
     pub to_image: DVec2,
-    /// Shift of the image by the position on the lens \[pixels/length].
+    /// Shift of the lamp's image on the film per shift of the lens point \[pixels/length].
     pub shift_per_lens_position: DMat2,
-    /// Map from vectors on the film \[pixels] to coordinates in which the image is the unit disc.
+    /// Map from vectors on the film \[pixels] to coordinates in which the lamp's image is the unit
+    /// disc.
     pub to_disc: DMat2,
 }
 
@@ -141,7 +143,10 @@ impl<I: Interior> RayBundle<I> {
 
     /// Returns the bundles that continue from `vertex`, the next vertex of the camera ray: the
     /// reflected and the transmitted one. A bundle is `None` if its throughput, as a mean over RGB,
-    /// is below `min_throughput`, or if a neighbour takes another way.
+    /// is below `min_throughput`, or if the surface of a ray does not scatter that way.
+    ///
+    /// Both are `None` if `vertex` or a neighbour's next vertex is not on a specular surface, or if
+    /// the chain already has [`MAX_VERTICES`] vertices.
     pub fn scatter(self, scene: &Scene, vertex: &SurfaceVertex<'_>, min_throughput: f32) -> [Option<Self>; 2] {
         if self.chain.length >= MAX_VERTICES || !is_specular(&vertex.surface) {
             return [None; 2];
@@ -173,7 +178,7 @@ impl<I: Interior> RayBundle<I> {
     }
 
     /// Traces the bundle of the camera ray through `point` over the vertices of `chain`. Returns
-    /// `None` if it takes another way.
+    /// `None` if the bundle cannot follow them.
     pub fn follow(
         scene: &Scene,
         effects: Effects,
@@ -194,8 +199,8 @@ impl<I: Interior> RayBundle<I> {
         self.rays[0].interior.wavelength().is_some()
     }
 
-    /// Returns how the rays after their last vertex pass `lamp`; `None` if the lamp lies behind
-    /// them or farther than `reach` \[length], or if the neighbours do not differ.
+    /// Returns how the rays pass `lamp` after their last vertex. Returns `None` if the lamp lies
+    /// behind them or beyond `reach` \[length], or if the linear approximation is singular.
     pub fn lamp_passage(&self, lamp: &LampSphere, reach: f64) -> Option<LampPassage> {
         let Ray { origin, direction, .. } = self.rays[0].ray;
         let distance = (lamp.center - origin.as_dvec3()).dot(direction.as_dvec3());
@@ -239,7 +244,8 @@ fn is_specular(surface: &SurfaceInteraction<'_>) -> bool {
 }
 
 /// Returns the direction in which a camera ray leaves the specular surface `surface`, reflected or
-/// transmitted, with its weight; `None` if it does not.
+/// transmitted, and the weight of this direction. Returns `None` if the surface does not scatter
+/// the ray that way.
 fn scattered_direction(
     surface: &SurfaceInteraction<'_>,
     is_transmitted: bool,

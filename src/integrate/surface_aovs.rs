@@ -15,7 +15,7 @@ use crate::scene::{
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Number of rays of each pixel for layers of files.
+/// Number of camera rays per pixel that find the surface AOVs for layers of files.
 pub const SURFACE_AOV_RAYS: u32 = 32;
 
 /// Number of directions that are sampled at each hit to estimate its albedo.

@@ -15,23 +15,24 @@ use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 use std::iter;
 
-/// Edge length of a tile \[pixels]. Pixels of a tile share cached photons and bounding boxes.
+/// Edge length of a tile \[pixels]. Neighbouring pixels need the same photons and bounding boxes,
+/// which then stay in the CPU cache.
 const TILE_SIZE: u32 = 16;
 
 /// Rendered window of a picture with the counters of its camera rays.
 pub(super) struct FilmImage {
     /// Radiance of each pixel of the window, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
-    /// Nested photon estimates of each pixel; empty unless [`FilmSampling::nests_estimates`] is
-    /// true.
+    /// Differences between nested photon estimates of each pixel; empty unless
+    /// [`FilmSampling::nests_estimates`] is true.
     pub nested: Vec<NestedDifferences>,
     /// Radiance of each pixel by light group, which adds up to `image`, in the order of
     /// [`LightGroup::ALL`] \[W/(m² sr)]; empty unless [`FilmSampling::groups_light`] is true.
     pub light_groups: Vec<Vec<Rgb>>,
     /// Radiance that clamping removed from each pixel \[W/(m² sr)]; empty unless light is clamped.
     pub removed_by_clamp: Vec<Rgb>,
-    /// Indices in `image` of the rendered pixels, if only one of several tiles is rendered; else
-    /// empty.
+    /// Indices in `image` of the rendered pixels, if only one of every n tiles is rendered; empty
+    /// if all are.
     pub rendered_pixel_indices: Vec<u32>,
     pub counters: Counters,
 }
@@ -77,7 +78,7 @@ struct Tile<'a> {
     index: u32,
     /// Parts of the picture's rows that lie in the tile, from the top.
     image: Vec<&'a mut [Rgb]>,
-    /// Rows of nested estimates in the tile; empty unless [`FilmSampling::nests_estimates`] is
+    /// Rows of nested differences in the tile; empty unless [`FilmSampling::nests_estimates`] is
     /// true.
     nested: Vec<&'a mut [NestedDifferences]>,
     /// Rows of each light group in the tile; empty unless [`FilmSampling::groups_light`] is true.
@@ -266,6 +267,9 @@ struct PixelSums {
 impl PixelSums {
     /// Adds the light of `camera_ray`: its `radiance` \[W/(m² sr)], and the light that `task` kept
     /// apart. `weight` is the weight of the pixel filter.
+    ///
+    /// Clamps `radiance` first if `sampling` has a bound. Leaves out a ray whose radiance is not
+    /// finite, and counts it as rejected.
     #[inline]
     fn add_ray(
         &mut self,

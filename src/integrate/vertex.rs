@@ -97,7 +97,8 @@ pub(super) struct PrevVertex {
     /// Unit normal of the hemisphere from which the previous vertex scatters light; `None` for the
     /// whole sphere.
     pub hemisphere: Option<Vec3>,
-    /// Numbers of receivers and casters that the camera path visited before the previous vertex.
+    /// Numbers of receivers and casters that the camera path visited before the previous vertex. If
+    /// the previous vertex is a caster, it counts too.
     pub history: PathHistory,
     /// Pdf of the direction in which the path left the vertex \[1/sr].
     pub pdf: f32,

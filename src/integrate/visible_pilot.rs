@@ -24,7 +24,7 @@ const MAX_RELATIVE_RADIUS: f32 = 0.1;
 /// glass or mirrors.
 ///
 /// A photon within `radius` \[length] of such a point counts as visible. The radius is smaller if
-/// the visible part of the scene is small.
+/// the visible part of the scene is small, and larger if the found points are sparse.
 pub(super) fn find_visible_points(
     scene: &Scene,
     settings: &CameraPathSettings,
@@ -44,6 +44,7 @@ pub(super) fn find_visible_points(
 /// the paths.
 ///
 /// `continuation` says from which receivers a path continues; it ends after `max_bounces` bounces.
+/// If a receiver transmits light, its point is returned once for each side.
 pub(super) fn record_receiver_points(
     scene: &Scene,
     effects: Effects,

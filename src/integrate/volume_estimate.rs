@@ -62,9 +62,9 @@ struct NestedKernelSums {
 }
 
 /// Photon chosen from all photons of a kernel. Probe rays towards it and around it measure which
-/// part of the kernel surfaces hide.
+/// part of the kernel is hidden by surfaces.
 struct ChosenPhoton {
-    /// Radiance of the photon times the kernel value for the full radius.
+    /// Radiance of the photon times the phase function and the kernel value for the full radius.
     radiance: Rgb,
     /// Squared distance of the photon from the kernel's center, divided by the squared full radius.
     squared_relative_distance: f32,
@@ -79,8 +79,8 @@ impl NestedKernelSums {
         Self { sums: [Rgb::ZERO; NESTED_DISC_COUNT], dimensions, nests_estimates, chosen: None }
     }
 
-    /// Adds one photon of the given `radiance`. `weight` is the kernel value of the full radius at
-    /// the photon.
+    /// Adds `radiance`, that of one photon, times `weight`. `weight` is the phase function times
+    /// the kernel value of the full radius at the photon.
     ///
     /// `x2` is the squared distance of the photon from the kernel's center, divided by the squared
     /// full radius, in \[0, 1). `towards` returns the ray from the center towards the photon.
@@ -130,7 +130,8 @@ impl NestedKernelSums {
 /// of the full radius.
 ///
 /// At the fraction x of its radius, a kernel is proportional to 1 − x² in one and three dimensions,
-/// and to (1 − x²)² in two. `x2` is x² for the full radius.
+/// and to (1 − x²)² in two. `x2` is x² for the full radius. Each nested radius is the next larger
+/// one divided by √2.
 #[inline]
 fn kernel_ratios(dimensions: u32, x2: f32) -> [f32; NESTED_DISC_COUNT] {
     let level_scale = [1.0, SQRT_2, 2.0, 2.0 * SQRT_2][dimensions as usize];
@@ -149,6 +150,7 @@ impl BeamAndPointMaps {
     /// Builds the search structures of photons in media.
     ///
     /// `beams` and `points` are the kernel radii of photon beams and of photon points \[length].
+    /// `band` is the half width of the kernel over wavelengths \[nm].
     pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimator: VolumeEstimator, band: f32) -> Self {
         let VolumePhotons { beams: stored_beams, points: stored_points } = volume;
         Self {

@@ -24,7 +24,7 @@ struct FilmPointEstimates {
 }
 
 /// Runs the ray-photon-balance pilot. Returns the numbers of camera rays and photon paths for which
-/// a pass has the least noise, at the work of the default numbers.
+/// a pass has the least noise, at the work of the numbers that `renderer` holds.
 ///
 /// Returns `None` without photons. The result depends only on the scene and the settings.
 pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<RayPhotonBalance> {

@@ -85,14 +85,16 @@ impl LightSurface {
         }
     }
 
-    /// Samples a point of the surface uniformly by area, by `u` in \[0, 1)².
+    /// Samples a point of the surface by `u` in \[0, 1)².
+    ///
+    /// The sample holds its pdf per area, which is not constant for all shapes.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
         self.sample_point_with_coord(u).0
     }
 
-    /// Samples a point of the surface uniformly by area, by `u` in \[0, 1)². Returns it with its
+    /// Samples a point of the surface like [`LightSurface::sample`], and returns it with its
     /// parametric coordinates.
     #[inline]
     fn sample_point_with_coord(&self, u: Vec2) -> (ShapeSample, SurfaceCoord) {
@@ -142,8 +144,8 @@ impl LightSurface {
         }
     }
 
-    /// Any point of the surface with its normal, if the surface is a planar analytic shape; `None`
-    /// for curved shapes and meshes.
+    /// A point of the surface with its normal, if the surface is a disc or a rectangle; `None` for
+    /// all other shapes and for mesh triangles.
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         match self {
             Self::Shape(shape) => shape.point_if_planar(),
@@ -198,7 +200,7 @@ impl AreaLight {
         self.radiance * (PI * self.surface.area() as f32)
     }
 
-    /// Samples a point of the surface uniformly by area, by `u` in \[0, 1)². Returns it with the
+    /// Samples a point of the surface like [`LightSurface::sample`], and returns it with the
     /// radiance emitted there \[W/(m² sr)].
     #[inline]
     fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
@@ -220,10 +222,10 @@ impl AreaLight {
         }
     }
 
-    /// Samples a point of the surface uniformly by area, by `u` in \[0, 1)². Returns it with its
-    /// pdf per solid angle at `p` \[1/sr], and its parametric coordinates.
+    /// Samples a point of the surface like [`LightSurface::sample`]. Returns it with its pdf per
+    /// solid angle at `p` \[1/sr], and its parametric coordinates.
     ///
-    /// Returns `None` if `p` is behind the surface at the sampled point.
+    /// Returns `None` if `p` is behind the surface at the sampled point, or equal to this point.
     #[inline]
     fn sample_surface_by_area(&self, p: Vec3, u: Vec2) -> Option<(SolidAngleSample, SurfaceCoord)> {
         let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_point_with_coord(u);

@@ -20,12 +20,12 @@ pub enum EmissionPictureError {
         /// Value of the invalid pixel after scaling.
         value: Rgb,
     },
-    /// The picture has no pixels.
+    /// The picture has no pixels, too many, or a number that does not match its sides.
     #[error(transparent)]
     InvalidSize(#[from] PictureSizeError),
 }
 
-/// Multiplies all pixels of a picture by `scale`.
+/// Returns `picture` with all pixels multiplied by `scale`.
 ///
 /// # Errors
 /// [`EmissionPictureError::InvalidPixel`] if a scaled pixel is negative or not finite.

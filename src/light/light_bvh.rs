@@ -122,7 +122,7 @@ impl LightBvhSampler {
     /// Returns the index of the light, its probability, and a remapped `u` that is uniform again.
     /// If a unit normal `n` is given, lights of the tree that cannot illuminate the side of `n` are
     /// not sampled. Returns `None` if the descent reaches a node whose lights cannot illuminate
-    /// `p`.
+    /// `p`, or if the probability rounds to 0.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {

@@ -71,8 +71,9 @@ pub enum Light {
     Environment(Arc<EnvironmentLight>),
 }
 
-/// Evaluates the expression `$e`, in which a name stands for the light inside `$light`, a
-/// [`Light`].
+/// Matches on `$self`, a [`Light`], and evaluates the expression `$e` for all variants.
+///
+/// In the expression, `$light` is the concrete light inside the variant, such as a [`PointLight`].
 macro_rules! dispatch {
     ($self:expr, $light:ident => $e:expr) => {
         match $self {
@@ -230,8 +231,8 @@ impl Light {
         dispatch!(self, light => light.may_illuminate(BoundingSphere { radius: sphere.radius + margin, ..sphere }))
     }
 
-    /// True if the light emits no ray in the plane through `p` with unit normal `n`, up to
-    /// rounding; false for all area and environment lights.
+    /// True if no emitted ray lies in the plane through `p` with unit normal `n`, up to rounding;
+    /// false for all area and environment lights.
     ///
     /// If it emits such a ray, rounding decides whether an object in the plane occludes the ray.
     #[must_use]

@@ -74,9 +74,9 @@ impl PhotonAim {
     /// the direction and its pdf \[1/sr].
     ///
     /// `horizon` is the unit normal of an emitting surface at `p`, or `None` if light leaves `p` in
-    /// all directions. Spheres below the plane of this surface are not sampled; if all spheres are
-    /// below it, the result is `None`. If a sphere contains `p`, all directions above the surface
-    /// are sampled.
+    /// all directions. Spheres below the plane of this surface are not sampled. If a sphere
+    /// contains `p`, all directions above the surface are sampled. Returns `None` if no sphere can
+    /// be sampled, or if the pdf is 0.
     #[must_use]
     pub fn sample_direction(&self, p: Vec3, horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
         let mut cones = [SubtendedCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];

@@ -36,8 +36,8 @@ pub struct DirectLightSample {
 pub struct EmissionSample {
     /// The emitted ray, with a unit direction.
     pub ray: Ray,
-    /// Flux \[W] that the ray carries: the flux that the light emits there, divided by the pdf of
-    /// the ray.
+    /// Flux \[W] that the ray carries: the emitted flux per unit of position and direction, divided
+    /// by the pdf of the ray.
     ///
     /// The expected value is the flux of all rays that can be sampled.
     pub weight: Rgb,
@@ -72,10 +72,11 @@ pub(super) enum LightGeometry<'a> {
 ///
 /// Three methods have defaults. A delta light must implement `nominal_strength`. A light that
 /// cannot reach all of space should implement `may_illuminate`, so that fewer photons miss the
-/// caustic casters. A light with a texture must implement `untextured_light`. Lights at one
-/// position implement [`PositionalLight`](super::point::PositionalLight) instead, which has a
-/// default for the cone of emitted directions too: it is right for every light, but a light that
-/// emits into a narrower cone is then sampled with more noise.
+/// caustic casters. A light with a texture must implement `untextured_light`.
+///
+/// Lights at one position implement [`PositionalLight`](super::point::PositionalLight) instead. Its
+/// default cone of all emitted directions is right for every light. A light that emits into a
+/// narrower cone is sampled with more noise unless it overrides this default.
 pub(super) trait LightSource {
     /// Position, direction or surface from which the light comes.
     fn geometry(&self) -> LightGeometry<'_>;

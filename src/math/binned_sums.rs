@@ -1,4 +1,4 @@
-//! Binned sums: sums of floating-point numbers that depend on no order or grouping.
+//! Binned sums: sums of floating-point numbers that do not depend on the order of the terms.
 
 use rayon::prelude::*;
 use serde::de::Error as _;

@@ -62,17 +62,18 @@ impl DoubleDoubleVec3 {
     }
 }
 
-/// Cross product a × b in double-double arithmetic, correct to the last digit even if products
-/// cancel.
+/// Cross product a × b in double-double arithmetic, rounded to f64.
+///
+/// Before this rounding, the error of a component is below 10⁻³⁰ times the larger of its two
+/// products.
 #[must_use]
 pub fn exact_cross(a: DVec3, b: DVec3) -> DVec3 {
     DoubleDoubleVec3::cross(a, b).round_to_f64()
 }
 
-/// Dot product a · b in double-double arithmetic.
+/// Dot product a · b in double-double arithmetic, rounded to f64.
 ///
-/// The result is correct to the last digit, unless it is smaller than 10⁻³⁰ times the products of
-/// the components.
+/// Before this rounding, the error is below 10⁻³⁰ times the largest of the three products.
 #[must_use]
 pub fn exact_dot(a: DVec3, b: DVec3) -> f64 {
     let [x, y, z] = [

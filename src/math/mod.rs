@@ -1,4 +1,4 @@
-//! Geometric primitives: rays, boxes, frames, transforms, sampling warps and error bounds.
+//! Rays, boxes, frames, transforms, sampling warps, exact sums and error bounds.
 
 mod binned_sums;
 mod bounds;

@@ -9,9 +9,9 @@ const ITEMS_PER_TASK: usize = 4096;
 
 /// Indices of `items`, sorted by the Morton codes of their positions.
 ///
-/// `position` returns an item's position, which must be finite. The grid of the codes has 2²⁰ cells
-/// along each axis. Items in one cell keep their order. The result does not depend on the number of
-/// threads.
+/// `position` returns an item's position, which must be finite. The grid of the codes covers the
+/// bounding box of all positions, with about 2²⁰ cells along each axis. Items in one cell keep
+/// their order. The result does not depend on the number of threads.
 #[must_use]
 pub fn morton_order<T: Sync>(items: &[T], position: impl Fn(&T) -> Vec3 + Sync) -> Vec<u32> {
     let bounds = items.par_chunks(ITEMS_PER_TASK).map(|items| Bounds::from_points(items.iter().map(&position)));
@@ -23,7 +23,9 @@ pub fn morton_order<T: Sync>(items: &[T], position: impl Fn(&T) -> Vec3 + Sync) 
     keyed.par_iter().map(|(_, i)| *i).collect()
 }
 
-/// Morton code of cell coordinates: interleaves the lowest 21 bits of x, y and z.
+/// Morton code of the cell coordinates `p`, rounded down.
+///
+/// It interleaves the lowest 21 bits of x, y and z.
 #[inline]
 fn morton_code(p: Vec3) -> u64 {
     let spread = |x: f32| {

@@ -34,9 +34,9 @@ impl Transform {
     ///
     /// # Errors
     ///
-    /// [`SingularTransformError`] if an entry is not finite, or if the columns, scaled to about
-    /// unit length, have an inverse with entries above 10¹⁴. The scale itself may be anything with
-    /// a finite inverse.
+    /// [`SingularTransformError`] if an entry of `forward` or of the inverse is not finite. Also if
+    /// the columns, scaled to about unit length, have an inverse with entries above 10¹⁴. The
+    /// lengths of the columns are not limited otherwise.
     pub fn new(forward: DAffine3) -> Result<Self, SingularTransformError> {
         let m = forward.matrix3;
         let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|v| floor_power_of_two(overflow_safe_length(v)));
@@ -121,7 +121,10 @@ impl Transform {
         self.determinant.abs() * self.transform_normal(n).length()
     }
 
-    /// Scale factor of a map that scales all lengths equally, else `None`.
+    /// Factor above 0 by which the map scales all lengths; `None` if it scales unevenly.
+    ///
+    /// The tolerance for rounding errors is 10⁻¹², relative to the squared factor. The map may also
+    /// rotate and mirror.
     #[must_use]
     pub fn uniform_scale(&self) -> Option<f64> {
         let m: DMat3 = self.forward.matrix3;

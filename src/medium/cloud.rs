@@ -15,7 +15,8 @@ pub struct Cloud {
     pub frequency: f64,
     /// Coverage from 0 to 1: the fraction of the range of noise values that becomes cloud.
     ///
-    /// At 0 the unit cube is empty; at 1 all of the inscribed ball is cloud.
+    /// At 0 the unit cube is empty. At 1 all of the inscribed ball is cloud, except at its soft
+    /// edge.
     pub cover: f64,
     /// Width of the cloud's soft edge, as a fraction of the ball's radius, from 0 to 1. At 0 the
     /// edge is hard.

@@ -83,8 +83,9 @@ pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     channel_probabilities(throughput).dot(sigma.as_dvec3() * exp_neg(optical_depth(sigma, f64::from(t)))) as f32
 }
 
-/// Radiance that the medium emits along the distance d: ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ, with
-/// emission ε and extinction σ.
+/// Radiance that reaches the ray's origin from the medium's emission along the distance d.
+///
+/// With emission ε and extinction σ, it is ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
 pub(super) fn emitted_radiance(medium: &Medium, distance: f32) -> Rgb {
     let sigma = medium.extinction();
     let distance = f64::from(distance.max(0.0));

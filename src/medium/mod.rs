@@ -40,13 +40,16 @@ pub struct Medium {
 /// the factor for the path throughput.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceSample {
-    /// Distance of the scattering point; `None` if the ray passes through.
+    /// Distance from the ray's origin to the scattering point \[length]; `None` if the ray passes
+    /// through.
     pub scattering_distance: Option<f32>,
-    /// Factor by which the throughput changes; 0 in channels without throughput.
+    /// Factor by which the throughput changes.
     ///
     /// After scattering, it is σs·T divided by the pdf of the distance, where T is the
     /// transmittance. If the ray passes through, it is T divided by the probability of passing
-    /// through.
+    /// through. In a heterogeneous medium, it is an estimate, which Russian roulette may set to 0.
+    ///
+    /// In a medium that scatters, it is 0 in channels without throughput.
     pub weight: Rgb,
 }
 
@@ -79,6 +82,8 @@ impl TransmittanceCurve {
 
     /// Transmittance from the ray's origin to distance `t` \[length]; exact in a homogeneous
     /// medium, else unbiased.
+    ///
+    /// `t` must not exceed the `distance` that was given to [`TransmittanceCurve::sample`].
     #[inline]
     #[must_use]
     pub fn transmittance_at(&self, t: f32) -> Rgb {
@@ -193,7 +198,7 @@ impl Medium {
     }
 
     /// Pdf \[1/length] with which [`distance_sample`](Self::distance_sample) samples scattering at
-    /// distance `t`; `None` in a heterogeneous medium.
+    /// distance `t`; `None` in a heterogeneous medium that scatters.
     ///
     /// `throughput` is the throughput of the path at the start of the ray.
     #[must_use]
@@ -204,8 +209,8 @@ impl Medium {
         self.is_homogeneous().then(|| homogeneous::distance_pdf(self.extinction(), t, throughput))
     }
 
-    /// Radiance \[W/(m² sr)] that the medium emits, along the first `distance` of `ray`, towards
-    /// the ray's origin. The ray has a unit direction.
+    /// Radiance \[W/(m² sr)] that reaches the ray's origin from the medium's emission along the
+    /// first `distance` \[length] of `ray`, which has a unit direction.
     ///
     /// It is exact in a homogeneous medium, else an unbiased estimate. Over an infinite distance, a
     /// homogeneous medium gives infinite radiance in a channel that emits without extinction.
@@ -248,8 +253,8 @@ fn channel_probabilities(throughput: Rgb) -> DVec3 {
     if sum > 0.0 && sum.is_finite() { part / sum } else { DVec3::splat(1.0 / 3.0) }
 }
 
-/// Converts the weight `w` of a distance sample to f32, and sets it to 0 in channels whose sampling
-/// probability is 0.
+/// Converts the weight `w` of a distance sample to f32, at most `f32::MAX`. Sets it to 0 in
+/// channels whose sampling probability is 0.
 fn zero_unsampled_channels(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
     DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()

@@ -69,7 +69,8 @@ impl PhaseFunction {
 /// and its sine.
 ///
 /// With D = 1 − g + 2gu, the inverse (Witt 1977) gives 1 − cos = 2(1−g)²(1−u)(1+gu)/D² and 1 + cos
-/// = 2(1+g)²u(1−g(1−u))/D². Neither formula suffers cancellation for g from 0 to 1.
+/// = 2(1+g)²u(1−g(1−u))/D². Neither formula suffers cancellation for g from 0 to 1. For negative g,
+/// the cosine for −g is negated.
 fn sample_henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
     let a = g.abs();
     let rest = 1.0 - a;

@@ -205,8 +205,8 @@ pub(super) fn distance_sample(
     }
 }
 
-/// Estimates the radiance that `medium` emits along the first `distance` of `ray`: the sum over
-/// tentative collisions of transmittance times emission.
+/// Estimates the radiance that reaches the origin of `ray` from the emission of `medium` along the
+/// first `distance` \[length]: the sum over tentative collisions of transmittance times emission.
 pub(super) fn emitted_radiance(
     medium: &Medium,
     grid: &GridDensity,

@@ -11,7 +11,8 @@ use rayon::prelude::*;
 /// A photon beam: a segment of a photon path in a homogeneous medium.
 ///
 /// The beam starts where the photon entered the medium or scattered. It extends to the medium's
-/// boundary along the photon's direction, beyond the sampled scattering point (long beam).
+/// boundary along the photon's direction, beyond the sampled scattering point (long beam). In a
+/// medium without a boundary, it ends where hardly any flux remains, or beyond the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonBeam {
     /// Position of the beam's start.
@@ -32,8 +33,8 @@ pub struct PhotonBeam {
 impl PhotonBeam {
     /// Creates a beam from its fields; `None` if they are invalid.
     ///
-    /// They are invalid if start, end or flux is not finite, if the flux is zero or negative, or if
-    /// `length` or `direction` is zero.
+    /// They are invalid if start, end or flux is not finite, if a channel of the flux is negative,
+    /// or if `length` is not positive. Zero flux and a zero direction are invalid too.
     #[must_use]
     pub fn new(start: Vec3, direction: Vec3, length: f32, flux: Rgb, medium: u32, wavelength_code: u8) -> Option<Self> {
         let beam = Self { start, direction, length, flux, medium, wavelength_code };
@@ -78,9 +79,9 @@ pub struct BeamIntersection {
 const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
 impl BeamIntersection {
-    /// Closest approach of `ray` and `beam`.
+    /// Returns the closest approach of `ray` and `beam`, for a kernel of radius `radius` \[length].
     ///
-    /// Returns `None` if the lines are parallel or at least `radius` apart, or if a closest point
+    /// `None` if the lines are parallel or at least `radius` apart. Also `None` if a closest point
     /// lies beyond an end of the ray or the beam.
     #[inline]
     fn new(ray: &Ray, beam: &PhotonBeam, radius: f64) -> Option<Self> {

@@ -2,12 +2,14 @@
 
 use super::PhotonBeam;
 
-/// Keeps about the fraction `share` of `beams`, each with a probability proportional to its flux.
-/// The flux of a kept beam is divided by its probability.
+/// Thins `beams`: keeps at most about the fraction `share` of them, preferably those of much flux.
 ///
-/// The expected flux of each beam stays the same. `start` in \[0, 1) is the only random number
-/// (systematic sampling, Kitagawa 1996). A beam with more flux than the mean of the kept beams is
-/// always kept. Beams keep their order. A `share` of 1 or more keeps all beams unchanged.
+/// Systematic sampling (Kitagawa 1996) draws each beam a number of times. The mean of this number
+/// is proportional to the flux of the beam. `start` in \[0, 1) is the only random number. Beams
+/// that are not drawn are left out. The flux of a drawn beam is multiplied by the number of its
+/// draws, and divided by the mean of this number. So the expected flux of each beam stays the same.
+///
+/// Beams keep their order. A `share` that is not between 0 and 1 keeps all beams unchanged.
 #[must_use]
 pub fn thin_beams(mut beams: Vec<PhotonBeam>, share: f32, start: f32) -> Vec<PhotonBeam> {
     let flux = |beam: &PhotonBeam| f64::from(beam.flux.x) + f64::from(beam.flux.y) + f64::from(beam.flux.z);

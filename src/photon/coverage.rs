@@ -35,16 +35,17 @@ const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
 ///
 /// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface. If
 /// the surface ends, bends or is occluded, the estimate is too dark (boundary bias, Jensen 2001,
-/// section 7.2.3). Division by the coverage corrects this bias. Probe rays along −`normal` measure
-/// the coverage, unless one flat shape contains the disc. The coverage is at least 0.05, exactly 1
-/// on a flat surface, and may exceed 1 on a slope.
+/// section 7.2.3). Division by the coverage corrects this bias. Probe rays along −`normal`, at
+/// random positions from `key`, measure the coverage, unless one flat shape contains the disc. Hits
+/// on surfaces tilted by more than 60° do not count. The coverage is at least 0.05, exactly 1 on a
+/// flat surface, and may exceed 1 on a slope.
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));
     coverage_near(scene, &primitives, p, normal, radius, kernel, key)
 }
 
-/// Box that contains all probe rays of [`disc_coverage`] at `p`.
+/// Returns a box that contains all probe rays of [`disc_coverage`] at `p`.
 fn probe_bounds(p: Vec3, normal: Vec3, radius: f32) -> Bounds {
     let height = normal.abs() * (radius * MAX_RELATIVE_HEIGHT);
     let around = (Vec3::ONE - normal * normal).max(Vec3::ZERO).map(f32::sqrt) * radius;

@@ -159,10 +159,12 @@ impl<'a> PhotonSource<'a> {
 
     /// Samples and starts photon path `index` of a pass of `paths` paths.
     ///
-    /// Returns the ray and its flux \[W], or `None` if the sample carries no flux. Lights are
-    /// chosen by systematic sampling over path indices. Positions and directions are Sobol' points,
-    /// scrambled with `pass_key`. The wavelengths of each light's paths are stratified, jointly
-    /// with the positions and with the directions.
+    /// Returns the ray and its flux \[W], or `None` if the sample carries no flux. The flux is
+    /// divided by the probability of the light, by the pdf of the primary samples, and by `paths`.
+    ///
+    /// Lights are chosen by systematic sampling over path indices. Positions and directions are
+    /// Sobol' points, scrambled with `pass_key`. The wavelengths of each light's paths are
+    /// stratified, jointly with the positions and with the directions.
     #[must_use]
     pub fn emit_photon_path<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let point = self.sample_primary_emission(pass_key, index, paths);
@@ -230,21 +232,21 @@ impl<'a> PhotonSource<'a> {
     }
 }
 
-/// Primary sample in \[0, 1) that chooses the light of photon path `index` in a pass of `paths`
-/// paths. It increases with `index` in equal steps (systematic sampling).
+/// Returns the primary sample in \[0, 1) that chooses the light of photon path `index` in a pass of
+/// `paths` paths. It increases with `index` in equal steps (systematic sampling).
 #[inline]
 fn systematic_light_sample(pass_key: Key, index: u32, paths: u32) -> f32 {
     let u = (f64::from(index) + f64::from(pass_key.uniform_1d(Dimension::Light))) / f64::from(paths);
     (u as f32).min(1.0 - f32::EPSILON / 2.0)
 }
 
-/// Effects that photon paths in `scene` simulate by default: all, but without [`Effect::Interiors`]
-/// if no object has an interior.
+/// Returns the effects that photon paths in `scene` simulate by default: all, but without
+/// [`Effect::Interiors`] if no object has an interior.
 fn effects_of_scene(scene: &Scene) -> Effects {
     if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without_effect(Effect::Interiors) }
 }
 
-/// Power of each light \[W], averaged over RGB.
+/// Iterates over the powers of the lights of `scene` \[W], averaged over RGB.
 fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }

@@ -91,7 +91,8 @@ impl PhotonMap {
     /// `brdf` returns f \[1/sr] for a photon's incident direction. `normal` is the unit geometric
     /// normal on the viewer's side. Photons on other surfaces are left out: their normal differs
     /// from `normal` by more than 60°, or their tangent plane is farther from `p` than a quarter of
-    /// the radius. `scratch` keeps the found photons and the start radius for the next search.
+    /// [`Bandwidth::radius`]. `scratch` keeps the found photons and the start radius for the next
+    /// search. The estimate is not divided by the coverage of the disc.
     pub fn estimate_radiance(
         &self,
         p: Vec3,

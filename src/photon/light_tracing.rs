@@ -77,7 +77,7 @@ impl DensityEstimateShares {
         Self { width, height, steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
     }
 
-    /// Share of caustic flux that density estimates use at `film_position` \[pixels
+    /// Returns the share of caustic flux that density estimates use at `film_position` \[pixels
     /// from the top left], in steps of 1/[`SHARE_STEPS`]. Outside the film, the share is 1.
     #[inline]
     fn share_steps_at_film_position(&self, film_position: Vec2) -> u8 {
@@ -86,8 +86,8 @@ impl DensityEstimateShares {
     }
 }
 
-/// Column and row of the pixel that contains `film_position` \[pixels from the
-/// top left]; `None` outside the film.
+/// Returns column and row of the pixel that contains `film_position` \[pixels from the top left];
+/// `None` outside the film.
 #[inline]
 fn pixel_at_film_position(film_position: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
     let inside =
@@ -105,8 +105,8 @@ pub struct LightTracer<'a> {
     /// True if some bodies are null interfaces, which do not block connections.
     has_null_interfaces: bool,
     /// Fraction of a photon's flux that density estimates use, for each pixel; splats get the
-    /// remaining flux. `None`, for a pilot, gives the whole flux to density estimates and to
-    /// splats.
+    /// remaining flux. If it is `None`, as in a pilot, density estimates and splats each get the
+    /// whole flux.
     shares: Option<&'a DensityEstimateShares>,
 }
 
@@ -171,11 +171,11 @@ impl<'a> LightTracer<'a> {
         share
     }
 
-    /// Radiance of a splat, integrated over the film, per watt of a photon at `surface`
+    /// Returns the radiance of a splat, integrated over the film, per watt of a photon at `surface`
     /// \[pixel²/(m² sr)].
     ///
-    /// The factor ignores media and occlusion. It is 0 if the camera is behind a surface that does
-    /// not transmit.
+    /// The factor includes the BSDF and the cosine. It ignores media and occlusion. It is 0 if the
+    /// camera is behind a surface that does not transmit.
     fn splat_per_flux(&self, surface: &SurfaceInteraction<'_>, connection: &CameraConnection) -> Rgb {
         let normal = surface.facing_normal();
         let cosine = connection.direction_to_camera.dot(normal);

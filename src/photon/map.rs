@@ -44,7 +44,7 @@ const ROTATION: Mat3 = Mat3::from_cols(
 /// hold photons of one position in one leaf.
 const MAX_COINCIDENT: usize = BUCKET;
 
-/// Smallest number of windows of photons that one Rayon task tests for coincident photons.
+/// Smallest number of runs of consecutive photons that one Rayon task tests for coincidence.
 const MIN_WINDOWS: usize = 4096;
 
 /// Number of photons from which the two halves of a node of the kd-tree are built in parallel.
@@ -107,7 +107,8 @@ impl PhotonMap {
 /// Merges photons of equal position, normal, wavelength and share of density estimates, at each
 /// position with more than [`MAX_COINCIDENT`] photons.
 ///
-/// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
+/// A merged photon has the sum of the fluxes and the mean direction, weighted by flux. Wavelength
+/// and density estimate share of the photons are lost.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {
     // Morton order makes photons at one position adjacent, unless other photons share their Morton
     // cell.

@@ -138,7 +138,8 @@ pub(super) struct BeamPiecePacket {
 }
 
 impl BeamPiecePacket {
-    /// A packet of at most eight pieces, each with the start and unit direction of its beam.
+    /// Creates a packet of the first eight of `pieces`, each with the start and unit direction of
+    /// its beam.
     pub fn new(pieces: impl Iterator<Item = (BeamPiece, Vec3, Vec3)>) -> Self {
         let nowhere = [f32x8::ZERO; 3];
         let (from, to) = (f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY));
@@ -155,7 +156,7 @@ impl BeamPiecePacket {
         all
     }
 
-    /// The beam piece in lane `slot`.
+    /// Returns the beam piece in lane `slot`.
     pub fn beam_piece_in_lane(&self, slot: usize) -> BeamPiece {
         BeamPiece { beam: self.beams[slot], from: self.from.as_array()[slot], to: self.to.as_array()[slot] }
     }

@@ -86,7 +86,7 @@ impl StoreMask {
     }
 
     /// True if the mask stores a photon of kind `kind`, or may store a later photon of the same
-    /// path.
+    /// path. Always true for [`PhotonKind::Direct`].
     pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
@@ -102,13 +102,13 @@ impl StoreMask {
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
-    /// Kind of the path's next photon after the path crossed the boundary of a caster without
-    /// scattering. `self` is the kind before the crossing.
+    /// Returns the kind of the path's next photon after the path crossed the boundary of a caster
+    /// without scattering. `self` is the kind before the crossing.
     pub(super) fn kind_after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// Kind of the path's next photon after a photon of kind `self` has scattered.
+    /// Returns the kind of the path's next photon after a photon of kind `self` has scattered.
     ///
     /// `is_receiver` is true if the photon scattered at a receiver, false if it scattered at a
     /// caster.

@@ -20,8 +20,8 @@ pub struct VisiblePoint {
     pub weight: f32,
 }
 
-/// Visible points in a kd-tree, which give the importance of a photon for the picture. It is large
-/// near many visible points of large weight.
+/// Visible points in a kd-tree, which give the importance of a photon for the picture. The
+/// importance is large near many visible points of large weight.
 ///
 /// Visible points correspond to the importons of Peter and Pietrek 1998, "Importance Driven
 /// Construction of Photon Maps".
@@ -31,7 +31,8 @@ pub struct VisiblePointMap {
     points: PhotonMap,
     bandwidth: Bandwidth,
     /// Distance \[length] at which a search expects the 16th neighbour: the tenth percentile of the
-    /// distances from a visible point to its 16th neighbour. A search begins with 1.25 times it.
+    /// distances from a visible point to its 16th neighbour. A search begins with 1.25 times this
+    /// distance.
     expected_kth_distance: f32,
 }
 
@@ -70,8 +71,8 @@ impl VisiblePointMap {
         }
     }
 
-    /// Importance of photons at `p`: the sum of squared weights of the visible points near `p`, per
-    /// area \[1/length²].
+    /// Returns the importance of photons at `p`: the sum of squared weights of the visible points
+    /// near `p`, per area \[1/length²].
     ///
     /// Only visible points on the side of the unit geometric `normal` count. The squared
     /// contribution of a photon of flux Φ to the picture is proportional to Φ² times this

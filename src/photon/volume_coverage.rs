@@ -75,8 +75,8 @@ impl KernelProbes {
     }
 }
 
-/// Fraction of a kernel's integral within the distance `x`·r of its center, where r is the kernel's
-/// radius and `x` ≥ 0.
+/// Returns the fraction of a kernel's integral within the distance `x`·r of its center, where r is
+/// the kernel's radius and `x` ≥ 0.
 ///
 /// Kernels in one and three `dimensions` are proportional to 1 − x², kernels in two to (1 − x²)².
 fn kernel_fraction_within(x: f32, dimensions: u32) -> f32 {

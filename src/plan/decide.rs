@@ -17,7 +17,7 @@ pub enum EffectReason {
     MayOcclude,
     /// The algorithm cannot simulate the effect.
     UnsupportedByAlgorithm,
-    /// No light has power.
+    /// No light has power. For [`Effect::Interreflection`], no medium emits either.
     NoLight,
     /// No object is a caustic caster, see
     /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
@@ -26,11 +26,11 @@ pub enum EffectReason {
     NoLitCaster,
     /// No surface and no medium of the scene stores photons.
     NoReceiver,
-    /// All surfaces that store photons are black.
+    /// All surfaces that store photons are black, and no medium scatters.
     BlackReceivers,
-    /// The scene is one flat object, and no light lies in its plane.
+    /// The scene is one flat object, see [`SceneFeatures::is_one_flat_object`].
     OneFlatObject,
-    /// All lights are delta lights, such as point lights.
+    /// All lights with power are delta lights, such as point lights.
     NoSoftLight,
     /// The scene has no environment light.
     NoEnvironmentLight,
@@ -50,7 +50,7 @@ pub enum EffectReason {
     NoBump,
     /// Media need the effect. Holds the number of media that scatter, absorb or emit.
     Media(usize),
-    /// The scene has no media.
+    /// No medium of the scene scatters, absorbs or emits.
     NoMedium,
     /// A medium fills the space outside all objects.
     AmbientMedium,
@@ -106,7 +106,7 @@ pub struct EffectDecision {
     /// Reason why `is_needed` is true or false.
     pub reason: EffectReason,
     /// True if the render simulates the effect. It equals `is_needed` unless the user forces the
-    /// effect on or off.
+    /// effect on or off. An effect that the algorithm does not support is never simulated.
     pub is_simulated: bool,
 }
 

@@ -39,7 +39,7 @@ pub struct SceneFeatures {
     /// nothing.
     #[serde(rename = "background")]
     pub has_background: bool,
-    /// Number of objects with textures.
+    /// Number of objects with a texture of a material parameter or of emission.
     #[serde(rename = "textured")]
     pub textured_objects: usize,
     /// Number of objects with bump or normal maps.
@@ -58,9 +58,11 @@ pub struct SceneFeatures {
     /// True if an object or the camera moves while the shutter is open.
     #[serde(rename = "moving")]
     pub has_motion: bool,
-    /// True if the scene is one flat object at rest, and no light lies in its plane.
+    /// True if the scene is one flat object at rest, without media, and no light emits in its
+    /// plane.
     ///
-    /// The object can then neither shadow nor light itself.
+    /// The object can then neither shadow nor light itself. False if an area light or an
+    /// environment light has power.
     #[serde(rename = "one_flat_object")]
     pub is_one_flat_object: bool,
 }

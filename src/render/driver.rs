@@ -11,8 +11,8 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Conditions that end a render. They are checked after each pass; the first one that holds ends
-/// the render.
+/// Conditions that end a render, and their minimum of passes. They are checked after each pass. One
+/// condition that holds suffices.
 #[derive(Clone, Copy, Debug)]
 pub struct StopCriteria<'a> {
     /// Minimum number of passes. Until then, neither `time_limit` nor `target` ends the render.
@@ -25,20 +25,21 @@ pub struct StopCriteria<'a> {
     pub time_limit: Option<Duration>,
     /// Wall time before the first pass that counts towards `time_limit`: loading and pilots.
     pub time_before_passes: Duration,
-    /// Estimated error at which the render ends; `None` for no target.
+    /// Error target at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
     /// True to give up `target` if bias keeps the error above it after any number of passes. The
     /// render then still goes on until its noise is at most the target error.
     ///
     /// A render without limits of passes and time gives up such a target in any case, even with
-    /// more noise.
+    /// more noise. No render gives up before 16 passes, or if 0.8 times the bias is at most the
+    /// target.
     pub ends_at_bias_floor: bool,
     /// Flag of another thread: true ends the render after the current pass.
     pub interrupted: &'a AtomicBool,
 }
 
-/// Error target of a render: the render ends once it estimates, with this confidence, that the
-/// error is at most this.
+/// Error target of a render. The render ends once it estimates that its error is at most `error`,
+/// with the probability `confidence`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorTarget {
     /// Relative error, see [`ErrorEstimate`]; 0.01 is 1 %.
@@ -49,7 +50,8 @@ pub struct ErrorTarget {
 
 impl ErrorTarget {
     /// Returns the confidence that a two-sided error interval needs, so that its upper end exceeds
-    /// the true error with the probability `self.confidence`.
+    /// the true error with the probability `self.confidence`. For a probability of ½ or less, it is
+    /// [`Confidence::LEAST`].
     #[must_use]
     pub fn interval_confidence(self) -> Confidence {
         Confidence::new(2.0 * self.confidence.probability() - 1.0).unwrap_or(Confidence::LEAST)
@@ -60,7 +62,7 @@ impl ErrorTarget {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EndReason {
-    /// The largest number of passes was reached.
+    /// The largest number of passes was reached, or no requested pass number is left.
     Passes,
     /// The end of the last pass is nearest to the time limit.
     Time,
@@ -127,7 +129,7 @@ pub struct PassProgress<'a> {
     pub passes: u32,
     /// Film, error estimator, counts and times of the passes so far.
     pub rendered: &'a RenderResult,
-    /// Reason why the render ends after this pass; `None` if another pass follows.
+    /// Reason why the render ends after this pass; `None` if no criterion holds yet.
     pub end_reason: Option<EndReason>,
     /// Estimated error, and a forecast of the error after more passes; `None` if the error was not
     /// estimated after this pass.
@@ -243,7 +245,7 @@ impl RenderResult {
     }
 
     /// Returns the light that clamping removed from the picture, as a fraction of the light without
-    /// clamping; `None` if light was not clamped.
+    /// clamping. The fraction is 0 without light, and `None` if light was not clamped.
     #[must_use]
     pub fn clamping_loss_fraction(&self) -> Option<f64> {
         let light = |film: &Film| film.pixel_means().map(|mean| mean.element_sum()).sum::<f64>();
@@ -255,8 +257,8 @@ impl RenderResult {
     /// Adds the passes of `other`, a render of the same scene with the same settings.
     ///
     /// # Errors
-    /// [`MergeError`] if the renders have common passes, or belong to different pictures or
-    /// integrators. This result then stays as it is.
+    /// [`MergeError`] if the renders have common passes or too many passes together, or belong to
+    /// different pictures or integrators. This result then stays as it is.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
         let common = self.pass_numbers.intersection(&other.pass_numbers);
         if !common.is_empty() {
@@ -291,8 +293,8 @@ impl RenderResult {
 
     /// Returns the estimated error of the picture, and a forecast of the error after more passes.
     ///
-    /// The interval of the error has the confidence that `target` needs. `None` if there is no
-    /// error estimator, or there are too few passes.
+    /// The interval of the error has the confidence that `target` needs, or 90 % without a target.
+    /// `None` if there is no error estimator, or there are too few passes.
     #[must_use]
     pub fn estimate_error(&self, target: Option<ErrorTarget>) -> Option<(ErrorEstimate, ErrorForecast)> {
         let estimator = self.estimator.as_ref()?;
@@ -336,8 +338,9 @@ impl<'a> StopCriteria<'a> {
         }
     }
 
-    /// Returns the reason to end the render after `passes` passes, which took `times`; `None` to go
-    /// on. `error` is the estimated error, if it was estimated now.
+    /// Returns the reason to end the render after `passes` passes; `None` to go on. `times` are the
+    /// wall times of those passes that count towards the time limit. `error` is the estimated
+    /// error, if it was estimated now.
     #[must_use]
     pub fn end_reason(
         &self,

@@ -21,7 +21,7 @@ const MAX_BLOCK_BYTES: usize = 1 << 20;
 /// Largest size of the content of a film file beside the sums of its pixels \[bytes].
 const MAX_FIXED_BYTES: u64 = 1 << 20;
 
-/// Largest size of the content of a film file for one pixel \[bytes].
+/// Largest size of the content of a film file per pixel \[bytes].
 ///
 /// The format of the crate `postcard` stores a 64-bit integer in at most 10 bytes.
 const MAX_BYTES_PER_PIXEL: u64 = 1024;
@@ -92,7 +92,7 @@ pub enum FilmFileError {
 }
 
 impl FilmHeader {
-    /// Returns the differences that forbid to add the passes of the two renders, one line each;
+    /// Returns the differences that forbid adding the passes of the two renders, one line each;
     /// empty if the passes can be added.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<String> {

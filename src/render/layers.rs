@@ -7,12 +7,12 @@ use crate::integrate::{LightGroup, MeanGatherDisc, SurfaceAovs};
 use glam::Vec3;
 use std::ops::Index;
 
-/// Returns the layers of a picture file: the picture, whose layer has no name; its light groups if
-/// it has them; the radiance that clamping removed if light is clamped; and maps of its estimated
-/// error.
+/// Returns the layers of a picture file: first the picture, whose layer has no name. Then come the
+/// light groups, the radiance that clamping removed, and maps of the estimated error.
 ///
-/// There are no maps if the error is not estimated, or before [`MIN_ERROR_ESTIMATE_PASSES`] passes.
-/// Layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
+/// Light groups and removed radiance exist only if `rendered` has them. There are no maps if the
+/// error is not estimated, or before [`MIN_ERROR_ESTIMATE_PASSES`] passes. Layers `bias`, `radius`
+/// and `photons` exist only for algorithms with density estimates.
 #[must_use]
 pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb_layer("", &rendered.film.mean_picture())];

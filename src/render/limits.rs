@@ -18,10 +18,13 @@ pub const DEFAULT_TIME_LIMIT: Duration = Duration::from_secs(5 * 60);
 /// Limits of a render. The render ends at the first limit that it reaches.
 ///
 /// Without `max_passes`, `time_limit` and `target_error`, the render ends at
-/// [`DEFAULT_TARGET_ERROR`] or after [`DEFAULT_TIME_LIMIT`]. It also ends once its noise is below
-/// [`DEFAULT_TARGET_ERROR`], if bias keeps the total error above it.
+/// [`DEFAULT_TARGET_ERROR`] or after [`DEFAULT_TIME_LIMIT`]. A preview then ends at
+/// [`PREVIEW_TARGET_ERROR`] instead. The render also ends once its noise is at most this error, if
+/// bias keeps the total error above it.
 ///
-/// Without limits and without error estimates, a render makes [`Algorithm::default_passes`] passes.
+/// An integrator without error estimates ignores `target_error` and `preview`. Without `max_passes`
+/// and `time_limit`, it makes [`Algorithm::default_passes`] passes. Ray casting does so even with a
+/// `time_limit`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderLimits {
     /// Largest number of passes; `None` for no limit.

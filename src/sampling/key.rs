@@ -9,22 +9,23 @@
 //! word of a parent only if they draw numbers of different dimensions. The last column says why
 //! keys are distinct.
 //!
-//! A trial is one repetition of a pilot simulation. A round is one iteration of the training of
-//! guiding; environment guiding traces its camera paths in round 0. A bounce counts the scattering
-//! events of a path.
+//! In the table, a parent such as `CameraPaths` is the key of that [`Purpose`]. "Pilot" is the key
+//! of the purpose of a pilot simulation. A trial is one repetition of a pilot simulation. A round
+//! is one iteration of the training of guiding; environment guiding traces its camera paths in
+//! round 0. A bounce counts the scattering events of a path.
 //!
 //! | parent | function | word | distinct because |
 //! | --- | --- | --- | --- |
 //! | – | `Key::new` | seed | root of a render |
-//! | root, trial | `Key::purpose_key` | [`Purpose`] | one per purpose |
+//! | root, trial, pilot | `Key::purpose_key` | [`Purpose`] | one per purpose |
 //! | purpose | `Key::pass_key` | pass | one per pass; a pilot counts down from `u32::MAX` |
-//! | purpose `Camera` | `Key::shared_camera_paths_key` | 0 | for passes that share paths |
-//! | purpose `Camera` | `Key::unshared_camera_paths_key` | pass + 1 | never the 0 of shared paths |
-//! | pass, slice, round | `Key::photon_path_key` | path | one per photon path |
+//! | `CameraPaths` | `Key::shared_camera_paths_key` | 0 | for passes that share paths |
+//! | `CameraPaths` | `Key::unshared_camera_paths_key` | pass + 1 | never the 0 of shared paths |
+//! | pass, slice, round, pilot | `Key::photon_path_key` | path | one per photon path |
 //! | pass of photon paths | `Key::shutter_slice_key` | 2³² + slice | above all words of paths |
 //! | path | `Key::photon_vertex_key` | bounce | one per vertex of a photon path |
 //! | vertex of a photon path | `Key::camera_connection_key` | 1 | the only child of its parent |
-//! | pass of `Camera`, `[Aimed]PrefixRays` | `Key::pixel_key` | y · 2³² + x | one per pixel |
+//! | pass of camera paths or prefix rays | `Key::pixel_key` | y · 2³² + x | one per pixel |
 //! | `Shutter`, `SurfaceAovs`, `LampImages` | `Key::pixel_key` | y · 2³² + x | one per pixel |
 //! | pixel of `Shutter` | `Key::pass_key` | pass | one per pass |
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
@@ -34,11 +35,11 @@
 //! | shadow ray | `Key::shadow_ray_scatter_point_key` | 1 | transmittance uses the parent itself |
 //! | film sample of a pilot | `Sampler::pilot_bounce_sampler` | bounce | one per vertex |
 //! | any sampler | `Sampler::sample_key` | sample | one per sample of the pixel |
-//! | purpose `RayPhotonBalance` | `Key::pilot_trial_key` | trial | independent trials |
-//! | `Camera` of a trial | `Key::film_point_key` | set · 2³² + point | one per point of a pilot |
-//! | purpose `AimedLightPower` | `Key::light_power_pilot_key` | light | one per light |
-//! | purpose `EmissionGuiding` | `Key::training_round_key` | round | one per training round |
-//! | purpose `EnvironmentGuiding` | `Key::training_round_key` | round | one per training round |
+//! | `RayPhotonBalance`, `IndirectDivision` | `Key::pilot_trial_key` | trial | independent trials |
+//! | `CameraPaths` of trial, pilot | `Key::film_point_key` | set · 2³² + point | one per point |
+//! | `AimedLightPower` | `Key::light_power_pilot_key` | light | one per light |
+//! | `EmissionGuiding` | `Key::training_round_key` | round | one per training round |
+//! | `EnvironmentGuiding` | `Key::training_round_key` | round | one per training round |
 
 use glam::Vec2;
 use rand::{SeedableRng, rngs::SmallRng};
@@ -86,9 +87,10 @@ pub enum Purpose {
     SurfaceAovs,
     /// Pilot simulation that finds the lit parts of media.
     ScatterPointGuiding,
-    /// Pilot simulation that finds the images of small lamps.
+    /// Pilot simulation that finds where small lamps appear on the film, directly or over specular
+    /// surfaces.
     LampImages,
-    /// Prefix rays that are aimed at images of lamps.
+    /// Prefix rays that are aimed at the film positions where small lamps appear.
     AimedPrefixRays,
 }
 
@@ -102,7 +104,7 @@ pub enum Dimension {
     LightPosition,
     /// Direction in which a light emits a photon.
     LightDirection,
-    /// Choice of the object toward which a light emits a photon.
+    /// Spare dimension, which only tests use.
     LightTarget,
     /// Position within a pixel, or on the film.
     Film,
@@ -117,12 +119,13 @@ pub enum Dimension {
     /// Position of a probe ray in the gather disc of a photon density estimate. Probe rays measure
     /// how much of the disc is surface.
     CoverageProbe,
-    /// Choice at a surface that stores photons. In the algorithm `distributed`, it is between the
-    /// diffuse and the glossy lobe. In `hybrid`, it is between the end and the continuation of a
-    /// camera path.
+    /// Choice that a camera path makes at a surface that stores photons.
+    ///
+    /// The algorithm `distributed` chooses the diffuse or the glossy lobe. `hybrid` chooses whether
+    /// the path ends or continues.
     ReceiverBranch,
-    /// Russian roulette before a vertex of low throughput is shaded, and for photon paths that
-    /// continue after a caustic.
+    /// Russian roulette of three kinds: before a vertex of low throughput is shaded, before shadow
+    /// rays from a medium, and after a caustic photon.
     ShadingRoulette,
     /// Position on the lens of the camera.
     Lens,
@@ -135,7 +138,7 @@ pub enum Dimension {
     Wavelength,
     /// Direction after scattering in a medium.
     Phase,
-    /// Distance sampling in a medium.
+    /// Choice of the point of a medium from which a shadow ray starts.
     Medium,
 }
 

@@ -100,7 +100,8 @@ impl SquareGridDistribution {
 
 /// Cumulative probabilities in proportion to `weights`, rounded to multiples of 2⁻²⁴.
 ///
-/// The probabilities are equal if all weights are 0.
+/// Each weight above 0 gets a probability of at least [`MIN_CELL_STEPS`] such steps. The
+/// probabilities are equal if all weights are 0.
 fn cumulative_probabilities(weights: &[f64]) -> Vec<f32> {
     let total: f64 = weights.iter().sum();
     let weight = |w: &f64| if total > 0.0 { *w / total } else { 1.0 / weights.len() as f64 };

@@ -1,4 +1,5 @@
-//! Motion of what a camera ray sees on the film, from the opening to the closing of the shutter.
+//! Motion on the film of points that the camera sees, from the opening to the closing of the
+//! shutter.
 
 use super::animation::{camera_at_time, motion_of_hit};
 use super::{Hit, Scene};
@@ -15,7 +16,7 @@ pub struct FilmMotionMeter {
 }
 
 impl FilmMotionMeter {
-    /// Makes the measure of `scene`; `None` if nothing moves.
+    /// Creates the meter for `scene`; `None` if nothing moves.
     #[must_use]
     pub fn new(scene: &Scene) -> Option<Self> {
         let animation = scene.animation.as_deref()?;
@@ -26,8 +27,8 @@ impl FilmMotionMeter {
         Some(Self { opening: camera(0.0), closing: camera(1.0) })
     }
 
-    /// Returns how far a surface point moves on the film while the shutter is open \[pixels to the
-    /// right and down].
+    /// Returns the displacement of a surface point on the film from the opening to the closing of
+    /// the shutter \[pixels to the right and down].
     ///
     /// The point is at `p` at the time `time` in \[0, 1], and belongs to the object at `hit` of
     /// `scene`. `None` if it is behind the camera at an end of the shutter interval.
@@ -41,10 +42,11 @@ impl FilmMotionMeter {
         self.opening.film_displacement(at(0.0), &self.closing, at(1.0))
     }
 
-    /// Returns how far the surroundings at infinity in unit `direction` move on the film while the
-    /// shutter is open \[pixels to the right and down].
+    /// Returns the displacement on the film of a point at infinity in unit `direction`, from the
+    /// opening to the closing of the shutter \[pixels to the right and down].
     ///
-    /// `None` if the direction is behind the camera, or the camera is orthographic.
+    /// `None` if the point is behind the camera at an end of the shutter interval, or if the camera
+    /// is orthographic.
     #[must_use]
     pub fn of_direction(&self, direction: Vec3) -> Option<Vec2> {
         self.opening.film_displacement_at_infinity(direction, &self.closing)

@@ -11,7 +11,8 @@ use crate::color::Rgb;
 use crate::texture::Texture;
 use std::sync::Arc;
 
-/// A surface material: the parameters of a scattering model, and a perturbation of shading normals.
+/// A surface material: the parameters of a scattering model, a perturbation of shading normals, and
+/// possibly a clear coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     kind: MaterialKind,
@@ -19,7 +20,7 @@ pub struct Material {
     clear_coat: Option<ClearCoatParameters>,
     /// The BSDF with textures replaced by their means. Untextured materials use it at each hit.
     mean_bsdf: Bsdf,
-    /// True if a texture determines a parameter of the BSDF.
+    /// True if a texture determines a parameter of the BSDF, or the amount of a mix.
     textured: bool,
     /// True if a hit may resolve to a BSDF that stores photons.
     may_store_photons: bool,
@@ -89,8 +90,8 @@ impl Material {
 
     /// A thin sheet that reflects and transmits light diffusely.
     ///
-    /// `reflectance` and `transmittance` lie in \[0, 1]. If their sum exceeds 1, they are scaled to
-    /// conserve energy; see [`crate::bsdf::DiffuseTransmission`].
+    /// `reflectance` and `transmittance` lie in \[0, 1]. If their sum exceeds 1 in a color channel,
+    /// both are divided by the largest sum; see [`crate::bsdf::DiffuseTransmission`].
     #[must_use]
     pub fn diffuse_transmission(
         reflectance: impl Into<MaterialParameter<Rgb>>,
@@ -160,8 +161,8 @@ impl Material {
         Self::new(MaterialKind::Conductor { index, roughness, scattering })
     }
 
-    /// This material without light that scatters between microfacets; unchanged if it is neither a
-    /// metal nor the boundary of a body.
+    /// This material without the light that scatters more than once between microfacets; unchanged
+    /// if it is neither a metal nor the boundary of a body.
     #[must_use]
     pub fn with_single_microfacet_scattering(self) -> Self {
         self.with_kind(self.kind.with_single_microfacet_scattering())
@@ -246,14 +247,14 @@ impl Material {
         }
     }
 
-    /// True if a texture determines a parameter of the BSDF.
+    /// True if a texture determines a parameter of the BSDF, or the amount of a mix.
     #[inline]
     #[must_use]
     pub fn is_textured(&self) -> bool {
         self.textured
     }
 
-    /// True if each hit chooses one of several BSDFs at random: at a mix, or at a surface with a
+    /// True if a hit may choose one of several BSDFs at random: at a mix, or at a surface with a
     /// coat.
     #[inline]
     pub(super) fn chooses_bsdf_randomly(&self) -> bool {
@@ -266,8 +267,8 @@ impl Material {
         self.may_store_photons
     }
 
-    /// True if textures determine BSDF parameters or the shading normal, so that each hit must
-    /// evaluate textures.
+    /// True if textures determine BSDF parameters, the amount of a mix or the shading normal, so
+    /// that each hit must evaluate textures.
     #[inline]
     pub(super) fn needs_textures(&self) -> bool {
         self.textured || self.normal_perturbation != NormalPerturbation::None

@@ -190,7 +190,7 @@ impl Scene {
         &self.materials
     }
 
-    /// Dispersion formulas of the glasses: refractive index by wavelength.
+    /// Dispersion formulas to which [`Body::glass`] refers by index.
     #[must_use]
     pub fn glasses(&self) -> &[DispersionFormula] {
         &self.glasses
@@ -214,8 +214,9 @@ impl Scene {
 
     /// The ball onto which lights at infinity emit photons.
     ///
-    /// It is the bounding sphere of all bounded shapes. In a scene with unbounded planes, its
-    /// radius is four times as large.
+    /// It is the sphere through the corners of the box around all bounded objects. In a scene with
+    /// unbounded planes, its radius is four times as large. Without bounded objects, the distances
+    /// of the planes from the origin determine its radius.
     #[must_use]
     pub fn photon_domain(&self) -> BoundingSphere {
         self.derived.photon_domain
@@ -324,7 +325,8 @@ impl Scene {
         self.geometry.surface_point(ray, hit).ng
     }
 
-    /// Texture coordinates at `hit`, with the filter footprint that `cone` has on the surface.
+    /// Texture coordinates and object-space point at `hit`, with the filter footprint that `cone`
+    /// has on the surface.
     #[inline(never)]
     #[must_use]
     pub fn texture_context(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &RayCone) -> TextureEvalContext {

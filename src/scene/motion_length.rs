@@ -47,10 +47,11 @@ impl MotionLengthMeter {
         }
     }
 
-    /// Returns how far the image of a point moves on the film \[pixels].
+    /// Returns the length of the path of a moving point on the film \[pixels].
     ///
     /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
-    /// Film points outside the picture are clamped to its edge.
+    /// Film positions outside the picture are clamped to its edge. A step does not count if the
+    /// point is behind the camera before or after it.
     fn film_length_in_pixels(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         let film = |(step, camera): (u32, &Camera)| {
             let at = camera.connect_to_point(position(step).as_vec3(), None)?.film_position;
@@ -64,8 +65,8 @@ impl MotionLengthMeter {
         places.windows(2).map(step).sum()
     }
 
-    /// Returns how far a point moves through the scene, divided by the width of a pixel at the
-    /// center of the photon domain.
+    /// Returns the length of the path of a moving point through the scene, divided by the width of
+    /// a pixel at the center of the photon domain.
     ///
     /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
     /// The measure serves objects outside the picture. Their shadows and caustics may fall into the
@@ -95,14 +96,15 @@ fn trajectory_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) ->
     move |step| motion.at_time(step_time(step)).transform_point3(before)
 }
 
-/// Returns the longest distance that any part of the scene moves on the film while the shutter is
-/// open \[pixels]; 0 if nothing moves.
+/// Returns the length of the longest path that a measured point of the scene takes on the film
+/// while the shutter is open \[pixels]; 0 if nothing moves.
 ///
-/// - A shape is measured by the corners of its bounds, on the film and through the scene.
+/// - A shape is measured by the corners of its bounds, on the film and through the scene. Of many
+///   shapes, only every n-th is measured.
 /// - A light is measured by points around it, through the scene.
 /// - A plane or the camera is measured by points that the camera sees, on the film.
 ///
-/// A distance through the scene is divided by the width of a pixel at the center of the photon
+/// A length through the scene is divided by the width of a pixel at the center of the photon
 /// domain.
 #[must_use]
 pub fn max_motion_in_pixels(scene: &Scene) -> f32 {

@@ -12,11 +12,11 @@ use glam::Vec3;
 /// bit for bit.
 pub struct NearPrimitives<'a> {
     geometry: &'a Geometry,
-    /// Leaves of the box that hold triangles and shapes at rest. `None` if there are too many for a
-    /// list; rays then search the whole hierarchies.
+    /// Leaves near the box in the hierarchy over triangles and shapes at rest. `None` if there are
+    /// too many for a list; rays then search the whole hierarchies.
     resting: Option<LeafList>,
-    /// Leaves of the box that hold moving shapes. `None` if there are too many for a list, or if
-    /// the scene has no moving shapes.
+    /// Leaves near the box in the hierarchy over moving shapes. `None` if there are too many for a
+    /// list, or if the scene has no moving shapes.
     moving: Option<LeafList>,
 }
 
@@ -29,10 +29,11 @@ impl<'a> NearPrimitives<'a> {
         Self { geometry, resting: geometry.resting_hierarchy.leaves_overlapping_bounds(bounds), moving }
     }
 
-    /// True if the only primitive near the box is one shape, and this shape contains the disc of
-    /// `radius` around `center`, as `Shape::contains_disc` defines it.
+    /// True if the only primitive near the box is one shape at rest, and this shape contains a
+    /// disc, as `Shape::contains_disc` defines it for `tolerance` \[length].
     ///
-    /// False if that is not known.
+    /// The disc has the given `radius` \[length] around `center`, and the unit `normal`. The result
+    /// is false if the answer is not known.
     #[inline]
     #[must_use]
     pub fn only_shape_contains_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {

@@ -23,20 +23,20 @@ pub struct PathRay<I> {
 /// The part of a path segment that lies in one medium.
 #[derive(Clone, Copy, Debug)]
 pub struct MediumSegment<'a, I> {
-    /// This part of the segment as a ray of unit direction. `t_max` is its length, which may be
-    /// infinite.
+    /// The part of the path segment in the medium, as a ray with a unit direction. `t_max` is its
+    /// length, which may be infinite.
     pub ray: Ray,
     /// Index of the medium in [`Scene::media`].
     pub medium_index: u32,
-    /// The medium of this part of the segment.
+    /// The medium with index `medium_index`.
     pub medium: &'a Medium,
-    /// The dielectric bodies and media around this part of the segment.
+    /// The dielectric bodies and media around the part of the path segment in the medium.
     pub interior: I,
-    /// Transmittance due to absorption in dielectric bodies, from the last path vertex to the start
-    /// of this part.
+    /// Transmittance due to absorption in dielectric bodies, from the last path vertex to the
+    /// origin of `ray`.
     pub absorption_transmittance_before: Rgb,
     /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden) before
-    /// this part. The boundary would block a shadow ray.
+    /// the start of `ray`. The boundary would block a shadow ray.
     pub crossed_hidden_boundary: bool,
 }
 
@@ -82,9 +82,9 @@ impl<I: Interior> PathRay<I> {
     /// Traces the ray to the next vertex of the path, and returns the event there.
     ///
     /// The ray passes through boundaries that do not scatter. `key` is the random key of the next
-    /// vertex. `sample_scattering` is called, in order, for each part of the segment in a medium.
-    /// It returns the distance \[length] from the start of the part at which light scatters, or
-    /// `None` if the path passes through.
+    /// vertex. `sample_scattering` is called, in order, for each part of the path segment that lies
+    /// in one medium. It returns the distance \[length] from the start of this part to the
+    /// scattering point, or `None` if the path passes through.
     #[inline]
     pub fn next_vertex<'a>(
         &mut self,

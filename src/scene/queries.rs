@@ -31,8 +31,10 @@ pub struct ObjectSummary {
 pub struct LeafMaterial<'a> {
     /// The dielectric body that the material bounds, if it bounds one.
     pub bounded_body: Option<&'a Body>,
-    /// BSDF that the material can have at a hit: the one with mean parameters, or the one with the
-    /// least or greatest value of a roughness texture; for a coat, also the coat alone.
+    /// One of the BSDFs that the material can have at a hit.
+    ///
+    /// It has mean parameters, or the least or greatest value of a roughness texture. It may also
+    /// be a coat alone, or the surface under a clear coat.
     pub bsdf: Bsdf,
 }
 
@@ -128,7 +130,7 @@ impl Scene {
     /// A conductor or coat with a roughness texture is visited with its mean, least and greatest
     /// roughness, because their BSDFs may differ in kind. A coat with α up to
     /// [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA) is also visited alone,
-    /// without its base.
+    /// without its base. So is a clear coat, and the surface under it.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
         match material.mix_component_indices() {
@@ -154,8 +156,8 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Returns two flags: true if a BSDF parameter is textured, and true if shading normals are
-    /// perturbed.
+    /// Returns two flags: true if a BSDF parameter or the amount of a mix is textured, and true if
+    /// shading normals are perturbed.
     ///
     /// The flags apply to the material with index `material` or, for a mix, to any of its
     /// components.

@@ -15,7 +15,7 @@ const CAMERA_CONE_PIXELS: f32 = 0.5;
 /// after scattering. Light paths have no width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCone {
-    /// Diameter of the cone at the current end of the ray \[length].
+    /// Diameter of the cone \[length], at the point of the path up to which it has been widened.
     width: f32,
     /// Growth of the cone's diameter per unit of distance along the ray.
     spread: f32,
@@ -72,7 +72,7 @@ impl RayCone {
         self.has_nonspecular_scattering = true;
     }
 
-    /// Diameter of the cone at the current end of the ray \[length].
+    /// Diameter of the cone \[length], at the point of the path up to which it has been widened.
     #[inline]
     #[must_use]
     pub fn width(&self) -> f32 {

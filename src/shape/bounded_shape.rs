@@ -17,8 +17,9 @@ pub(super) trait BoundedShape: Sized {
         self.intersect(ray).is_some()
     }
 
-    /// World-space surface point at the hit (`t`, `uv`) that `intersect` returned for
-    /// `ray`.
+    /// World-space surface point at a hit that `intersect` returned for `ray`.
+    ///
+    /// `t` and `uv` are the ray parameter and the `shape_coords` of this [`ShapeHit`].
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
 
     /// Texture coordinates at the world-space surface point `p`, as the shape itself defines them.
@@ -37,11 +38,11 @@ pub(super) trait BoundedShape: Sized {
 
     /// The shape transformed by the world-space map `map`.
     ///
-    /// The image of the outer side is the outer side of the result, also if `map` mirrors. `None`
-    /// if the result is another kind of shape, or if the combined object-to-world map is singular.
+    /// `map` takes the outer side to the outer side of the result, even if it mirrors. `None` if
+    /// the result is another kind of shape, or if the combined object-to-world map is singular.
     fn transformed(&self, map: &Transform) -> Option<Self>;
 
-    /// Area of the surface \[length²].
+    /// World-space area of the surface \[length²].
     fn area(&self) -> f64;
 
     /// Samples a point of the surface, with its pdf per area; `u` is uniform in \[0, 1)².
@@ -89,7 +90,9 @@ pub(super) trait BoundedShape: Sized {
         f32::EPSILON
     }
 
-    /// A point of the shape with the normal of its plane; `None` if the shape is not planar.
+    /// A point of the shape with the normal of its plane, if all shapes of this kind are planar.
+    ///
+    /// `None` by default.
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         None
     }

@@ -34,7 +34,7 @@ impl Cuboid {
         Transform::new(map).ok().map(Self::from_transform)
     }
 
-    /// Image of the cube \[−1, 1]³ under `to_world`.
+    /// Box or parallelepiped to which `to_world` maps the cube \[−1, 1]³.
     #[must_use]
     pub fn from_transform(to_world: Transform) -> Self {
         let [x, y, z] = half_edges(&to_world);

@@ -20,7 +20,7 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// Image of the unit sphere around the object-space origin under `to_world`.
+    /// Ellipsoid to which `to_world` maps the unit sphere around the object-space origin.
     #[must_use]
     pub fn new(to_world: Transform) -> Self {
         let mut ellipsoid = Self { to_world, area: 0.0 };
@@ -28,14 +28,15 @@ impl Ellipsoid {
         ellipsoid
     }
 
-    /// Image of `sphere` under the affine map `map`; `None` if the combined map is singular.
+    /// Ellipsoid to which the affine map `map` takes `sphere`; `None` if the combined map is
+    /// singular.
     #[must_use]
     pub fn from_sphere(sphere: &Sphere, map: &Transform) -> Option<Self> {
         let place = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(sphere.radius)), translation: sphere.center };
         Some(Self::new(Transform::new(*map.forward() * place).ok()?))
     }
 
-    /// World-space surface point that is the image of the point `object` of the unit sphere.
+    /// World-space surface point for the object-space point `object` of the unit sphere.
     #[inline]
     fn surface_at(&self, object: DVec3) -> SurfacePoint {
         let p = self.to_world.transform_point(object);

@@ -18,8 +18,8 @@ const AREA_AZIMUTH_STEPS: u32 = 512;
 /// map.
 ///
 /// The radius ρ is linear in y, and the larger of ρ(0) and ρ(1) is 1. `shape_coords.y` of a
-/// [`ShapeHit`] is the `FrustumPart`. The outer side faces away from the axis, also if the ends are
-/// open.
+/// [`ShapeHit`] is the number of the `FrustumPart`. The outer side faces away from the axis, also
+/// if the ends are open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
     to_world: Transform,
@@ -177,7 +177,7 @@ impl Frustum {
         self.surface_at(DVec3::new(p.x, y, p.y), normal, part)
     }
 
-    /// World-space surface point that is the image of the object-space point `p` of `part`.
+    /// World-space surface point for the object-space point `p` on the part `part` of the surface.
     ///
     /// The object-space `normal` may have any length.
     #[inline]

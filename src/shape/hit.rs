@@ -17,10 +17,11 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
     (t > 0.0 && t < ray.t_max).then_some(t)
 }
 
-/// Hit of `ray` with t rounded to f32, and `uv` = (r, `v`). r is the relative rounding error of t.
+/// Hit of `ray` with t rounded to f32 and with `shape_coords` = (r, `v`).
 ///
-/// [`f64_ray_parameter`] restores t in f64 from t and r. In f32 alone, the error of a distant hit
-/// could exceed the thickness of the shape. `None` if t is outside (0, `ray.t_max`).
+/// r is the relative rounding error of t: [`f64_ray_parameter`] restores the f64 value from the
+/// rounded t and r. In f32 alone, the error of a distant hit could exceed the thickness of the
+/// shape. `None` if the rounded t is outside (0, `ray.t_max`).
 #[inline]
 pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, v: f32) -> Option<ShapeHit> {
     round_t_if_in_range(ray, t)
@@ -38,7 +39,9 @@ pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option
         .or_else(|| if near.0 > 0.0 { None } else { hit_with_rounding_residual(ray, far.0, far.1) })
 }
 
-/// Ray parameter in f64 of a hit (`t`, `uv`) from [`hit_with_rounding_residual`].
+/// Ray parameter in f64 of a hit that [`hit_with_rounding_residual`] returned.
+///
+/// `t` is the rounded ray parameter of the hit, and `uv` its `shape_coords`.
 #[inline]
 pub(super) fn f64_ray_parameter(t: f32, uv: Vec2) -> f64 {
     f64::from(t) * (1.0 + f64::from(uv.x))

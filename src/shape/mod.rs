@@ -98,8 +98,9 @@ impl Shape {
         dispatch!(self, s, _w => s.occludes(ray))
     }
 
-    /// World-space surface point at the hit (`t`, `uv`) that [`Shape::intersect`]
-    /// returned for `ray`.
+    /// World-space surface point at a hit that [`Shape::intersect`] returned for `ray`.
+    ///
+    /// `t` and `uv` are the ray parameter and the `shape_coords` of this [`ShapeHit`].
     #[inline]
     #[must_use]
     pub fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
@@ -136,13 +137,15 @@ impl Shape {
         tight.unwrap_or_else(|| self.bounds().bounding_sphere())
     }
 
-    /// A point of the shape with the normal of its plane; `None` if the shape is not planar.
+    /// A point of a disc or rectangle, with the normal of its plane.
+    ///
+    /// `None` for all other kinds of shapes, even if they are planar.
     #[must_use]
     pub fn point_if_planar(&self) -> Option<SurfacePoint> {
         dispatch!(self, s, _w => s.point_if_planar())
     }
 
-    /// True for parametric surfaces: their edges may coincide with the edges of adjacent surfaces.
+    /// True for parametric surfaces: an edge may coincide with an edge of an adjacent surface.
     ///
     /// A ray can then hit both surfaces at one point. Other kinds of shapes keep their surface
     /// points away from their edges.
@@ -168,8 +171,8 @@ impl Shape {
 
     /// The shape transformed by the world-space map `map`.
     ///
-    /// The image of the outer side is the outer side of the result, also if `map` mirrors. `None`
-    /// if the combined object-to-world map is singular.
+    /// `map` takes the outer side to the outer side of the result, even if it mirrors. `None` if
+    /// the combined object-to-world map is singular.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Option<Self> {
         if let (Self::Sphere(s), None) = (self, map.uniform_scale()) {
@@ -178,7 +181,9 @@ impl Shape {
         dispatch!(self, s, wrap => s.transformed(map).map(wrap))
     }
 
-    /// Area of the surface \[length²].
+    /// World-space area of the surface \[length²].
+    ///
+    /// For a mesh instance that is scaled unevenly, it is approximate.
     #[must_use]
     pub fn area(&self) -> f64 {
         dispatch!(self, s, _w => s.area())

@@ -59,8 +59,8 @@ impl ObjectRay {
     }
 }
 
-/// Bound on the magnitudes of world-space coordinates of points whose object-space coordinates are
-/// at most `size`.
+/// Bound on the magnitudes of the world-space coordinates of points whose object-space coordinates
+/// have magnitudes up to `size`.
 #[inline]
 pub(super) fn world_coordinate_bound(to_world: &Transform, size: f64) -> f64 {
     let m = to_world.forward().matrix3;

@@ -33,7 +33,8 @@ impl Plane {
         Self { offset: self.offset + self.normal.dot(by), ..self }
     }
 
-    /// Image of the plane under `map`, with the same outer side.
+    /// The plane transformed by the world-space map `map`, which also takes the outer side to the
+    /// outer side of the result.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         Self::new(map.transform_point(self.normal * self.offset), map.transform_normal(self.normal))
@@ -45,8 +46,8 @@ impl Plane {
         ((self.normal * self.offset).as_vec3(), self.normal.as_vec3())
     }
 
-    /// Hit (t, 0, 0) of `ray`; `None` if the ray is parallel to the plane or t is outside
-    /// (0, `ray.t_max`).
+    /// Hit of `ray`, with `shape_coords` of zero; `None` if the ray is parallel to the plane or t
+    /// is outside (0, `ray.t_max`).
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {

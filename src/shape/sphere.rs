@@ -77,9 +77,9 @@ impl BoundedShape for Sphere {
         Self { center: self.center + by, ..*self }
     }
 
-    /// Image of the sphere under `map`.
+    /// The sphere transformed by the world-space map `map`.
     ///
-    /// `None` if the map scales unevenly: the image is then an [`Ellipsoid`](super::Ellipsoid).
+    /// `None` if the map scales unevenly: the result is then an [`Ellipsoid`](super::Ellipsoid).
     fn transformed(&self, map: &Transform) -> Option<Self> {
         map.uniform_scale().map(|scale| Self::new(map.transform_point(self.center), self.radius * scale))
     }

@@ -20,8 +20,8 @@ pub struct SurfacePoint {
     /// shape does not need them.
     ///
     /// On a mesh, they are the barycentric weights of the triangle's second and third corner. On
-    /// other shapes, they are [`ShapeHit::shape_coords`](crate::accel::ShapeHit::shape_coords) at
-    /// `p`.
+    /// other shapes, they are [`ShapeHit::shape_coords`](crate::accel::ShapeHit::shape_coords) of a
+    /// hit at `p`, with 0 for a component that depends on the ray.
     pub shape_coords: Vec2,
 }
 
@@ -45,8 +45,8 @@ pub struct ShapeSample {
     pub point: SurfacePoint,
     /// Probability density per area \[1/length²].
     pub pdf: f32,
-    /// Numbers [`ShapeHit::shape_coords`](crate::accel::ShapeHit::shape_coords) of a hit at the
-    /// point.
+    /// Numbers that locate the point on the shape, for
+    /// [`Shape::tex_coord`](super::Shape::tex_coord); zero if that function does not need them.
     pub shape_coords: Vec2,
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-/// A limit of the memory that loading or rendering may take.
+/// A limit of the memory that loading a scene or rendering may take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MemoryLimit {
     /// No limit.

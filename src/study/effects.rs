@@ -41,7 +41,7 @@ impl ClockKind {
         if cpu_seconds().is_some() { Self::Processor } else { Self::Wall }
     }
 
-    /// Runs `work`; returns its result and its time \[s].
+    /// Runs `work`; returns its result and the time that it took on this clock \[s].
     fn measure_seconds<T>(self, work: impl FnOnce() -> T) -> (T, f64) {
         let start = Instant::now();
         let now = || match self {
@@ -95,11 +95,12 @@ pub struct AddedCost {
     pub rays: f64,
     /// Number of density estimates that the effect adds to a pass.
     pub gathers: f64,
-    /// Number of photons that the effect adds to the sums of all density estimates of a pass.
+    /// Number of gathered photons, summed over all density estimates, that the effect adds to a
+    /// pass.
     pub gathered_photons: f64,
 }
 
-/// Light that an effect adds to and removes from the picture, as figures for the whole picture.
+/// Light that an effect adds to and removes from the picture, averaged over the whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectContribution {
     /// Root mean square, over pixels and channels, of the difference between the pictures with and
@@ -108,10 +109,12 @@ pub struct EffectContribution {
     /// `rmse` divided by the mean radiance of the picture with all effects; `None` if that mean is
     /// 0.
     pub relative_rmse: Option<f64>,
-    /// Radiance that the effect adds, as a mean over pixels and channels \[W/(m² sr)].
+    /// Increase of radiance by the effect, mean over all pixels and channels \[W/(m² sr)]. A
+    /// decrease counts as 0.
     #[serde(rename = "adds")]
     pub added_radiance: f64,
-    /// Radiance that the effect removes, as a positive mean over pixels and channels \[W/(m² sr)].
+    /// Decrease of radiance by the effect, mean over all pixels and channels, not negative \[W/(m²
+    /// sr)]. An increase counts as 0.
     #[serde(rename = "takes")]
     pub removed_radiance: f64,
 }
@@ -138,7 +141,7 @@ pub struct EffectStudyResult {
     pub effect_plan: Plan,
     /// Clock that measured all times.
     pub clock: ClockKind,
-    /// Mean of the passes with all effects of the plan.
+    /// Mean of the passes with all effects of the plan \[W/(m² sr)].
     pub picture: Image,
     /// Mean of `picture` over pixels and channels \[W/(m² sr)].
     pub mean_radiance: f64,
@@ -285,9 +288,10 @@ impl<'a> EffectStudy<'a> {
 }
 
 /// Returns `settings` with the numbers of rays and photons that a pilot chooses for the picture
-/// with all effects.
+/// with all effects. All pictures of the study use these numbers.
 ///
-/// All pictures of the study use these numbers.
+/// The numbers stay as they are if `settings` do not allow the pilot to choose, or if `algorithm`
+/// has no such pilot.
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
     let mut fixed = Settings { allows_ray_photon_balance: false, ..settings.clone() };
     if settings.allows_ray_photon_balance

@@ -9,7 +9,7 @@ use crate::scene::{Effect, Effects};
 pub struct WorkCounts {
     /// Number of rays of all kinds, such as camera rays and shadow rays.
     pub rays: i64,
-    /// Number of photons that all density estimates sum.
+    /// Number of gathered photons, summed over all density estimates.
     pub gathered_photons: i64,
 }
 
@@ -32,7 +32,8 @@ impl ExpectedWork {
 
 /// Returns the expected work of the first pass, without the work of pilots.
 ///
-/// The estimate comes from camera paths through a few film points.
+/// The estimate comes from camera paths through about a thousand film points. For ray casting, the
+/// number of rays is exact.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     let effects = integrator.plan().simulated_effects();

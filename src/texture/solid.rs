@@ -75,8 +75,8 @@ impl SolidTexture {
         (self.colors[0] + self.colors[1]) * 0.5
     }
 
-    /// Factor from object-space to pattern-space lengths: the length of the longest image of a unit
-    /// axis.
+    /// Factor from object-space to pattern-space lengths: the length of the longest of the three
+    /// transformed unit axes.
     fn max_scale(&self) -> f64 {
         let m = self.object_to_pattern.matrix3;
         m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())

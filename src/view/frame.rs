@@ -34,9 +34,10 @@ enum_with_all! {
         Indirect,
         /// Caustic light of the picture \[W/(m² sr)], see [`LightGroup::Caustic`].
         Caustic,
-        /// Standard error of the radiance \[W/(m² sr)].
+        /// Standard error of the mean radiance of the passes \[W/(m² sr)].
         Noise,
-        /// Estimated bias of the radiance \[W/(m² sr)], signed.
+        /// Estimated bias of photon density estimates (blur) \[W/(m² sr)]; positive where the
+        /// picture is too bright.
         Bias,
         /// Mean gather radius of density estimates from the caustic map \[length].
         CausticRadius,
@@ -50,17 +51,18 @@ enum_with_all! {
         IndirectPhotons,
         /// Albedo of the surface that the camera sees, in \[0, 1].
         Albedo,
-        /// Shading normal of this surface, in world space.
+        /// Shading normal of the surface that the camera sees, in world space.
         Normal,
-        /// Length of the path from the camera to this surface \[length].
+        /// Length of the path from the camera to the surface that it sees \[length].
         Depth,
-        /// Position of this surface in world space \[length].
+        /// Position of the surface that the camera sees, in world space \[length].
         Position,
-        /// Number of the object, from 1; 0 for none.
+        /// Number of the object that the camera sees, from 1; 0 for none.
         Object,
-        /// Number of the material, from 1; 0 for none.
+        /// Number of the material that the camera sees, from 1; 0 for none.
         Material,
-        /// Motion on the film while the shutter is open \[pixels to the right and down].
+        /// Motion on the film of what the camera sees, while the shutter is open \[pixels to the
+        /// right and down].
         Motion,
     }
 }
@@ -163,7 +165,7 @@ pub struct LiveFrame {
     pub passes: u32,
     /// True if the frame shows a preview of reduced size.
     pub is_preview: bool,
-    /// The layers: the picture alone, or error maps.
+    /// The layers: the picture with its light groups, error maps, or surface AOVs.
     pub layers: Vec<Layer>,
 }
 
@@ -181,7 +183,7 @@ impl Layer {
         Self { kind, channels: 1, values, encoded: OnceLock::new() }
     }
 
-    /// Makes a layer with two channels from vectors of the film.
+    /// Makes a layer with two channels from 2D vectors on the film.
     #[must_use]
     pub fn from_film_vectors(kind: LayerKind, vectors: &[Vec2]) -> Self {
         let values = vectors.iter().flat_map(|vector| vector.to_array()).collect();
@@ -216,7 +218,7 @@ impl LiveFrame {
         frame
     }
 
-    /// Makes a frame of surface AOVs of a picture of `size`.
+    /// Makes a frame of surface AOVs of a picture of `size` (width, height) pixels.
     #[must_use]
     pub fn from_surface_aovs(sequence: u32, size: (u32, u32), aovs: &SurfaceAovs) -> Self {
         let identifiers = |values: &[u32]| values.iter().map(|id| *id as f32).collect();
@@ -293,10 +295,11 @@ impl LiveFrame {
     }
 }
 
-/// Returns the power of two by which values are divided, so that half floats hold all of them.
+/// Returns the power of two by which `values` are divided, so that half floats hold all of them; 1
+/// if all are 0 or subnormal.
 ///
-/// The largest finite value divided by it is in \[2¹⁴, 2¹⁵). So values down to 2⁻²⁸ of the largest
-/// one keep all 11 bits of a half float.
+/// The largest finite absolute value divided by it is in \[2¹⁴, 2¹⁵), or below for tiny values. So
+/// values down to 2⁻²⁸ of the largest one keep all 11 bits of a half float.
 fn layer_scale(values: &[f32]) -> f32 {
     let largest = values.iter().filter(|value| value.is_finite()).fold(0.0_f32, |largest, v| largest.max(v.abs()));
     if largest < f32::MIN_POSITIVE {

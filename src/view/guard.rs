@@ -7,7 +7,7 @@ use std::net::IpAddr;
 /// Number of random bytes of the secret token in the URL of a page.
 const TOKEN_BYTES: usize = 16;
 
-/// Why a request is refused.
+/// Reason why an HTTP request is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RequestRefusal {
     /// The path of the request does not begin with the token of the page.

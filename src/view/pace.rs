@@ -1,4 +1,4 @@
-//! Limit of the time that a render spends on publications to the live page.
+//! Limit of the time that a render spends on publications to the live page and to the viewer tev.
 
 use std::time::{Duration, Instant};
 

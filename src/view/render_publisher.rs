@@ -71,7 +71,9 @@ impl<'a> RenderPublisher<'a> {
         });
     }
 
-    /// Publishes the plan and the limits of the render, before its first pass.
+    /// Publishes the plan and the limits of the render, its picture size (width, height) \[pixels],
+    /// and the stage [`RenderStage::Passes`]. Called before the first pass, and when a render is
+    /// resumed.
     pub fn publish_plan_and_limits(&self, plan: PlanReport, stop: &StopCriteria<'_>, size: (u32, u32)) {
         self.publish(|state, _| {
             let status = &mut state.status;
@@ -87,7 +89,8 @@ impl<'a> RenderPublisher<'a> {
     }
 
     /// Adds the error estimate of a pass, if there is one, to the error curve. Publishes the
-    /// picture, unless the last publication was too recent.
+    /// picture, unless the last publication was too recent. Publishes error maps with it if a
+    /// browser has asked for them.
     ///
     /// The last pass is not published here, but by [`RenderPublisher::publish_end`].
     pub fn publish_pass_if_due(&mut self, progress: &PassProgress<'_>, stop: &StopCriteria<'_>) {
@@ -112,8 +115,8 @@ impl<'a> RenderPublisher<'a> {
         }
     }
 
-    /// Publishes the surface AOVs that `find` returns, if a browser has asked for surface AOVs.
-    /// `size` is the size of the picture.
+    /// Calls `find` and publishes the surface AOVs that it returns, if a browser has asked for
+    /// surface AOVs. `size` is the width and height of the picture \[pixels].
     pub fn publish_wanted_surface_aovs(&self, size: (u32, u32), find: impl FnOnce() -> Option<SurfaceAovs>) {
         if self.page.take_surface_aov_request()
             && let Some(aovs) = find()
@@ -137,7 +140,8 @@ impl<'a> RenderPublisher<'a> {
         });
     }
 
-    /// Publishes the picture, the counts and the error curve of `rendered`.
+    /// Publishes the picture, times and counts of `rendered`, and the error curve and forecast of
+    /// this publisher.
     fn publish_result(&self, rendered: &RenderResult) {
         let seconds = self.load_start.elapsed().as_secs_f64();
         let frame = LiveFrame::from_render(0, rendered);
@@ -155,7 +159,7 @@ impl<'a> RenderPublisher<'a> {
         });
     }
 
-    /// Publishes maps of the estimated error; does nothing if the error is not estimated yet.
+    /// Publishes maps of the estimated error of `rendered`; does nothing without an error estimate.
     fn publish_error_maps(&self, rendered: &RenderResult) {
         if let Some(maps) = LiveFrame::from_error_maps(0, rendered) {
             self.publish(|state, sequence| state.error_maps = Some(Arc::new(LiveFrame { sequence, ..maps })));

@@ -11,7 +11,8 @@ pub struct Orbit {
     pub yaw: f64,
     /// Angle by which the viewing direction turns upwards \[radians]; the camera itself moves down.
     pub pitch: f64,
-    /// Natural logarithm of the camera's distance from the pivot, relative to the scene file.
+    /// Natural logarithm of the ratio of the camera's distance from the pivot to that in the scene
+    /// file.
     #[serde(rename = "zoom")]
     pub log_distance: f64,
 }

@@ -87,7 +87,7 @@ pub(super) fn busy_response() -> Response {
 }
 
 /// Encoded pixels that are being sent to a browser. They hold a permit, so that they count towards
-/// `MAX_PIXEL_RESPONSES` until they are sent.
+/// the limit of simultaneous responses with pixels until they are sent.
 struct BytesInProgress {
     bytes: Bytes,
     _permit: OwnedSemaphorePermit,
@@ -111,8 +111,10 @@ pub(super) struct KnownFrameQuery {
 /// stands for the reference picture.
 ///
 /// The response has no content if the browser already shows the frame, or if the newest frame lacks
-/// the layer. A request for an error map also asks the render to make new maps. A request for a
-/// surface AOV asks it for AOVs if there are none.
+/// the layer. The status is 404 if no layer has this name.
+///
+/// A request for an error map also asks the render to make new maps. A request for a surface AOV
+/// asks the render for surface AOVs if there are none. The reference picture is always sent.
 pub(super) async fn layer_pixels_response(
     page: Arc<LivePage>,
     name: String,
@@ -170,8 +172,8 @@ pub(super) struct SaveOptions {
     tone: Option<String>,
 }
 
-/// Returns the response with the newest picture as a file to save. `file` ends with `.png` or
-/// `.exr`, which selects the format.
+/// Returns the response with the newest picture as a file to save; status 404 if there is only a
+/// preview or none. `file` ends with `.png` or `.exr`, which selects the format.
 pub(super) async fn saved_picture_response(page: Arc<LivePage>, file: String, options: SaveOptions) -> Response {
     let newest = page.newest_state();
     let Some(frame) = newest.state.picture.clone().filter(|frame| !frame.is_preview) else {

@@ -39,8 +39,8 @@ const LAST_FETCH_TIME: Duration = Duration::from_millis(500);
 /// Time that open connections get to finish after the server has ended. They are cut then.
 const CONNECTION_CUT_DELAY: Duration = Duration::from_millis(500);
 
-/// Function that handles the requests of browsers. It returns false for a request that it refuses.
-/// It must not block.
+/// Function that handles each [`Request`] of a browser to the render. It returns false for a
+/// request that it refuses. It must not block.
 pub type RequestHandler = Box<dyn Fn(Request) -> bool + Send + Sync>;
 
 /// Web server of the live page. Dropping it ends the server.
@@ -64,8 +64,8 @@ struct RouteState {
 }
 
 impl PageServer {
-    /// Starts a server at `address`, in a thread of its own. `handler` receives the requests of
-    /// pages.
+    /// Starts a server of `page` at `address`, in a thread of its own. `handler` receives each
+    /// [`Request`] of a browser to the render.
     ///
     /// # Errors
     /// [`ListenError`] if the address is in use, or the system refuses it.

@@ -22,7 +22,7 @@ pub enum RenderStage {
     /// The scene is being read, and its bounding volume hierarchy built.
     #[default]
     Loading,
-    /// The scene has errors, so nothing is rendered.
+    /// The scene has errors or does not fit into memory, so nothing is rendered.
     Failed,
     /// A preview of reduced size is being rendered.
     Preview,
@@ -39,7 +39,7 @@ pub enum RenderStage {
 /// Point of the curve that shows how the estimated error falls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorCurvePoint {
-    /// Wall time of all passes so far \[s].
+    /// Wall time of the passes up to this point of the curve \[s].
     pub seconds: f64,
     /// Number of passes at this point of the curve.
     pub passes: u32,
@@ -66,9 +66,11 @@ pub struct ForecastReport {
     /// error.
     #[serde(rename = "ends_render")]
     pub is_render_target: bool,
-    /// Predicted number of passes at which the error falls to `target_error`: 10 % quantile, median
-    /// and 90 % quantile. Each is `None` if it is too far to predict, or if the target is never
-    /// reached.
+    /// Predicted number of passes at which a render with the target `target_error` ends: 10 %
+    /// quantile, median and 90 % quantile.
+    ///
+    /// Each is `None` if it is too far to predict, or if the target is never reached. If the median
+    /// is too far, the first is a lower bound.
     #[serde(rename = "passes")]
     pub passes_to_target: [Option<u32>; 3],
     /// Relative bias, which keeps the error above `target_error` after any number of passes; `None`
@@ -102,7 +104,8 @@ pub struct EffectReport {
     /// True if the user forced the effect on although the scene does not need it, or off although
     /// it does.
     pub forced: bool,
-    /// Why the scene needs the effect, or does not need it.
+    /// Why the scene needs the effect or does not need it, or that the algorithm cannot simulate
+    /// it.
     pub reason: String,
     /// Visible flaw of a picture without the effect; `None` unless the scene needs the effect and
     /// the render leaves it out.
@@ -115,15 +118,16 @@ pub struct SceneSource {
     /// Path of the scene file, as the user named it.
     #[serde(rename = "name")]
     pub path: String,
-    /// Text of the file; empty if it is binary, or too long to show.
+    /// Text of the file; empty if it cannot be read as text, or is too long to show.
     pub text: Arc<str>,
-    /// Errors in the scene file; empty if it could be read.
+    /// Errors that keep the scene from being rendered; empty if there are none.
     pub problems: Vec<SceneProblem>,
     /// Warnings about the scene, one line each.
     pub warnings: Vec<String>,
 }
 
-/// Error in the scene file, with its position in the text.
+/// Error that keeps the scene from being rendered, with its position in the scene file if it has
+/// one.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SceneProblem {
     /// Number of the line, from 1; 0 if the error has no position.
@@ -177,7 +181,7 @@ pub struct LiveStatus {
     /// Reason why the render ended; `None` while it goes on.
     #[serde(rename = "ended")]
     pub end_reason: Option<EndReason>,
-    /// Width and height of the full picture \[pixels]; 0 before the scene is read.
+    /// Width and height of the full picture \[pixels]; 0 before the first scene is read.
     pub size: (u32, u32),
     /// Movement of the camera that the user has chosen on the page, relative to the camera of the
     /// scene file.
@@ -201,8 +205,8 @@ pub struct LiveStatus {
     pub first_pixels_seconds: Option<f64>,
     /// Largest number of passes of the render; `None` for no limit.
     pub pass_limit: Option<u32>,
-    /// Time limit of the render \[s], which counts pilots while `seconds` does not; `None` for no
-    /// limit.
+    /// Time limit of the render \[s]; `None` for no limit. The limit counts pilots, and in
+    /// `caustica render` loading too; `seconds` counts neither.
     #[serde(rename = "time_limit")]
     pub time_limit_seconds: Option<f64>,
     /// Relative error at which the render ends; `None` for no error target.
@@ -224,9 +228,10 @@ pub struct LiveStatus {
     pub unaimed: PhotonReport,
     /// Counts and flux of the photon paths that are aimed at casters, such as glass or mirrors.
     pub aimed: PhotonReport,
-    /// Number that rises whenever the text or the errors of the scene file change.
+    /// Number that rises whenever the scene file has been read, or its errors change.
     pub source_revision: u32,
-    /// Number of errors in the scene file. The page fetches the texts of the errors separately.
+    /// Number of errors that keep the scene from being rendered. The page fetches their texts
+    /// separately.
     #[serde(rename = "problems")]
     pub problem_count: usize,
 }

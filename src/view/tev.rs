@@ -145,7 +145,7 @@ impl TevClient {
     /// Sends the layers that the callback `layers` returns as image `name` of `size` (width,
     /// height) pixels, unless the last call that did so was too recent.
     ///
-    /// Making the layers takes at most 1 % of the time.
+    /// Making the layers takes at most 1 % of the time of the render.
     pub fn queue_image_if_due(&mut self, name: &str, size: (u32, u32), layers: impl FnOnce() -> Vec<ExrLayer>) {
         let start = Instant::now();
         if self.pace.is_due(start) {
@@ -165,8 +165,8 @@ impl TevClient {
         });
     }
 
-    /// Waits a few seconds until all images are sent. Returns false if the viewer does not read
-    /// them in time.
+    /// Waits until all images are sent, but at most a few seconds. Returns false if the viewer does
+    /// not read them in time; true also after an error of the connection.
     #[must_use]
     pub fn finish(self) -> bool {
         self.shared.change_waiting(|waiting| waiting.is_closed = true);

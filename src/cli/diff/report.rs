@@ -27,7 +27,7 @@ pub(super) struct DiffReport {
     pub flip: FlipReport,
     pub largest: LargestDifferences,
     pub differing_pixels: usize,
-    /// The written error map; `None` without `--output`.
+    /// Description of the written error map; `None` without `--output`, or if writing failed.
     pub map: Option<ErrorMapReport>,
     /// Names of the flags whose limits the pictures' difference exceeds, such as `max-rmse`.
     pub exceeded: Vec<&'static str>,

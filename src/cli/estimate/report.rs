@@ -64,7 +64,7 @@ struct ExpectedEndReport {
     #[serde(rename = "ended")]
     end_reason: EndReason,
     passes: u32,
-    /// Expected time of the render, including preparation \[s].
+    /// Expected time of the render, including loading and pilots \[s].
     seconds: f64,
     /// Expected relative error of the picture at the end.
     error: f64,
@@ -78,11 +78,14 @@ pub(super) struct CostEstimate {
     /// Predicted number of passes, the median of the forecast; `None` if it is unknown, or if no
     /// number of passes reaches the target error.
     passes: Option<u32>,
-    /// Expected time of the render, including preparation \[s]; `None` if `passes` is `None`.
+    /// Expected time of the render, including loading and pilots \[s]; `None` if `passes` is
+    /// `None`.
     pub(super) seconds: Option<f64>,
-    /// Lower end of the range of likely times of the render \[s]; `None` if it is unknown.
+    /// Lower end of the range of likely times of the render \[s]; `None` if no number of passes
+    /// reaches the target error.
     seconds_low: Option<f64>,
-    /// Upper end of the range of likely times of the render \[s]; `None` if it is unknown.
+    /// Upper end of the range of likely times of the render \[s]; `None` if it is too far to
+    /// predict, or if no number of passes reaches the target error.
     seconds_high: Option<f64>,
     photons: Option<f64>,
     /// Relative bias that remains in the picture after any number of passes; `None` if the target
@@ -98,9 +101,11 @@ impl CostEstimateReport {
     /// Creates the report of a pilot by the algorithm of `method`.
     ///
     /// `misses_caustics` is true if that algorithm finds caustics of the scene only by chance.
-    /// `setup` is the time of preparation, and `pass_seconds` the time of each pass after the first
-    /// \[s]. `default` holds the stop criteria of a render without limits, and `preview` those of a
-    /// render with `--preview` alone.
+    /// `setup` is the time of loading and pilots \[s]. `pass_seconds` is the time of each pass
+    /// after the first \[s]. `default` holds the stop criteria of a render without flags that set a
+    /// limit, and `preview` those with `--preview` alone.
+    ///
+    /// Returns an error if the pilot made too few passes to estimate its error.
     pub(super) fn new(
         arguments: &EstimateArguments,
         (method, misses_caustics): (&MethodArguments, bool),

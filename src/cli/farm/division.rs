@@ -10,7 +10,7 @@ use std::ops::Range;
 /// both. So a render can grow by further shards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct ShardDivision {
-    /// Number of shards, which count from 1.
+    /// Number of shards. The shards are numbered from 1.
     pub shards: u32,
     /// Number of passes of all shards together.
     pub passes: u32,
@@ -26,7 +26,7 @@ pub(super) struct ArrayTasks {
 }
 
 impl ShardDivision {
-    /// Returns the numbers of the passes of shard `number`, counted from 0.
+    /// Returns the indices (from 0) of the passes of shard `number`. Shards are numbered from 1.
     pub fn shard_passes(self, number: u32) -> Range<u32> {
         Shard { number, count: self.shards }.passes(self.passes)
     }

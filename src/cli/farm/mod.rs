@@ -63,8 +63,8 @@ fn run_slurm(arguments: &SlurmArguments) -> Result<Exit, CommandFailure> {
 
 /// Returns the division of the first wave of jobs.
 ///
-/// With `--target-error`, all shards have the same number of passes, so that further shards can
-/// follow.
+/// With `--target-error`, the number of passes is rounded up, so that all shards have equally many.
+/// Further shards can then follow.
 fn first_division(arguments: &SlurmArguments) -> Result<ShardDivision, CommandFailure> {
     let SlurmArguments { shards, passes, .. } = *arguments;
     if shards > passes {

@@ -54,7 +54,7 @@ pub(super) enum SlurmError {
     NoArrays(u32),
 }
 
-/// A job of Slurm, or a task of a job array.
+/// State of a Slurm job, or of a task of a job array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct SlurmTaskStatus {
     /// Number of the job, such as `12`, or of the task in its array, such as `12_3`.
@@ -118,7 +118,8 @@ pub(super) fn cancel(jobs: &[String]) {
     let _ = run("scancel", &jobs);
 }
 
-/// Returns the number of tasks in each state, such as `2 completed, 3 pending (Resources)`.
+/// Returns a text with the number of tasks in each state, such as `2 completed, 3 pending
+/// (Resources)`.
 pub(super) fn tasks_text(tasks: &[SlurmTaskStatus]) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for task in tasks {

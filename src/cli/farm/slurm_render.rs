@@ -22,7 +22,8 @@ use std::sync::atomic::Ordering;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Largest number of passes of all waves of jobs, divided by that of the first wave.
+/// Default limit of the passes of all waves of jobs (`--max-passes`), divided by the passes of the
+/// first wave (`--passes`).
 const MAX_PASS_GROWTH_FACTOR: u32 = 100;
 
 /// Time for which Slurm may fail to answer before the command gives up.
@@ -68,7 +69,8 @@ struct CancelledJobsError {
 enum RoundEnd {
     /// All shards are complete and merged.
     Complete,
-    /// All jobs ended, but passes are missing. Holds the tasks as Slurm knew them last.
+    /// All jobs ended, but passes or the merge are missing. Holds the tasks as Slurm knew them
+    /// last.
     Incomplete(Vec<SlurmTaskStatus>),
     /// A signal interrupted the command.
     Interrupted,
@@ -170,8 +172,11 @@ impl<'a> SlurmRender<'a> {
         Ok(state)
     }
 
-    /// Submits rounds of jobs until all shards of `state` are complete and merged. Returns the exit
-    /// code if a signal interrupts this.
+    /// Submits rounds of jobs until all shards of `state` are complete and merged. Before, follows
+    /// jobs of an earlier command that are still active.
+    ///
+    /// Returns the exit code if a signal interrupts this. Returns a failure if jobs are cancelled,
+    /// or if too many rounds make no further pass.
     fn complete_shards(&self, state: &mut FarmState, most_tasks: u32) -> Result<Option<Exit>, CommandFailure> {
         let mut failures = 0;
         if tasks_of_earlier_jobs(&state.last_round_jobs)?.iter().any(SlurmTaskStatus::is_active) {
@@ -255,7 +260,7 @@ impl<'a> SlurmRender<'a> {
         Ok(())
     }
 
-    /// Follows the jobs of `state` until they have ended.
+    /// Follows the jobs of `state` until they have ended, and returns how the round ended.
     fn finish_round(&self, state: &FarmState) -> Result<RoundEnd, CommandFailure> {
         let Some(tasks) = self.follow_jobs(&state.last_round_jobs)? else { return Ok(RoundEnd::Interrupted) };
         self.wait_for_files(state.division, &tasks);
@@ -303,8 +308,8 @@ impl<'a> SlurmRender<'a> {
         }
     }
 
-    /// Waits for files that completed jobs must have written, but that a network file system does
-    /// not show yet.
+    /// Waits at most [`FILE_DELAY`] for files that completed jobs must have written, but that a
+    /// network file system does not show yet.
     fn wait_for_files(&self, division: ShardDivision, tasks: &[SlurmTaskStatus]) {
         let start = Instant::now();
         let all_completed = !tasks.is_empty() && tasks.iter().all(|task| task.state == "COMPLETED");

@@ -5,7 +5,7 @@ use crate::cli::interrupt::INTERRUPTED;
 use crate::render::error_estimate::StopForecast;
 use crate::render::{EndReason, ErrorTarget, PassTimes, RenderResult, StopCriteria};
 
-/// Step that follows after a wave of jobs.
+/// Decision after a wave of jobs: another wave, or the reason why none follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NextWave {
     /// Another wave, after which the render has this division.
@@ -18,8 +18,8 @@ pub(super) enum NextWave {
     TooManyPasses,
 }
 
-/// Returns the step that follows after the passes of `rendered`, whose shards are those of
-/// `division`. At most `most` passes are made.
+/// Decides whether another wave of jobs follows after the passes of `rendered`, whose shards are
+/// those of `division`. All waves together make at most `most` passes.
 ///
 /// A wave has at most as many passes as all earlier ones together, because a forecast from few
 /// passes is uncertain.

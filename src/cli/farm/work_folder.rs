@@ -106,7 +106,8 @@ impl WorkFolder {
         Ok((lock, state))
     }
 
-    /// True if the folder exists and holds files other than those of a command that ended early.
+    /// True if the folder exists and holds anything but the log folder and the lock file of a farm
+    /// render.
     fn has_foreign_files(&self) -> io::Result<bool> {
         let entries = match fs::read_dir(&self.path) {
             Ok(entries) => entries,

@@ -113,7 +113,10 @@ fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: MemoryLimit) -> R
     }
 }
 
-/// Returns the format of the output mesh file. Fails if the file cannot be written.
+/// Returns the format of the output mesh file.
+///
+/// Returns a failure if the file extension is unknown, the file cannot be written, or it is the
+/// source mesh.
 fn output_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, CommandFailure> {
     let format = MeshFormat::from_path(path, arguments.ascii);
     let format =
@@ -123,8 +126,9 @@ fn output_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshForm
     Ok(format)
 }
 
-/// Applies the transforms and repairs of the command line to the mesh. Returns counts of the
-/// repairs.
+/// Applies all changes of the command line to the mesh, and returns counts of the repairs.
+///
+/// Returns a failure if no triangle is left, or if coordinates become too large.
 fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<RepairCounts, CommandFailure> {
     let (scale, offset) = (arguments.scale.unwrap_or(1.0), arguments.translate.unwrap_or(DVec3::ZERO));
     if arguments.scale.is_some() || arguments.translate.is_some() {
@@ -163,8 +167,8 @@ fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Res
 
 /// Writes the mesh to `path`. Returns `None` if the mesh file could not be written.
 ///
-/// If `path` is an OBJ file in another folder than the source mesh, also writes a copy of the
-/// source's material file beside it. Collects errors in `failures`.
+/// If `path` is an OBJ file in another folder than the source mesh, also writes the source's
+/// materials to an MTL file beside it. Collects errors in `failures`.
 fn write_mesh_and_materials(
     arguments: &MeshArguments,
     loaded: &LoadedMesh,

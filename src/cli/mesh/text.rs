@@ -1,10 +1,12 @@
-//! Text table of the figures of a mesh.
+//! Text table of the properties of a mesh.
 
 use crate::format::mesh::{MeshReport, RepairCounts};
 use std::fmt::Write;
 
-/// Returns a text table of mesh reports: one column of figures, or two (before, after) if `after`
-/// is given.
+/// Returns a text table of the mesh `name`, with one row per property.
+///
+/// The table has one column of values, or two (before, after) if `after` is given. A last line
+/// lists the repairs if `repaired` is given.
 pub(super) fn mesh_report_table(
     name: &str,
     before: &MeshReport,

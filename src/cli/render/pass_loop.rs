@@ -8,9 +8,11 @@ use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria, rende
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-/// Adds passes to the result `before`, until a criterion of `stop` holds, and shows progress.
+/// Adds passes to the result `before`, until a criterion of `stop` holds or all of `numbers` are
+/// made. Shows progress.
 ///
-/// `numbers` are the indices of the passes to add. `after_pass` is called after each pass.
+/// `numbers` are the indices of the passes to add. Plain lines show the time since `start`.
+/// `after_pass` is called after each pass.
 pub(super) fn render_passes(
     before: RenderResult,
     numbers: Range<u32>,
@@ -64,9 +66,9 @@ pub(super) fn render_passes(
 /// unknown.
 ///
 /// It is unknown if there is an error target, and the last pass did not estimate the error.
-/// `passes` is the number of passes so far, and `elapsed` the time since this run's first pass
-/// began. `forecast` predicts the passes until the error target of `stop`; it is ignored if `stop`
-/// has no target.
+/// `passes` is the number of passes so far. `elapsed` is the time since this run's first pass
+/// began, and `pass_seconds` the mean time of its passes \[s]. `forecast` predicts the passes until
+/// the error target of `stop`; it is ignored if `stop` has no target.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
     passes: u32,

@@ -25,7 +25,7 @@ struct MovingStereoCameraError;
 struct StereoProjectionError;
 
 /// Renders the pictures of the left and of the right eye, and writes all their outputs. Ends early
-/// if the left picture fails.
+/// if the left picture fails or is interrupted.
 ///
 /// The cameras are parallel and `distance` apart \[scene units]. `camera` is the camera between the
 /// eyes as the scene describes it. `inputs` are the files that the scene names.

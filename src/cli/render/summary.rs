@@ -9,8 +9,8 @@ use crate::render::{EndReason, RenderLimits, RenderResult, StopCriteria};
 use crate::scene::Scene;
 use crate::study::text::percent_text;
 
-/// Prints the name of the scene, its numbers of triangles, shapes and lights, and a note if it has
-/// no objects or lights.
+/// Prints the name of the scene and its numbers of triangles, shapes and lights. Prints a note if
+/// it has no objects, or no light with any power.
 pub(super) fn print_scene_summary(name: &str, scene: &Scene, progress: &ProgressDisplay) {
     let (triangles, shapes, lights) = (scene.triangle_count(), scene.analytic_shape_count(), scene.lights().len());
     progress.print_line(&format!(
@@ -28,8 +28,8 @@ pub(super) fn print_scene_summary(name: &str, scene: &Scene, progress: &Progress
     }
 }
 
-/// Prints the number of passes, rays and photons per second, why the render ended, and the
-/// estimated error.
+/// Prints the number and time of the passes, the rates of rays and photon paths, why the render
+/// ended, and the estimated error. Also prints the fraction of light that clamping removed.
 pub(super) fn print_render_summary(
     limits: &RenderLimits,
     stop: &StopCriteria<'_>,

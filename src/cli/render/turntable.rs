@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 /// Renders the frames `range` of the turntable around `scene`, and writes all their outputs. Ends
-/// early if a frame fails.
+/// early if a frame fails or is interrupted.
 ///
 /// `camera` is the camera of frame 0 as the scene describes it. `inputs` are the files that the
 /// scene names.
@@ -44,8 +44,8 @@ pub(super) fn render_frames(
     Ok(Exit::Success)
 }
 
-/// Returns the arguments of one frame of `--frames`. It has the names of its own files, and a seed
-/// of its own, so that the noise of frames differs.
+/// Returns the arguments of one frame of `--frames`. The frame has the names of its own files, and
+/// a seed of its own, so that the noise of frames differs.
 pub(super) fn frame_arguments(arguments: &RenderArguments, frame: u32) -> Result<RenderArguments, FrameNameError> {
     let mut of_frame = arguments.clone();
     of_frame.method.seed = arguments.method.seed.wrapping_add(frame.into());

@@ -67,8 +67,10 @@ pub(super) fn knob_study_variants(
     one_setting_variants(plain, &pilot)
 }
 
-/// Returns the method `plain`, and variants of it with one setting changed. `pilot` holds the
-/// values that are changed.
+/// Returns the method `plain`, and variants of it with one setting changed.
+///
+/// All of them have the numbers of rays and photons of `pilot`, unless a variant changes these.
+/// Changed radii and numbers are multiples of those of `pilot`.
 fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) -> Vec<VariantArguments> {
     let VariantArguments { label: name, mut method } = plain;
     let algorithm = method.integrator;

@@ -1,4 +1,4 @@
-//! Text tables of the figures of a study of methods.
+//! Text tables of the results of a study of methods.
 
 use crate::study::methods::fit::{fit_convergence, judge_convergence};
 use crate::study::methods::{ConvergenceCheckpoint, MethodStudyResult};
@@ -52,8 +52,9 @@ fn rms_estimated_error_text(checkpoint: &ConvergenceCheckpoint) -> String {
     checkpoint.mean_square_of_estimated_error().map_or(String::new(), square_root_percent_text)
 }
 
-/// Returns the exponent in error ∝ time^exponent between two checkpoints; `None` if it is unknown,
-/// as when an estimated squared error is not positive.
+/// Returns the exponent in error ∝ time^exponent between two checkpoints, for the RMS error and
+/// processor time. `None` if it is not finite, as between equal times, or if an estimated squared
+/// error is not positive.
 fn convergence_rate(before: &ConvergenceCheckpoint, after: &ConvergenceCheckpoint) -> Option<f64> {
     let squares = [before, after].map(ConvergenceCheckpoint::mean_squared_error);
     if squares.iter().any(|square| *square <= 0.0) {

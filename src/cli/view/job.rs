@@ -83,7 +83,7 @@ impl ProgressMonitor for JobMonitor<'_> {
 
 /// The scene that a job renders.
 pub(super) enum JobScene {
-    /// Read the scene file. The given scene is reused if only its camera differs from the file.
+    /// Read the scene file. What has not changed since the given scene is reused.
     File(Option<Arc<LoadedScene>>),
     /// A scene that an earlier job has read.
     Loaded(Arc<LoadedScene>),
@@ -111,7 +111,7 @@ pub(super) struct Job<'a> {
 
 impl<'a> Job<'a> {
     /// Makes a job that publishes to `live`, and the handle that controls it. `orbit` is the
-    /// movement of the camera relative to that of the scene file.
+    /// movement of the camera relative to the camera of the scene file.
     pub fn new(context: JobContext<'a>, live: RenderPublisher<'a>, orbit: Orbit) -> (JobHandle, Self) {
         let (resume, resumed) = sync_channel(1);
         let control = Arc::<JobControl>::default();
@@ -156,7 +156,8 @@ impl<'a> Job<'a> {
         self.control.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Shows on the page why the scene does not fit into memory, and sets the phase to failed.
+    /// Shows on the page why the scene does not fit into memory, and publishes the stage
+    /// [`RenderStage::Failed`].
     fn publish_memory_error(&self, error: MemoryError) {
         let problem = problem_of_report(&Report::new(error));
         self.live.publish(|state, _| {

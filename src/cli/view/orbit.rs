@@ -10,13 +10,15 @@ use glam::DVec3;
 /// \[radians]. Pitch stops there.
 const MIN_POLE_ANGLE: f64 = 0.05;
 
-/// Largest zoom, in or out: natural logarithm of the ratio of the new to the old camera distance.
+/// Largest zoom, in or out: absolute natural logarithm of the ratio of the camera's distance from
+/// the pivot to that in the scene file.
 const MAX_LOG_ZOOM: f64 = 8.0;
 
-/// Returns the camera of `scene`, moved by `orbit` around the point in the center of the picture;
-/// `None` if `orbit` is zero or not finite.
+/// Returns the camera of `scene`, moved by `orbit` around the point in the center of the picture.
+/// Returns `None` if `orbit` is zero or not finite, or if `up` is zero.
 ///
-/// `up` is the up vector of the scene file. All coordinates are those of the scene file.
+/// `up` is the up vector of the scene file. All coordinates are those of the scene file. Pitch is
+/// limited by [`MIN_POLE_ANGLE`], and zoom by [`MAX_LOG_ZOOM`].
 pub(super) fn orbited_camera(scene: &Scene, up: DVec3, orbit: Orbit) -> Option<Camera> {
     let Orbit { yaw, pitch, log_distance: zoom } = orbit;
     if orbit == Orbit::default() || ![yaw, pitch, zoom].iter().all(|number| number.is_finite()) {

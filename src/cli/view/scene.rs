@@ -76,11 +76,14 @@ pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScen
     }
 }
 
-/// Returns the scene of `previous` with the camera of `file`; `None` if that does not give the
+/// Returns the scene of `previous` with the camera of `file`; `None` if that may differ from the
 /// scene of `file`.
 ///
-/// It does not if more than the camera differs, if a file that the scene names has changed, if the
-/// camera moves while the shutter is open, or if `file` embeds meshes, pictures or grids.
+/// Returns `None` if one of these holds:
+/// - More than the camera differs.
+/// - A file that the scene names has changed.
+/// - The camera moves while the shutter is open, or is invalid.
+/// - `file` embeds meshes, pictures or grids.
 fn scene_with_new_camera(file: &SceneFile, previous: &LoadedScene) -> Option<ResolvedScene> {
     let mut old = previous.description.clone();
     old.camera.clone_from(&file.description.camera);
@@ -93,7 +96,8 @@ fn scene_with_new_camera(file: &SceneFile, previous: &LoadedScene) -> Option<Res
     Some(ResolvedScene { scene: scene.with_camera(&camera), meshes: meshes.clone() })
 }
 
-/// Returns the text of a file; empty if it is longer than [`MAX_SOURCE_BYTES`], or not UTF-8.
+/// Returns the text of a file; empty if it cannot be read, is longer than [`MAX_SOURCE_BYTES`], or
+/// is not UTF-8.
 fn text_of_file(path: &Path) -> String {
     let is_short = fs::metadata(path).is_ok_and(|data| data.is_file() && data.len() <= MAX_SOURCE_BYTES);
     if is_short { fs::read_to_string(path).unwrap_or_default() } else { String::new() }

@@ -35,7 +35,8 @@ struct SessionState {
     /// The scene that was read last without an error.
     loaded: Option<Arc<LoadedScene>>,
     watch: FileWatch,
-    /// Movement of the camera that the user has chosen on the page, relative to the scene file.
+    /// Movement of the camera that the user has chosen on the page, relative to the camera of the
+    /// scene file.
     orbit: Orbit,
     /// True if the user has moved the camera since the current job was started.
     orbit_changed: bool,

@@ -77,8 +77,8 @@ impl MeshReadMonitor for WatchedFileCollector {
 #[derive(Debug, Default)]
 pub(super) struct FileWatch {
     files: WatchedFiles,
-    /// New stamps at the last look, which are reported if the next look finds them again; `None` if
-    /// the last look found `files`.
+    /// Changed stamps that the last look found. They are reported if the next look finds them
+    /// again. `None` if the last look found the stamps of `files`.
     unsettled: Option<WatchedFiles>,
 }
 

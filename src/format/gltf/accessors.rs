@@ -6,7 +6,7 @@ use gltf::buffer::{Source, View};
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
-/// GltfBuffers of a glTF file. Each buffer is read when it is first needed.
+/// Buffers of a glTF file. Each buffer is read when it is first needed.
 pub(super) struct GltfBuffers<'a> {
     context: &'a FileContext<'a>,
     blob: RefCell<Option<Vec<u8>>>,
@@ -17,15 +17,17 @@ pub(super) struct GltfBuffers<'a> {
 pub(super) struct AccessorValues {
     /// Number of components per element: 1 for scalars, 3 for three-dimensional vectors.
     pub components_per_element: usize,
-    /// Components of all elements, one element after the other. Normalized integers lie in \[−1,
-    /// 1].
+    /// Components of all elements, one element after the other.
+    ///
+    /// Normalized integers lie in \[−1, 1].
     pub numbers: Vec<f64>,
 }
 
 impl AccessorValues {
     /// Returns the elements as arrays of `N` components.
     ///
-    /// Fails with an error at `place` if elements have another width, or if a number is not finite.
+    /// Fails with an error at `place` if elements have another number of components, or if a
+    /// component is not finite.
     pub fn vector_elements<const N: usize>(&self, context: &FileContext<'_>, place: &str) -> ReadResult<Vec<[f64; N]>> {
         if self.components_per_element != N {
             return Err(context
@@ -41,7 +43,7 @@ impl AccessorValues {
 impl<'a> GltfBuffers<'a> {
     /// Returns the buffers of a file with `count` buffers; reads none yet.
     ///
-    /// `blob` is the binary chunk of a `.glb` file; `None` for a `.gltf` file.
+    /// `blob` is the binary chunk of a `.glb` file; `None` if the file has none.
     pub fn new(context: &'a FileContext<'a>, count: usize, blob: Option<Vec<u8>>) -> Self {
         Self { context, blob: RefCell::new(blob), buffers: vec![OnceCell::new(); count] }
     }
@@ -88,7 +90,8 @@ impl<'a> GltfBuffers<'a> {
 
     /// Returns the numbers of an accessor.
     ///
-    /// Accepts all component types, normalized integers, strides and sparse accessors.
+    /// Accepts all component types, normalized integers, strides and sparse accessors. Elements
+    /// without a buffer view are 0.
     pub fn read_accessor(&self, accessor: &Accessor<'_>) -> ReadResult<AccessorValues> {
         let place = format!("accessors[{}]", accessor.index());
         let width = components_per_element(accessor.dimensions());
@@ -151,7 +154,8 @@ impl<'a> GltfBuffers<'a> {
         Ok(self.read_accessor(accessor)?.numbers.iter().map(|index| *index as u32).collect())
     }
 
-    /// Reads elements that are stored in a buffer view, from the byte `offset` on.
+    /// Reads elements that are stored in a buffer view. `offset` is that of the first element from
+    /// the start of the view \[bytes].
     fn read_elements(&self, place: &str, view: &View<'_>, offset: usize, layout: Layout) -> ReadResult<Vec<f64>> {
         let Layout { element_count: count, components_per_element: width, kind, is_normalized } = layout;
         let (component, element) = (kind.size(), kind.size() * width);
@@ -177,7 +181,7 @@ impl<'a> GltfBuffers<'a> {
     }
 }
 
-/// Number and format of the elements of an accessor.
+/// Number and format of the elements that an accessor stores in a buffer view.
 #[derive(Clone, Copy)]
 struct Layout {
     element_count: usize,
@@ -195,7 +199,8 @@ fn components_per_element(dimensions: Dimensions) -> usize {
 
 /// Decodes one component of type `kind` from its little-endian `bytes`.
 ///
-/// Normalized integers become numbers in \[−1, 1]. NaN if the number of bytes does not fit `kind`.
+/// Normalized integers of 8 or 16 bits become numbers in \[−1, 1]. Returns NaN if the number of
+/// bytes does not fit `kind`.
 fn decoded_component(bytes: &[u8], kind: DataType, is_normalized: bool) -> f64 {
     let scaled = |number: f64, greatest: f64| if is_normalized { (number / greatest).max(-1.0) } else { number };
     match (kind, bytes) {

@@ -25,9 +25,9 @@ pub(super) struct FileContext<'a> {
 }
 
 impl FileContext<'_> {
-    /// Returns the source for messages: the file's name and an empty text.
+    /// Returns the source text for messages: the file's name and an empty text.
     ///
-    /// An imported glTF scene has no positions in a text.
+    /// Errors of an imported glTF scene have no positions in a text.
     pub fn source(&self) -> SourceText {
         SourceText::new(&self.path.display().to_string(), "")
     }
@@ -59,7 +59,8 @@ impl FileContext<'_> {
         }
     }
 
-    /// Returns the content of a file; an error if it exceeds the free memory.
+    /// Returns the content of a file. Fails before reading if the file is larger than the free
+    /// memory.
     pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;

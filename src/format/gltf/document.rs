@@ -17,9 +17,9 @@ const MEMORY_PER_JSON_VALUE: u64 = 100;
 /// Estimated memory per byte of the JSON text \[bytes], mostly for strings.
 const MEMORY_PER_BYTE: u64 = 4;
 
-/// Extensions that the importer supports, in addition to those of the crate `gltf`.
+/// Extensions that a file may require, in addition to those that the crate `gltf` supports.
 ///
-/// Files that require other extensions are refused.
+/// A file may also require extensions that the importer ignores. Others are refused.
 const EXTRA_SUPPORTED_EXTENSIONS: [&str; 7] = [
     "EXT_mesh_gpu_instancing",
     "KHR_materials_dispersion",
@@ -30,8 +30,9 @@ const EXTRA_SUPPORTED_EXTENSIONS: [&str; 7] = [
     "KHR_texture_basisu",
 ];
 
-/// Extensions of materials that the importer ignores, with the message about each. A file may
-/// require them, because they only refine materials.
+/// Material extensions that the importer ignores, each with the message about it.
+///
+/// A file may require these extensions, because they only refine materials.
 pub(super) const IGNORED_MATERIAL_EXTENSIONS: [(&str, &str); 6] = [
     ("KHR_materials_anisotropy", "anisotropy is ignored: highlights are round"),
     ("KHR_materials_clearcoat", "clear coats are ignored"),
@@ -41,8 +42,8 @@ pub(super) const IGNORED_MATERIAL_EXTENSIONS: [(&str, &str); 6] = [
     ("KHR_materials_subsurface", "subsurface scattering is ignored"),
 ];
 
-/// Further extensions that a file may require although the importer ignores them. They animate, or
-/// add metadata.
+/// Extensions other than those of materials that a file may require although the importer ignores
+/// them. They add animations or metadata.
 const OTHER_IGNORED_EXTENSIONS: [&str; 2] = ["KHR_animation_pointer", "KHR_xmp_json_ld"];
 
 /// Greatest number of defects that one error message describes.
@@ -81,8 +82,9 @@ pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mu
     Ok(GltfFile { document: Document::from_json_without_validation(root), blob })
 }
 
-/// Splits the bytes of a `.glb` file into JSON text and binary chunk; `None` if it has no such
-/// chunk.
+/// Returns the JSON text and the binary chunk of a `.glb` file.
+///
+/// The binary chunk is `None` if the second chunk is absent or of another type.
 fn split_container<'b>(context: &FileContext<'_>, bytes: &'b [u8]) -> ReadResult<(&'b [u8], Option<Vec<u8>>)> {
     let number = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let chunk = |at: usize| -> Option<(u32, &[u8])> {
@@ -115,8 +117,9 @@ fn split_container<'b>(context: &FileContext<'_>, bytes: &'b [u8]) -> ReadResult
 
 /// Removes the list of required extensions from the JSON, and checks it.
 ///
-/// The crate `gltf` would refuse some extensions that this importer supports. Fails if the importer
-/// does not support a required extension.
+/// The crate `gltf` would refuse some extensions that this importer accepts. Adds a note for each
+/// required extension that the importer ignores. Fails if the list has any other extension that the
+/// importer does not support.
 fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: &mut ImportNotes) -> ReadResult<()> {
     let Some(Value::Array(required)) = root.as_object_mut().and_then(|root| root.remove("extensionsRequired")) else {
         return Ok(());
@@ -155,8 +158,9 @@ fn adapt_json_to_parser(root: &mut Value, notes: &mut ImportNotes) {
     }
 }
 
-/// Fails if the document has defects, such as indices out of range. The error describes the first
-/// ones.
+/// Fails if the document has defects, such as indices out of range.
+///
+/// The error describes the first [`MAX_REPORTED_DEFECTS`] defects, and counts the rest.
 fn validate_document(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
     check_position_accessor_indices(context, root)?;
     let mut defects = Vec::new();

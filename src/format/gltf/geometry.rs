@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, DVec4};
 use gltf::mesh::Mode;
 use gltf::{Primitive, Semantic};
 
-/// Memory per vertex and per triangle corner \[bytes].
+/// Memory that each vertex and each triangle corner take \[bytes].
 ///
 /// It covers reading a primitive and merging its equal vertices.
 const MEMORY_PER_CORNER: u64 = 200;
@@ -16,7 +16,7 @@ const MEMORY_PER_CORNER: u64 = 200;
 /// Converts a primitive to a triangle mesh; `None` if it has no triangles.
 ///
 /// `texcoord_set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …);
-/// `None` if it uses none.
+/// `None` if it uses none. Messages refer to the primitive as `place`.
 pub(super) fn read_primitive(
     buffers: &GltfBuffers<'_>,
     context: &FileContext<'_>,
@@ -96,7 +96,9 @@ fn triangles_of_mode(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-/// Returns the mean of all vertex colors, with alpha; `None` if the primitive has no vertex colors.
+/// Returns the mean color and alpha of all vertices; `None` if the primitive has no vertex colors.
+///
+/// Each color is clamped to \[0, 1] first. Colors without alpha have alpha 1.
 pub(super) fn mean_vertex_color(
     buffers: &GltfBuffers<'_>,
     context: &FileContext<'_>,

@@ -61,8 +61,8 @@ struct NodeWalker<'w, 'a> {
     document: &'w gltf::Document,
     materials: &'w mut GltfMaterials<'a>,
     notes: &'w mut ImportNotes,
-    /// Primitives that were converted, by mesh and index in the mesh; `None` for one that is not
-    /// visible.
+    /// Converted primitives, by mesh index and index in the mesh; `None` for a primitive without
+    /// triangles or with alpha 0 everywhere.
     primitives: HashMap<(usize, usize), Option<ImportedPrimitive>>,
     content: GltfSceneContent,
 }
@@ -141,7 +141,8 @@ fn local_transform(node: &gltf::Node<'_>) -> DAffine3 {
 
 /// Returns the affine map that scales, then rotates, then translates.
 ///
-/// `rotation` is a quaternion x, y, z, w of any length.
+/// `rotation` is a quaternion x, y, z, w of any length. A length that is 0 or not finite stands for
+/// no rotation.
 fn trs_transform(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffine3 {
     let rotation = DQuat::from_array(rotation);
     let length = rotation.length();
@@ -150,7 +151,10 @@ fn trs_transform(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffin
 }
 
 impl NodeWalker<'_, '_> {
-    /// Converts the mesh, the camera and the light of a node. `to_world` is the node's transform.
+    /// Adds the objects, the camera and the light of a node to the content of the scene.
+    ///
+    /// `to_world` is the transform from the node to world space. A camera is ignored with a note if
+    /// an earlier node has one.
     fn add_node(&mut self, node: &gltf::Node<'_>, to_world: DAffine3) -> ReadResult<()> {
         let place = node_name(node);
         if node.skin().is_some() {
@@ -184,7 +188,8 @@ impl NodeWalker<'_, '_> {
 
     /// Returns the transforms of a node's instances, by the extension EXT_mesh_gpu_instancing.
     ///
-    /// They apply before the transform of the node. Without the extension, returns one identity.
+    /// Instance transforms apply before the transform of the node. Without the extension, returns
+    /// one identity.
     fn instance_transforms(&mut self, node: &gltf::Node<'_>) -> ReadResult<Vec<DAffine3>> {
         let extension = node.extension_value("EXT_mesh_gpu_instancing");
         let Some(attributes) = extension.and_then(|value| value.get("attributes")) else {
@@ -220,9 +225,9 @@ impl NodeWalker<'_, '_> {
         Ok((0..count).map(transform).collect())
     }
 
-    /// Converts the mesh and material of a primitive, unless this was done before.
+    /// Returns a primitive with its mesh and material converted. Later calls return the same.
     ///
-    /// `None` if the primitive has no triangles or is fully transparent.
+    /// `None` if the primitive has no triangles, or if its alpha is 0 everywhere.
     fn import_primitive(
         &mut self,
         mesh: &gltf::Mesh<'_>,
@@ -253,8 +258,9 @@ impl NodeWalker<'_, '_> {
         Ok(imported)
     }
 
-    /// Adds a primitive as an object under the transform `to_world`. Messages refer to the node as
-    /// `place`.
+    /// Adds a primitive as an object under the transform `to_world`.
+    ///
+    /// If `to_world` is singular, adds only a note, which refers to the node as `place`.
     fn add_object(&mut self, primitive: &ImportedPrimitive, to_world: DAffine3, place: &str) {
         if Transform::new(to_world).is_err() {
             self.notes.add_unsupported("objects that are scaled to nothing are left out", place);
@@ -311,7 +317,9 @@ impl NodeWalker<'_, '_> {
         Ok(camera_with_aspect_ratio(to_world.translation, direction.normalize(), up.normalize(), (projection, aspect)))
     }
 
-    /// Converts and adds a light. It shines along −z of its node, whose transform is `to_world`.
+    /// Converts and adds a light of the node whose transform is `to_world`.
+    ///
+    /// Spot and directional lights shine along −z of the node. Lights of intensity 0 are left out.
     fn add_light(&mut self, light: &gltf::khr_lights_punctual::Light<'_>, to_world: DAffine3) -> ReadResult<()> {
         let place = format!("extensions.KHR_lights_punctual.lights[{}]", light.index());
         let color = DVec3::from(light.color().map(f64::from));

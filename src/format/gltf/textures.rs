@@ -121,7 +121,7 @@ impl<'a> GltfTextures<'a> {
         }))
     }
 
-    /// Keeps only the textures called `names`, and the pictures that they show.
+    /// Keeps only the textures whose names are in `names`, and the pictures of these textures.
     pub fn keep_textures(&mut self, names: &HashSet<String>) {
         self.textures.retain(|texture| names.contains(&texture.name));
         let shown = |path: &str| {
@@ -136,7 +136,8 @@ impl<'a> GltfTextures<'a> {
 
     /// Returns the name of the imported scene's texture that shows the embedded picture `path`.
     ///
-    /// `reference` gives its wrap mode and transform. Adds the texture at its first use.
+    /// `reference` gives the texture's wrap mode and transform. Adds the texture to the scene at
+    /// its first use.
     fn texture_name(
         &mut self,
         reference: &TextureReference<'_>,
@@ -288,7 +289,7 @@ impl<'a> TextureReference<'a> {
 
 /// Converts a transform of texture coordinates from glTF, where v grows downwards.
 ///
-/// In the result, v of the mesh and v of the picture grow upwards.
+/// In the result, v of the mesh and v of the picture grow upwards. `rotation` is in radians.
 fn texcoord_transform_description(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> TexcoordTransformDescription {
     let (sin, cos) = (libm::sin(rotation), libm::cos(rotation));
     TexcoordTransformDescription {

@@ -26,7 +26,7 @@ use std::path::Path;
 /// Largest accepted number of cells of a grid.
 pub const MAX_CELLS: u64 = 1 << 30;
 
-/// Memory per grid cell \[bytes]: 4 for its density, and 4 for majorants and unused list capacity.
+/// Upper bound of the memory per grid cell \[bytes]: 4 for its density, and 4 for majorants.
 pub(super) const MEMORY_PER_CELL: u64 = 8;
 
 /// Largest accepted size of a header, with its empty line \[bytes].
@@ -86,8 +86,8 @@ pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<GridFile
 
 /// Reads a grid from the bytes that `file` gives.
 ///
-/// `length` is the file's size in bytes. `path` appears in errors only. `free` limits the memory,
-/// see [`read_with_memory_limit`].
+/// `length` is the size of the whole file in bytes. `path` appears in errors only. `free` limits
+/// the memory, see [`read_with_memory_limit`].
 ///
 /// # Errors
 /// [`GridError`].
@@ -226,7 +226,8 @@ struct GridBodyReader<'a> {
 impl GridBodyReader<'_> {
     /// Returns an empty list with capacity for the densities of all cells.
     ///
-    /// Fails if the memory for the grid and `more` bytes exceeds the free memory.
+    /// Fails if the memory for the grid and `more` further bytes exceeds the free memory, or if the
+    /// system refuses the allocation.
     fn allocate_densities(&self, more: u64) -> Result<Vec<f32>, GridError> {
         let Self { path, header, free_memory: free, .. } = *self;
         let needed = MEMORY_PER_CELL * header.cell_count as u64 + more;

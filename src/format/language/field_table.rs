@@ -1,5 +1,5 @@
 //! Tables of fields. A table names each member of a description, and the fields of a block that
-//! state it. Parser, writer and language reference follow from it.
+//! state this member. Parser, writer and language reference follow from the table.
 
 use std::fmt;
 
@@ -97,10 +97,12 @@ impl<T: FieldValue> FieldEntry<T> for FieldSchema {
     }
 }
 
-/// Function that fails if a field, which is present in the block, disagrees with other fields.
+/// Function that fails if the value of a field violates a rule, alone or with other fields.
+///
+/// It is called only if the block has the field.
 pub(in crate::format) type FieldCheck = fn(&BlockFields<'_>, &ParsedField<'_, '_>) -> Result<(), SceneError>;
 
-/// A field whose value must agree with the fields before it.
+/// Table entry of a field whose value a function checks, for example against other fields.
 #[derive(Clone, Copy)]
 pub(in crate::format) struct CheckedField {
     field: FieldSchema,
@@ -108,7 +110,7 @@ pub(in crate::format) struct CheckedField {
 }
 
 impl CheckedField {
-    /// Creates an entry for `field`. `check` is called with the field if the block has it.
+    /// Creates a table entry for `field`. `check` is called only if the block has the field.
     pub const fn new(field: FieldSchema, check: FieldCheck) -> Self {
         Self { field, check }
     }

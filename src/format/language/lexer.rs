@@ -3,8 +3,10 @@
 use crate::format::error::{SceneError, SourceText};
 use crate::format::span::{Span, Spanned};
 
-/// Piece of a scene text: a word, a number or one of `{ } [ ] "`. It is empty at the end of the
-/// text.
+/// Token of scene text: a word, a number or one of `{ } [ ] "`.
+///
+/// The token is empty at the end of the scene text. A number token is also empty if no number
+/// stands there.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::format) struct Token<'a> {
     pub text: &'a str,

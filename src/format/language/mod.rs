@@ -166,7 +166,8 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
     if let Some(name) = &ambient_medium {
         parser.scope.check_medium_exists(parser.lexer, name, "in the file")?;
     }
-    // Report errors in blocks before missing blocks, because they may be the reason.
+    // Errors in blocks are reported before missing blocks, because an error may be the reason why
+    // a block is missing.
     if let Some(error) = parser.errors.pop() {
         return Err(error);
     }

@@ -396,8 +396,9 @@ impl<'a> Parser<'a> {
         self.open_blocks.last().map_or("the file".to_owned(), |block| format!("`{}`", block.text))
     }
 
-    /// Returns the error for a `word` that is not in `allowed`, with a suggestion of a similar
-    /// word.
+    /// Returns the error for a `word` that is not in `allowed`.
+    ///
+    /// The help text suggests a synonym or a similar word of `allowed`, or lists these words.
     #[inline(never)]
     pub fn unexpected_word_error(&self, word: Token<'a>, allowed: &[&str]) -> SceneError {
         let block = self.innermost_block_name();

@@ -71,8 +71,8 @@ pub(in crate::format) enum FieldRange {
     OpenInterval(f64, f64),
     /// Above the first bound, up to and including the second.
     LeftOpenInterval(f64, f64),
-    /// Range that this text describes. The schema does not check it; the
-    /// function that converts the block does.
+    /// Range that this text describes. The schema does not check the range; the function that
+    /// converts the block does.
     DescribedOnly(&'static str),
 }
 
@@ -129,12 +129,12 @@ pub(in crate::format) struct BlockSchema {
     pub keyword: &'static str,
     /// Further keywords that the parser accepts for the block.
     pub aliases: &'static [&'static str],
-    /// Lists of fields from the table of the description, see
+    /// Lists of fields that the block's description states in its table, see
     /// [`BlockCodec`](super::field_table::BlockCodec).
     pub table: &'static [FieldList],
-    /// Further fields, which only this kind of block has.
+    /// Fields beside those of `table` that only this kind of block has.
     pub own_fields: &'static [FieldSchema],
-    /// Further lists of fields, which several kinds of blocks share.
+    /// Lists of fields beside those of `table` that several kinds of blocks share.
     pub shared_fields: &'static [&'static [FieldSchema]],
     /// Meaning of the block, in one line of the language reference.
     pub help: &'static str,
@@ -378,13 +378,13 @@ impl BlockSchema {
         self
     }
 
-    /// Sets the fields of the table of the block's description.
+    /// Sets the lists of fields that the block's description states in its table.
     pub const fn with_table(mut self, table: &'static [FieldList]) -> Self {
         self.table = table;
         self
     }
 
-    /// Sets the fields that only this kind of block has.
+    /// Sets the fields beside those of the table that only this kind of block has.
     pub const fn with_fields(mut self, fields: &'static [FieldSchema]) -> Self {
         self.own_fields = fields;
         self
@@ -496,7 +496,7 @@ fn join_in_backticks(words: &[&str]) -> String {
     words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// Displays a bound of a field's range, such as 0.5. Numbers from a million on have an exponent.
+/// Displays a bound of a field's range, such as 0.5. Magnitudes from a million on have an exponent.
 struct RangeBound(f64);
 
 impl std::fmt::Display for RangeBound {

@@ -42,8 +42,8 @@ pub(in crate::format) struct DefinedMaterial {
 /// Properties of a material that limit its use in a mix.
 #[derive(Clone, Copy, Default)]
 pub(in crate::format) struct MixConstraints {
-    /// Index of a `Dielectric` material: the material itself, or one that it mixes; `None` if it is
-    /// no dielectric and mixes none.
+    /// Index into [`ParserScope::materials`] of the material that bounds a dielectric body: this
+    /// material, or one that it mixes. `None` if neither bounds such a body.
     pub dielectric_index: Option<usize>,
     /// Nesting depth of mixes: 0 for a material that is no mix, 1 for a mix of such materials.
     pub mix_depth: u8,
@@ -87,7 +87,8 @@ impl ParserScope<'_> {
 
     /// Fails if no medium is called `name`.
     ///
-    /// The help text says to define the medium at `position`, a phrase such as "in the file".
+    /// If the text has defined no medium, the help text says to define it at `position`, a phrase
+    /// such as "in the file".
     pub fn check_medium_exists(
         &self,
         lexer: Lexer<'_>,

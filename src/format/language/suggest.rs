@@ -62,8 +62,9 @@ pub(in crate::format) fn keyword_synonym(word: &str, allowed: &[&str]) -> Option
 
 /// Returns the candidate with the smallest edit distance to `word`, regardless of case.
 ///
-/// Candidates of more than [`MAX_WORD_LENGTH`] letters are skipped. `None` if `word` has more, or
-/// if no distance is at most a third of the longer word's length.
+/// Candidates of more than [`MAX_WORD_LENGTH`] letters are skipped. `None` if `word` has more
+/// letters than that, or if no candidate is near enough. The distance may be at most a third of the
+/// length of `word` or of the candidate, whichever is longer.
 pub(in crate::format) fn nearest_word<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     let word: Vec<char> = word.chars().take(MAX_WORD_LENGTH + 1).flat_map(char::to_lowercase).collect();
     if word.len() > MAX_WORD_LENGTH {

@@ -54,7 +54,7 @@ pub(in crate::format) fn parse_moving_block<'a, T>(
 /// Parses `{ … }` with transform steps, then one object, light or camera. Returns the steps and the
 /// object, light or camera.
 ///
-/// Its keyword must be in `allowed`, and `parse_object` parses the rest.
+/// `parse_object` parses the object, light or camera after its keyword, which must be in `allowed`.
 fn parse_steps_and_object<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,

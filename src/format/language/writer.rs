@@ -113,7 +113,7 @@ impl SceneWriter<'_, '_> {
 
 /// Displays a number as the shortest decimal text that parses to the same number.
 ///
-/// Numbers below 1e-5 or from 1e16 on have an exponent.
+/// An exponent is used if the magnitude is below 1e-5 but not 0, or if it is 1e16 or more.
 struct ShortestNumber(f64);
 
 impl Display for ShortestNumber {
@@ -156,7 +156,7 @@ impl Display for QuotedIfNeeded<'_> {
 
 /// Displays the name of a texture or block, in quotes unless it is an identifier.
 ///
-/// The fields that it is written in would misread other bare words as a number or `{`.
+/// Where such a name stands, the parser could misread other bare words as a number or `{`.
 struct QuotedUnlessIdentifier<'a>(&'a str);
 
 impl Display for QuotedUnlessIdentifier<'_> {

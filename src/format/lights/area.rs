@@ -54,9 +54,9 @@ pub struct DiscLightDescription {
 pub struct RectangleLightDescription {
     /// The corner where both edges start.
     pub corner: DVec3,
-    /// Edge vector from the corner to one neighbor.
+    /// Edge vector from `corner` to one neighboring corner.
     pub edge0: DVec3,
-    /// Edge vector from the corner to the other neighbor.
+    /// Edge vector from `corner` to the other neighboring corner.
     pub edge1: DVec3,
     /// Strength of the light: radiance or flux.
     pub strength: AreaLightStrength,

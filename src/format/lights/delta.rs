@@ -11,7 +11,7 @@ use crate::scene::{LightStrength, UnscaledDeltaLight};
 use glam::DVec3;
 use std::fmt;
 
-/// Strength of a point light or spotlight.
+/// Strength of a point light, spotlight, projector or goniometric light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointLightStrength {
     /// Color in the shading model of MIT course 6.837, where light does not fall off with

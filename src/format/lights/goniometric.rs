@@ -125,8 +125,10 @@ fn read_profile_as_map(r: &Resolver<'_>, path: &Spanned<String>) -> Result<Equir
 
 /// Parses an intensity profile: pairs of an angle from the axis \[degrees] and an intensity.
 ///
-/// Each line holds one pair, in ascending order of angle. `#` starts a comment. `None` if the text
-/// is no such table.
+/// Each line holds one pair, in ascending order of angle. `#` starts a comment.
+///
+/// Returns `None` if a line holds no pair, if there are fewer than two pairs, if the angles do not
+/// ascend, or if one is outside \[0, 180].
 fn parse_angle_intensity_table(text: &str) -> Option<Vec<(f64, f64)>> {
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
     let pair = |line: &str| {

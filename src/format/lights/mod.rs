@@ -38,7 +38,8 @@ use super::transform_step::TransformStep;
 use crate::math::Motion;
 use std::fmt;
 
-/// A kind of light in the scene language: its block, and what the block means.
+/// A kind of light in the scene language: the schema of its block, and its conversion to a light of
+/// the scene.
 trait LightBlock: BlockCodec {
     /// Schema of the block: keyword, fields and help.
     const BLOCK: &'static BlockSchema;
@@ -46,8 +47,8 @@ trait LightBlock: BlockCodec {
     /// True if lights of this kind are infinitely far away.
     const IS_INFINITE: bool;
 
-    /// Adds the light to the scene. Its `motion` rotates and scales it about its own position.
-    /// `span` is the position of the block, for errors.
+    /// Adds the light to the scene. Its `motion` rotates and scales it about its own position. An
+    /// environment light ignores `motion`. `span` is the position of the block, for errors.
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError>;
 
     /// Returns the path of the file that the light reads; `None` if it reads none.

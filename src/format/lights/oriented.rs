@@ -9,15 +9,16 @@ use crate::format::language::writer::SceneWriter;
 use glam::DVec3;
 use std::fmt;
 
-/// Position and orientation of a light whose intensity depends on the direction.
+/// Position and orientation of a projector or goniometric light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightPose {
     /// Position of the light.
     pub position: DVec3,
-    /// Axis of the light. A projector and an intensity profile are aligned with it; an intensity
-    /// map has its center there.
+    /// Axis of the light. A projector casts the center of its picture along the axis. An intensity
+    /// map has its center there. An intensity profile counts its angles from the axis.
     pub aim: DirectionOrTarget,
-    /// Up direction of the light's pattern; `None` for +y, or for −z if the axis is parallel to y.
+    /// Direction toward the top of the light's picture or map, of any length. `None` for +y, or for
+    /// −z if the axis is nearly parallel to y.
     pub up: Option<DVec3>,
 }
 
@@ -50,7 +51,7 @@ impl LightPose {
         self.up.map_or(Ok(()), |up| out.write_vec3("up", up))
     }
 
-    /// Returns the direction of the axis and the up direction, of any lengths.
+    /// Returns the direction of the light's axis and its up direction, both of any length.
     pub(super) fn direction_and_up(&self) -> (DVec3, DVec3) {
         let direction = self.aim.direction_from(self.position);
         let vertical = direction.cross(DVec3::Y).length() < 1e-6 * direction.length();

@@ -46,7 +46,7 @@ field_table!(SpotLightDescription {
     strength: POINT_STRENGTH,
 });
 
-/// Axis of a spotlight.
+/// Fields for the direction of a spotlight's axis, or for a point on it.
 const AIM: FieldGroup<DirectionOrTarget> = FieldGroup {
     list: FieldList::own(&[
         field_schema("direction", FieldKind::Direction, "axis of the cone; give this or `lookAt`"),
@@ -79,7 +79,7 @@ impl LightBlock for SpotLightDescription {
     }
 }
 
-/// Fails unless the soft rim fits into half of the cone's opening angle.
+/// Fails unless the width of the soft rim lies between 0 and half of the cone's opening angle.
 fn check_penumbra(f: &BlockFields<'_>, penumbra: &ParsedField<'_, '_>) -> Result<(), SceneError> {
     let half_angle = f.value_or_default::<f64>("angle")? / 2.0;
     let is_valid = (0.0..=half_angle).contains(&penumbra.value::<f64>());

@@ -30,7 +30,7 @@ pub enum MetalDescription {
         /// Imaginary part k of the complex index of refraction, at least 0.
         k: DVec3,
     },
-    /// Reflectance at normal incidence, inside [0, 1].
+    /// Reflectance at normal incidence, inside \[0, 1].
     Reflectance(TexturedValue<DVec3>),
 }
 
@@ -98,7 +98,7 @@ fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
     Ok(MetalDescription::Index { eta: f.value_or_default("eta")?, k: f.value_or_default("k")? })
 }
 
-/// Writes the fields that state the complex index or the reflectance.
+/// Writes the field for the name of the metal or the reflectance, or the fields for η and k.
 fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
     match metal {
         MetalDescription::Named(name) => out.write_name_field("metal", name),

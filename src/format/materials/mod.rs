@@ -126,7 +126,10 @@ pub(super) fn parse_materials_block<'a>(
     Ok(materials)
 }
 
-/// Returns what later blocks need to know of `material`, the next material in `scope`.
+/// Returns the entry of `scope` for `material`: its name, and properties that limit its use in a
+/// mix.
+///
+/// The caller must append the entry to the materials of `scope`.
 fn defined_material(scope: &ParserScope<'_>, material: &MaterialDescription) -> DefinedMaterial {
     let kind = &material.kind;
     let mix_constraints = match kind.mix_material_names() {
@@ -192,7 +195,8 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
 /// Adds all `materials` of the description to the scene. Their indices equal those in the
 /// description.
 ///
-/// Adds a white diffuse material if the description has none. Parts of composed materials follow.
+/// Adds a white diffuse material if the description has no materials. Component materials of
+/// `Principled` materials follow after all others.
 pub(super) fn add_materials<'a>(
     r: &mut Resolver<'a>,
     materials: &'a [Spanned<MaterialDescription>],
@@ -239,8 +243,11 @@ pub(super) fn add_materials<'a>(
 
 /// Returns `material` with its body filled by the medium that `described` names.
 ///
-/// Returns it unchanged if it bounds no body or no medium is named. If the body itself absorbs,
-/// adds a copy of the medium to the scene that includes this absorption.
+/// Returns `material` unchanged if it bounds no body or no medium is named. If the body itself
+/// absorbs, adds a copy of the medium with this absorption to the scene.
+///
+/// # Errors
+/// If no such medium exists, or if the body absorbs and the medium is heterogeneous.
 fn with_body_medium(
     r: &mut Resolver<'_>,
     material: scene::Material,

@@ -75,7 +75,8 @@ impl NormalPerturbationDescription {
         }
     }
 
-    /// Returns the bump map or normal map with its texture looked up.
+    /// Returns the bump map or normal map with its texture looked up; none for a bump map of height
+    /// 0.
     ///
     /// Adds to `requirements` the surface properties that the texture needs.
     pub(super) fn resolve(

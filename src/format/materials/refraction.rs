@@ -25,7 +25,7 @@ pub enum RefractiveIndexDescription {
         /// Abbe number, above 0; a smaller one means more dispersion.
         abbe: f64,
     },
-    /// Dispersion formula. Its indices lie in [0.001, 1000] from 380 to 720 nm.
+    /// Dispersion formula. Its refractive indices lie in \[0.001, 1000] from 380 to 720 nm.
     Formula(DispersionFormula),
 }
 
@@ -131,7 +131,8 @@ fn parse_sellmeier(
     Ok(RefractiveIndexDescription::Formula(glass))
 }
 
-/// Fails with an error at `field` if the refractive index of `glass` is outside 0.001 to 1000.
+/// Fails with an error at `field` if the refractive index of `glass` is outside \[0.001, 1000]
+/// anywhere from 380 to 720 nm.
 ///
 /// The error's help text is the name of the field, then `advice` and the accepted range.
 fn check_index_range(glass: &DispersionFormula, field: &ParsedField<'_, '_>, advice: &str) -> Result<(), SceneError> {
@@ -162,10 +163,10 @@ fn write_refraction(refraction: &RefractiveIndexDescription, out: &mut SceneWrit
     }
 }
 
-/// Returns a dielectric's refractive index at the d line (587.56 nm), and the index of its glass.
+/// Returns a dielectric's refractive index at the d line (587.56 nm), and the position of its
+/// dispersion formula in the scene's list of glasses.
 ///
-/// Glasses are a list of the scene, to which this adds one. The index is `None`, and no glass is
-/// added, for a dielectric without dispersion.
+/// Adds the formula to this list. Without dispersion, adds nothing, and the position is `None`.
 pub(super) fn resolve_refractive_index(
     r: &mut Resolver<'_>,
     described: &RefractiveIndexDescription,

@@ -48,8 +48,9 @@ pub struct TriangleMesh {
     ///
     /// A triangle without normals has zero vectors at all its corners.
     pub normals: Option<Vec<DVec3>>,
-    /// Texture coordinates of the vertices; `None` if no vertex has any. A single vertex without
-    /// them has (0, 0).
+    /// Texture coordinates of the vertices; `None` if no vertex has any.
+    ///
+    /// If only some vertices have texture coordinates, the others have (0, 0).
     pub texcoords: Option<Vec<DVec2>>,
     /// Names of the materials. After reading, at least one triangle uses each of them.
     pub materials: Vec<String>,
@@ -79,7 +80,7 @@ impl TriangleMesh {
         merge::merge_equal_vertices(self);
     }
 
-    /// Numbers the distinct vertex positions. Returns the number of each vertex's position, and the
+    /// Returns, for each vertex, the index of its position among the distinct positions; and the
     /// count of distinct positions.
     ///
     /// Coordinates −0 and 0 are equal here.
@@ -88,27 +89,33 @@ impl TriangleMesh {
         merge::distinct_position_indices(self)
     }
 
-    /// Moves each vertex to the first earlier vertex within `tolerance` \[length], and merges equal
-    /// vertices.
+    /// Moves each vertex to the first earlier vertex within `tolerance` \[length] that has not
+    /// moved itself. Then merges equal vertices and removes unused ones.
     ///
     /// Returns the decrease in the number of distinct positions.
     pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
         weld::weld_vertices(self, tolerance)
     }
 
-    /// Makes the repairs that `repair` selects, removes unused vertices, and returns the repair
-    /// counts.
+    /// Makes the repairs that `repair` selects, and returns their counts.
+    ///
+    /// In any case, merges vertices that are equal bit for bit, and removes unused vertices.
     pub fn repair(&mut self, repair: &MeshRepairOptions) -> RepairCounts {
         repair::repair(self, repair)
     }
 
     /// Computes smooth shading normals for all triangles that have none.
     ///
-    /// A normal is the mean of the normals of adjacent faces, weighted by their corner angles
-    /// (Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets"). The mean
-    /// extends across an edge if its two face normals differ by at most `angle` \[degrees].
-    /// Vertices are split at all other edges: sharper ones, edges of one or more than two faces,
-    /// and edges with inconsistent windings.
+    /// A vertex normal is the mean of the normals of adjacent faces, weighted by their corner
+    /// angles (Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets"). The
+    /// mean extends across an edge if the normals of its two faces differ by at most `angle`
+    /// \[degrees].
+    ///
+    /// Vertices are split at all other edges:
+    ///
+    /// - edges whose face normals differ by more than `angle`,
+    /// - edges with one face, or with more than two faces,
+    /// - edges whose two faces have inconsistent windings.
     pub fn compute_missing_smooth_normals(&mut self, angle: f64) {
         normals::compute_missing_smooth_normals(self, angle);
     }
@@ -116,10 +123,13 @@ impl TriangleMesh {
     /// Makes the windings of each connected component consistent and outward. Returns the number of
     /// flipped triangles.
     ///
-    /// - The sign of its volume tells which side of a closed component is outside. The component
-    ///   faces inward if an odd number of other closed components of its material contain it.
+    /// - Closed components face outward, as the sign of their volume tells. A component inside an
+    ///   odd number of other closed components of the same material faces inward instead. Nesting
+    ///   is ignored if the mesh has more than 256 closed components.
     /// - Open components keep the winding of most of their triangles.
     /// - Non-orientable components are not changed.
+    ///
+    /// Shading normals of flipped triangles are reversed if they would point to the back side.
     pub fn orient_outward(&mut self) -> usize {
         orient::orient_outward(self)
     }
@@ -150,7 +160,7 @@ impl TriangleMesh {
         report::bounds_diagonal(self)
     }
 
-    /// Returns the area of a triangle \[length²], which is given by its vertex indices.
+    /// Returns the area of the triangle with the given vertex indices \[length²].
     #[must_use]
     pub fn triangle_area(&self, triangle: [u32; 3]) -> f64 {
         report::triangle_area(self, triangle)
@@ -196,7 +206,9 @@ pub struct LoadedMesh {
 }
 
 impl LoadedMesh {
-    /// Returns the number of vertices in the file that repeat another vertex bit for bit.
+    /// Returns the number of vertices in the file that repeat an earlier vertex bit for bit.
+    ///
+    /// Vertices that no face uses do not count. For OBJ files, only positions are compared.
     #[must_use]
     pub fn repeated_vertex_count(&self) -> usize {
         let used = self.file_vertex_count - self.isolated_vertex_count;
@@ -217,9 +229,10 @@ pub trait MeshReadMonitor: Sync {
     fn on_input_file_found(&self, _path: &Path) {}
     /// Called before parsing the mesh file at `path`, whose size is `bytes`.
     fn on_read_start(&self, path: &Path, bytes: u64);
-    /// Called repeatedly during parsing. `bytes` is the number of bytes parsed since the last call.
+    /// Called repeatedly during parsing, possibly by several threads. `bytes` is the number of
+    /// bytes parsed since the last call; for OBJ files, an estimate.
     fn on_bytes_parsed(&self, bytes: u64);
-    /// Called after parsing the file at `path`, with the mesh that it holds.
+    /// Called after parsing the file at `path`. `mesh` is the mesh of the file.
     fn on_read_end(&self, path: &Path, mesh: &TriangleMesh);
 }
 

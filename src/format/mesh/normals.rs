@@ -48,6 +48,9 @@ fn corner_angle(mesh: &TriangleMesh, corner: usize) -> f64 {
 ///
 /// All corners of a group get one normal. Element 3t + k belongs to corner k of triangle t. Groups
 /// are numbered in the order of their first corners.
+///
+/// `faces` holds the normals of the triangles. Edges whose face normals differ by more than `angle`
+/// \[degrees] separate groups.
 fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32> {
     // Products of unit vectors err by some ulps. An angle equal to the limit counts as smooth.
     let least = if angle >= 180.0 { f64::NEG_INFINITY } else { libm::cos(angle.to_radians()) - 8.0 * f64::EPSILON };

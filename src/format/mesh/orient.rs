@@ -8,8 +8,8 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Largest number of closed components whose nesting is computed. The cost is quadratic in the
-/// number.
+/// Largest number of closed components for which nesting is computed, because the cost is quadratic
+/// in this number.
 const MAX_NESTED_COMPONENTS: usize = 256;
 
 /// Connected component of a mesh: its triangles are connected by edges that have exactly two

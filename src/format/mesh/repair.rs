@@ -5,13 +5,15 @@ use super::report::mark_duplicate_triangles;
 use super::topology::MeshTopology;
 use serde::Serialize;
 
-/// Selection of repairs to make on a mesh. They are made in the order of these fields.
+/// Selection of repairs to make on a mesh. The repairs are made in the order of the fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshRepairOptions {
-    /// Distance \[length] within which vertices are merged. 0 merges equal positions; `None` merges
-    /// none.
+    /// Distance within which vertex positions are merged \[length]; 0 merges only equal positions.
+    ///
+    /// `None` moves no position. Vertices that are equal bit for bit are merged in any case.
     pub weld_tolerance: Option<f64>,
-    /// True to remove each triangle that has the same three positions as an earlier triangle.
+    /// True to remove each triangle that has the same three positions as an earlier triangle, in
+    /// any order.
     pub removes_duplicates: bool,
     /// True to remove triangles without area, except those without which the surface would be open.
     pub removes_degenerates: bool,
@@ -38,7 +40,7 @@ pub struct RepairCounts {
     /// Number of removed triangles without area.
     #[serde(rename = "degenerate")]
     pub removed_degenerates: usize,
-    /// Number of triangles flipped to face outward.
+    /// Number of triangles flipped to make windings consistent and outward.
     #[serde(rename = "turned")]
     pub flipped_triangles: usize,
 }

@@ -13,7 +13,8 @@ use serde::Serialize;
 pub struct MeshReport {
     /// Number of vertices.
     pub vertices: usize,
-    /// Number of vertices that equal an earlier one bit for bit.
+    /// Number of vertices that equal an earlier one bit for bit. Vertices that no triangle uses do
+    /// not count.
     pub repeated_vertices: usize,
     /// Number of vertices that no triangle uses.
     pub isolated_vertices: usize,
@@ -35,9 +36,11 @@ pub struct MeshReport {
     pub bounds_max: [f64; 3],
     /// Total area of the triangles \[length²].
     pub area: f64,
-    /// Enclosed volume \[length³]; `None` if the mesh is open or its windings are inconsistent.
+    /// Signed enclosed volume \[length³], negative if the mesh is inside out.
+    ///
+    /// `None` if the mesh is open or its windings are inconsistent.
     pub volume: Option<f64>,
-    /// True if every edge has at least two triangles.
+    /// True if every edge has at least two triangles; false for a mesh without triangles.
     #[serde(rename = "closed")]
     pub is_closed: bool,
     /// True if each edge has at most two triangles, and all triangles around a vertex are connected

@@ -68,7 +68,8 @@ pub(super) fn solid_defect(mesh: &TriangleMesh) -> Option<SolidDefect> {
     (six_volumes.sum::<f64>() < 0.0).then_some(SolidDefect::InsideOut)
 }
 
-/// True if the sum of the corners' shading normals points to the back side by the winding.
+/// True if the sum of the shading normals at the triangle's corners points away from the triangle's
+/// counter-clockwise side.
 fn normals_oppose_winding(mesh: &TriangleMesh, triangle: [u32; 3]) -> bool {
     let Some(normals) = &mesh.normals else { return false };
     let sum: DVec3 = triangle.iter().map(|v| normals[*v as usize]).sum();

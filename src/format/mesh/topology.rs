@@ -34,8 +34,7 @@ pub(super) struct MeshTopology {
     pub vertex_position_indices: Vec<u32>,
     /// Number of distinct positions.
     pub position_count: usize,
-    /// Half-edges of all triangles with three different positions. Half-edges of one edge are
-    /// adjacent.
+    /// Half-edges of all triangles with three different positions, sorted by edge.
     half_edges: Vec<HalfEdge>,
 }
 
@@ -75,13 +74,13 @@ impl MeshTopology {
     }
 }
 
-/// Union-find of triangles (Tarjan 1975) that also tracks relative winding.
+/// Union-find of triangles or triangle corners (Tarjan 1975) that also tracks relative winding.
 ///
-/// A triangle stores a parity: whether its winding is flipped relative to that of its set's root.
+/// Each element stores a parity: whether its winding is flipped relative to that of its parent.
 #[derive(Debug)]
 pub(super) struct ParityUnionFind {
     parent: Vec<u32>,
-    /// True for each triangle that is flipped relative to its parent.
+    /// True for each element whose winding is flipped relative to that of its parent.
     flipped_to_parent: Vec<bool>,
 }
 
@@ -90,7 +89,8 @@ impl ParityUnionFind {
         Self { parent: (0..n as u32).collect(), flipped_to_parent: vec![false; n] }
     }
 
-    /// Returns the root of the set that contains `i`, and true if `i` is flipped relative to it.
+    /// Returns the root of the set that contains `i`, and true if `i` is flipped relative to the
+    /// root.
     ///
     /// The root is the lowest element of the set.
     pub fn find_root(&mut self, i: usize) -> (usize, bool) {

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 const NO_POINT: u32 = u32::MAX;
 
-/// Largest tolerance whose square is finite \[length].
+/// Upper bound of the merge tolerance \[length]. Its square is still finite.
 const MAX_SQUARABLE_TOLERANCE: f64 = 1e150;
 
 pub(super) fn weld_vertices(mesh: &mut TriangleMesh, tolerance: f64) -> usize {

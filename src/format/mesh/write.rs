@@ -52,7 +52,7 @@ pub(super) fn write(
 
 /// Displays the number as the shortest decimal that gives exactly this number when read again.
 ///
-/// Numbers below 10⁻⁵ or from 10¹⁶ have an exponent.
+/// An exponent is used if the magnitude is below 10⁻⁵ but not 0, or if it is 10¹⁶ or more.
 pub(in crate::format) struct ShortestDecimal<T>(pub T);
 
 impl<T: Copy + Into<f64> + Display + std::fmt::LowerExp> Display for ShortestDecimal<T> {

@@ -34,7 +34,7 @@ impl ColorValue {
     /// Parses the value of a `spectrum` element: one number, three for RGB, or pairs `400:0.3,
     /// 500:0.8` of wavelength \[nm] and value.
     ///
-    /// `None` if the text has another form.
+    /// `None` if the text has another form, or if the wavelengths decrease.
     pub fn parse_spectrum(text: &str) -> Option<Self> {
         if !text.contains(':') {
             return Some(match *parse_numbers(text)? {
@@ -51,9 +51,10 @@ impl ColorValue {
         Spectrum::from_samples(words.map(pair).collect::<Option<Vec<[f64; 2]>>>()?).map(Self::Sampled)
     }
 
-    /// Parses a spectrum file: a wavelength \[nm] and a value per line, `#` for comments.
+    /// Parses the text of a spectrum file: a wavelength \[nm] and a value per line. Comments begin
+    /// with `#`.
     ///
-    /// `None` if the text has another form.
+    /// `None` if the text has another form, or if the wavelengths decrease.
     pub fn parse_spectrum_file(text: &str) -> Option<Self> {
         let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
         let pair = |line: &str| match *parse_numbers(line)? {
@@ -113,7 +114,7 @@ impl ColorValue {
         }
     }
 
-    /// Returns the value as a function of wavelength; `None` for RGB, blackbodies and daylight.
+    /// Returns the value as a function of wavelength; `None` for RGB, blackbodies and D65.
     pub fn to_spectrum(&self) -> Option<Spectrum> {
         match self {
             Self::Sampled(spectrum) => Some(spectrum.clone()),

@@ -30,7 +30,10 @@ const METAL_NAMES: [(&str, &str); 14] = [
     ("W", "tungsten"),
 ];
 
-/// Converts a conductor. `tint` multiplies its reflectance.
+/// Converts a conductor. An unknown metal becomes chromium, with a message.
+///
+/// `tint` is the reflectance of an ideal mirror. For any other metal, the mean of `tint` multiplies
+/// the reflectance at normal incidence.
 pub(super) fn conductor(
     context: &ImportContext<'_>,
     bsdf: &MitsubaObject,
@@ -77,7 +80,8 @@ pub(super) fn conductor(
 
 /// Returns the metal with the index η + ik of the BSDF, relative to the index outside.
 ///
-/// `eta` and `k` are RGB values or spectra; `None` stands for 0.
+/// `eta` and `k` are RGB values or spectra; `None` stands for 0. The result is clamped to the range
+/// that materials accept.
 fn metal_from_index(
     bsdf: &MitsubaObject,
     eta: Option<ColorValue>,
@@ -102,7 +106,7 @@ fn conductor_description(metal: MetalDescription, roughness: TexturedValue<f64>)
     MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, has_multiple_scattering: false })
 }
 
-/// Returns the reflectance of a metal at normal incidence; 1 for an unknown name.
+/// Returns the reflectance of a metal at normal incidence; 1 for a texture or an unknown name.
 fn normal_reflectance(metal: &MetalDescription) -> DVec3 {
     let (eta, k) = match metal {
         MetalDescription::Reflectance(TexturedValue::Constant(reflectance)) => return *reflectance,

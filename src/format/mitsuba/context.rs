@@ -11,7 +11,7 @@ use std::rc::Rc;
 
 /// Names of values that are ignored without a message.
 ///
-/// They have no effect on Caustica's pictures, or only on some variants of Mitsuba.
+/// They concern what Caustica lacks, such as clipping planes, or only some variants of Mitsuba.
 const SILENTLY_IGNORED_VALUES: [&str; 24] = [
     "accel",
     "banner",
@@ -139,7 +139,7 @@ impl ImportContext<'_> {
     }
 
     /// Returns the color or spectrum that a nested object describes; `None` if it describes none,
-    /// as a texture of pixels.
+    /// such as a `bitmap`.
     pub fn spectrum_from_object(&self, object: &MitsubaObject) -> ReadResult<Option<ColorValue>> {
         let scale = || object.number("scale").or_else(|| object.number("value")).unwrap_or(1.0);
         Ok(match object.plugin.as_str() {
@@ -185,9 +185,10 @@ impl ImportContext<'_> {
         })
     }
 
-    /// Returns the color `name` of an object as linear RGB; gray `default` if the object has none.
+    /// Returns the color `name` of an object as linear RGB.
     ///
-    /// Fails if a component is negative or above 10³⁰.
+    /// Returns gray of value `default` if the color is missing or a texture. Fails if a component
+    /// is negative or above 10³⁰.
     pub fn linear_rgb(
         &self,
         object: &MitsubaObject,

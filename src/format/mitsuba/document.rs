@@ -34,7 +34,7 @@ const MAX_ELEMENTS: u64 = 1 << 22;
 /// Greatest memory that an element takes after it is read \[bytes].
 const MEMORY_PER_ELEMENT: u64 = 600;
 
-/// Memory per byte of a file while its XML is parsed \[bytes].
+/// Memory that the XML parser takes per byte of an XML file \[bytes].
 const MEMORY_PER_BYTE: u64 = 24;
 
 /// Returns the tree of objects of the scene file, whose content is `bytes`.
@@ -134,9 +134,10 @@ impl CurrentFile {
 }
 
 impl TreeReader<'_, '_> {
-    /// Reads a file and adds its objects and values to `contents`.
+    /// Parses the file at `path`, whose content is `bytes`.
     ///
-    /// `includer` is the position of the `include` element; `None` for the scene file.
+    /// Adds its objects and values to `contents`. `includer` is the position of the `include`
+    /// element; `None` for the scene file.
     fn read_xml(
         &mut self,
         path: &Path,

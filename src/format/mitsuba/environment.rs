@@ -13,14 +13,18 @@ use crate::image::Image;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Greatest deviation of a transform from a rotation about y. Beyond it, the environment map is
-/// resampled.
+/// Greatest relative deviation of an environment map's transform from a rotation about y.
+///
+/// A map with a greater deviation is resampled.
 const MAX_TILT: f64 = 1e-6;
 
 /// Number of samples of the original map along each side of a pixel of a resampled map.
 const SAMPLES_PER_PIXEL_SIDE: u32 = 4;
 
-/// Returns the radiance of an `envmap` emitter. Resamples the map if its transform tilts it.
+/// Returns the radiance of an `envmap` emitter, with its map embedded as a picture.
+///
+/// Resamples the map if its transform is not a rotation about y. Negative channels become 0, and
+/// pixels that are not finite become black.
 pub(super) fn read_environment(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,
@@ -61,10 +65,10 @@ pub(super) fn read_environment(
     Ok(EnvironmentRadiance::Picture { path, scale, rotate })
 }
 
-/// Returns an environment map that shows `image` turned by the linear transform `to_world`.
+/// Returns an environment map that shows `image` under the linear transform `to_world`.
 ///
-/// The result has as many pixels as `image`. Each pixel is the mean of [`SAMPLES_PER_PIXEL_SIDE`]²
-/// values of `image`. Returns `None` if the transform is singular.
+/// Both maps have Mitsuba's layout and the same size. Each pixel is the mean of
+/// [`SAMPLES_PER_PIXEL_SIDE`]² values of `image`. Returns `None` if the transform is singular.
 fn resampled_environment(image: &Image, to_world: DMat3) -> Option<Image> {
     let inverse = to_world.inverse();
     if !inverse.is_finite() {

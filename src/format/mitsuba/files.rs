@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct MitsubaSourceLocation {
     /// Name and text of the file.
     pub source: SourceText,
-    /// Span of the element in the text.
+    /// Span in the text that errors mark: the `<` and the name of the element.
     pub span: Span,
     /// Line of the element, from 1.
     pub line: u32,
@@ -30,7 +30,7 @@ impl MitsubaSourceLocation {
 
     /// Returns the position as text for messages, such as `line 3`.
     ///
-    /// The text begins with the file's name, unless this is `main`.
+    /// The text begins with the file's name, unless that name is `main`.
     pub fn position_text(&self, main: &str) -> String {
         let Self { source, line, .. } = self;
         if source.file_name() == main { format!("line {line}") } else { format!("{} line {line}", source.file_name()) }
@@ -84,7 +84,7 @@ impl<'a> MitsubaSceneFiles<'a> {
         }
     }
 
-    /// Returns the content of a file; an error if it exceeds the free memory.
+    /// Returns the content of a file; an error if it cannot be read or exceeds the free memory.
     pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;

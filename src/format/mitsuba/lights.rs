@@ -28,10 +28,12 @@ const SPOT_PICTURE_SIZE: u32 = 512;
 /// The light becomes a picture projected on a plane, which cannot reach 90 degrees.
 const MAX_TEXTURED_CUTOFF_DEGREES: f64 = 85.0;
 
-/// Converts an emitter to a light; `None` if it is an area light, is black or is not supported.
+/// Converts an emitter to a light; `None` if it is an area light, has strength 0, or is unknown.
+///
+/// Emitters of unknown kind are left out with a message.
 ///
 /// # Errors
-/// If a value is not valid, or if the emitter is a daylight model.
+/// If a value or file is not valid, or if the emitter is a daylight model.
 pub(super) fn read_light(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,
@@ -79,7 +81,7 @@ pub(super) fn read_light(
 
 /// Returns `strength` times the emitter's parameter `scale`, or times 1 without this parameter.
 ///
-/// Only scenes before version 2 of the format have it.
+/// A negative `scale` counts as 0. Only scenes before version 2 of the format have `scale`.
 fn scaled_strength(emitter: &MitsubaObject, strength: DVec3) -> DVec3 {
     strength * emitter.number("scale").unwrap_or(1.0).max(0.0)
 }
@@ -88,15 +90,15 @@ fn singular_transform_error(emitter: &MitsubaObject) -> crate::format::import::S
     emitter.place.error("the direction of this emitter is zero", "correct its transform")
 }
 
-/// Returns `light` unless its `strength` is zero.
+/// Returns `light`; `None` if its `strength` is zero in all channels.
 fn unless_black(strength: DVec3, light: impl Into<LightDescription>) -> Option<LightDescription> {
     (strength != DVec3::ZERO).then(|| light.into())
 }
 
-/// Converts a spotlight to a goniometric light or a projector; `None` if it is black.
+/// Converts a spotlight to a goniometric light or a projector; `None` if its intensity is 0.
 ///
-/// Mitsuba's falloff is linear in the angle. It becomes an intensity map, or a projected picture if
-/// the light has a texture.
+/// Mitsuba's falloff is linear in the angle. It becomes the intensity map of a goniometric light.
+/// If the light has a `bitmap` texture, texture times falloff becomes the picture of a projector.
 fn read_spot(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,
@@ -159,9 +161,11 @@ fn read_spot(
     Ok(unless_black(intensity, GoniometricLightDescription { pose, distribution, strength }))
 }
 
-/// Converts a projector; `None` if it is black.
+/// Converts a projector; `None` if its `scale` is not above 0.
 ///
-/// The values of Mitsuba's texture are the irradiance on a plane at distance 1, divided by π.
+/// The values of Mitsuba's texture are the irradiance on a plane at distance 1, divided by π. The
+/// values of the new picture are intensities. Negative channels, and pixels that are not finite,
+/// become 0.
 fn read_projector(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,
@@ -215,9 +219,10 @@ fn emitter_axes(emitter: &MitsubaObject, to_world: DMat4) -> ReadResult<[DVec3; 
     Ok([right, up, forward])
 }
 
-/// Returns the value of a picture at (u, v) in \[0, 1]², interpolated between pixels.
+/// Returns the value of a picture at (u, v) in \[0, 1]², interpolated bilinearly between pixels.
 ///
-/// v = 0 is the top of the picture. Negative and infinite values become 0.
+/// v = 0 is the top of the picture. The picture repeats beyond its edges. Negative channels of the
+/// result become 0, and a result that is not finite becomes black.
 fn interpolated_pixel(image: &Image, u: f64, v: f64) -> Rgb {
     let (width, height) = (f64::from(image.width()), f64::from(image.height()));
     let (x, y) = (u * width - 0.5, v * height - 0.5);

@@ -26,7 +26,9 @@ pub(super) enum TexcoordConvention {
 /// Distance between a thin wall and its inner copy, relative to the diagonal of the mesh's bounds.
 const RELATIVE_INNER_DISTANCE: f64 = 1e-4;
 
-/// Embedded meshes of the imported scene so far. A mesh is read once per set of reading flags.
+/// Embedded meshes of the imported scene so far.
+///
+/// Each mesh of a file is read once for each combination of `face_normals` and `flip_normals`.
 #[derive(Default)]
 pub(super) struct MitsubaMeshes {
     /// Embedded meshes by path.
@@ -40,7 +42,8 @@ pub(super) struct MitsubaMeshes {
 impl MitsubaMeshes {
     /// Reads the mesh file of a shape and embeds the mesh, unless this was done before.
     ///
-    /// Returns the path of the embedded mesh, and the convention for its texture coordinates.
+    /// Returns the path of the embedded mesh, and the convention for its texture coordinates. A
+    /// mesh without normals gets smooth ones, unless it asks for flat faces or repeats vertices.
     pub fn embed_mesh_file(
         &mut self,
         context: &ImportContext<'_>,
@@ -49,7 +52,7 @@ impl MitsubaMeshes {
         let Some(name) = shape.text("filename") else {
             return Err(shape.place.error("this mesh has no file", "give it a `filename`"));
         };
-        // Mitsuba flips v of OBJ files by default, because it grows upwards there.
+        // Mitsuba flips v of OBJ files by default, because v grows upwards in OBJ.
         let is_obj = shape.plugin == "obj";
         let turns = shape.boolean("flip_tex_coords", is_obj);
         let convention = if turns { TexcoordConvention::FlippedV } else { TexcoordConvention::Same };

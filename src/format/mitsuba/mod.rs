@@ -136,6 +136,7 @@ fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Imp
 /// Returns the lights of the scene, without the area lights of shapes.
 ///
 /// `has_emitters` is true if a shape emits. Without any emitter, adds a white sky and a message.
+/// Leaves out environment emitters after the first one, with a message.
 fn read_lights(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,

@@ -94,10 +94,10 @@ fn perspective_projection(
     Ok(ProjectionDescription::Perspective { angle, lens })
 }
 
-/// Returns half the height of a picture at distance 1, from the field of view or the focal length.
+/// Returns the tangent of half the vertical field of view of a sensor or projector.
 ///
-/// `size` is the width and height of the picture; only their ratio matters. `sensor` may also be a
-/// projector, which has the same parameters.
+/// Uses the parameter `fov`, or else `focal_length`, or else 50 mm. `size` is the width and height
+/// of the film or projected picture; only their ratio matters.
 pub(super) fn tan_half_vertical_fov(sensor: &MitsubaObject, size: [f64; 2]) -> ReadResult<f64> {
     let [width, height] = size;
     let diagonal = libm::hypot(width, height);

@@ -18,7 +18,7 @@ const DOUBLE_PRECISION: u32 = 0x2000;
 /// Greatest number of decompressed bytes per compressed byte, a limit of zlib.
 const MAX_COMPRESSION_RATIO: u64 = 1_032;
 
-/// Memory per vertex and per triangle of a mesh \[bytes].
+/// Estimated memory per vertex and per triangle of a decoded mesh \[bytes].
 const MEMORY_PER_MESH_ELEMENT: u64 = 200;
 
 /// Greatest length of a mesh's name \[bytes]. Names are skipped.
@@ -112,8 +112,9 @@ fn missing_mesh_error(index: usize) -> Defect {
     format!("the file has no mesh with number {index}")
 }
 
-/// Returns the offset of mesh `index`, from the list at the end of the file; `None` if it has no
-/// entry.
+/// Returns the offset in the file of mesh `index`, from the list at the end of the file \[bytes].
+///
+/// `None` if the list has no such entry.
 fn mesh_offset(file: &[u8], index: usize, version: u16) -> Option<usize> {
     let end = file.len().checked_sub(4)?;
     let count = u32::from_le_bytes(file[end..].try_into().ok()?) as usize;

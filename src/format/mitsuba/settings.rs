@@ -22,13 +22,13 @@ const INTEGRATOR_NAMES: [(&str, &str); 13] = [
     ("pssmlt", "path"),
 ];
 
-/// Pixel filters of Mitsuba, each with its name in `caustica render --filter`.
+/// Pixel filters of Mitsuba, each with the most similar filter of `caustica render --filter`.
 const FILTERS: [(&str, &str); 5] =
     [("box", "box"), ("tent", "tent"), ("gaussian", "gaussian"), ("mitchell", "mitchell"), ("catmullrom", "mitchell")];
 
-/// Returns flags of `render` that correspond to the integrator and the pixel filter of the scene.
+/// Returns flags of `caustica render` for the integrator and the pixel filter of the scene.
 ///
-/// The text is empty if nothing corresponds.
+/// The text is empty if no flag corresponds to them.
 pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<MitsubaObject>>) -> ReadResult<String> {
     let mut flags = Vec::new();
     let integrators = context.children_of_class(&context.tree.root, ObjectClass::Integrator)?;

@@ -39,7 +39,7 @@ pub(super) struct MitsubaShapes {
     pub world_bounds: Option<(DVec3, DVec3)>,
     /// True if a surface emits light.
     pub has_emissive_surfaces: bool,
-    /// Members of each shape group, by the address of the group's object.
+    /// Converted members of each shape group, by the address of the group's [`MitsubaObject`].
     groups: HashMap<*const MitsubaObject, Rc<Vec<PlacedShape>>>,
 }
 
@@ -138,8 +138,8 @@ impl MitsubaShapes {
     /// Converts one shape. A thin wall around a medium becomes two shapes: the wall, and a null
     /// interface inside it.
     ///
-    /// Returns an empty list if the kind of shape is not supported, or if a null interface contains
-    /// no medium.
+    /// Returns an empty list if the kind of shape is not supported, or if a null interface neither
+    /// emits nor contains a medium.
     fn convert_single_shape(
         &mut self,
         context: &ImportContext<'_>,
@@ -193,9 +193,9 @@ impl MitsubaShapes {
         Ok(placed)
     }
 
-    /// Returns the emission of a shape, as the `area` emitter nested in it states.
+    /// Returns the emission that the first emitter nested in a shape states.
     ///
-    /// Other kinds of emitters are ignored with a message.
+    /// If this emitter is not of kind `area`, it is ignored with a message.
     fn shape_emission(
         &mut self,
         context: &ImportContext<'_>,

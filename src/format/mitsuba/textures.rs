@@ -27,9 +27,10 @@ const MAX_TEXTURE_DEPTH: u32 = 8;
 pub(super) enum MitsubaTextureUse {
     /// Colors inside \[0, 1].
     Color,
-    /// Numbers inside \[0, 1], the luminance of the texture's colors.
+    /// Numbers inside \[0, 1]: the luminance of the texture's colors.
     Fraction,
-    /// Squares of numbers inside \[0, 1], such as GGX α for a roughness.
+    /// Squares of numbers inside \[0, 1], such as GGX α, the square of `roughness`. Each number is
+    /// the luminance of the texture's color.
     SquaredFraction,
     /// Numbers of at least 0, such as heights: the luminance of the texture's colors.
     Height,
@@ -93,11 +94,11 @@ pub(super) struct MitsubaTextures {
 }
 
 impl MitsubaTextures {
-    /// Converts the texture or color `name` of an object; returns `default` if the object has
-    /// neither.
+    /// Converts the texture or color `name` of an object, or `default` if the object has neither.
     ///
-    /// `wanted` is the quantity that the values stand for. `convention` is that of the shape's
-    /// texture coordinates. All values are multiplied by `factor`.
+    /// `wanted` is the quantity that the values stand for. Values are multiplied by `factor`, and
+    /// clamped to the range of the quantity. `convention` is that of the shape's texture
+    /// coordinates.
     pub fn convert_texture_parameter(
         &mut self,
         context: &ImportContext<'_>,
@@ -125,7 +126,8 @@ impl MitsubaTextures {
 
     /// Converts a texture object to the quantity `wanted`, with its values multiplied by `factor`.
     ///
-    /// `depth` is the number of textures around this one.
+    /// Values are clamped to the range of `wanted`. A texture of unknown kind counts as gray of
+    /// value 0.5, with a message. `depth` is the number of textures around this one.
     pub fn convert_texture(
         &mut self,
         context: &ImportContext<'_>,
@@ -159,7 +161,8 @@ impl MitsubaTextures {
         }
     }
 
-    /// Reads the picture file of a `bitmap` texture or emitter. Returns its path and the picture.
+    /// Reads the picture file of a `bitmap` texture or emitter. Returns the file's path and the
+    /// picture.
     ///
     /// Integer values are decoded as sRGB, unless `is_raw` is true.
     pub fn decode_picture_file(
@@ -212,9 +215,9 @@ impl MitsubaTextures {
         path
     }
 
-    /// Keeps only the textures called `names`, and the pictures that these textures or lights show.
+    /// Keeps only the textures called `names`, and the pictures that these textures or lights use.
     ///
-    /// `others` are the paths of the pictures that lights show.
+    /// `others` are the paths of the pictures that lights use.
     pub fn keep_textures(&mut self, names: &HashSet<String>, others: &HashSet<String>) {
         self.descriptions.retain(|texture| names.contains(&texture.name));
         let shown: HashSet<&str> = self
@@ -230,8 +233,8 @@ impl MitsubaTextures {
 
     /// Converts the picture file of a `bitmap` texture, with its values multiplied by `factor`.
     ///
-    /// `wanted` is the quantity that the values stand for. Returns a constant if all pixels are
-    /// equal.
+    /// `wanted` is the quantity that the values stand for. Values are clamped to its range. Returns
+    /// a constant if all pixels are equal.
     pub fn convert_bitmap(
         &mut self,
         context: &ImportContext<'_>,
@@ -331,6 +334,8 @@ impl MitsubaTextures {
 }
 
 /// Returns a color clamped to the range of the quantity `wanted`.
+///
+/// For [`MitsubaTextureUse::SquaredFraction`], squares each channel after clamping.
 fn clamped_to_range(color: DVec3, wanted: MitsubaTextureUse) -> DVec3 {
     match wanted {
         MitsubaTextureUse::Color | MitsubaTextureUse::Fraction | MitsubaTextureUse::Normal => {
@@ -344,8 +349,10 @@ fn clamped_to_range(color: DVec3, wanted: MitsubaTextureUse) -> DVec3 {
     }
 }
 
-/// Converts a pixel to the quantity `wanted`, clamped to its range. Infinite values and NaN become
-/// 0.
+/// Converts a pixel to the quantity `wanted`, clamped to the range of this quantity.
+///
+/// Numbers are the pixel's luminance in all channels. A pixel with a channel that is not finite
+/// counts as black.
 fn value_for_use(pixel: Rgb, wanted: MitsubaTextureUse) -> Vec3 {
     let pixel = if pixel.is_finite() { pixel } else { Rgb::ZERO };
     let pixel = match wanted {

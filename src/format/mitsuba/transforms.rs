@@ -11,7 +11,7 @@ pub(super) type TransformElement = (String, HashMap<String, String>, MitsubaSour
 /// Returns the product of all elements' matrices. The first element is applied first.
 ///
 /// # Errors
-/// If an element is not known, or the product is not affine.
+/// If an element is not known or has invalid attributes. Also if the product is not affine.
 pub(super) fn parse_transform(elements: &[TransformElement]) -> ReadResult<DMat4> {
     let mut product = DMat4::IDENTITY;
     for (tag, attributes, place) in elements {
@@ -27,7 +27,8 @@ pub(super) fn parse_transform(elements: &[TransformElement]) -> ReadResult<DMat4
 
 /// Parses a vector from the attribute `value`, or else from `x`, `y` and `z`.
 ///
-/// `default` replaces each of these three that is missing.
+/// A single number in `value` stands for all three components. `default` replaces each of `x`, `y`
+/// and `z` that is missing.
 pub(super) fn parse_vector(
     attributes: HashMap<String, String>,
     default: f64,
@@ -85,7 +86,8 @@ fn element_matrix(tag: &str, attributes: &HashMap<String, String>, place: &Mitsu
 
 /// Returns the camera-to-world matrix of a `lookat` element.
 ///
-/// The camera looks along +z of its own frame, with +y up and +x to the left.
+/// The camera looks along +z of its own frame, with +y up and +x to the left. Without `up`, the
+/// rotation about the view direction is arbitrary.
 fn look_at_to_world(attributes: &HashMap<String, String>, place: &MitsubaSourceLocation) -> ReadResult<DMat4> {
     let point = |name: &str| match *attributes.get(name).and_then(|text| parse_numbers(text)).unwrap_or_default() {
         [x, y, z] => Some(DVec3::new(x, y, z)),

@@ -152,6 +152,8 @@ impl MitsubaObject {
     }
 
     /// Returns the number called `name`; `None` if there is none, or if the value is no number.
+    ///
+    /// Texts that spell a number, uniform spectra and grays count as numbers.
     pub fn number(&self, name: &str) -> Option<f64> {
         match self.value(name)? {
             MitsubaValue::Number(number) => Some(*number),
@@ -163,6 +165,8 @@ impl MitsubaObject {
 
     /// Returns the truth value called `name`; `default` if there is none, or if the value has
     /// another type.
+    ///
+    /// A text counts as a truth value: `true` is true, and any other text is false.
     pub fn boolean(&self, name: &str, default: bool) -> bool {
         match self.value(name) {
             Some(MitsubaValue::Boolean(value)) => *value,

@@ -21,7 +21,8 @@ const HEADER: usize = 48;
 /// Decodes a volume with 32-bit floating-point values.
 ///
 /// # Errors
-/// A message if the file is damaged or has another encoding.
+/// A message if the file is damaged, or if its version, encoding or number of channels is not
+/// supported. Also if a value is negative or not finite.
 pub(super) fn decode(file: &[u8]) -> Result<VolumeGrid, String> {
     let Some((header, data)) = file.split_at_checked(HEADER) else {
         return Err("the file is too short for the header of a volume".to_owned());

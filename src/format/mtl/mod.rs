@@ -46,7 +46,7 @@ pub struct MtlMaterial {
     pub diffuse_texture_path: Option<PathBuf>,
 }
 
-/// Returns the paths of the material files of a mesh, in the order of `libraries`.
+/// Returns the paths of the MTL files of a mesh, in the order of `libraries`.
 ///
 /// [`load_mtl_files`] explains the arguments.
 pub(super) fn mtl_file_paths(mesh: &Path, libraries: &[String]) -> Vec<PathBuf> {
@@ -61,12 +61,12 @@ pub(super) fn mtl_file_paths(mesh: &Path, libraries: &[String]) -> Vec<PathBuf> 
     libraries.iter().flat_map(paths).collect()
 }
 
-/// Reads the material files of a mesh, in the order of `libraries`.
+/// Returns the materials of all MTL files of a mesh, in the order of `libraries`.
 ///
 /// `mesh` is the path of the mesh file, and `libraries` holds the arguments of its `mtllib` lines.
 /// An argument is one path, or a list of paths separated by spaces if no file has that path. If a
-/// material is defined repeatedly, the last definition counts. Fails before allocating if a file
-/// takes more than `free` bytes; `None` sets no limit.
+/// material is defined repeatedly, the last definition counts. Fails if reading or parsing a file
+/// would take more than `free` bytes; `None` sets no limit.
 ///
 /// # Errors
 /// [`MeshError`], which names the file.
@@ -109,7 +109,7 @@ pub fn load_mesh_materials(
 
 /// Parses the bytes of an MTL file.
 ///
-/// Errors name `path`. Paths of pictures are relative to its folder.
+/// Errors name `path`. Relative paths of pictures are joined to its folder.
 ///
 /// # Errors
 /// [`MeshError`].

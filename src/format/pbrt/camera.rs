@@ -26,7 +26,9 @@ impl FilmSize {
     pub const DEFAULT: Self = Self { whole: [1280, 720], crop: [1280, 720] };
 }
 
-/// Returns the size of the film, and of its crop window.
+/// Returns the size of a film of type `name`, and of its crop window.
+///
+/// A crop window off the center is ignored with a message.
 pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportNotes) -> ReadResult<FilmSize> {
     let place = &parameters.place;
     if !matches!(name, "rgb" | "image" | "gbuffer" | "spectral") {
@@ -55,8 +57,9 @@ pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportN
     Ok(FilmSize { whole: whole.map(|side| side as u32), crop: crop.unwrap_or(whole).map(|side| side as u32) })
 }
 
-/// Returns the size of the crop window, or of the whole film; `None` if the window is off the
-/// center by more than a pixel, or empty.
+/// Returns the size of the crop window, or of the whole film if there is none \[pixels].
+///
+/// `None` if the window is empty, or if its center is more than half a pixel off the film's center.
 fn crop_size(parameters: &Parameters, whole: [f64; 2]) -> Option<[f64; 2]> {
     let bounds = match (parameters.numbers("pixelbounds"), parameters.numbers("cropwindow")) {
         ([x0, x1, y0, y1], _) => [[*x0, *x1], [*y0, *y1]],
@@ -80,7 +83,8 @@ fn crop_size(parameters: &Parameters, whole: [f64; 2]) -> Option<[f64; 2]> {
 /// Returns the camera, and the reflection to apply to the whole scene.
 ///
 /// pbrt's camera space is left-handed, and Caustica's is right-handed. So the scene is mirrored. If
-/// the camera's own transform already mirrors the scene, the reflection is the identity.
+/// the camera's own transform already mirrors the scene, the reflection is the identity. For a
+/// spherical camera, both cases are exchanged.
 pub(super) fn read_camera(
     name: &str,
     parameters: &Parameters,

@@ -11,12 +11,12 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Position of a directive in a pbrt scene: file name and line.
+/// Position in a file of a pbrt scene: file name and line.
 #[derive(Clone, Debug)]
 pub(super) struct PbrtSourceLocation {
-    /// Name of the file.
+    /// Path of the file, as text.
     pub file: Rc<str>,
-    /// Line of the directive in the file, from 1.
+    /// Line of the file, from 1.
     pub line: u32,
 }
 
@@ -72,7 +72,7 @@ impl<'a> PbrtSceneFiles<'a> {
         }
     }
 
-    /// Returns the content of a file, and adds its size to the scene's memory.
+    /// Returns the content of a file, and adds its size to the estimated memory of the scene.
     pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;
@@ -102,7 +102,7 @@ impl<'a> PbrtSceneFiles<'a> {
         Ok(file)
     }
 
-    /// Returns the decompressed content of a gzip file.
+    /// Returns the decompressed content of a gzip file, and adds its size to the estimated memory.
     pub fn gunzipped(&self, bytes: &[u8], place: &PbrtSourceLocation) -> ReadResult<Vec<u8>> {
         let free = self.free_memory().unwrap_or(u64::MAX);
         let mut out = Vec::new();

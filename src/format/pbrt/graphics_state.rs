@@ -37,7 +37,8 @@ pub(super) struct ObjectMotion {
     pub rotation_center: DVec3,
     /// The translation, then the rotation if there is any. The rotation is applied first.
     pub steps: Vec<TransformStep>,
-    /// True if the object's scale or shear also changes. `steps` do not include this change.
+    /// True if the object's scale, shear or handedness also changes. `steps` leave that out; if not
+    /// only the scale changes, they leave out the rotation too.
     pub omits_scale: bool,
 }
 
@@ -75,7 +76,7 @@ pub(super) struct AreaLightDirective {
 /// Material that applies to the shapes that follow.
 #[derive(Clone, Debug)]
 pub(super) enum CurrentMaterial {
-    /// Number of an unnamed material, which a `Material` directive defines.
+    /// Number of an unnamed material, which a `Material` directive defines; 0 for pbrt's default.
     Numbered(usize),
     /// Name of a material, and the position of the directive that uses it.
     ///

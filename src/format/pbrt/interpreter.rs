@@ -118,8 +118,8 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    /// Returns the imported scene. Adds a white sky if it has no light, and a camera if it has
-    /// none.
+    /// Returns the imported scene. Adds a white sky if nothing emits light, and a camera if the
+    /// file has none.
     pub fn finish(mut self) -> ReadResult<ImportedScene> {
         let place = PbrtSourceLocation { file: self.files.path.display().to_string().into(), line: 1 };
         if self.objects.has_open_definition() {
@@ -489,8 +489,8 @@ impl<'a> Interpreter<'a> {
     }
 }
 
-/// Reads a text in quotes, and returns it without the quotes; an error if the next token is
-/// another.
+/// Reads a text in quotes, and returns it without the quotes; an error if the next token is no such
+/// text.
 fn read_quoted(tokens: &mut Tokenizer<'_>, place: &PbrtSourceLocation) -> ReadResult<String> {
     match tokens.next_token()? {
         Some(PbrtToken { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),

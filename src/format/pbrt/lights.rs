@@ -35,7 +35,8 @@ pub(super) struct PbrtLights {
 impl PbrtLights {
     /// Converts and adds a light.
     ///
-    /// `kind` is the light's type in pbrt. `to_world` maps the light's own space to world space.
+    /// `kind` is the light's type in pbrt. `to_world` maps the light's own space to the world space
+    /// of the imported scene.
     pub fn add_light(
         &mut self,
         kind: &str,
@@ -231,10 +232,11 @@ fn environment_map(
     Ok((image, layout))
 }
 
-/// Returns the map of a goniometric light as an equirectangular map in world space; `None` without
-/// a picture.
+/// Returns the intensity map of a goniometric light as an equirectangular map in world space;
+/// `None` if the light has no picture.
 ///
-/// The left edge of the map is at −z. `axes` maps the light's space to world space.
+/// The map shows −z at its left edge. Maps of pbrt-v4 become gray. `axes` maps the light's space to
+/// world space.
 fn goniometric_map(
     parameters: &Parameters,
     axes: DMat3,
@@ -256,9 +258,10 @@ fn goniometric_map(
     map.map(Some).ok_or_else(|| place.error("the transform of the light is singular", "scale it less"))
 }
 
-/// Returns the picture of a projection light, and its full vertical angle \[degrees].
+/// Returns the picture of a projection light, and its full vertical field of view \[degrees].
 ///
-/// `axes` maps the light's space to world space. Right-handed axes flip the picture.
+/// `axes` maps the light's space to world space. If these axes are right-handed, the picture is
+/// flipped left to right. Negative channels become 0, and pixels that are not finite become black.
 fn projected_picture(parameters: &Parameters, axes: DMat3, files: &PbrtSceneFiles<'_>) -> ReadResult<(Image, f64)> {
     let place = &parameters.place;
     let fov = parameters.number_or("fov", 90.0);
@@ -302,7 +305,7 @@ pub(super) struct PbrtShapeEmission {
     pub is_two_sided: bool,
 }
 
-/// Strength of the emission of a shape, by color, in the quantity that the file states.
+/// Strength of the emission of a shape for linear red, green and blue, as radiance or flux.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum EmissionStrength {
     /// Radiance \[W/(m² sr)].
@@ -340,7 +343,8 @@ impl PbrtShapeEmission {
 
     /// Returns the radiance of a shape \[W/(m² sr)].
     ///
-    /// `area` computes the shape's world-space area. It is called only if the file states a flux.
+    /// A flux is divided by π, the shape's area and the number of sides that emit. `area` computes
+    /// the world-space area; it is called only if the file states a flux.
     pub fn radiance(&self, area: impl FnOnce() -> f64) -> DVec3 {
         let sides = if self.is_two_sided { 2.0 } else { 1.0 };
         match self.strength {

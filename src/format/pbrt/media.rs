@@ -16,7 +16,9 @@ use std::sync::Arc;
 /// Bytes of memory for each cell of a grid: its density, and its majorant.
 const MEMORY_PER_CELL: u64 = 8;
 
-/// Greatest relative deviation of a cell's color from the grid's mean color that causes no message.
+/// Greatest color deviation of a cell that causes no message, relative to the cell's density.
+///
+/// It is the deviation of σa or σs from the grid's mean color times the density.
 const MAX_RELATIVE_COLOR_DEVIATION: f64 = 1e-3;
 
 /// Coefficients, emission and density of a medium.
@@ -55,9 +57,10 @@ impl PbrtMedia {
         (self.descriptions, self.grids)
     }
 
-    /// Adds the medium `name`, whose own space is mapped by `to_world`.
+    /// Converts and adds the medium `name`. It replaces an earlier medium of this name.
     ///
-    /// Media of unknown kinds are left out with a note.
+    /// `to_world` maps the medium's own space to pbrt's world space. Media of unknown kinds are
+    /// left out with a message.
     pub fn add_medium(
         &mut self,
         name: &str,
@@ -98,6 +101,8 @@ impl PbrtMedia {
     }
 
     /// Reads the values of a grid medium with one density per cell, and embeds its grid.
+    ///
+    /// Emission that varies over cells becomes its density-weighted mean, with a message.
     fn uniform_grid_medium(
         &mut self,
         parameters: &Parameters,
@@ -134,7 +139,8 @@ impl PbrtMedia {
     /// Reads the values of a grid medium with an absorption and scattering color per cell.
     ///
     /// Caustica varies only the density over cells: it is the mean of the extinction's channels.
-    /// The colors become density-weighted means over all cells, with a message.
+    /// The colors become density-weighted means over all cells. A message is added if the cells'
+    /// colors differ, or if the medium emits.
     fn rgb_grid_medium(
         &mut self,
         parameters: &Parameters,
@@ -257,6 +263,8 @@ fn grid_size(parameters: &Parameters) -> ReadResult<[u32; 3]> {
 }
 
 /// Returns the values of a parameter with `N` numbers for each cell; `None` if it is missing.
+///
+/// Fails if the count does not fit `size`, or if a value is negative or too large.
 fn cell_values<'p, const N: usize>(
     parameters: &'p Parameters,
     name: &str,

@@ -34,7 +34,7 @@ struct ObjectDefinition {
     instance_depth: usize,
 }
 
-/// Transform of a shape or instance to the imported scene, and its position in the pbrt file.
+/// Transform of a shape or instance to the imported scene, with the position of its directive.
 pub(super) struct PbrtPlacement<'a> {
     /// Reflection that converts the scene to right-handed coordinates.
     pub mirror: DAffine3,
@@ -123,9 +123,10 @@ impl PbrtObjects {
     }
 }
 
-/// Returns `object` transformed by `outer`, times the transform of `placement`.
+/// Returns `object` under the transform of `placement`, followed by `outer`.
 ///
-/// The object moves if the transform differs between shutter start and shutter end.
+/// `outer` replaces the mirror of `placement`, which is not applied here. The object moves if its
+/// transform differs between shutter start and shutter end.
 fn transformed_object(
     object: Spanned<ObjectDescription>,
     outer: DAffine3,

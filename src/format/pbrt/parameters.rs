@@ -97,7 +97,9 @@ impl Parameters {
         self.find(name)?.texts.first().map(String::as_str)
     }
 
-    /// Returns the truth value of the parameter `name`; `None` if there is none.
+    /// Returns the truth value of the parameter `name`; `None` if the parameter has no text.
+    ///
+    /// The text `true` is true, and any other text is false.
     pub fn flag(&self, name: &str) -> Option<bool> {
         self.text(name).map(|text| text == "true")
     }

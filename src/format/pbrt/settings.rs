@@ -1,4 +1,4 @@
-//! Settings of a pbrt scene file that flags of the command line stand for.
+//! Suggests command line flags for the rendering settings of a pbrt scene.
 
 use super::parameters::Parameters;
 

@@ -1,4 +1,5 @@
-//! Properties of shapes that lamps and media need: whether they are sheets, area and back side.
+//! Properties of shapes that area lights and media need: area, back side, and whether a shape is a
+//! sheet without inside.
 
 use super::files::{PbrtSceneFiles, ReadResult};
 use crate::format::description::{
@@ -11,7 +12,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Distance between a two-sided lamp's front and the added back, relative to the lamp's size.
+/// Distance between the front of a two-sided area light and the added back.
+///
+/// It is relative to the radius of a disc, or to the diagonal of a mesh's bounds.
 const RELATIVE_BACK_DISTANCE: f64 = 1e-4;
 
 /// Bytes of memory for each vertex and each triangle of a copied mesh.
@@ -30,7 +33,7 @@ pub(super) fn is_sheet(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<T
     }
 }
 
-/// Returns a second shape that emits on the back of a sheet; `None` if `shape` needs or gets none.
+/// Returns a second shape that emits on the back of a disc or open mesh; `None` for other shapes.
 ///
 /// The second shape faces backwards. It lies behind the sheet by a fraction of the sheet's size,
 /// because two coincident surfaces would be one hit. Its mesh, if any, is added under a name that

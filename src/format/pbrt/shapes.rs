@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Estimated memory per vertex and per triangle corner of a mesh \[bytes].
 const MEMORY_PER_CORNER: u64 = 100;
 
-/// Greatest number of subdivisions of a mesh.
+/// Greatest number of Loop subdivision levels.
 const MAX_LEVELS: f64 = 10.0;
 
 /// Greatest number of vertices and triangle corners of the mesh of a quadric.
@@ -26,10 +26,11 @@ const MAX_QUADRIC_CORNERS: u64 = 16_000;
 /// Number of segments along each side of a bilinear patch that is no parallelogram.
 const PATCH_SEGMENTS: u32 = 16;
 
-/// Converts a `Shape` directive to a shape in object space; `None` for curves, with a message.
+/// Converts a `Shape` directive to a shape in object space.
 ///
-/// `kind` is the shape's type in pbrt. A mesh is embedded under the path `name`. If `is_reversed`,
-/// the shape is turned inside out.
+/// `None`, with a message, for curves and for meshes without triangles. `kind` is the shape's type
+/// in pbrt. A mesh is embedded under the path `name`. If `is_reversed`, the shape is turned inside
+/// out.
 pub(super) fn read_shape(
     (kind, name): (&str, &str),
     parameters: &Parameters,
@@ -126,7 +127,7 @@ pub(super) fn read_shape(
     Ok(Some(ShapeDescription::Mesh(MeshDescription { path, options: MeshOptions::default() })))
 }
 
-/// True if the parameters cut a part out of a sphere, cylinder or disk.
+/// True if the parameters describe only a part of a whole sphere, cylinder or disk.
 fn is_partial_quadric(kind: &str, parameters: &Parameters) -> bool {
     let radius = parameters.number_or("radius", 1.0);
     let [low, high] = ["zmin", "zmax"].map(|name| parameters.number(name));

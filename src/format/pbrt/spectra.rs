@@ -30,8 +30,9 @@ pub(super) enum SpectralValue {
 }
 
 impl SpectralValue {
-    /// Returns the values for red, green and blue. For a spectrum, these are means over wavelength
-    /// ranges.
+    /// Returns the values for red, green and blue.
+    ///
+    /// For a spectrum, each value is a mean over wavelength, weighted by the channel's response.
     pub fn mean_rgb(&self) -> DVec3 {
         match self {
             Self::Spectrum(spectrum) => spectrum.channel_means(),
@@ -42,6 +43,8 @@ impl SpectralValue {
 
 /// Converts a color parameter to linear RGB. `wanted` is the quantity that the parameter stands
 /// for.
+///
+/// Reflectances are clamped to \[0, 1]. Other quantities must be at least 0.
 pub(super) fn linear_rgb(
     parameter: &Parameter,
     wanted: ColorMeaning,
@@ -77,7 +80,7 @@ pub(super) fn linear_rgb(
     Ok(value)
 }
 
-/// Returns the value of a color parameter: a spectrum if the file gives one, else RGB.
+/// Returns the value of a color parameter: a spectrum if the file gives samples, else RGB.
 pub(super) fn spectral_value(
     parameter: &Parameter,
     place: &PbrtSourceLocation,
@@ -107,6 +110,8 @@ fn sampled_spectrum(pairs: &[f64], place: &PbrtSourceLocation) -> ReadResult<Spe
 }
 
 /// Returns the spectrum that pbrt calls `name`, or else the spectrum in the file `name`.
+///
+/// pbrt's metals and standard illuminants are RGB here. Its other named spectra give an error.
 fn named_spectrum(name: &str, place: &PbrtSourceLocation, files: &PbrtSceneFiles<'_>) -> ReadResult<SpectralValue> {
     if let Some(metal) = name.strip_prefix("metal-") {
         let (metal, is_eta) = match (metal.strip_suffix("-eta"), metal.strip_suffix("-k")) {
@@ -138,8 +143,9 @@ fn named_spectrum(name: &str, place: &PbrtSourceLocation, files: &PbrtSceneFiles
     sampled_spectrum(&numbers, &PbrtSourceLocation { file, line: 1 }).map(SpectralValue::Spectrum)
 }
 
-/// Returns a part of the complex index of refraction η + ik of a metal, for red, green and blue: η
-/// if `is_eta`, else k. `None` if the metal is unknown.
+/// Returns η or k of a metal's complex refractive index η + ik, for red, green and blue.
+///
+/// The result is η if `is_eta` is true, else k; `None` if the metal is unknown.
 ///
 /// Includes the oxides that pbrt lists among the metals.
 fn metal_eta_or_k(name: &str, is_eta: bool) -> Option<DVec3> {

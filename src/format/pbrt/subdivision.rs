@@ -19,7 +19,8 @@ struct Neighborhood {
 
 /// Edges of a mesh. A key holds both vertex indices, the lower one first.
 ///
-/// A value holds the number of triangles at the edge, and the corners that lie opposite in them.
+/// A value holds the number of triangles at the edge. It also holds, for the first two of these
+/// triangles, the vertex opposite to the edge.
 type EdgeTable = HashMap<[u32; 2], (u32, [u32; 2])>;
 
 /// Returns the mesh after `levels` Loop subdivisions, at its limit positions and with smooth

@@ -51,7 +51,7 @@ pub(super) enum TextureValue {
 }
 
 impl TextureValue {
-    /// Returns the texture with `map` applied to all its values.
+    /// Returns the texture with `map` applied to its constant, its pixels or its two colors.
     fn with_mapped_values(&self, map: &dyn Fn(DVec3) -> DVec3) -> Self {
         match self {
             Self::Constant(value) => Self::Constant(map(*value)),
@@ -224,9 +224,11 @@ impl PbrtTextures {
         Ok(())
     }
 
-    /// Returns the value of a material parameter, which is a number, a color, or a texture's name.
+    /// Returns the value of a parameter, which is a number, a color, or a texture's name.
     ///
-    /// `is_color` selects whether a name refers to a color texture or a number texture.
+    /// `is_color` selects whether a name refers to a color texture or a number texture. If there is
+    /// no such texture, the other kind is used. If `is_color` is true and the parameter is no
+    /// texture, its value is clamped to \[0, 1].
     pub fn parameter_value(
         &self,
         parameter: &Parameter,
@@ -304,6 +306,8 @@ impl PbrtTextures {
 }
 
 /// Returns the transform of texture coordinates that a texture's parameters give.
+///
+/// A mapping other than by texture coordinates is ignored with a message. Scales of 0 become 10⁻¹².
 fn texcoord_transform_description(parameters: &Parameters, notes: &mut ImportNotes) -> TexcoordTransformDescription {
     if parameters.text("mapping").is_some_and(|mapping| mapping != "uv") {
         let message = "textures are mapped by texture coordinates only";

@@ -29,15 +29,15 @@ const MESH_REMEDY: &str = "repair the mesh or name another";
 /// Measured: 436 to 482, for grids of a million triangles with normals and texture coordinates.
 const MEMORY_PER_TRIANGLE: u64 = 500;
 
-/// Triangles of a mesh file, with their material in the scene.
+/// Triangles of a mesh file that share a material, with that material.
 pub(in crate::format) struct MeshPart {
     prepared: Arc<PreparedPart>,
-    /// Material from the MTL file of the mesh; `None` for the current material of the scene text.
+    /// Material from the MTL file of the mesh; `None` for the material that the scene text sets.
     file_material: Option<AddedMeshFileMaterial>,
 }
 
-/// Material of an MTL file that was added to the scene: its name, its index in the scene, and its
-/// radiance.
+/// Material of an MTL file that was added to the scene: its name, its index in the scene, and the
+/// radiance that it emits.
 #[derive(Clone, Debug)]
 pub(in crate::format) struct AddedMeshFileMaterial {
     name: Rc<str>,
@@ -47,7 +47,7 @@ pub(in crate::format) struct AddedMeshFileMaterial {
 
 /// Adds the mesh of a file to the scene.
 ///
-/// If `options` select the file's materials, the mesh becomes one object for each of them.
+/// If `options` select the file's materials, the mesh becomes one object for each material.
 pub(in crate::format) fn add_mesh(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -88,10 +88,10 @@ fn add_file_part(
     Ok(())
 }
 
-/// Adds a mesh with the current material, whose surface emits the radiance `emission`.
+/// Adds a mesh with the current material of `r`. Its surface emits the radiance `emission`.
 ///
-/// The mesh becomes an instance if it moves. It also becomes one if it is large, emits nothing and
-/// is used repeatedly.
+/// The mesh becomes an instance if it moves. It also becomes one if it emits nothing and instancing
+/// saves at least [`MIN_TRIANGLES_INSTANCING_SAVES`] triangles.
 fn add_mesh_part(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -118,8 +118,8 @@ fn add_mesh_part(
     Ok(())
 }
 
-/// Adds `triangles` to the scene's triangle count. Fails if building their BVHs would exceed the
-/// memory limit.
+/// Adds `triangles` to [`Resolver::triangle_count`]. Fails if building the BVHs of all counted
+/// triangles would exceed the memory limit.
 fn claim_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
     r.triangle_count += triangles as u64;
     let needed = MEMORY_PER_TRIANGLE * r.triangle_count;
@@ -133,8 +133,8 @@ fn claim_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles
     Err(r.file_error(path, &message, help).marked_out_of_memory())
 }
 
-/// Returns the triangles of the mesh at `path`, split by material. Each file is read once per
-/// options.
+/// Returns the triangles of the mesh at `path`, split by material if `options` select the file's
+/// materials. A file is read once for each combination of options.
 fn load_mesh_parts(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,

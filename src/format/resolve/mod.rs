@@ -41,8 +41,10 @@ pub(super) struct MaterialParts {
 }
 
 impl MaterialParts {
-    /// Returns a mix of `first` and `second`, which become parts, with the share `amount` of
-    /// `second`. If `amount` is constant 0 or 1, returns the one material that is left.
+    /// Returns a mix of `first` and `second`, in which `second` has the weight `amount`. Adds both
+    /// materials to the list.
+    ///
+    /// If `amount` is constant 0 or 1, returns `first` or `second` and adds nothing.
     pub fn mix(&mut self, first: Material, second: Material, amount: MaterialParameter<f32>) -> Material {
         match amount {
             MaterialParameter::Constant(0.0) => first,
@@ -88,9 +90,10 @@ pub(super) struct Resolver<'a> {
     pub triangle_count: u64,
     /// Meshes that were read so far, each split by material. The key states file and options.
     pub mesh_parts: HashMap<MeshKey, Rc<[meshes::MeshPart]>>,
-    /// The meshes of `mesh_parts` without what this scene alone knows of them, for later versions.
+    /// The meshes of `mesh_parts` without their materials in this scene. Later versions of the
+    /// scene can share them.
     pub scene_meshes: SceneMeshes,
-    /// Materials from the MTL files of each mesh, by mesh file, in the order of its material names.
+    /// Materials from the MTL files of each mesh file, in the order of the mesh's material names.
     pub mesh_file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
     /// Number of objects that refer to each mesh file, by its path in the description.
     pub mesh_uses: HashMap<&'a str, usize>,
@@ -126,7 +129,7 @@ pub(super) struct MaterialEmission {
 }
 
 impl Resolver<'_> {
-    /// Returns the properties of the material of the next object.
+    /// Returns the properties of the material of the next object; `None` if all are the defaults.
     pub fn current_material(&self) -> Option<&AddedMaterial> {
         self.materials.get(self.current_material_index as usize)
     }

@@ -32,9 +32,10 @@ pub(in crate::format) struct ObjectPlacement<'p> {
     pub span: Span,
 }
 
-/// A mesh with its center moved to the origin and its extent scaled to \[1, 2), with its BVH.
+/// A mesh in normalized coordinates, with its BVH.
 ///
-/// Single precision then suffices for its coordinates.
+/// The center of its bounding box is the origin, and the longest side is in \[1, 2). Single
+/// precision then suffices for its coordinates.
 pub(in crate::format) struct NormalizedMesh {
     mesh: Arc<MeshWithBvh>,
     /// Map from normalized coordinates back to the coordinates of the original mesh.
@@ -42,8 +43,8 @@ pub(in crate::format) struct NormalizedMesh {
 }
 
 impl NormalizedMesh {
-    /// Normalizes the mesh of `positions` and `triangles`, and builds its BVH. A mesh of extent 0
-    /// is not scaled.
+    /// Normalizes the mesh of `positions` and `triangles`, and builds its BVH. A mesh whose
+    /// bounding box is a point is not scaled.
     pub(in crate::format) fn new(
         positions: &[DVec3],
         normals: Option<&[DVec3]>,
@@ -74,7 +75,10 @@ pub(in crate::format) fn set_emission_texture(r: &mut Resolver<'_>, emission: &O
     }
 }
 
-/// Adds a shape with the current material that emits the radiance `emission`.
+/// Adds a shape with the current material of `r` that emits the radiance `emission`. Sets no
+/// texture mapping and no emission texture.
+///
+/// Fails if the transform at shutter opening leaves no valid shape.
 pub(in crate::format) fn add_placed_shape(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -91,7 +95,7 @@ pub(in crate::format) fn add_placed_shape(
     Ok(())
 }
 
-/// True if the current material has a texture.
+/// True if the current material of `r` has a texture.
 fn is_current_material_textured(r: &Resolver<'_>) -> bool {
     r.current_material().is_some_and(|material| material.texture_requirements.uses_textures)
 }
@@ -116,7 +120,8 @@ pub(in crate::format) fn set_texcoords_if_needed(r: &mut Resolver<'_>, texcoords
 
 /// Adds an instance of a mesh: one that moves, or one of several that share the triangles.
 ///
-/// Fails if the mesh emits light and its motion stretches it unevenly.
+/// Fails if the mesh emits light and its transform to world space scales the axes unequally. This
+/// is tested at four times of the shutter interval.
 pub(in crate::format) fn add_instance(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -137,7 +142,8 @@ pub(in crate::format) fn add_instance(
     add_placed_shape(r, placement, shape, emission)
 }
 
-/// Adds the triangles of a mesh at rest. `map` is the transform from object space to world space.
+/// Adds the triangles of a mesh at rest, with the current material of `r` and the emitted radiance
+/// `emission`. `map` is the transform from object space to world space.
 pub(in crate::format) fn add_still_mesh(
     r: &mut Resolver<'_>,
     map: &Transform,
@@ -155,7 +161,8 @@ pub(in crate::format) fn add_still_mesh(
     r.builder.add_mesh(&positions, &normals, &triangles, r.current_material_index, emission);
 }
 
-/// Adds a shape with the current material, its own texture mapping `mapping` and its emission.
+/// Adds a shape with the current material of `r`, the shape's own texture mapping `mapping`, and
+/// its emission, which a texture may vary.
 pub(in crate::format) fn add_shape_object(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,

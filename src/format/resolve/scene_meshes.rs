@@ -17,11 +17,11 @@ pub(super) fn mesh_key(file: &Path, options: MeshOptions) -> MeshKey {
     (file.to_owned(), uses_file_materials, ignores_normals, max_smoothing_angle.map(f64::to_bits))
 }
 
-/// Meshes of a scene as they were read, with the hierarchies of their instances.
+/// Meshes of a scene as they were read, with the BVHs that their instances share.
 ///
-/// A later version of the scene shares those that have not changed, see
-/// [`resolve_incrementally`](crate::format::SceneFile::resolve_incrementally).
-/// The list holds the meshes that the scene itself uses, so edits do not make it grow.
+/// A later version of the scene shares the meshes that have not changed, see
+/// [`resolve_incrementally`](crate::format::SceneFile::resolve_incrementally). Meshes that only
+/// earlier versions used are not kept, so edits do not make the list grow.
 #[derive(Clone, Default)]
 pub struct SceneMeshes(HashMap<MeshKey, Arc<PreparedMesh>>);
 
@@ -50,7 +50,7 @@ impl SceneMeshes {
     }
 }
 
-/// Where the triangles of a mesh come from.
+/// Source of a mesh's triangles: a file or the scene file itself.
 pub(super) enum MeshSource {
     /// A mesh file with this stamp before reading; `None` if the system gives no stamp.
     File(Option<FileStamp>),
@@ -59,7 +59,8 @@ pub(super) enum MeshSource {
 }
 
 impl MeshSource {
-    /// True if both sources hold the same mesh.
+    /// True if both sources are known to hold the same mesh: equal file stamps, or embedded meshes
+    /// that are equal bit for bit.
     fn is_unchanged(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::File(Some(a)), Self::File(Some(b))) => a == b,
@@ -84,7 +85,7 @@ pub(super) struct PreparedMesh {
 pub(in crate::format) struct PreparedPart {
     pub mesh: Arc<TriangleMesh>,
     /// Index of the material in [`PreparedMesh::material_names`]; `None` for triangles that have
-    /// the current material of the scene text.
+    /// the material that the scene text sets.
     pub material: Option<usize>,
     /// Geometry that instances share; built for the first of them.
     normalized: OnceLock<NormalizedMesh>,
@@ -118,12 +119,12 @@ impl PreparedPart {
         Self { mesh, material, normalized: OnceLock::new() }
     }
 
-    /// True if the hierarchy of the part's instances exists.
+    /// True if the BVH that the part's instances share is already built.
     pub fn has_bvh(&self) -> bool {
         self.normalized.get().is_some()
     }
 
-    /// Returns the geometry that all instances of the part share.
+    /// Returns the geometry that all instances of the part share. The first call builds it.
     pub fn normalized(&self) -> &NormalizedMesh {
         self.normalized.get_or_init(|| {
             let TriangleMesh { positions, triangles, normals, texcoords, .. } = &*self.mesh;

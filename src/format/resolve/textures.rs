@@ -23,7 +23,7 @@ pub(in crate::format) struct AddedTexture {
     range: (f32, f32),
     /// True if the texture is a function of position, not of texture coordinates.
     is_solid_texture: bool,
-    /// True for a picture that is decoded as sRGB.
+    /// True for a picture that is read as color: its integer values are decoded as sRGB.
     pub is_srgb: bool,
 }
 
@@ -46,7 +46,7 @@ pub(in crate::format) const NON_NEGATIVE_TEXTURE_RANGE: RangeInclusive<f32> = 0.
 const UNIT_RANGE: RangeInclusive<f32> = 0.0..=1.0;
 
 impl<'a> Resolver<'a> {
-    /// Adds a texture to the scene. `is_srgb` is true for a picture that was decoded as sRGB.
+    /// Adds a texture to the scene. `is_srgb` is true for a picture that was read as color.
     pub(in crate::format) fn add_texture(&mut self, texture: Texture, is_srgb: bool) -> AddedTexture {
         let (mean, range, is_solid_texture) = (texture.mean(), texture.value_range(), texture.is_solid_texture());
         AddedTexture { index: self.builder.add_texture(texture), mean, range, is_solid_texture, is_srgb }
@@ -66,7 +66,8 @@ impl<'a> Resolver<'a> {
         Ok(self.add_texture(Texture::Image(mip_map, to_picture), content == PixelMeaning::Color))
     }
 
-    /// Returns the embedded picture with this path, or else reads the picture file.
+    /// Returns a copy of the embedded picture with this path. If there is none, reads the picture
+    /// file.
     pub(in crate::format) fn read_picture(
         &self,
         path: &Spanned<String>,
@@ -109,10 +110,11 @@ impl<'a> Resolver<'a> {
         Err(SceneError::error_at_span(self.source, name.span, message, "out of range", help))
     }
 
-    /// Returns the texture called `name`. If there is none, `name` is the path of a picture.
+    /// Returns the texture called `name`. If there is none, `name` is the path of a picture, and
+    /// the texture of this picture is returned.
     ///
-    /// `content` says how the values of a picture are encoded. A picture becomes a texture once for
-    /// each encoding.
+    /// `content` says whether the picture holds colors or other data. A picture becomes a texture
+    /// once for each of the two.
     pub(in crate::format) fn texture_or_picture(
         &mut self,
         name: &Spanned<String>,
@@ -132,7 +134,9 @@ impl<'a> Resolver<'a> {
     }
 
     /// Converts a color parameter, which is constant or a texture. Texture values outside `range`
-    /// are errors.
+    /// are errors; a constant is not checked.
+    ///
+    /// Adds the needs of the texture to `requirements`.
     pub(in crate::format) fn resolve_color_parameter(
         &self,
         value: &TexturedValue<DVec3>,
@@ -149,8 +153,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Converts a parameter in \[0, 1], which is constant or a texture. Other texture values are
-    /// errors.
+    /// Converts a parameter in \[0, 1], which is constant or a texture. Texture values outside
+    /// \[0, 1] are errors; a constant is not checked.
     pub(in crate::format) fn resolve_fraction_parameter(
         &self,
         value: &TexturedValue<f64>,
@@ -211,8 +215,8 @@ impl<'a> Resolver<'a> {
 
     /// Fails if the mesh at `path` lacks texture coordinates that its material needs.
     ///
-    /// `file_material` is the name of a material from the mesh's MTL file; `None` for the current
-    /// material of the scene text.
+    /// `file_material` is the name of a material from the mesh's MTL file; `None` for the material
+    /// that the scene text sets.
     pub(in crate::format) fn require_texcoords(
         &self,
         has_texcoords: bool,

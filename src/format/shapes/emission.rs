@@ -2,7 +2,7 @@
 
 use crate::format::language::schema::{FieldKind, FieldSchema, field_schema};
 
-/// Fields that all shapes have.
+/// The field `emission`, which the blocks of all shapes have.
 pub(super) const EMISSION_FIELDS: &[FieldSchema] =
     &[field_schema("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
         .make_optional("the material's")

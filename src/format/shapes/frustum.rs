@@ -43,7 +43,7 @@ field_table!(CylinderDescription {
     is_capped: CAPS,
 });
 
-/// Centers of the ends of a cylinder.
+/// Fields for the centers of both ends of a cylinder.
 const CYLINDER_ENDS: FieldGroup<[DVec3; 2]> = FieldGroup {
     list: FieldList::own(&[
         field_schema("bottom", FieldKind::Point, "center of one end").make_required(),
@@ -56,7 +56,7 @@ const CYLINDER_ENDS: FieldGroup<[DVec3; 2]> = FieldGroup {
 
 field_table!(ConeDescription { ends: CONE_ENDS, radii: CONE_RADII, is_capped: CAPS });
 
-/// Centers of the ends of a cone.
+/// Fields for the centers of both ends of a cone.
 const CONE_ENDS: FieldGroup<[DVec3; 2]> = FieldGroup {
     list: FieldList::own(&[
         field_schema("bottom", FieldKind::Point, "center of the base").make_required(),
@@ -67,7 +67,7 @@ const CONE_ENDS: FieldGroup<[DVec3; 2]> = FieldGroup {
     texture_name: |_| None,
 };
 
-/// Radii of the ends of a cone.
+/// Fields for the radii of both ends of a cone.
 const CONE_RADII: FieldGroup<[f64; 2]> = FieldGroup {
     list: FieldList::own(&[CONE_RADIUS, CONE_TOP_RADIUS]),
     parse: |f| Ok([CONE_RADIUS.parse(f)?, CONE_TOP_RADIUS.parse(f)?]),

@@ -43,13 +43,14 @@ use crate::math::Motion;
 use glam::DVec3;
 use std::fmt;
 
-/// A kind of shape in the scene language: its block, and what the block means. The field
-/// `emission` is no part of its [`BlockCodec`].
+/// A kind of shape in the scene language: the schema of its block, and its conversion to a shape of
+/// the scene. Its [`BlockCodec`] does not read or write the field `emission`.
 trait ShapeBlock: BlockCodec {
     /// Schema of the block: keyword, fields and help.
     const BLOCK: &'static BlockSchema;
 
-    /// Adds the shape to the scene, with the current material, its texture mapping and `emission`.
+    /// Adds the shape to the scene, with the current material of `r`, the shape's own texture
+    /// mapping, and `emission`.
     fn add(
         &self,
         r: &mut Resolver<'_>,
@@ -95,7 +96,8 @@ macro_rules! shape_kinds {
             }
         }
 
-        /// Writes a shape, and the emitted radiance that replaces its material's, if any.
+        /// Writes a shape as scene text. `emission` is the emitted radiance \[W/(m² sr)] that
+        /// replaces the material's; `None` if the shape has none of its own.
         // Not inlined: its callers recurse, and their stack frames must stay small.
         #[inline(never)]
         pub(super) fn write_shape(
@@ -113,8 +115,8 @@ macro_rules! shape_kinds {
             out.end_block()
         }
 
-        /// Adds a shape of the description, with the texture mapping and emission of the current
-        /// material.
+        /// Adds a shape of the description, with the current material of `r` and `emission`. Fails
+        /// if its transform to world space is singular when the shutter opens.
         // Not inlined: its callers recurse, and their stack frames must stay small.
         #[inline(never)]
         pub(super) fn add_shape(
@@ -166,7 +168,8 @@ shape_kinds! {
 
 /// Parses a shape. Its keyword `word` has been read.
 ///
-/// Returns the shape, and the emitted radiance \[W/(m² sr)] that replaces its material's, if any.
+/// Returns the shape, and the emitted radiance \[W/(m² sr)] that replaces the material's; `None` if
+/// the shape has none of its own.
 // Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
 pub(super) fn parse_shape<'a>(

@@ -18,7 +18,7 @@ use glam::DVec3;
 pub struct PlaneDescription {
     /// Normal of any length above 0.
     pub normal: DVec3,
-    /// Distance of the plane from the origin, times the length of `normal`.
+    /// Signed distance of the plane from the origin along `normal`, times the length of `normal`.
     pub offset: f64,
 }
 

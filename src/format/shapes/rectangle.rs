@@ -16,9 +16,9 @@ use glam::DVec3;
 pub struct RectangleDescription {
     /// The corner where both edges start.
     pub corner: DVec3,
-    /// Edge vector from the corner to one neighbor.
+    /// Edge vector from `corner` to one neighboring corner.
     pub edge0: DVec3,
-    /// Edge vector from the corner to the other neighbor.
+    /// Edge vector from `corner` to the other neighboring corner.
     pub edge1: DVec3,
 }
 

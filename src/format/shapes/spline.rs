@@ -37,7 +37,8 @@ pub struct NurbsDescription {
     /// Knots along u and v: count + degree + 1 nondecreasing numbers each, or an empty list for
     /// uniform knots.
     pub knots: [Vec<f64>; 2],
-    /// Control points (x, y, z, weight); the index along v varies fastest.
+    /// Control points (x, y, z, weight); the index along v varies fastest. The weight does not
+    /// multiply x, y and z.
     pub controls: Vec<DVec4>,
 }
 
@@ -51,7 +52,7 @@ const DEGREE_V: FieldSchema = field_schema("degreeV", FieldKind::WholeNumber, "d
     .with_range(DEGREE_RANGE)
     .with_default_numbers(&[3.0]);
 
-/// Degrees along u and v, which both kinds of surfaces have.
+/// Fields for the degrees along u and v of Bézier patches and NURBS surfaces.
 const DEGREES: FieldGroup<[u32; 2]> = FieldGroup {
     list: FieldList::shared(&[DEGREE_U, DEGREE_V]),
     parse: |f| Ok([DEGREE_U.parse(f)?, DEGREE_V.parse(f)?]),
@@ -169,7 +170,7 @@ impl ShapeBlock for NurbsDescription {
     }
 }
 
-/// Fails unless `controls` holds the control points of whole patches.
+/// Fails unless `controls` holds the control points of one or more whole patches.
 fn check_patch_controls(f: &BlockFields<'_>, controls: &ParsedField<'_, '_>) -> Result<(), SceneError> {
     let points_per_patch: usize = DEGREES.parse(f)?.iter().map(|degree| *degree as usize + 1).product();
     let found = controls.weighted_points().len();
@@ -190,7 +191,9 @@ fn parse_knots(f: &BlockFields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>,
     Ok(list.to_vec())
 }
 
-/// Converts the error of an invalid curve or surface to a scene error with a remedy.
+/// Converts the error of a curve or surface to a scene error at `span`, with a remedy.
+///
+/// An exceeded memory limit is marked as out of memory.
 pub(super) fn spline_error(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError {
     if matches!(error, SplineError::MemoryLimitExceeded { .. }) {
         let help = "bend surfaces less, or let the scene have more memory (--memory)";

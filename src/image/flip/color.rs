@@ -76,7 +76,7 @@ static MAX_COLOR_DIFFERENCE: LazyLock<f64> = LazyLock::new(|| {
     libm::pow(hyab_distance(hunt_lab_from_rgb(DVec3::Y), hunt_lab_from_rgb(DVec3::Z)), COLOR_EXPONENT)
 });
 
-/// Error between the colours `a` and `b`, from 0 to 1; both are Hunt-adjusted CIELAB.
+/// Returns the error between the colours `a` and `b`, from 0 to 1; both are Hunt-adjusted CIELAB.
 ///
 /// The error is a power of the HyAB distance, compressed above [`COLOR_ERROR_KNEE`].
 pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {

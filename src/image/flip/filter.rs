@@ -64,7 +64,8 @@ impl FlipMetricFilters {
     }
 }
 
-/// Detector filters: a Gaussian, its first derivative (edges) and its second derivative (points).
+/// Returns the detector filters: a Gaussian, its first derivative (edges) and its second derivative
+/// (points).
 ///
 /// The weights of the Gaussian sum to 1. The positive weights of each derivative sum to 1, the
 /// negative ones to −1.
@@ -104,10 +105,11 @@ fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
 pub(super) struct FlipRowFilter {
     /// Buffer for one row after vertical filtering, with its end pixels repeated on both sides.
     padded: Vec<f32>,
-    /// Blurred channels: Y, Cx, Cz by the first Gaussian, and Cz by the second one.
+    /// Blurred channels Y, Cx and Cz. The fourth row is a buffer: Cz, blurred by its second
+    /// Gaussian.
     blurred: [Vec<f32>; 4],
-    /// Responses of the detectors for horizontal edges, vertical edges, horizontal points and
-    /// vertical points.
+    /// Responses of the edge detector along x and along y, then of the point detector along x and
+    /// along y.
     features: [Vec<f32>; 4],
 }
 
@@ -152,13 +154,15 @@ impl FlipRowFilter {
         feature_magnitude(self.features[0][x], self.features[1][x])
     }
 
-    /// Strength of a luminance point, such as a firefly, at column `x` of the filtered row.
+    /// Strength of a luminance point, such as a firefly, at column `x` of the filtered row, in
+    /// relative luminance.
     pub fn point_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[2][x], self.features[3][x])
     }
 }
 
-/// Strength of an edge or point from its horizontal and vertical detector, in relative luminance.
+/// Returns the strength of an edge or point from the responses of its detector along x (`across`)
+/// and along y (`down`), in relative luminance.
 ///
 /// Detector weights have sum 0, so the offset between channel Y and luminance cancels.
 fn feature_magnitude(across: f32, down: f32) -> f64 {

@@ -130,7 +130,8 @@ impl OpponentColorImage {
     }
 }
 
-/// Compares two pictures by ꟻLIP. Raises each pixel of `map` to its error if the error is larger.
+/// Compares two pictures by ꟻLIP. Raises each value of `map` to the error of its pixel if this
+/// error is larger.
 fn accumulate_max_error(
     reference: &OpponentColorImage,
     test: &OpponentColorImage,

@@ -11,7 +11,8 @@ const FILM_CURVE_COEFFICIENTS: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43,
 /// Output of the film curve that counts as close to white.
 const NEAR_WHITE: f64 = 0.85;
 
-/// Film curve: converts `radiance` times `scale` to linear display values in \[0, 1].
+/// Converts `radiance` times `scale` to linear display values in \[0, 1] by the film curve.
+/// Negative radiance counts as 0.
 pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
     let x = radiance.as_dvec3().max(DVec3::ZERO) * scale;
     let [k0, k1, k2, k3, k4] = FILM_CURVE_COEFFICIENTS;

@@ -13,8 +13,8 @@ use crate::scene::{Interior, MediumSegment, PathEvent};
 use glam::DVec3;
 use rand::rngs::SmallRng;
 
-/// Advances `path` to its next vertex. Adds emission and in-scattering of media on the way to
-/// `radiance`.
+/// Advances `path` to its next vertex. Adds to `radiance` the light that media on the way emit, and
+/// the light that they scatter along the path.
 ///
 /// Returns the event at the vertex, and the phase function of the medium there. The phase function
 /// has a meaning only for scattering events.
@@ -38,7 +38,7 @@ pub(super) fn advance_to_vertex<'a, I: Interior>(
     (event, phase)
 }
 
-/// Adds the light that one medium segment emits and scatters along the path to `radiance`.
+/// Adds to `radiance` the light that one medium segment emits and scatters along the path.
 ///
 /// Returns the distance \[length] at which the path scatters; `None` if it passes through. `weight`
 /// is the product of the throughput factors since the last vertex; the segment's factor is
@@ -104,8 +104,9 @@ fn cross_medium<I: Interior>(
 /// Returns the radiance that a medium segment scatters to its start, estimated from photon maps
 /// \[W/(m² sr)]; 0 if the policy reads no map on this segment.
 ///
-/// `weights` are those of indirect light at the path's first receiver. Also adds the estimate,
-/// times the throughput, to the sums of `task`.
+/// If only one path of a pixel reads the maps, the radiance is multiplied by the number of paths
+/// for which this path stands. `weights` are those of indirect light at the path's first receiver.
+/// Also adds the radiance, times the throughput, to the sums of `task`.
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     weights: IndirectWeights,

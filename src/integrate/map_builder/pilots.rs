@@ -58,6 +58,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// efficient. Sets the reports on these pilots.
     ///
     /// Does nothing if media store photons, because the points that guide emission lie on surfaces.
+    /// Paths that start in all directions stay unguided if final-gathering rays read their photons.
     pub(super) fn guide_emission(&mut self) {
         // Visible points lie on surfaces, so they cannot guide photons that are stored in media.
         if !self.traces_photons() || self.stores_volume_photons() {
@@ -173,7 +174,8 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Sets the share of caustic flux that photon estimates carry at each pixel. Light tracing
     /// carries the rest.
     ///
-    /// The shares depend on the current number of photon paths.
+    /// The shares depend on the number of aimed photon paths, so this number must be final. Without
+    /// light tracing or caustic photons, the function does nothing.
     pub fn set_density_estimate_shares(&mut self) {
         let size = self.scene.camera().size();
         let Some(source) = self.aimed_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
@@ -195,7 +197,8 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 
     /// Returns how many photon paths a pass traces, and estimates how many photons it stores.
-    /// Traces at most 4096 photon paths per map for the estimate.
+    /// Traces at most 4096 photon paths per map for the estimate. A photon beam counts as four
+    /// photons, because it takes as much memory.
     pub fn expected_photons(&self) -> ExpectedPhotons {
         let settings = &self.settings;
         let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::RadiusPilot);

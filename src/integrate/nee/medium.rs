@@ -19,7 +19,8 @@ use glam::{Vec2, Vec3};
 const DEFENSIVE_FRACTION: f32 = 0.25;
 
 /// Smallest expected number of guided points on a segment, divided by the number of shadow rays
-/// that a surface point would send. Russian roulette decides about numbers below 1.
+/// that a surface point would send. Below 1, Russian roulette decides whether a segment gets
+/// points.
 const MIN_RELATIVE_POINT_COUNT: f32 = 0.125;
 /// Largest expected number of guided points on a segment, divided by the number of shadow rays that
 /// a surface point would send.
@@ -41,8 +42,9 @@ impl NextEventEstimator<'_> {
     /// Estimates the direct light that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
     /// `distance_sample` holds the distance at which the path itself scatters. If the path
-    /// `continues` from there, its next ray may hit the same light. The estimate is then multiplied
-    /// by the MIS weight (balance heuristic) of shadow rays against that ray.
+    /// `continues` from there, its next ray may hit the same light, unless it is a delta light. The
+    /// contribution of that light is then multiplied by the MIS weight (balance heuristic) of
+    /// shadow rays against that ray.
     pub fn estimate_direct_light_in_medium<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
@@ -115,8 +117,9 @@ impl NextEventEstimator<'_> {
     /// straight from the light with index `light` \[W/(m² sr)]. Shadow rays start from several
     /// points.
     ///
-    /// Returns `None` if [`ScatterPointSampling`] is `Unguided`. `rays` is the number of shadow
-    /// rays that a surface point sends to the light.
+    /// Returns `None` if [`ScatterPointSampling`] is `Unguided`. If it is `Recorded`, adds what
+    /// each shadow ray found to the records of `task`. `rays` is the number of shadow rays that a
+    /// surface point sends to the light.
     fn estimate_at_guided_points<I: Interior>(
         &self,
         light: usize,

@@ -88,7 +88,8 @@ impl EmissionGuidingCells {
         Self { subdivisions: resolution, mean_squared_contributions: squares }
     }
 
-    /// Mean over all cells of √(mean squared contribution of a photon path to the picture).
+    /// Returns the mean over all cells of √(mean squared contribution of a photon path to the
+    /// picture).
     ///
     /// The square of the result is the second moment of a path's contribution if the pdf is ideally
     /// guided.
@@ -123,8 +124,8 @@ impl EmissionGuidingCells {
     }
 }
 
-/// Index into [`EmissionGuidingCells::mean_squared_contributions`] of the cell that contains the
-/// primary sample (`position`, `direction`) in \[0, 1)⁴.
+/// Returns the index into [`EmissionGuidingCells::mean_squared_contributions`] of the cell that
+/// contains the primary sample (`position`, `direction`) in \[0, 1)⁴.
 #[inline]
 fn cell_index(resolution: CellSubdivisions, position: Vec2, direction: Vec2) -> usize {
     let directions = 1usize << resolution.1;
@@ -205,8 +206,8 @@ impl EmissionGuidingFit {
     }
 }
 
-/// Guided pdf of one light: a piecewise constant pdf over \[0, 1)⁴, the primary samples of position
-/// and direction.
+/// Guided pdf of the photons that one light emits, fitted to pilot samples. It is a piecewise
+/// constant pdf of the primary samples in \[0, 1)⁴ of position and direction.
 #[derive(Clone, Debug)]
 pub(in crate::photon) struct EmissionGuidingDistribution {
     /// Number of cells of the marginal pdf `positions` along each side of its unit square.

@@ -11,7 +11,7 @@ use glam::DVec3;
 /// The mean removed radiance is the bias of the picture, up to the sign.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct ClampingLossSums {
-    /// Sum of the removed radiance, for each pixel and channel.
+    /// Sum over passes of the removed radiance, for each pixel and channel.
     removed: BinnedSums<3>,
     /// Sum over passes and channels of the squared removed radiance, for each pixel.
     squares: BinnedSums<1>,
@@ -40,9 +40,10 @@ impl ClampingLossSums {
     }
 
     /// Returns the squared relative bias that clamping causes in the mean of `n` passes, averaged
-    /// over the picture, and the variance of this estimate.
+    /// over the picture, and the variance of this estimate. `n` must be the number of added passes.
     ///
-    /// The square of each pixel combines two different passes, so its noise has mean zero.
+    /// The square of each pixel combines two different passes, so its noise has mean zero. It is
+    /// clamped to \[−1, 1], and the mean to 0 or more.
     pub fn squared_bias(&self, error_weights: &RelativeErrorWeights, n: f64) -> (f64, f64) {
         let weights = error_weights.pixel_weights();
         let [bias, variance] = sums_of_values(weights.len(), |i| {

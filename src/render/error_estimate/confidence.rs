@@ -11,7 +11,7 @@ impl Confidence {
     /// Smallest confidence: 10⁻⁹. An interval of this confidence has practically no width.
     pub const LEAST: Self = Self(1e-9);
 
-    /// Confidence of the given `probability`; `None` unless 0 < `probability` < 1.
+    /// Returns the confidence of the given `probability`; `None` unless 0 < `probability` < 1.
     #[must_use]
     pub fn new(probability: f64) -> Option<Self> {
         (probability > 0.0 && probability < 1.0).then_some(Self(probability))

@@ -15,13 +15,17 @@ pub struct ErrorEstimate {
     pub passes: u32,
     /// Total relative error √(noise² + bias²) of the picture; infinite after too few passes.
     pub error: f64,
-    /// Lower end of the interval that contains the true error with the requested confidence.
+    /// Lower end of the interval that contains the true error with the requested confidence; 0
+    /// after too few passes.
     pub low: f64,
-    /// Upper end of the interval that contains the true error with the requested confidence.
+    /// Upper end of the interval that contains the true error with the requested confidence;
+    /// infinite after too few passes.
     pub high: f64,
-    /// Relative standard error of the picture: its noise. The picture is the mean of the passes.
+    /// Noise of the picture: relative standard error of the mean of the passes. The squared
+    /// relative noise of a pixel counts at most 1. Infinite after too few passes.
     pub noise: f64,
-    /// Relative bias, the error that is not noise: √(blur² + shared_paths² + clamping²).
+    /// Relative bias, the error that is not noise: √(blur² + shared_paths² + clamping²). Infinite
+    /// after too few passes.
     pub bias: f64,
     /// Relative bias of photon density estimates, due to the radius of their discs.
     pub blur: f64,

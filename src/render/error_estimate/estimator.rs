@@ -22,12 +22,13 @@ use rayon::prelude::*;
 /// Smallest number of passes for which the error is estimated.
 pub const MIN_ERROR_ESTIMATE_PASSES: u32 = 4;
 
-/// Number of passes from which [`LeadingPassPictures`] measures the effective sample count of the noise:
-/// those with the lowest pass numbers.
+/// Number of leading passes, those with the lowest pass numbers, in the measurement of noise.
+/// [`LeadingPassPictures`] measures the effective sample count of the noise from them.
 const LEADING_PASSES: usize = 8;
 
-/// Number of passes from which [`LeadingPassPictures`] measures the effective sample count of D₀, the
-/// difference of density estimates with full and half discs: those with the lowest pass numbers.
+/// Number of leading passes, those with the lowest pass numbers, in the measurement of D₀.
+/// [`LeadingPassPictures`] measures the effective sample count of D₀ from them. D₀ is the
+/// difference of density estimates with full and half discs.
 const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 
 /// Sums over pixels from which the noise of a picture is estimated.
@@ -388,8 +389,8 @@ impl NestedDifferenceSums {
         ((d0 + d1) * factor).as_vec3()
     }
 
-    /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, with their
-    /// variances.
+    /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, with variances of
+    /// D₀ and D₀². All are relative, by `error_weights`.
     ///
     /// D₀ is the difference between density estimates with full and half discs, D₁ between half and
     /// quarter discs. Each product combines two different passes, so its noise has mean zero.

@@ -30,8 +30,8 @@ impl FireflyHistogram {
         self.fractions.iter_mut().zip(other.fractions).for_each(|(fraction, other)| *fraction += other);
     }
 
-    /// Returns the contribution of fireflies to the mean relative squared error after the passes
-    /// made so far.
+    /// Returns the contribution of fireflies to the mean relative squared error of the passes made
+    /// so far. Each firefly counts as 1, so this is the fraction of pixels that are fireflies.
     pub(super) fn squared_error_of_fireflies(&self) -> f64 {
         self.fractions.iter().sum()
     }

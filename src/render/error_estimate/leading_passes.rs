@@ -115,8 +115,8 @@ impl LeadingPassPictures {
         (variance, if count > 0.0 { sum / count } else { 0.0 }, independent)
     }
 
-    /// Returns the scalar products of the leading passes' deviations from their mean, divided by
-    /// the number of pixels: one product for each pair of passes.
+    /// Returns the weighted scalar products of the leading passes' deviations from their mean,
+    /// divided by the number of pixels: one product for each pair of passes.
     ///
     /// `weights` holds a factor on the square of each pixel's deviation. The weighted square is
     /// clamped to `max`.

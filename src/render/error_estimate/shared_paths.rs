@@ -61,11 +61,13 @@ impl SharedPathErrorSums {
         &self.pixel_indices
     }
 
-    /// Returns the squared relative error of the camera paths that all passes share, as a mean over
-    /// pixels, and the variance of this estimate. Both are 0 without shared paths.
+    /// Returns two numbers: the squared relative error of the camera paths that all passes share,
+    /// and the variance of this estimate. The error is a mean over the recorded pixels. Both are 0
+    /// without shared paths.
     ///
-    /// `columns` is the width of the picture \[pixels], and `n` the number of passes. The variance
-    /// is measured between blocks of [`BLOCK_SIDE`] × [`BLOCK_SIDE`] pixels.
+    /// The square of each pixel is clamped to \[−1, 1], and the mean to 0 or more. `columns` is the
+    /// width of the picture \[pixels], and `n` the number of passes. The variance is measured
+    /// between blocks of [`BLOCK_SIDE`] × [`BLOCK_SIDE`] pixels.
     pub(super) fn shared_path_squared_error(
         &self,
         error_weights: &RelativeErrorWeights,

@@ -28,13 +28,13 @@ pub(super) struct SquaredErrorParts {
 }
 
 impl SquaredErrorParts {
-    /// Squared error: the sum of the parts.
+    /// Returns the squared error: the sum of the parts.
     pub fn total(&self) -> f64 {
         self.noise + self.blur + self.shared_paths + self.clamping
     }
 
-    /// Variance of the estimated [`total`](Self::total) about the true squared error of the
-    /// picture.
+    /// Returns the variance of the estimated [`total`](Self::total) about the true squared error of
+    /// the picture.
     fn variance(&self) -> f64 {
         let bias = self.blur + self.shared_paths + self.clamping;
         let realised = self.noise * (self.noise + 2.0 * bias) * self.realised_noise_relative_variance;
@@ -42,8 +42,9 @@ impl SquaredErrorParts {
         realised + estimated + self.blur_variance + self.shared_paths_variance + self.clamping_variance
     }
 
-    /// Returns the lower and upper end of an interval of the error \[not squared]. The interval
-    /// extends `half_width` standard deviations of the squared error to both sides of the estimate.
+    /// Returns the lower and upper end of an interval of the error, which is not squared. Before
+    /// the square root, the interval extends `half_width` standard deviations of the squared error
+    /// to both sides of the estimate.
     pub fn error_interval(&self, half_width: f64) -> (f64, f64) {
         let deviation = half_width * self.variance().sqrt();
         ((self.total() - deviation).max(0.0).sqrt(), (self.total() + deviation).sqrt())

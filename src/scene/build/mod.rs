@@ -56,7 +56,7 @@ impl SceneBuilder {
         Self::default()
     }
 
-    /// Sets the radiance of camera rays that hit nothing.
+    /// Sets the radiance \[W/(m² sr)] of camera rays that hit nothing. It lights no surface.
     pub fn set_background(&mut self, color: Rgb) -> &mut Self {
         self.background = color;
         self

@@ -13,14 +13,16 @@ use glam::{DAffine3, DVec3};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Objects in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
+/// Sorted objects, with their geometry and texture mappings in coordinates relative to
+/// [`Scene::origin`](crate::scene::Scene::origin).
 pub(super) struct PlacedObjects {
-    /// The objects in the order of their indices: shapes, then meshes, then planes. Moving shapes
-    /// follow shapes at rest, and moving planes follow planes at rest.
+    /// The objects in the order of their indices, still in world coordinates.
+    ///
+    /// The order is: shapes at rest, moving shapes, meshes, planes at rest, moving planes.
     pub objects: Vec<SceneObject>,
     pub geometry: PlacedGeometry,
     pub mappings: PlacedTextureMappings,
-    /// The moving shapes, planes and mappings. Lights and camera are added later.
+    /// The moving shapes, planes and texture mappings. Lights, camera and media are added later.
     pub animation: Animation,
 }
 
@@ -44,8 +46,10 @@ pub(super) struct PlacedTextureMappings {
     pub mapping_of_object: Vec<u32>,
 }
 
-/// Sorts the objects by [`SceneObject::object_sort_key`], and converts them to coordinates relative
-/// to `origin`, at mid-shutter.
+/// Sorts the objects by [`SceneObject::object_sort_key`], and converts their geometry and texture
+/// mappings to coordinates relative to `origin`, at mid-shutter.
+///
+/// A singular motion is the error [`BuildError::SingularMotion`].
 pub(super) fn sort_and_place_objects(
     mut objects: Vec<SceneObject>,
     mesh: MergedMeshes,
@@ -123,7 +127,9 @@ pub(super) fn place_camera(
 }
 
 impl PlacedGeometry {
-    /// Builds the geometry with its intersection hierarchies, or shares that of `earlier`.
+    /// Builds the geometry with its intersection hierarchies. Triangles and shapes at rest share
+    /// the hierarchy of `earlier` if they are the same there.
+    ///
     /// `light_of_object` holds the index of each object's area light; `None` if the object does not
     /// emit light.
     pub fn build_hierarchies(

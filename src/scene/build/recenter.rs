@@ -7,7 +7,8 @@ use crate::scene::animation::{MID_SHUTTER, shape_at_time};
 use crate::shape::Shape;
 use glam::{DVec3, Vec2};
 
-/// Largest accepted distance of an object from the origin, divided by the object's size: 2¹².
+/// Largest distance of an object from the origin, divided by the object's size, at which the origin
+/// may be the center of all boxes: 2¹².
 ///
 /// Single precision then rounds the object's coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of its size.
 const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
@@ -63,9 +64,10 @@ fn union_of_bounds((a, b): BoundsF64, (c, d): BoundsF64) -> BoundsF64 {
 
 /// Chooses the origin for objects with bounding boxes `boxes`; `None` if there are no boxes.
 ///
-/// The origin is the center of all boxes, if no object is farther from it than
+/// The camera of `view` counts as an object whose size is the distance to the nearest shape. The
+/// origin is the center of the union of all boxes, if no object is farther from it than
 /// [`MAX_DISTANCE_IN_SIZES`] times its own size. Otherwise, as for small objects on a huge sphere,
-/// the origin minimizes the greatest distance of an object divided by its size.
+/// the origin minimizes the greatest ratio of an object's distance to its size.
 fn origin_for_bounds(boxes: &[BoundsF64], view: Option<CameraView>) -> Option<DVec3> {
     let (min, max) = boxes.iter().copied().reduce(union_of_bounds)?;
     let center = min * 0.5 + max * 0.5;
@@ -102,7 +104,7 @@ fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<Cam
     Some((position, f64::from(distances.reduce(f32::min)?)))
 }
 
-/// Returns the coordinate along `axis` that minimizes the greatest distance of a target divided by
+/// Returns the coordinate along `axis` that minimizes the greatest ratio of a target's distance to
 /// its size.
 ///
 /// Distances are measured along `axis`. The least ratio is found by bisection between 0 and its

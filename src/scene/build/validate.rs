@@ -8,10 +8,11 @@ use crate::scene::animation::{Animation, shape_at_time};
 use crate::scene::{BuildError, Scene};
 use crate::shape::Shape;
 
-/// Largest accepted coordinate. The product of three coordinates stays finite in single precision.
+/// Largest accepted absolute coordinate \[length]. The product of three coordinates stays finite in
+/// single precision.
 const MAX_COORDINATE: f32 = 1e12;
 
-/// Smallest accepted value of a scene's greatest coordinate, 2⁻³⁹ \[length].
+/// Smallest accepted value of a scene's greatest absolute coordinate, 2⁻³⁹ \[length].
 ///
 /// The rounding error of this coordinate is 2⁻⁶³, and the square of the error, 2⁻¹²⁶, is the least
 /// normal f32.
@@ -28,8 +29,10 @@ pub(super) fn validate_objects(objects: &[SceneObject], mesh: &MergedMeshes) -> 
     if triangles > i32::MAX as usize { Err(BuildError::TooManyTriangles(triangles)) } else { Ok(()) }
 }
 
-/// Checks that the farthest coordinate lies between [`MIN_FARTHEST_COORDINATE`] and
-/// [`MAX_COORDINATE`], at mid-shutter and at both ends of the shutter interval. Else the error is
+/// Checks that the greatest absolute coordinate of triangles and shapes lies between
+/// [`MIN_FARTHEST_COORDINATE`] and [`MAX_COORDINATE`].
+///
+/// Moving shapes are checked at mid-shutter and at both ends of the shutter interval. The error is
 /// [`BuildError::ExtentTooSmall`] or [`BuildError::ExtentTooLarge`].
 pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
     let at = |time| {

@@ -39,7 +39,7 @@ pub enum InteriorKind {
 /// The event when a path meets a boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundaryEvent {
-    /// The path scatters at the surface.
+    /// The path scatters at the surface, or is absorbed there.
     Surface,
     /// The path passes unchanged, because one dielectric body of higher priority fills both sides.
     /// A shadow ray counts as blocked.
@@ -90,12 +90,12 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// Optical depth of the absorption in the current dielectric body over `distance` \[length];
-    /// media are not included.
+    /// Optical depth over `distance` \[length] of the absorption in the dielectric body that fills
+    /// the space around the path; media are not included.
     fn absorption_optical_depth(&self, scene: &Scene, distance: f32) -> Rgb;
 
-    /// Transmittance due to absorption in the current dielectric body over `distance` \[length];
-    /// media are not included.
+    /// Transmittance over `distance` \[length] due to absorption in the dielectric body that fills
+    /// the space around the path; media are not included.
     #[inline]
     fn absorption_transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
         exp_neg(self.absorption_optical_depth(scene, distance))
@@ -109,8 +109,8 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
 
     /// Returns the event for a path that meets `surface`.
     ///
-    /// Sets the BSDF of the surface for the refractive indices on both sides. `key` is the random
-    /// key of the path vertex.
+    /// If `surface` bounds a dielectric body and is no null interface, the method also sets its
+    /// BSDF for the refractive indices on both sides. `key` is the random key of the path vertex.
     fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
 
     /// Updates the interior for a path that crosses `surface` in unit `direction`: enters or leaves
@@ -120,7 +120,8 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// Returns the factor by which the path throughput changes on arrival at `surface`, before
     /// scattering.
     ///
-    /// The factor is 1 unless the path samples its wavelength at `surface`.
+    /// The factor is 1 unless the path samples its wavelength at `surface` and the surface is not
+    /// specular.
     #[inline]
     fn wavelength_weight_before_scattering(&mut self, _: &SurfaceInteraction<'_>) -> Rgb {
         Rgb::ONE
@@ -128,8 +129,8 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
 
     /// Returns the factor by which the path throughput changes after scattering at `surface`.
     ///
-    /// The factor is 1 unless the path has sampled its wavelength at `surface`. The last argument
-    /// is true if the path is transmitted through the surface.
+    /// The factor is 1 unless the path has sampled its wavelength at `surface` and the surface is
+    /// specular. The last argument is true if the path is transmitted through the surface.
     #[inline]
     fn wavelength_weight_after_scattering(&mut self, _: &SurfaceInteraction<'_>, _: bool) -> Rgb {
         Rgb::ONE

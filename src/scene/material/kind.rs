@@ -12,11 +12,14 @@ use std::sync::Arc;
 
 /// The scattering model of a material, with its parameters.
 ///
-/// For a new kind, the compiler asks for an arm in each match, but not for the right one. If the
-/// roughness decides whether the surface stores photons, `roughness_decides_photon_storage` is
-/// true, and `bsdf` reads the roughness by `evaluate_photon_storage_roughness`: camera and photon
-/// paths must find the same kind of BSDF at a point. `visit_extreme_roughness_bsdfs` visits each
-/// kind of BSDF that a texture can make of it. A coat over a base needs `chooses_bsdf_randomly`.
+/// To add a kind, add an arm to each match. The compiler does not check three rules:
+///
+/// - Suppose that the roughness decides whether the surface stores photons. Then
+///   `roughness_decides_photon_storage` is true if the roughness is textured, and `bsdf` reads it
+///   by `evaluate_photon_storage_roughness`. Camera and photon paths must find the same kind of
+///   BSDF at a point.
+/// - `visit_extreme_roughness_bsdfs` visits each kind of BSDF that a roughness texture can give.
+/// - `chooses_bsdf_randomly` is true for a coat over a base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
     /// A surface that absorbs all light.
@@ -84,7 +87,8 @@ pub enum MaterialKind {
         eta: f32,
         /// Roughness α of the coat in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
-        /// True to include interreflection between coat and base, which makes colours deeper.
+        /// True if interreflection between coat and base makes colours deeper. If false, its
+        /// strength is that of a white base.
         nonlinear: bool,
     },
     /// A stochastic mix: each hit resolves to one of two materials.
@@ -232,7 +236,7 @@ impl MaterialKind {
         if let Self::Mix { first, second, amount } = self { Some(([*first, *second], amount)) } else { None }
     }
 
-    /// True if each hit chooses one of several BSDFs at random.
+    /// True if a hit may choose one of several BSDFs at random.
     pub(super) fn chooses_bsdf_randomly(&self) -> bool {
         match self {
             Self::Mix { .. } | Self::CoatedDiffuse { .. } => true,
@@ -265,7 +269,7 @@ impl MaterialKind {
         }
     }
 
-    /// True if a texture determines a parameter of the BSDF.
+    /// True if a texture determines a parameter of the BSDF, or the amount of a mix.
     pub(super) fn is_textured(&self) -> bool {
         match self {
             Self::Black => false,
@@ -281,8 +285,8 @@ impl MaterialKind {
             Self::Mix { amount, .. } => amount.is_textured(),
         }
     }
-    /// This kind without light that scatters between microfacets; unchanged if it is neither a
-    /// metal nor the boundary of a body.
+    /// This kind without the light that scatters more than once between microfacets; unchanged if
+    /// it is neither a metal nor the boundary of a body.
     pub(super) fn with_single_microfacet_scattering(self) -> Self {
         let scattering = MicrofacetScattering::Single;
         match self {

@@ -30,10 +30,11 @@ pub enum NormalPerturbation {
     NormalMap(u32),
 }
 
-/// Returns the unit shading normal at `point`, perturbed by `perturbation`. It lies in the
-/// hemisphere of the geometric normal.
+/// Returns the unit shading normal at `point`, perturbed by `perturbation`.
 ///
-/// `width` is the diameter of the texture filter footprint \[length].
+/// A perturbed normal is turned back until its cosine with the geometric normal is at least
+/// [`MIN_SHADING_NORMAL_COSINE`]. `width` is the diameter of the texture filter footprint
+/// \[length].
 pub(in crate::scene) fn perturbed_normal(
     perturbation: NormalPerturbation,
     textures: &[Arc<Texture>],

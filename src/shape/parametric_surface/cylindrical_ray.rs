@@ -35,9 +35,9 @@ pub struct CylindricalRay {
     pub direction: DVec3,
     /// Coefficients c of ρ² = c₀ + 2·c₁·τ + c₂·τ².
     pub radius2_coefficients: [f64; 3],
-    /// Arc length τ of the point nearest to the y axis; not finite for rays along the axis.
+    /// Arc length τ of the point nearest to the y axis; not finite for rays parallel to the axis.
     pub tau_nearest_axis: f64,
-    /// Minimum of ρ², at τ = `tau_nearest_axis`.
+    /// Minimum of ρ², at τ = `tau_nearest_axis`; NaN for rays parallel to the axis.
     pub min_radius2: f64,
 }
 

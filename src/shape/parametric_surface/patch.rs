@@ -27,7 +27,7 @@ const COLLAPSED_NORMAL_RATIO: f64 = 1e-7;
 /// Tensor-product surface: the points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ.
 ///
 /// The pᵢⱼ are control points with weights wᵢⱼ, and u and v are in \[0, 1]. The outer side is the
-/// side of ∂p/∂u × ∂p/∂v. A mirrored patch keeps the image of this side as its outer side.
+/// side of ∂p/∂u × ∂p/∂v in object space. A transform keeps the outer side outside, even a mirror.
 #[derive(Clone, Debug)]
 pub struct Patch {
     subdivided: Arc<SubdividedPatch>,
@@ -159,7 +159,8 @@ impl Patch {
         self.subdivided.memory_bytes
     }
 
-    /// The line of `ray` in object space, followed by `start` and `length` of its [`ObjectRay`].
+    /// Line of `ray` in object space, followed by [`ObjectRay::distance_to_base`] and
+    /// [`ObjectRay::direction_length`].
     ///
     /// `None` if the line misses the bounding sphere of the patch.
     fn object_line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
@@ -252,7 +253,7 @@ impl BoundedShape for Patch {
         self.area
     }
 
-    /// Chooses a leaf (a nearly flat piece) by area, then uniform parameters in it.
+    /// Chooses a leaf (a nearly flat piece) by object-space area, then uniform parameters in it.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let subdivided = &*self.subdivided;
         let (leaf, _) = subdivided.leaf_distribution.sample(u.x);

@@ -199,10 +199,10 @@ impl PatchPiece<'_> {
         found
     }
 
-    /// Half the edge lengths of the piece's bounding box; `None` if the line misses the box.
+    /// Half the edge lengths of a box around the vectors w·(p − base); `None` if `line` misses it.
     ///
-    /// `bounds` are those of the piece's polynomial. `range` is the interval of arc length τ on
-    /// `line` in which hits count.
+    /// p is a point of the piece, w its weight, and base is `line.base`. `bounds` are those of the
+    /// piece's polynomial. A hit counts only if its arc length τ on `line` is in `range`.
     fn half_extent_if_hit(&self, bounds: &LinearTermsWithBounds, line: &Line, range: [f64; 2]) -> Option<DVec3> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| weighted_offset_from_base(&a, line.base));
         let reach = along_x.abs()

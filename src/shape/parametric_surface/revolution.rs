@@ -66,7 +66,7 @@ struct RevolutionProfile {
     /// Polynomial coefficients (radius, height) of all leaves, one leaf after another.
     coefficients: Vec<Coefficient<2>>,
     leaf_bvh: RingBvh,
-    /// Largest object-space distance of the surface from the origin.
+    /// Upper bound on the object-space distance of the surface from the origin.
     bounding_radius: f64,
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     point_error_bound: f64,
@@ -269,7 +269,7 @@ impl BoundedShape for Revolution {
         self.area
     }
 
-    /// Chooses a leaf (a piece of the profile) by area, then uniform parameters in it.
+    /// Chooses a leaf (a piece of the profile) by object-space area, then uniform parameters in it.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.leaf_distribution.sample(u.x);
         let x = f64::from(self.profile.leaf_distribution.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
@@ -344,6 +344,9 @@ impl RevolutionProfile {
     }
 
     /// Object-space normal of a leaf at its parameter x, on the outer side and not normalised.
+    ///
+    /// `radial` is the unit direction (x, z) from the axis to the point. Where the profile's
+    /// derivative vanishes, the result is the normal at a point further inside the leaf.
     fn leaf_normal(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
         let powers = self.leaf_polynomial_coefficients(leaf);
         let extent = powers[1..].iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));

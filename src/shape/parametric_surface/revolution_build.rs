@@ -25,7 +25,7 @@ const BYTES_PER_LEAF: u64 = 256;
 pub(super) struct ProfileLeaf {
     /// Index of the leaf's first coefficient in the list of all polynomial coefficients.
     pub first_coefficient: u32,
-    /// Sign of x on this piece, 1 or −1: the side of the axis on which the piece lies.
+    /// Sign of the profile's x on this leaf, 1 or −1: the side of the axis on which the leaf lies.
     pub side_sign: f64,
     /// Centre of the leaf's interval of the profile parameter.
     pub parameter_center: f64,
@@ -48,9 +48,10 @@ pub(super) struct ProfileBuilder {
 impl ProfileBuilder {
     /// Divides a Bézier curve recursively into leaves, and adds them to the builder.
     ///
-    /// A leaf is a piece that is nearly straight and on one side of the axis. `controls` are points
-    /// (x, y). The curve covers the profile parameters from `start` to `end`. `depth` is the number
-    /// of halvings that are still allowed.
+    /// A leaf is a piece that is nearly straight and on one side of the axis, or that may not be
+    /// halved further. `controls` are points (x, y). The curve covers the profile parameters from
+    /// `start` to `end`. `depth` is the number of halvings that are still allowed. A piece in the
+    /// axis or in one point has no area and is left out.
     ///
     /// # Errors
     ///
@@ -109,7 +110,8 @@ impl ProfileBuilder {
 
 /// Parameter in (0, 1) at which a Bézier curve crosses the axis x = 0.
 ///
-/// `None` unless the x coordinates of the curve's control points change sign exactly once.
+/// `None` unless the x coordinates of the curve's control points change sign exactly once. Also
+/// `None` if the first control point lies on the axis.
 fn axis_crossing_parameter(controls: &[Coefficient<2>]) -> Option<f64> {
     let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
     let [first, .., _] = sides[..] else { return None };

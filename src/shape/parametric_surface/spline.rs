@@ -30,7 +30,7 @@ pub enum SplineError {
     /// The knot with this index is less than the knot before it.
     #[error("knot {0} (counted from 0) is less than the one before it")]
     DecreasingKnots(usize),
-    /// The first and the last knot of the curve's range are equal.
+    /// The first and the last knot of the curve's range are equal, or differ by a subnormal number.
     #[error("the range of the curve, from knot {first} to knot {last} (counted from 0), has no length")]
     EmptyKnotRange {
         /// Index of the first knot of the curve's range.
@@ -111,7 +111,8 @@ impl SplineBasis {
     ///
     /// # Errors
     ///
-    /// [`SplineError`] if there are too few control points for the degree.
+    /// [`SplineError`] if the degree is invalid, if the control points are too few for it, or if
+    /// they are so many that knot spans are too narrow.
     pub fn uniform_spline_basis(degree: usize, controls: usize) -> Result<Self, SplineError> {
         validate_degree(degree)?;
         let last = controls + degree;

@@ -18,7 +18,7 @@ pub struct StudiedScene {
 
 impl StudiedScene {
     /// Returns the shell command that renders `passes` passes of `variant`. Its picture equals that
-    /// of the study bit for bit.
+    /// of the study's first seed, bit for bit.
     pub(super) fn render_command_line(&self, variant: &MethodVariant, passes: u32) -> String {
         let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
         // A path that begins with a dash would be read as a flag.
@@ -39,8 +39,8 @@ impl StudiedScene {
     }
 }
 
-/// Returns a file name made from `label`. Each run of characters other than letters, digits and
-/// dots becomes a dash.
+/// Returns a file name made from `label`, without an extension. Each run of characters other than
+/// ASCII letters, digits and dots becomes a dash. Runs at both ends are left out.
 fn label_to_file_name(label: &str) -> String {
     let parts = label.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.')).filter(|part| !part.is_empty());
     parts.collect::<Vec<_>>().join("-")

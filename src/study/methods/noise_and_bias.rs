@@ -19,7 +19,8 @@ pub(super) struct NoiseAndBias {
 /// Separates noise and bias from at least two pictures of one method with different seeds.
 ///
 /// Let I be a picture, and A and B references, all independent. Then E\[(I − A)(I − B)] is the
-/// squared bias plus the variance of I: the noise of the references cancels.
+/// squared bias plus the variance of I: the noise of the references cancels. All results but `rmse`
+/// are relative. The relative squared error of each pixel is clamped to \[−1, 1].
 pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> NoiseAndBias {
     let seeds = pictures.len() as f64;
     let (mut squared_errors, mut squared_noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
@@ -52,8 +53,10 @@ pub(super) fn mean_pixel_over_pictures(pictures: &[Vec<Rgb>], i: usize) -> DVec3
     pictures.iter().map(|picture| picture[i].as_dvec3()).sum::<DVec3>() / pictures.len() as f64
 }
 
-/// Returns the relative error of each pixel, as a root mean square over seeds. It is 0 if the
-/// estimated mean square is negative.
+/// Returns the relative error of each pixel, as a root mean square over seeds.
+///
+/// The relative squared error of each seed is clamped to \[−1, 1]. The result is 0 if the mean
+/// square is estimated as negative.
 pub(super) fn relative_pixel_errors(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> Vec<f32> {
     let scale = references.relative_error_weights();
     let square = |i: usize| {

@@ -105,12 +105,14 @@ impl ReferencePictures {
         }
     }
 
-    /// Renders two references of `scene` with different seeds.
+    /// Renders two references of `scene` with different seeds, by the algorithm of
+    /// [`reference_algorithm`].
     ///
     /// They have the camera path settings `like`, but neither its numbers of camera rays nor
     /// adaptive sampling. Passes are made until the references have taken `seconds` \[s] of
-    /// processor time each, on average. After each pass, `after` is called with the number of
-    /// passes and the elapsed fraction of this time. Returns `None` if `interrupted` becomes true.
+    /// processor time each, on average, but at least one. After each pass, `after` is called with
+    /// the number of passes and the elapsed fraction of this time. Returns `None` if `interrupted`
+    /// becomes true.
     ///
     /// # Errors
     /// [`ReferenceError`] if a pixel is not finite.
@@ -162,17 +164,18 @@ impl ReferencePictures {
         &self.pair
     }
 
-    /// Returns the picture that errors are measured against, with its origin and error. It is the
-    /// mean of both references A and B.
+    /// Returns the mean of both references A and B, against which errors are measured, with its
+    /// origin and error.
     ///
     /// The error is the relative noise of this mean, which is half of the relative difference
-    /// √(mean of (A − B)²). It does not contain a bias that both references share.
+    /// √(mean of (A − B)²). It does not contain a bias that both references share. It is `None` if
+    /// a single reference is taken as exact.
     #[must_use]
     pub fn mean_reference(&self) -> Reference {
         Reference { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
     }
 
-    /// Mean of the two reference pictures, or the single reference picture.
+    /// Returns the mean of the two reference pictures, or the single reference picture.
     pub(super) fn mean(&self) -> &Image {
         &self.mean
     }
@@ -206,7 +209,8 @@ fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceErr
 
 /// Returns the algorithm for rendering references, and the reason for it as text.
 ///
-/// The algorithm is `hybrid` if the scene has caustics, which `path` may miss, else `path`.
+/// The algorithm is `hybrid` if the scene has caustics that are simulated, which `path` may miss.
+/// Else it is `path`.
 #[must_use]
 pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
     let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);

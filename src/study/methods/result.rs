@@ -34,7 +34,7 @@ pub struct ConvergenceCheckpoint {
     /// Estimates of the relative squared noise, one from each seed; their mean is `squared_noise`.
     ///
     /// With S seeds, the value is S/(S − 1) times the relative squared difference between the
-    /// seed's picture and the mean over seeds. The list is empty with one seed.
+    /// seed's picture and the mean over seeds. The list is empty if only the mean is known.
     #[serde(rename = "noises")]
     pub squared_noises: Vec<f64>,
     /// Relative squared bias: mean of `squared_errors` minus `squared_noise`. The estimate may be
@@ -87,7 +87,8 @@ pub struct MethodResult {
     ///
     /// `None` if the algorithm has no photons.
     pub gather_radii: Option<[f32; 2]>,
-    /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass.
+    /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass. A checkpoint with almost as
+    /// many passes as the last one is left out.
     pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
     pub first_seed_picture: Image,

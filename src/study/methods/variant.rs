@@ -27,7 +27,7 @@ pub enum MethodVariantError {
     /// Two methods have the same label.
     #[error("`{0}` is given twice")]
     DuplicateLabel(String),
-    /// There is only one seed per method. Noise and bias can be separated only with two or more.
+    /// There are fewer than two seeds per method, so noise and bias cannot be separated.
     #[error("one seed cannot separate noise from bias: use at least two")]
     OneSeed,
 }
@@ -46,7 +46,7 @@ pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> R
 /// Returns the global illumination algorithms that give different pictures of `scene`.
 ///
 /// Photon algorithms are left out if the scene has no light, or no surface or medium that stores
-/// photons. `hybrid` is left out in scenes without caustics, where it equals `path`.
+/// photons. `hybrid` is also left out if no caustics are simulated, because it then equals `path`.
 #[must_use]
 pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
     let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);

@@ -1,6 +1,6 @@
 //! CSV rows and Markdown elements.
 
-/// Row of comma-separated values with its line end (RFC 4180).
+/// Returns a row of comma-separated values with its line end (RFC 4180). Quotes cells if necessary.
 pub(super) fn csv_row<T: AsRef<str>>(cells: &[T]) -> String {
     let quoted = |cell: &T| {
         let cell = cell.as_ref();
@@ -13,7 +13,7 @@ pub(super) fn csv_row<T: AsRef<str>>(cells: &[T]) -> String {
     cells.iter().map(quoted).collect::<Vec<_>>().join(",") + "\r\n"
 }
 
-/// Markdown table; escapes all cells.
+/// Returns a Markdown table with the head row `heads`; escapes all cells.
 pub(super) fn markdown_table(heads: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let mut table = line(heads.iter().map(|head| escape_markdown(head)).collect());
@@ -38,7 +38,8 @@ pub(super) fn escape_markdown(text: &str) -> String {
     escaped
 }
 
-/// Markdown code block of a shell command; its fence is longer than any run of backticks.
+/// Returns a Markdown code block with the shell command `text`. Its fence is longer than any run of
+/// backticks in `text`.
 pub(super) fn markdown_code_block(text: &str) -> String {
     let mut longest = 2;
     let mut run = 0;

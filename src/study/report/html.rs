@@ -20,7 +20,9 @@ pub(super) fn escape_html(text: &str) -> String {
     escaped
 }
 
-/// Makes an HTML image element that contains the bytes of a PNG; `words` is its alternative text.
+/// Makes an HTML image element that contains the bytes of a PNG.
+///
+/// (`width`, `height`) is its size on the page \[px]. `words` is its alternative text.
 pub(super) fn inline_png(png: &[u8], (width, height): (u32, u32), words: &str) -> String {
     let data = STANDARD.encode(png);
     let words = escape_html(words);

@@ -33,9 +33,10 @@ fn oklch_to_linear_rgb(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
     .as_vec3()
 }
 
-/// Colour ramp from black (`t` = 0) over violet, red and orange to light yellow (`t` = 1).
+/// Returns the colour at `t` of a ramp from black (0) over violet, red and orange to light yellow
+/// (1).
 ///
-/// Lightness is linear in `t`. The result is linear RGB.
+/// `t` is clamped to \[0, 1]. Lightness is linear in `t`. The result is linear RGB.
 pub(super) fn error_color_ramp(t: f64) -> Vec3 {
     let t = t.clamp(0.0, 1.0);
     // Near black and white, only small chromas lie inside the sRGB gamut.
@@ -43,7 +44,8 @@ pub(super) fn error_color_ramp(t: f64) -> Vec3 {
     oklch_to_linear_rgb(0.06 + 0.9 * t, chroma.max(0.0), 300.0 + 160.0 * t)
 }
 
-/// Colour ramp from blue (`t` = −1) over black (`t` = 0) to orange (`t` = 1), in linear RGB.
+/// Returns the colour at `t`, clamped to \[−1, 1], of a colour ramp: blue at −1, black at 0, orange
+/// at 1. The result is linear RGB.
 pub(super) fn signed_color_ramp(t: f64) -> Vec3 {
     let t = t.clamp(-1.0, 1.0);
     let hue = if t < 0.0 { 250.0 } else { 65.0 };
@@ -51,8 +53,8 @@ pub(super) fn signed_color_ramp(t: f64) -> Vec3 {
     oklch_to_linear_rgb(0.9 * t.abs(), 0.13 * t.abs().sqrt(), hue)
 }
 
-/// Returns the upper end of a colour scale: the 99 % quantile of the positive values, rounded up to
-/// 1, 2 or 5 times a power of ten. `None` if no value is positive.
+/// Returns the upper end of a colour scale: the 99 % quantile of the positive finite values,
+/// rounded up to 1, 2 or 5 times a power of ten. `None` if there is no such value.
 pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.filter(|v| *v > 0.0 && v.is_finite()).collect();
     if values.is_empty() {
@@ -81,8 +83,10 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, Pictu
 }
 
 /// Returns the relative difference of each pixel from the reference: the mean of `difference` over
-/// channels, divided by the radiance that the reference has around the pixel
-/// ([`RelativeErrorWeights`]).
+/// channels, divided by √(L² + m²).
+///
+/// [`RelativeErrorWeights`] defines the radiances L (of the reference around the pixel) and m (of a
+/// typical pixel).
 pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeights) -> Vec<f64> {
     // Each weight contains a factor of 1/3 for the mean over channels.
     let pairs = difference.pixels().iter().zip(scale.pixel_weights());
@@ -126,7 +130,8 @@ impl PixelWindow {
 /// Finds up to `count` disjoint windows in which the squared errors, summed over all methods, are
 /// largest.
 ///
-/// The squared errors of each method are divided by their mean over the picture.
+/// The squared errors of each method are divided by their mean over the picture. A window has the
+/// side length [`CROP_SIZE`], or that of the picture if this is smaller.
 pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<PixelWindow> {
     let Some(first) = methods.first() else { return Vec::new() };
     let (width, height) = (first.first_seed_picture.width(), first.first_seed_picture.height());

@@ -301,7 +301,8 @@ fn draw_series(svg: &mut String, series: &PlotSeries, id: &str, x: &LogAxis, y: 
     ends.last().copied()
 }
 
-/// Draws the label of each series to the right of the plot, near the series' end.
+/// Draws the label of each series to the right of the plot, near the height of the series' last
+/// point.
 ///
 /// Labels do not overlap if there is room for all.
 fn draw_series_labels(svg: &mut String, mut ends: Vec<((f64, f64), &PlotSeries)>, x: &LogAxis, y: &LogAxis) {

@@ -19,8 +19,8 @@ pub fn count_text(n: f64) -> String {
     }
 }
 
-/// Half a step of the last digit of numbers with one decimal place. Numbers below it are written as
-/// 0.
+/// Half a step of the last digit of numbers with one decimal place. Numbers below it would be
+/// written as 0.0.
 const HALF_STEP: f64 = 0.05;
 
 /// Text of a count with its sign, such as `+1.9 k`, `0` or `-12`.
@@ -47,7 +47,8 @@ pub fn percent_text(part: f64) -> String {
     }
 }
 
-/// Text of a relative error in percent with three digits, such as `12.3 %` or `0.0450 %`.
+/// Returns the text of a relative error in percent with three significant digits, such as `12.3 %`
+/// or `0.0450 %`.
 #[must_use]
 pub fn error_percent_text(part: f64) -> String {
     format!("{} %", three_digit_text(100.0 * part))
@@ -85,7 +86,8 @@ fn two_unit_duration_text(small: f64, large_unit: &str, small_unit: &str) -> Str
     }
 }
 
-/// Text of a number with three digits, such as `0`, `0.0123`, `12.3` or `1.23e-7`.
+/// Returns the text of a number with three significant digits, such as `0`, `0.0123`, `12.3` or
+/// `1.23e-7`.
 #[must_use]
 pub fn three_digit_text(x: f64) -> String {
     match x.abs() {

@@ -37,7 +37,7 @@ struct MetallicRoughnessSurface<'a> {
     base_texture: Option<TextureReference<'a>>,
     /// Reflectance of the dielectric part at normal incidence, by color channel.
     f0: DVec3,
-    /// GGX α, and its mean over the texture.
+    /// GGX α as a constant or a texture, and its mean over all pixels.
     ggx_alpha_and_mean: (TexturedValue<f64>, f64),
 }
 
@@ -47,19 +47,22 @@ pub(super) struct GltfMaterialConverter<'m, 'a> {
     pub materials: &'m mut GltfMaterials<'a>,
     /// Messages about content that is ignored or approximated.
     pub notes: &'m mut ImportNotes,
-    /// Files of the scene.
+    /// The glTF file that is imported, for error messages.
     pub context: &'m FileContext<'a>,
     /// Name of the material in the imported scene. Messages give it as their place.
     pub name: String,
-    /// Set of texture coordinates that the material's first texture uses; `None` before any
-    /// texture.
+    /// Index of the texture coordinates that the material's first texture uses (`TEXCOORD_0`, …);
+    /// `None` before any texture.
     pub texcoord_set: Option<u32>,
     /// Normal map of the material; `None` without one.
     pub normal: Option<NormalPerturbationDescription>,
 }
 
 impl GltfMaterialConverter<'_, '_> {
-    /// Converts the material, adds it to the imported scene, and returns its properties.
+    /// Converts `material`, adds the result to the imported scene, and returns its name and
+    /// properties.
+    ///
+    /// `vertex_color` multiplies the base color and alpha.
     pub(super) fn convert_material(
         &mut self,
         material: &gltf::Material<'_>,
@@ -108,9 +111,9 @@ impl GltfMaterialConverter<'_, '_> {
         Ok(GltfImportedMaterial { name: self.name.clone(), texcoord_set: self.texcoord_set, is_invisible, emits })
     }
 
-    /// Converts the reflection and transmission of a material. Its alpha is not included.
+    /// Converts the reflection and transmission of a material, without its alpha.
     ///
-    /// `base` and `base_texture` give the base color.
+    /// The base color is `base` times `base_texture`. Also stores the normal map in `self.normal`.
     fn surface_description<'t>(
         &mut self,
         material: &gltf::Material<'t>,
@@ -161,6 +164,7 @@ impl GltfMaterialConverter<'_, '_> {
     /// Converts the dielectric part of the metallic-roughness model.
     ///
     /// The result is opaque, transmits as glass, or is a mix of an opaque and a glass material.
+    /// `index` is the refractive index.
     fn dielectric_description(
         &mut self,
         material: &gltf::Material<'_>,
@@ -186,8 +190,11 @@ impl GltfMaterialConverter<'_, '_> {
 
     /// Converts the opaque dielectric part of the metallic-roughness model.
     ///
-    /// The result is diffuse under a coat. If the reflectance along the normal is colored, or above
-    /// that of a coat, it is diffuse with a Phong lobe for the gloss.
+    /// The reflectance at normal incidence decides the result:
+    ///
+    /// - 0: a diffuse surface.
+    /// - Gray, and at most that of a coat with the largest index: a diffuse base under a coat.
+    /// - Otherwise: a diffuse surface with a Phong lobe for the gloss.
     fn opaque_dielectric_description(
         &mut self,
         surface: &MetallicRoughnessSurface<'_>,
@@ -215,7 +222,7 @@ impl GltfMaterialConverter<'_, '_> {
 
     /// Converts the metal part of the metallic-roughness model.
     ///
-    /// Its reflectance at normal incidence is the base color.
+    /// The reflectance of the metal at normal incidence is the base color.
     fn metal_description(&mut self, surface: &MetallicRoughnessSurface<'_>) -> ReadResult<MaterialKindDescription> {
         let MetallicRoughnessSurface { base_color: base, base_texture, ggx_alpha_and_mean: alpha, .. } = surface;
         let metal = match self.textured_color(base_texture.as_ref(), *base)? {
@@ -229,7 +236,10 @@ impl GltfMaterialConverter<'_, '_> {
         }))
     }
 
-    /// Converts transmission: to a body of glass if the material has a volume, else to a thin pane.
+    /// Converts transmission to a body of glass or to a thin pane.
+    ///
+    /// The result is a body if the material has a volume of thickness above 0. `index` is the
+    /// refractive index.
     fn glass_description(
         &mut self,
         material: &gltf::Material<'_>,
@@ -278,8 +288,8 @@ impl GltfMaterialConverter<'_, '_> {
         }))
     }
 
-    /// Returns the index of refraction; 1.5 without the extension KHR_materials_ior or if it is not
-    /// valid.
+    /// Returns the index of refraction; 1.5 without the extension KHR_materials_ior, or if the
+    /// index in the file is outside \[1, 1000].
     fn refractive_index(&mut self, material: &gltf::Material<'_>) -> f64 {
         let index = material.ior().map_or(1.5, f64::from);
         if (1.0..=1e3).contains(&index) {
@@ -291,9 +301,11 @@ impl GltfMaterialConverter<'_, '_> {
         1.5
     }
 
-    /// Returns the reflectance of the material's dielectric part at normal incidence.
+    /// Returns the reflectance of the material's dielectric part at normal incidence, in \[0, 1].
     ///
-    /// `index` is the refractive index.
+    /// It follows from the refractive `index` and the extension KHR_materials_specular. An index of
+    /// 0 in the file stands for total reflection. A specular-glossiness material gives its specular
+    /// color instead.
     fn dielectric_normal_reflectance(&mut self, material: &gltf::Material<'_>, index: f64) -> DVec3 {
         if let Some(glossy) = material.pbr_specular_glossiness() {
             return glossy.specular_factor().map(clamped_to_unit).into();
@@ -357,9 +369,9 @@ impl GltfMaterialConverter<'_, '_> {
         })
     }
 
-    /// Returns `emission` times alpha, because only the opaque part of a surface emits.
+    /// Returns `emission` times `alpha`, because only the opaque fraction of a surface emits.
     ///
-    /// A texture of alpha is ignored with a message.
+    /// If `alpha` is a texture, returns `emission` unchanged and adds a note.
     fn masked_emission(&mut self, emission: EmissionDescription, alpha: &TexturedValue<f64>) -> EmissionDescription {
         let alpha = match alpha {
             TexturedValue::Constant(alpha) => *alpha,
@@ -433,11 +445,11 @@ impl GltfMaterialConverter<'_, '_> {
         })
     }
 
-    /// Converts `texture` to the use `wanted`; `None` without a texture or if its picture is not
-    /// readable.
+    /// Converts `texture` for the use `wanted`; `None` without a texture, or if its picture has an
+    /// unsupported format.
     ///
     /// A material of Caustica has one set of texture coordinates: that of its first texture. A
-    /// later texture with another set becomes its mean.
+    /// later texture with another set becomes a constant, the mean of its pixels.
     fn convert_texture(
         &mut self,
         texture: Option<&TextureReference<'_>>,
@@ -455,7 +467,9 @@ impl GltfMaterialConverter<'_, '_> {
         Ok(values)
     }
 
-    /// Adds a part of a mix as a material, and returns the material's name.
+    /// Adds one of the two materials of a mix, and returns the name of this material.
+    ///
+    /// The name is that of the whole material followed by `suffix`.
     fn add_mix_component(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
         let name = self.materials.list.unique_name(&format!("{} {suffix}", self.name));
         let normal = if kind.mix_material_names().is_none() { self.normal.clone() } else { None };
@@ -468,8 +482,9 @@ impl GltfMaterialConverter<'_, '_> {
     }
 }
 
-/// Returns the refractive index of a coat with the reflectance `f0` along the normal; `None` if the
-/// channels differ, or if the index is not between 1 and the largest index of coats.
+/// Returns the refractive index of a coat with the reflectance `f0` at normal incidence.
+///
+/// `None` if the channels differ, or if the index is not between 1 and [`MAX_COAT_INDEX`].
 fn coat_index(f0: DVec3) -> Option<f64> {
     let root = f0.x.sqrt();
     let index = (1.0 + root) / (1.0 - root);

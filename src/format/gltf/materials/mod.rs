@@ -16,10 +16,10 @@ use std::collections::HashMap;
 pub(super) struct GltfImportedMaterial {
     /// Name of the material in the imported scene.
     pub name: String,
-    /// Index of the texture coordinates that its textures use (`TEXCOORD_0`, …); `None` without
-    /// textures.
+    /// Index of the texture coordinates that the material's textures use (`TEXCOORD_0`, …); `None`
+    /// if the material has no texture.
     pub texcoord_set: Option<u32>,
-    /// True if the surface is fully transparent.
+    /// True if alpha is 0 everywhere, so that the surface is not visible.
     pub is_invisible: bool,
     /// True if the surface emits light.
     pub emits: bool,
@@ -35,7 +35,7 @@ pub(super) struct GltfMaterials<'a> {
 }
 
 impl<'a> GltfMaterials<'a> {
-    /// Returns an empty table of materials, whose textures are collected in `pictures`.
+    /// Returns an empty table of materials. `pictures` collects the textures of later materials.
     pub fn new(pictures: GltfTextures<'a>) -> Self {
         Self { textures: pictures, list: ImportedMaterials::default(), converted: HashMap::new() }
     }

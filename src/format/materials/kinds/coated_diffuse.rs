@@ -18,14 +18,14 @@ use glam::DVec3;
 /// A diffuse base under a dielectric coat, such as plastic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoatedDiffuseDescription {
-    /// Reflectance of the base, inside [0, 1].
+    /// Reflectance of the base, inside \[0, 1].
     pub reflectance: TexturedValue<DVec3>,
-    /// Index of refraction of the coat relative to the surroundings, inside [1, 4].
+    /// Index of refraction of the coat relative to the surroundings, inside \[1, 4].
     pub eta: f64,
-    /// GGX α of the coat, inside [0, 1]; 0 is smooth.
+    /// GGX α of the coat, inside \[0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
-    /// True to account for color shifts by interreflection between coat and base, like `nonlinear`
-    /// of Mitsuba's `plastic`.
+    /// True if interreflection between coat and base makes colors deeper, like `nonlinear` of
+    /// Mitsuba's `plastic`.
     pub is_nonlinear: bool,
 }
 

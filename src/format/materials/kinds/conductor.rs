@@ -19,7 +19,7 @@ use crate::scene::Material;
 pub struct ConductorDescription {
     /// Complex index of refraction, or reflectance.
     pub metal: MetalDescription,
-    /// GGX α, inside [0, 1]; 0 is smooth.
+    /// GGX α, inside \[0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
     /// False if light that several microfacets scatter is lost, as in pbrt-v4 and Mitsuba 3.
     pub has_multiple_scattering: bool,

@@ -22,7 +22,7 @@ pub struct DielectricDescription {
     pub refraction: RefractiveIndexDescription,
     /// Absorption inside the body.
     pub absorption: DielectricAbsorption,
-    /// GGX α, inside [0, 1]; 0 is smooth.
+    /// GGX α, inside \[0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
     /// False if light that several microfacets scatter is lost, as in pbrt-v4 and Mitsuba 3.
     pub has_multiple_scattering: bool,

@@ -17,7 +17,7 @@ use glam::DVec3;
 /// A Lambertian surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiffuseDescription {
-    /// Reflectance, inside [0, 1].
+    /// Reflectance, inside \[0, 1].
     pub reflectance: TexturedValue<DVec3>,
 }
 

@@ -17,9 +17,11 @@ use glam::DVec3;
 /// A thin sheet that scatters light diffusely to both sides, such as paper or a leaf.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiffuseTransmissionDescription {
-    /// Reflectance, inside [0, 1].
+    /// Reflectance, inside \[0, 1]. Where its sum with `transmittance` exceeds 1, both are scaled
+    /// down.
     pub reflectance: TexturedValue<DVec3>,
-    /// Transmittance, inside [0, 1].
+    /// Transmittance, inside \[0, 1]. Where its sum with `reflectance` exceeds 1, both are scaled
+    /// down.
     pub transmittance: TexturedValue<DVec3>,
 }
 

@@ -17,7 +17,7 @@ use glam::DVec3;
 /// A perfect mirror.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MirrorDescription {
-    /// Reflectance, inside [0, 1].
+    /// Reflectance, inside \[0, 1].
     pub reflectance: TexturedValue<DVec3>,
 }
 

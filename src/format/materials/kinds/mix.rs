@@ -26,7 +26,7 @@ pub struct MixDescription {
     pub first: Spanned<String>,
     /// Name of the second material, which the scene file defines before the mix.
     pub second: Spanned<String>,
-    /// Probability of the second material, inside [0, 1].
+    /// Probability of the second material, inside \[0, 1].
     pub second_probability: TexturedValue<f64>,
 }
 

@@ -45,7 +45,8 @@ use std::fmt;
 trait MaterialBlock: BlockCodec {
     /// Schema of the block: keyword, fields and help.
     ///
-    /// A block with the field `medium` has a medium, one with `bump` a bump map or normal map.
+    /// If the schema has the field `medium`, materials of this kind may have a medium. If it has
+    /// the field `bump`, they may have a bump map or a normal map.
     const BLOCK: &'static BlockSchema;
 
     /// Body that a surface of this material bounds.
@@ -53,7 +54,7 @@ trait MaterialBlock: BlockCodec {
 
     /// Converts the parsed fields of a block, without emission, normal perturbation and medium.
     ///
-    /// The `parser` knows the materials before this one.
+    /// The parser knows the materials that the text defines before this one.
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         Self::parse_fields(f)
     }
@@ -70,15 +71,17 @@ trait MaterialBlock: BlockCodec {
         self.field_textures()
     }
 
-    /// Returns the field that may be the name of a texture or the path of a picture file; `None` if
-    /// the field is absent, or if textured fields hold names only.
+    /// Returns the value of the field that may hold the name of a texture or the path of a picture
+    /// file.
+    ///
+    /// `None` if the field is absent, or if this kind of material has no such field.
     fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>>;
 }
 
 /// Body that a surface bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BoundedBody {
-    /// No body, or the body of a part of a mix or of a principled material.
+    /// No body, or only that of a component of a mix or of a principled material.
     None,
     /// A dielectric body.
     Dielectric,
@@ -155,8 +158,10 @@ macro_rules! material_kinds {
                 }
             }
 
-            /// Returns the field that may be the name of a texture or the path of a picture file;
-            /// `None` if it is absent, or if textured fields hold names only.
+            /// Returns the value of the field that may hold the name of a texture or the path of a
+            /// picture file.
+            ///
+            /// `None` if the field is absent, or if this kind of material has no such field.
             pub(super) fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
                 match self {
                     $(Self::$kind(kind) => kind.ambiguous_texture_reference_mut(),)*
@@ -185,7 +190,7 @@ material_kinds! {
     CoatedDiffuse(CoatedDiffuseDescription),
     /// A thin sheet that scatters light diffusely to both sides.
     DiffuseTransmission(DiffuseTransmissionDescription),
-    /// Base color, metallic, roughness: the model that other programs share.
+    /// Metallic-roughness model: a mix of metal, glass and a coated diffuse base.
     Principled(PrincipledDescription),
     /// Stochastic mix: one of two materials, chosen at random at each point.
     Mix(MixDescription),
@@ -210,7 +215,8 @@ impl MaterialKindDescription {
         self.is_dielectric() || self.may_transmit_into_body()
     }
 
-    /// True if a part of the material is a dielectric body, as in `Principled` with transmission.
+    /// True if only a component of the material bounds a dielectric body: for a `Principled`
+    /// material with transmission. False for a `Dielectric`.
     pub(super) fn may_transmit_into_body(&self) -> bool {
         if let Self::Principled(principled) = self { principled.transmits() } else { false }
     }

@@ -16,9 +16,9 @@ use glam::DVec3;
 /// The Phong model of MIT course 6.837.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhongDescription {
-    /// Diffuse color kd.
+    /// Diffuse reflectance kd, at least 0.
     pub diffuse: TexturedValue<DVec3>,
-    /// Specular color ks.
+    /// Specular coefficient ks, at least 0.
     pub specular: TexturedValue<DVec3>,
     /// Phong exponent, at least 0.
     pub shininess: f64,
@@ -27,8 +27,8 @@ pub struct PhongDescription {
     pub texture: Option<Spanned<String>>,
 }
 
-/// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
-/// degree.
+/// Least GGX α that is converted to a Phong lobe; a smaller α is clamped to it, because it would
+/// give a lobe narrower than a degree.
 const MIN_PHONG_ALPHA: f64 = 0.01;
 
 impl PhongDescription {

@@ -19,28 +19,28 @@ use glam::DVec3;
 /// A surface of the metallic-roughness model: a mix of metal, glass and a coated diffuse base.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrincipledDescription {
-    /// Reflectance of the diffuse base, and of the metal at normal incidence, inside [0, 1].
+    /// Reflectance of the diffuse base, and of the metal at normal incidence, inside \[0, 1].
     pub base_color: TexturedValue<DVec3>,
-    /// Share of metal, inside [0, 1].
+    /// Share of metal, inside \[0, 1].
     pub metallic: TexturedValue<f64>,
-    /// GGX α of metal, glass and coat, inside [0, 1]; 0 is smooth.
+    /// GGX α of metal, glass and coat, inside \[0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
-    /// Index of refraction of glass and coat relative to the surroundings, inside [1, 4].
+    /// Index of refraction of glass and coat relative to the surroundings, inside \[1, 4].
     pub eta: f64,
-    /// Share of glass in the part that is no metal, inside [0, 1].
+    /// Share of glass in the part that is no metal, inside \[0, 1].
     pub transmission: TexturedValue<f64>,
     /// Absorption inside the body of glass.
     pub absorption: DielectricAbsorption,
-    /// Fraction of metal and coated base that a clear coat of index 1.5 covers, inside [0, 1].
+    /// Fraction of metal and coated base that a clear coat of index 1.5 covers, inside \[0, 1].
     pub clearcoat: TexturedValue<f64>,
-    /// GGX α of the clear coat, inside [0, 1]; 0 is smooth.
+    /// GGX α of the clear coat, inside \[0, 1]; 0 is smooth.
     pub clearcoat_roughness: f64,
     /// False if light that several microfacets of metal and glass scatter is lost.
     pub has_multiple_scattering: bool,
 }
 
 impl PrincipledDescription {
-    /// True if a part of the surface is glass, so that it bounds a dielectric body.
+    /// True if a component of the mix is glass, so that the surface bounds a dielectric body.
     pub(super) fn transmits(&self) -> bool {
         self.transmission != TexturedValue::Constant(0.0) && self.metallic != TexturedValue::Constant(1.0)
     }

@@ -8,7 +8,8 @@ use std::fmt::Write;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Smallest size of a chunk of lines that one thread checks \[bytes].
+/// Smallest size of the chunks of lines that threads check \[bytes]. Only the last chunk may be
+/// smaller.
 const MIN_CHUNK_BYTES: usize = 1 << 22;
 
 /// An invalid line of an OBJ file, with the defect and a remedy.
@@ -161,13 +162,13 @@ fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Resul
     Ok(())
 }
 
-/// State of the check of one chunk, a part of an OBJ file.
+/// State of the check of one chunk of lines of an OBJ file, and the content found so far.
 struct ObjChunkChecker<'u> {
     valid_lines: String,
     /// Numbers of lines `v`, `vt` and `vn` read so far, counted from the start of the file.
     v_vt_vn_counts_so_far: [usize; 3],
-    /// Kinds of indices and material index (see `group_material_indices`) of the current face
-    /// group; `None` before the first face.
+    /// Kinds of indices and material index of the group that the last face belongs to; `None`
+    /// before the first face. `group_material_indices` explains the material index.
     current_group: Option<(PresentIndices, usize)>,
     /// Names on the `usemtl` lines of the chunk, in order. Material index 0 stands for the last
     /// material of the previous chunk, and index i + 1 for name i.

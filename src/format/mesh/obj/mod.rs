@@ -108,7 +108,9 @@ impl Read for MonitoredObjReader<'_> {
     }
 }
 
-/// Joins the meshes of all face groups into one; `None` if it has more than `i32::MAX` vertices.
+/// Joins the meshes of all face groups into one mesh, and merges its equal vertices.
+///
+/// `None` if the mesh has more than `i32::MAX` vertices before merging.
 fn join_obj_groups(models: &[tobj::Model], checked: &CheckedObjFile) -> Option<TriangleMesh> {
     let mut mesh = TriangleMesh::default();
     let has = |list: fn(&tobj::Mesh) -> &Vec<f64>| models.iter().any(|model| !list(&model.mesh).is_empty());

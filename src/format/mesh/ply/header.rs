@@ -56,7 +56,8 @@ impl PlyNumberType {
 /// Purpose for which the mesh reader uses a PLY property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PlyPropertyRole {
-    /// Vertex coordinate. The number is its index in the list x, y, z, nx, ny, nz, u, v.
+    /// Component of a vertex's position, normal or texture coordinates. The number is the index of
+    /// this component in the list x, y, z, nx, ny, nz, u, v.
     Slot(usize),
     /// List of a face's vertex indices.
     VertexIndices,
@@ -211,7 +212,7 @@ impl PlyHeader {
 }
 
 impl PlyElement {
-    /// Returns the smallest possible size of one such element in the file \[bytes].
+    /// Returns the smallest possible size of one element of this kind in the file \[bytes].
     pub fn min_element_bytes(&self, encoding: PlyEncoding) -> usize {
         let one = |p: &PlyProperty| {
             // A face has at least three corners.

@@ -90,7 +90,7 @@ struct PlyElementError {
 /// Cause of a [`PlyElementError`].
 enum PlyElementErrorCause {
     Malformed(MessageAndRemedy),
-    /// The mesh needs more memory than is free, both in bytes.
+    /// The mesh needs more memory than is free. Both numbers are in bytes.
     OutOfMemory {
         needed: u64,
         free: u64,

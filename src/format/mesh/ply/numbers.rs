@@ -16,7 +16,7 @@ pub(super) trait PlyNumberReader {
     fn error_position(&self) -> usize;
     /// Returns the offset of the next byte from the start of the file.
     fn bytes_read(&self) -> usize;
-    /// Returns the largest number of values of type `kind` that fit into the rest of the file.
+    /// Returns an upper bound of the count of numbers of type `kind` in the rest of the file.
     fn max_remaining_values(&self, kind: PlyNumberType) -> u64;
 }
 

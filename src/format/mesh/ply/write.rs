@@ -8,8 +8,8 @@ struct PlyVertexPropertyGroup<'m> {
     names: &'static [&'static str],
     /// True if single precision represents all values exactly. They are then written as `float`.
     is_single_precision: bool,
-    /// Returns the values of the properties at a vertex, given its index. Elements beyond them are
-    /// unused.
+    /// Function that returns the values of the properties at the vertex with a given index. Only
+    /// the first `names.len()` elements of its result are used.
     get: Box<dyn Fn(usize) -> [f64; 3] + 'm>,
 }
 

@@ -43,7 +43,7 @@ pub(super) fn diffuse_description(reflectance: DVec3) -> MaterialKindDescription
 
 /// Converter of one BSDF to a material, with the state of the conversion.
 pub(super) struct MitsubaMaterialConverter<'c, 'a> {
-    /// Materials of the imported scene so far; receives the parts of mixes.
+    /// Materials of the imported scene so far; receives the two materials of each mix.
     pub materials: &'c mut MitsubaMaterials,
     /// Textures of the imported scene.
     pub textures: &'c mut MitsubaTextures,
@@ -56,7 +56,9 @@ pub(super) struct MitsubaMaterialConverter<'c, 'a> {
 }
 
 impl MitsubaMaterialConverter<'_, '_> {
-    /// Converts a BSDF. `depth` counts the BSDFs that contain it.
+    /// Converts a BSDF; one of unknown kind becomes diffuse gray, with a message.
+    ///
+    /// `depth` is the number of BSDFs that contain this one.
     pub(super) fn convert_bsdf(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         if depth > MAX_BSDF_DEPTH {
             return Err(bsdf.place.error("BSDFs are nested too deep, or contain themselves", "nest them less deep"));
@@ -192,7 +194,8 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(kind.into())
     }
 
-    /// Adds a message for each specular tint of a dielectric that is not 1. Tints are ignored.
+    /// Adds a message for each specular tint of a dielectric whose mean is not 1: tints are
+    /// ignored.
     fn note_tints(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<()> {
         for name in ["specular_reflectance", "specular_transmittance"] {
             if self.convert_texture_parameter(bsdf, name, 1.0, MitsubaTextureUse::Color)?.mean() != DVec3::ONE {
@@ -317,7 +320,7 @@ impl MitsubaMaterialConverter<'_, '_> {
 
     /// Returns `surface`; if it is a mix, without its own bump map or normal map.
     ///
-    /// Only the parts of a mix can have such maps. Adds a message if a map is removed.
+    /// Only the two materials of a mix can have such maps. Adds a message if a map is removed.
     fn without_mix_perturbation(&mut self, bsdf: &MitsubaObject, surface: ConvertedBsdf) -> ConvertedBsdf {
         if surface.kind.mix_material_names().is_some() && surface.normal.is_some() {
             self.context.add_note("bump maps and normal maps of mixes are ignored", bsdf);
@@ -326,9 +329,9 @@ impl MitsubaMaterialConverter<'_, '_> {
         surface
     }
 
-    /// Adds a part of a mix as a material, and returns the material's name.
+    /// Adds one of the two materials of a mix, and returns its name.
     ///
-    /// For a null interface, returns the fully transparent material instead.
+    /// For a null interface, returns the name of the fully transparent material instead.
     fn add_mix_component(&mut self, suffix: &str, surface: ConvertedBsdf) -> String {
         if surface.kind.is_null_interface() {
             return self.materials.list.transparent_material_name();
@@ -338,9 +341,11 @@ impl MitsubaMaterialConverter<'_, '_> {
         name
     }
 
-    /// Returns GGX α of a BSDF.
+    /// Returns GGX α of a BSDF; 0.1 if the file gives none.
     ///
-    /// α of a Beckmann distribution is multiplied by √ln 2. Then GGX has the same median slope.
+    /// Any distribution but `ggx` counts as Beckmann. α of Beckmann is multiplied by √ln 2, so that GGX
+    /// has the same median slope. Different α along u and v become the geometric mean of their means
+    /// over the texture.
     fn roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<TexturedValue<f64>> {
         let factor = self.ggx_alpha_factor(bsdf);
         let _ = bsdf.boolean("sample_visible", true);

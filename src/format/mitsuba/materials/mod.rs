@@ -19,9 +19,9 @@ use std::rc::Rc;
 /// Kind of boundary that a material makes. It decides which surfaces a shape needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MaterialBoundary {
-    /// Boundary of an opaque material or of a mix.
+    /// Any other boundary: an opaque, diffusely transmitting or principled material, or a mix.
     Opaque,
-    /// Boundary of a dielectric with volume, such as a glass body.
+    /// Boundary of a solid dielectric, such as a glass body.
     Body,
     /// A thin pane without volume.
     Pane,
@@ -42,7 +42,7 @@ pub(super) struct MitsubaImportedMaterial {
 
 /// Properties of a shape on which its converted material depends.
 ///
-/// A BSDF becomes one material for each distinct value.
+/// A BSDF becomes one material for each distinct combination of these properties.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ShapeMaterialInputs {
     /// Name of the medium inside the shape; `None` for vacuum.
@@ -66,10 +66,11 @@ pub(super) struct MitsubaMaterials {
 }
 
 impl MitsubaMaterials {
-    /// Returns the material of a shape. Converts the shape's BSDF, unless an equal one was
-    /// converted for equal inputs.
+    /// Returns the material of a shape. Converts the shape's BSDF, unless the same BSDF was
+    /// converted for equal `inputs` before.
     ///
-    /// A shape without a BSDF has a gray diffuse material.
+    /// A shape without a BSDF has a diffuse material of reflectance 0.5. A null interface with an
+    /// emission texture becomes a black surface that emits.
     pub fn imported_material(
         &mut self,
         context: &ImportContext<'_>,

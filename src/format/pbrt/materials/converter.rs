@@ -57,7 +57,7 @@ pub(super) struct PbrtMaterialConverter<'m> {
     pub medium: Option<&'m str>,
 }
 
-/// GGX α of a surface, and its mean over the texture.
+/// GGX α of a surface, and the mean of α over the texture.
 struct Roughness {
     alpha: TexturedValue<f64>,
     mean: f64,
@@ -65,6 +65,8 @@ struct Roughness {
 
 impl PbrtMaterialConverter<'_> {
     /// Converts a pbrt material, adds it to the imported scene, and returns its name there.
+    ///
+    /// `depth` is the number of mixes around this material.
     pub(super) fn convert_material(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
         let missing = |name: &str, place: &PbrtSourceLocation| {
             place.error(format!("no material is called `{name}`"), "define it with `MakeNamedMaterial`")
@@ -121,8 +123,9 @@ impl PbrtMaterialConverter<'_> {
         self.push_material(mix_of(clear, name.to_owned(), opacity), None)
     }
 
-    /// Converts a mix of two named materials, adds it, and returns its name. `depth` counts outer
-    /// mixes.
+    /// Converts a mix of two named materials, adds it, and returns its name.
+    ///
+    /// `depth` is the number of mixes around this one.
     fn convert_mix(&mut self, parameters: &Parameters, depth: usize) -> ReadResult<String> {
         let place = &parameters.place;
         if depth >= MAX_MIX_DEPTH {
@@ -312,10 +315,11 @@ impl PbrtMaterialConverter<'_> {
         }))
     }
 
-    /// Returns a conductor with the given reflectance at normal incidence, or else with the index η
-    /// + ik.
+    /// Returns a conductor with the given reflectance at normal incidence, or else with the complex
+    /// index η + ik.
     ///
-    /// The three texts are the names of the parameters for the reflectance, η and k.
+    /// The three texts are the names of the parameters for the reflectance, η and k. The default
+    /// for η and k is copper.
     fn conductor_description(
         &mut self,
         p: &Parameters,
@@ -393,13 +397,18 @@ impl PbrtMaterialConverter<'_> {
     }
 
     /// Returns GGX α from pbrt's parameters `roughness`, `uroughness` and `vroughness`.
+    ///
+    /// `default` is the value of a missing parameter. `is_v3` selects pbrt-v3's map from roughness
+    /// to α.
     fn roughness(&mut self, p: &Parameters, default: f64, is_v3: bool) -> ReadResult<Roughness> {
         self.roughness_from_names(p, ["uroughness", "vroughness"], default, is_v3)
     }
 
     /// Returns GGX α from the roughness parameters `u` and `v`, or else from the isotropic one.
     ///
-    /// If both directions differ, returns their geometric mean.
+    /// If the means along u and v differ, both `alpha` and `mean` are their geometric mean.
+    /// `default` is the value of a missing parameter. `is_v3` selects pbrt-v3's map from roughness
+    /// to α.
     fn roughness_from_names(
         &mut self,
         p: &Parameters,

@@ -59,7 +59,7 @@ impl PbrtMaterials {
     /// first use.
     ///
     /// `medium` is the name of the medium inside the shape; `None` for vacuum. `alpha` is the
-    /// shape's opacity parameter.
+    /// shape's opacity parameter; `None` for an opaque shape.
     pub fn imported_material_name(
         &mut self,
         material: &CurrentMaterial,

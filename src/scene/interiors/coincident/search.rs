@@ -16,11 +16,14 @@ const LEAF_FACES: usize = 8;
 /// all faces count as possibly coincident.
 const PAIRS_PER_FACE: usize = 1000;
 
-/// Greatest number of pairs of profile leaves that are tested. It bounds the time of the search.
+/// Greatest number of pairs of profile leaves that are tested for coaxial surfaces of revolution.
+/// If there are more, whole surfaces count as possibly coincident.
 const MAX_PROFILE_LEAF_PAIRS: usize = 100_000_000;
 
-/// Margin by which bounding boxes are expanded, divided by their coordinates and size. It exceeds
-/// the position errors of two surface points (see `SurfacePoint::position_error`).
+/// Margin by which a bounding box is expanded, divided by the sum of its greatest absolute
+/// coordinate and its longest side.
+///
+/// It exceeds the position errors of two surface points (see `SurfacePoint::position_error`).
 const RELATIVE_MARGIN: f32 = 16.0 * f32::EPSILON;
 
 /// The part of a shape with which a boundary of another object may coincide.
@@ -49,9 +52,9 @@ impl CoincidentPart {
 /// Both lists are empty if `all_flagged`, or if no boxes of boundary objects overlap.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct CoincidentFlags {
-    /// One flag for each triangle.
+    /// One flag for each triangle: true if the boundary of another object may coincide with it.
     triangles: Arc<[bool]>,
-    /// One part for each shape.
+    /// For each shape, the part with which the boundary of another object may coincide.
     shapes: Arc<[CoincidentPart]>,
     /// True if all primitives are flagged, because a moving or unbounded boundary may be anywhere.
     all_flagged: bool,
@@ -85,7 +88,8 @@ struct BoundaryFace {
 /// The box around a mesh or shape that bounds a dielectric body.
 struct BoundaryObjectBounds {
     bounds: Bounds,
-    /// Distance within which a face of another object counts as coincident \[length].
+    /// Distance by which the box is expanded \[length]. Faces of two objects count as coincident
+    /// within the sum of both margins.
     margin: f32,
 }
 
@@ -176,10 +180,11 @@ pub(in crate::scene) fn flag_coincident_primitives(
     CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), all_flagged: false }
 }
 
-/// Flags the parts of coaxial surfaces of revolution that are near each other. A pair holds the
-/// indices of two shapes, the lower one first, and the distance within which they may coincide.
+/// Flags in `shapes` the parts of coaxial surfaces of revolution that are near each other.
 ///
-/// Tests at most `budget` pairs of profile leaves. Whole surfaces are flagged if that is too few.
+/// Each of `pairs` holds the indices of two shapes, the lower one first, and the distance within
+/// which they may coincide \[length]. At most `budget` pairs of profile leaves are tested. Whole
+/// surfaces are flagged if that is too few.
 fn flag_coaxial_pairs(
     geometry: &Geometry,
     mut pairs: Vec<(u32, u32, f64)>,

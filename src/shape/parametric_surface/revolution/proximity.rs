@@ -1,19 +1,24 @@
-//! The parts of a surface of revolution that may touch another one around the same axis.
+//! Intervals of the profile in which a surface of revolution may touch another one around its axis.
 
 use super::super::polynomial::{MAX_DEGREE, reparametrize};
 use super::super::ring_bvh::RingBounds;
 use super::{Revolution, RevolutionProfile};
 use glam::{DMat3, DVec3};
 
-/// Number of equal intervals of the profile parameter. Each has one flag.
+/// Number of equal intervals of the profile parameter, for which
+/// [`Revolution::profile_intervals_near`] returns flags.
 const PROFILE_INTERVALS: usize = 1024;
 
-/// Largest deviation of two axes that count as one, relative to the size of the surface.
+/// Largest relative deviation of a map that counts as coaxial, because it is a rounding error.
+///
+/// Offsets of the axis are relative to the size of the surface, matrix entries to the largest
+/// entry, and deviations from circles to the squared radius.
 const COAXIAL_TOLERANCE: f64 = 1e-9;
 
-/// Largest condition number, by the Frobenius norm, of a map to world space for which
-/// [`COAXIAL_TOLERANCE`] stays far below the distance within which surfaces may touch. It is 3 for a
-/// rotation.
+/// Largest condition number of a map to world space for which surfaces can count as coaxial.
+///
+/// The condition number uses the Frobenius norm, so it is 3 for a rotation. Up to this limit,
+/// [`COAXIAL_TOLERANCE`] is far below the distance within which surfaces may touch.
 const MAX_CONDITION: f64 = 10.0;
 
 /// Map from the radii and heights of one surface of revolution to those of another around the same
@@ -27,8 +32,8 @@ struct CoaxialMap {
 impl CoaxialMap {
     /// Map from the object space of `from` to that of `to`.
     ///
-    /// `None` if their axes differ, if circles of one are ellipses of the other, or if a map to
-    /// world space is too uneven to tell.
+    /// `None` if their axes differ, or if circles around the axis of one are ellipses in the other.
+    /// Also `None` if the condition number of a map to world space exceeds [`MAX_CONDITION`].
     fn new(from: &Revolution, to: &Revolution) -> Option<Self> {
         let is_even = |surface: &Revolution| {
             let (forward, inverse) = (surface.to_world.forward().matrix3, surface.to_world.inverse().matrix3);
@@ -60,8 +65,8 @@ impl CoaxialMap {
 }
 
 impl Revolution {
-    /// True if both surfaces surely have one axis, and circles of one around it are circles of the
-    /// other.
+    /// True if both surfaces surely have a common axis, and circles around the axis of one are
+    /// circles in the other.
     pub(crate) fn shares_axis(&self, other: &Self) -> bool {
         CoaxialMap::new(other, self).is_some()
     }
@@ -103,14 +108,18 @@ impl Revolution {
     }
 }
 
-/// Root of the sum of the squares of all entries, which bounds the factor on lengths.
+/// Frobenius norm: the root of the sum of the squares of all entries.
+///
+/// It bounds the factor by which the matrix scales lengths.
 fn frobenius_norm(matrix: DMat3) -> f64 {
     matrix.to_cols_array().iter().map(|entry| entry * entry).sum::<f64>().sqrt()
 }
 
 impl RevolutionProfile {
-    /// The parts of a leaf in each interval of the profile parameter: index of the interval, and a
-    /// ring around the part.
+    /// Divides a leaf at the limits of the [`PROFILE_INTERVALS`] intervals of the profile
+    /// parameter.
+    ///
+    /// Returns the index of the interval of each piece, and a ring that contains the piece.
     fn pieces_of_leaf(&self, leaf: usize) -> impl Iterator<Item = (usize, RingBounds)> + '_ {
         let (middle, half) = (self.leaves[leaf].parameter_center, self.leaves[leaf].parameter_half_width);
         let coefficients = self.leaf_polynomial_coefficients(leaf);

@@ -3,8 +3,8 @@
 use crate::sampling::{Dimension, Key};
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
-/// Number of passes of the last checkpoint, divided by that of the earliest checkpoint that may be
-/// fitted.
+/// Largest ratio of the numbers of passes of the last checkpoint and of a checkpoint that is
+/// fitted. Earlier checkpoints are left out of the fit.
 const MAX_TAIL_PASS_RATIO: u32 = 16;
 
 /// Minimum number of checkpoints for the fit of a line. Two are too few: they always lie on a line.
@@ -93,7 +93,8 @@ fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceChe
 ///
 /// `square` returns the squared quantity at a checkpoint, averaged over seeds with the given
 /// weights; `None` stands for equal weights. The result is `None` if the squared quantity is not
-/// positive at one of the checkpoints. With fewer than two `seeds`, the slopes have no intervals.
+/// positive at one of the checkpoints. The slopes have no intervals with fewer than two `seeds`, or
+/// if more than 2.5 % of the bootstrap replicates cannot be fitted.
 fn fit_convergence_slopes(
     tail: &[ConvergenceCheckpoint],
     seeds: usize,
@@ -134,7 +135,7 @@ fn bootstrap_seed_weights(replicate: u64, seeds: usize) -> Vec<f64> {
     weights
 }
 
-/// Slope of the least-squares line through the points (`x`, `y`).
+/// Returns the slope of the least-squares line through the points (`x`, `y`).
 pub(super) fn least_squares_slope(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
@@ -188,8 +189,8 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     Some([mean - half, mean + half])
 }
 
-/// Returns the 95 % confidence interval of the squared relative bias; `None` if the noise of each
-/// seed is not known.
+/// Returns the 95 % confidence interval of the squared relative bias; `None` with fewer than two
+/// seeds, or if the noise of each seed is not known.
 pub(super) fn squared_bias_interval(checkpoint: &ConvergenceCheckpoint) -> Option<[f64; 2]> {
     let ConvergenceCheckpoint { squared_errors, squared_noises, .. } = checkpoint;
     (squared_errors.len() == squared_noises.len())

@@ -4,8 +4,8 @@ use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Largest predicted time, divided by the measured time of a study. A longer time counts as
-/// unknown.
+/// Largest predicted time, divided by the time of the method's last checkpoint. A longer time
+/// counts as unknown.
 ///
 /// The ends of the confidence interval of a predicted time lie within the same factor of that time.
 pub const MAX_EXTRAPOLATION_FACTOR: f64 = 1000.0;
@@ -179,8 +179,8 @@ pub fn time_to_tenth_of_error(
 /// Returns the relative error of `method` after `seconds` of processor time, interpolated between
 /// checkpoints or extrapolated from the last one.
 ///
-/// `None` before the first checkpoint, if a checkpoint's squared error is not positive, or if there
-/// is no fit to extrapolate.
+/// `None` before the first checkpoint, or if there is no fit to extrapolate. Also `None` if the
+/// squared error of a checkpoint that is used is not positive.
 #[must_use]
 pub fn error_after_cpu_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
     let error = |c: &ConvergenceCheckpoint| Some(c.mean_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);

@@ -13,7 +13,8 @@ use std::fmt;
 /// The error then exceeds the bias by at most 12 %.
 pub const DOMINANT_SQUARED_BIAS_SHARE: f64 = 0.8;
 
-/// Largest width of the confidence interval of a slope at which the slope is decided.
+/// Largest width of a slope's confidence interval with which the slope counts as known. A method
+/// with a wider interval is [`ConvergenceVerdict::Undecided`].
 ///
 /// It is half of the distance between slope 0 (a constant error) and slope −½ (the error of
 /// `path`).

@@ -7,8 +7,8 @@ use crate::study::report::text::{
 };
 use crate::study::{EffectResult, EffectStudyResult};
 
-/// Report of a study of effects as CSV, with one row per effect. Effects that are not simulated
-/// have empty cells.
+/// Returns the report of a study of effects as CSV, with one row per effect. The row of an effect
+/// that is not simulated has no numbers.
 ///
 /// Times are in seconds, radiance in W/(m² sr).
 #[must_use]

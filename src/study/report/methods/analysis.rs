@@ -99,10 +99,11 @@ pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
     law.map_or("none".to_owned(), |law| law.to_string())
 }
 
-/// Returns the time to reach an error as text, and further texts: time range, passes and photons.
+/// Returns two parts: the text of the time to reach an error, and further texts (time range, passes
+/// and photons).
 ///
-/// `has_photons` is true if the method traces photons. An error that is never reached gets an
-/// explanation.
+/// `has_photons` is true if the method traces photons. For an error that is never reached, the
+/// second part is an explanation.
 pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
     let work = |effort: &RenderEffort| {
         let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));

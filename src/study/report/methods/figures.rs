@@ -217,9 +217,10 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
     Ok(crops)
 }
 
-/// Draws a colour bar as SVG, with the colours of `error_color_ramp`.
+/// Draws a colour bar as SVG. The function `error_color_ramp` gives the linear RGB colour at each
+/// position on the bar, from 0 to 1.
 ///
-/// `ticks` are positions on the bar, from 0 to 1, and their labels.
+/// `ticks` are positions on the bar and their labels.
 fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
     const GRADIENT_STOPS: u32 = 24;
     let mut svg = format!(
@@ -246,8 +247,8 @@ fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(
     svg + "</svg>\n"
 }
 
-/// sRGB signal of a linear value (IEC 61966-2-1), plus half an 8-bit step, so that truncation
-/// rounds.
+/// Returns the sRGB signal of a linear value (IEC 61966-2-1), plus half an 8-bit step. Truncation
+/// to 8 bits then rounds to nearest.
 fn srgb_encoded(linear: f32) -> f32 {
     let signal = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
     signal + 0.5 / 255.0
