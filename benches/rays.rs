@@ -1,6 +1,6 @@
 //! Benchmarks of rays through the bounding volume hierarchy: `cargo bench --bench rays`.
 
-use caustica::accel::{Hierarchy, ShapeHit};
+use caustica::accel::{Bvh, ShapeHit};
 use caustica::math::{Bounds, Frame, Ray, warp};
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -39,7 +39,7 @@ fn knot(n: usize, m: usize) -> Vec<[Vec3; 3]> {
 }
 
 struct Scene {
-    tree: Hierarchy,
+    tree: Bvh,
     primary: Vec<Ray>,
     diffuse: Vec<Ray>,
     shadow: Vec<Ray>,
@@ -47,7 +47,7 @@ struct Scene {
 
 static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let triangles = knot(2500, 200);
-    let tree = Hierarchy::build(&triangles, &[]);
+    let tree = Bvh::build(&triangles, &[]);
     let eye = Vec3::new(1.5, -4.0, 6.0);
     let frame = Frame::from_normal(-eye.normalize());
     let pixel = |i: usize| (Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5) / SIDE as f32 - 0.5;
@@ -71,7 +71,7 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     Scene { tree, primary, diffuse, shadow }
 });
 
-fn closest(bencher: Bencher, tree: &Hierarchy, rays: &[Ray]) {
+fn closest(bencher: Bencher, tree: &Bvh, rays: &[Ray]) {
     let count = |r: &&Ray| tree.closest_hit(r, |_, _| None).is_some();
     bencher.counter(ItemsCount::new(rays.len())).bench_local(|| rays.iter().filter(count).count());
 }
@@ -102,7 +102,7 @@ fn cornell(bencher: Bencher) {
         quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).map(|t| t.map(|i: usize| room[i])).collect();
     let balls = [Vec3::new(-0.4, -0.65, 0.3), Vec3::new(0.4, -0.65, -0.3)];
     let boxes = balls.map(|c| Bounds { min: c, max: c }.expanded(0.35));
-    let tree = Hierarchy::build(&walls, &boxes);
+    let tree = Bvh::build(&walls, &boxes);
     let mut rng = SmallRng::seed_from_u64(2);
     let uniform = |rng: &mut SmallRng| Vec3::new(rng.random(), rng.random(), rng.random()) * 1.9 - 0.95;
     let rays: Vec<Ray> = (0..10_000)
@@ -125,5 +125,5 @@ fn cornell(bencher: Bencher) {
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn build(bencher: Bencher) {
     let triangles = knot(2500, 200);
-    bencher.counter(ItemsCount::new(triangles.len())).bench_local(|| Hierarchy::build(&triangles, &[]));
+    bencher.counter(ItemsCount::new(triangles.len())).bench_local(|| Bvh::build(&triangles, &[]));
 }

@@ -87,7 +87,7 @@
 //! 2. `camera_path::trace_camera_path` returns the radiance along this ray. It calls
 //!    [`PathRay::next_vertex`](scene::PathRay::next_vertex) for each vertex of the path.
 //!    `next_vertex` asks `Geometry::intersect` for the nearest surface. This calls
-//!    [`Hierarchy::closest_hit`](accel::Hierarchy::closest_hit), whose loop tests the boxes of a
+//!    [`Bvh::closest_hit`](accel::Bvh::closest_hit), whose loop tests the boxes of a
 //!    node by `Boxes8::intersect_boxes`, and the triangles of a leaf.
 //! 3. At casters, for example glass and mirrors
 //!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)), `scatter_at_caster` continues the

@@ -8,7 +8,7 @@ mod it {
 }
 
 use caustica::cli::{Arguments, Command, Exit, FarmEngine, MethodArguments};
-use caustica::format::grid::{self, GridEncoding, GridFile};
+use caustica::format::grid::{self, DensityGridData, GridEncoding};
 use caustica::format::mesh::{self, MeshFormat};
 use caustica::format::{SourceText, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
@@ -473,7 +473,7 @@ fn scenes_of_language_page_render() {
     let gray = Image::from_pixels(2, 2, vec![glam::Vec3::splat(0.5); 4]).unwrap();
     image::write(&folder.path().join("textures/tile.png"), &gray, &WriteOptions::default()).unwrap();
     std::fs::create_dir(folder.path().join("grids")).unwrap();
-    let flame = GridFile { size: [2, 3, 2], densities: vec![0.5; 12] };
+    let flame = DensityGridData { cell_counts: [2, 3, 2], densities: vec![0.5; 12] };
     grid::write(&folder.path().join("grids/flame.grid"), &flame, GridEncoding::F32).unwrap();
     for (i, text) in scenes.iter().enumerate() {
         let mut description = parse("scene-language.md", text).unwrap();

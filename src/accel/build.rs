@@ -230,7 +230,7 @@ fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
     let extent = centers.max - centers.min;
     if depth < MEDIAN_SPLIT_DEPTH
         && size > 2
-        && let Some((axis, edge)) = best_split_bin(primitives, centers)
+        && let Some((axis, edge)) = best_split_axis_and_bin(primitives, centers)
     {
         let bins = CentroidBinning::new(centers, size);
         return partition_primitives(primitives, |f| bins.bin_indices(f)[axis] <= edge);
@@ -276,7 +276,7 @@ impl CentroidBinning {
 ///
 /// `None` if all centres coincide or the costs overflow. `centers` is the box of the doubled
 /// centres.
-fn best_split_bin(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(usize, usize)> {
+fn best_split_axis_and_bin(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(usize, usize)> {
     let binning = CentroidBinning::new(centers, primitives.len());
     let mut bins = [[(SimdBox::EMPTY, PrimitiveCounts::default()); MAX_BINS]; 3];
     for f in primitives {

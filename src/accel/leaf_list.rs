@@ -15,7 +15,7 @@ const MAX_LEAVES: usize = 6;
 /// A box that needs more entries overlaps too many leaves in any case.
 const MAX_STACK_ENTRIES: usize = 4 * ARITY;
 
-/// The leaves of a [`Hierarchy`](super::Hierarchy) whose boxes overlap one query box.
+/// The leaves of a [`Bvh`](super::Bvh) whose boxes overlap one query box.
 ///
 /// A ray inside the query box hits no primitive of other leaves.
 #[derive(Clone, Copy, Debug)]

@@ -29,7 +29,7 @@ use ray_precalc::RayPrecalc;
 use std::ops::ControlFlow;
 use traversal_stack::TraversalStack;
 
-/// Index of a primitive in one of the two slices that [`Hierarchy::build`] received.
+/// Index of a primitive in one of the two slices that [`Bvh::build`] received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PrimitiveIndex {
     /// Index in the slice of triangles.
@@ -38,7 +38,7 @@ pub enum PrimitiveIndex {
     Other(u32),
 }
 
-/// Intersection of a ray with one primitive of a [`Hierarchy`].
+/// Intersection of a ray with one primitive of a [`Bvh`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrimitiveHit {
     /// Ray parameter t in (0, `t_max`): the hit is at origin + t · direction of the caller's ray.
@@ -76,12 +76,12 @@ pub struct ShapeHit {
 /// corner. This holds at any scale and distance (Woop, Benthin and Wald 2013), since boxes are
 /// padded by the rounding errors of the test. Coordinates must be finite and below 10¹⁸ in
 /// magnitude. Memory is about 72 bytes per triangle of a mesh, and 180 more during the build.
-pub struct Hierarchy {
+pub struct Bvh {
     bvh: Bvh8,
     bounds: Bounds,
 }
 
-impl Hierarchy {
+impl Bvh {
     /// Builds a hierarchy over `triangles`, given by their corners, and `others`, given by boxes.
     ///
     /// Each box encloses one primitive that the caller's closures intersect. A hit of this
@@ -138,9 +138,9 @@ impl Hierarchy {
     }
 
     /// Nearest hit of a ray that stays in the box for which
-    /// [`Hierarchy::leaves_overlapping_bounds`] found `leaves`.
+    /// [`Bvh::leaves_overlapping_bounds`] found `leaves`.
     ///
-    /// The other arguments and the result are as in [`Hierarchy::closest_hit`].
+    /// The other arguments and the result are as in [`Bvh::closest_hit`].
     #[inline]
     pub fn closest_hit_in_leaves<F>(&self, leaves: &LeafList, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
@@ -157,9 +157,9 @@ impl Hierarchy {
         best.to_primitive_hit(ray, &precalc)
     }
 
-    /// Leaves whose boxes overlap `bounds`, for [`Hierarchy::closest_hit_in_leaves`].
+    /// Leaves whose boxes overlap `bounds`, for [`Bvh::closest_hit_in_leaves`].
     ///
-    /// `None` if there are so many that [`Hierarchy::closest_hit`] is faster.
+    /// `None` if there are so many that [`Bvh::closest_hit`] is faster.
     #[must_use]
     pub fn leaves_overlapping_bounds(&self, bounds: &Bounds) -> Option<LeafList> {
         LeafList::new(&self.bvh, bounds)
@@ -258,7 +258,7 @@ impl NearestHit {
 
     /// Tests the primitives of the leaf with child reference `leaf`, and keeps the nearest hit.
     ///
-    /// `other` intersects primitives other than triangles, as in [`Hierarchy::closest_hit`].
+    /// `other` intersects primitives other than triangles, as in [`Bvh::closest_hit`].
     #[inline(always)]
     fn keep_nearest_hit_of_leaf(
         &mut self,

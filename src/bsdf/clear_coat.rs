@@ -14,14 +14,14 @@ const CLEAR_COAT_INDEX: f32 = 1.5;
 /// Number of quantization steps between 0 and 1 for the parameters of a clear coat.
 ///
 /// Parameters of 16 bits keep [`Bsdf`] small.
-const STEPS: f32 = 65_535.0;
+const QUANTIZATION_STEPS: f32 = 65_535.0;
 
 /// A clear coat of index 1.5: how much of the surface it covers, and its roughness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClearCoat {
-    /// Fraction of the surface that the coat covers, in steps of 1/[`STEPS`].
+    /// Fraction of the surface that the coat covers, in steps of 1/[`QUANTIZATION_STEPS`].
     coverage_steps: u16,
-    /// GGX roughness α, in steps of 1/[`STEPS`]; 0 if the coat is smooth.
+    /// GGX roughness α, in steps of 1/[`QUANTIZATION_STEPS`]; 0 if the coat is smooth.
     alpha_steps: u16,
 }
 
@@ -58,7 +58,7 @@ impl ClearCoat {
     #[must_use]
     pub fn new(coverage: f32, alpha: f32) -> Self {
         let alpha = if alpha < MIN_ROUGH_ALPHA { 0.0 } else { alpha };
-        let [coverage_steps, alpha_steps] = [coverage, alpha].map(|x| (x * STEPS).round() as u16);
+        let [coverage_steps, alpha_steps] = [coverage, alpha].map(|x| (x * QUANTIZATION_STEPS).round() as u16);
         Self { coverage_steps, alpha_steps }
     }
 
@@ -73,12 +73,12 @@ impl ClearCoat {
 
     #[inline]
     fn coverage(&self) -> f32 {
-        f32::from(self.coverage_steps) / STEPS
+        f32::from(self.coverage_steps) / QUANTIZATION_STEPS
     }
 
     #[inline]
     fn alpha(&self) -> f32 {
-        f32::from(self.alpha_steps) / STEPS
+        f32::from(self.alpha_steps) / QUANTIZATION_STEPS
     }
 
     /// Fraction of light from direction `w` that the coat reflects; `n` is the shading normal.
@@ -88,7 +88,7 @@ impl ClearCoat {
     }
 
     /// The coat as a BSDF, divided by `probability`.
-    fn over_probability(&self, probability: f32) -> DielectricCoat {
+    fn bsdf_divided_by_probability(&self, probability: f32) -> DielectricCoat {
         DielectricCoat::new(CLEAR_COAT_INDEX, self.alpha(), self.coverage() / probability)
     }
 }
@@ -113,7 +113,7 @@ impl ClearCoated {
 
     /// The coat alone as a BSDF, not divided by a probability.
     pub(super) fn coat(&self) -> DielectricCoat {
-        self.coat.over_probability(1.0)
+        self.coat.bsdf_divided_by_probability(1.0)
     }
 
     /// True if photons are stored on the surface under the coat.
@@ -171,7 +171,7 @@ impl ClearCoated {
         let coat_probability = self.coat.albedo(wo, ns);
         let base_probability = 1.0 - coat_probability;
         if coat_probability > 0.0 && u >= base_probability {
-            return Bsdf::DielectricCoat(self.coat.over_probability(coat_probability));
+            return Bsdf::DielectricCoat(self.coat.bsdf_divided_by_probability(coat_probability));
         }
         let base = match self.base {
             CoatableBsdf::CoatedDiffuse(coated) => {

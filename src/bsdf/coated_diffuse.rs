@@ -155,7 +155,7 @@ impl CoatedDiffuse {
     }
 
     /// The BSDF of the coat alone, divided by the coat's selection probability `probability`.
-    fn coat_over_probability(&self, probability: f32) -> DielectricCoat {
+    fn coat_divided_by_probability(&self, probability: f32) -> DielectricCoat {
         DielectricCoat { eta: self.eta, alpha: self.alpha, reflectance_factor: 1.0 / probability }
     }
 
@@ -168,7 +168,7 @@ impl CoatedDiffuse {
 
     /// The coat as a separate BSDF; `None` if it is so rough that this BSDF includes it.
     pub(super) fn separate_coat(&self) -> Option<DielectricCoat> {
-        (!self.includes_coat()).then(|| self.coat_over_probability(1.0))
+        (!self.includes_coat()).then(|| self.coat_divided_by_probability(1.0))
     }
 
     /// Fraction of light from direction `w` that enters the coat; `n` is the shading normal.
@@ -200,7 +200,7 @@ impl CoatedDiffuse {
                 ..self
             })
         } else {
-            Bsdf::DielectricCoat(self.coat_over_probability(coat / (coat + base)))
+            Bsdf::DielectricCoat(self.coat_divided_by_probability(coat / (coat + base)))
         }
     }
 
@@ -210,7 +210,7 @@ impl CoatedDiffuse {
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         let base = self.base_brdf_factor * (self.transmittance(wo, n) * self.transmittance(wi, n) * FRAC_1_PI);
-        if self.includes_coat() { base + self.coat_over_probability(1.0).evaluate(wo, wi, n) } else { base }
+        if self.includes_coat() { base + self.coat_divided_by_probability(1.0).evaluate(wo, wi, n) } else { base }
     }
 
     /// Probability with which [`CoatedDiffuse::sample`] samples the coat instead of the base.
@@ -231,7 +231,11 @@ impl CoatedDiffuse {
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         let (cosine, coat) = (warp::cosine_hemisphere_pdf(wi.dot(n).abs()), self.coat_probability(wo, n));
-        if coat == 0.0 { cosine } else { coat * self.coat_over_probability(1.0).pdf(wo, wi, n) + (1.0 - coat) * cosine }
+        if coat == 0.0 {
+            cosine
+        } else {
+            coat * self.coat_divided_by_probability(1.0).pdf(wo, wi, n) + (1.0 - coat) * cosine
+        }
     }
 
     /// Samples a direction of reflection on the base or on the coat.
@@ -242,7 +246,7 @@ impl CoatedDiffuse {
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
         let n = face_forward(n, wo);
         let wi = if lobe < self.coat_probability(wo, n) {
-            self.coat_over_probability(1.0).sample_reflected_direction(wo, n, u)?
+            self.coat_divided_by_probability(1.0).sample_reflected_direction(wo, n, u)?
         } else {
             Frame::from_normal(n).to_world(warp::square_to_cosine_hemisphere(u))
         };

@@ -260,7 +260,7 @@ impl Bsdf {
     /// Returns the surface under a clear coat, without the coat; `None` for a surface without a
     /// clear coat.
     #[must_use]
-    pub fn under_coat(&self) -> Option<Self> {
+    pub fn base_under_clear_coat(&self) -> Option<Self> {
         if let Self::ClearCoated(coated) = self { Some(coated.base()) } else { None }
     }
 

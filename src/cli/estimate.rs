@@ -15,7 +15,7 @@ use super::settings::settings_from_arguments;
 use super::{CommandFailure, EstimateArguments, Exit};
 use crate::integrate::{Algorithm, Integrator};
 use crate::render::{
-    RenderLimits, RenderResult, StopCriteria, check_estimated_picture_memory, check_photon_memory, render,
+    RenderLimits, RenderResult, StopCriteria, check_photon_memory, check_picture_and_error_memory, render,
 };
 use crate::scene::Scene;
 use comparison::{CostComparison, check_comparable};
@@ -77,7 +77,7 @@ fn estimate_method_cost(
     let mut settings = settings_from_arguments(method, arguments.effects.effects);
     settings.camera_paths.estimate_error = true;
     let memory = arguments.scene.memory_limit();
-    let picture_bytes = check_estimated_picture_memory(1, scene.camera().size(), memory.available_bytes())
+    let picture_bytes = check_picture_and_error_memory(1, scene.camera().size(), memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     let integrator = method.integrator.prepare(scene, settings);
     check_photon_memory(integrator.expected_photons(), picture_bytes, memory.available_bytes())

@@ -12,7 +12,7 @@ use crate::integrate::Algorithm;
 use crate::plan::EffectOverrides;
 use crate::render::error_estimate::MIN_ERROR_ESTIMATE_PASSES;
 use crate::render::{
-    FilmFile, FilmFileError, FilmHeader, InputDigest, PassSet, RenderResult, RenderedLayers, check_films_memory,
+    FilmFile, FilmFileError, FilmHeader, InputDigest, LayerSelection, PassSet, RenderResult, check_films_memory,
     read_film_header,
 };
 use crate::stats::MemoryLimit;
@@ -197,9 +197,9 @@ impl FilmHeaderSettings<'_> {
 }
 
 /// Returns which layers a film with this header holds beside the picture.
-fn film_layers(header: &FilmHeader) -> RenderedLayers {
+fn film_layers(header: &FilmHeader) -> LayerSelection {
     let has = |flag: &str| header.settings.iter().any(|word| word == flag);
-    RenderedLayers {
+    LayerSelection {
         estimates_error: !has(NO_ERROR_ESTIMATE_FLAG) && !has(Algorithm::Raycast.name()),
         groups_light: has(LIGHT_GROUPS_FLAG),
         clamps_light: has(CLAMP_FLAG),

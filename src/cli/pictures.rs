@@ -36,8 +36,8 @@ impl PictureArguments {
     pub(super) fn write_options(&self, curve: ToneCurve) -> WriteOptions {
         WriteOptions {
             tone: ToneMap { curve: self.tone.unwrap_or(curve), exposure_stops: self.exposure },
-            depth: self.png_bits,
-            floats: self.exr_bits,
+            bit_depth: self.png_bits,
+            exr_precision: self.exr_bits,
             metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
         }
     }

@@ -105,17 +105,17 @@ fn prefix_rays_line(mean: f64) -> Option<String> {
 /// Returns a line with the shares of indirect light that photon estimates carry in pass 1 and in
 /// pass 100. Returns `None` if camera paths carry all indirect light in pass 1.
 fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
-    let percent = |pass| (100.0 * integrator.photon_share_of_indirect_light(pass)).round();
+    let percent = |pass| (100.0 * integrator.interreflection_photon_weight(pass)).round();
     let (first, later) = (percent(0), percent(99));
     let text = format!("photon estimates carry {first} % of the indirect light in pass 1, {later} % in pass 100");
-    (integrator.photon_share_of_indirect_light(0) > 0.0).then_some(text)
+    (integrator.interreflection_photon_weight(0) > 0.0).then_some(text)
 }
 
 /// Returns a line about the benefit of guiding shadow rays to the environment; `None` if passes do
 /// not guide them.
 fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.environment_guiding_report().filter(|report| report.used)?;
-    let percent = percent_text(report.unoccluded_fraction);
+    let percent = percent_text(report.contributing_fraction);
     Some(format!(
         "shadow rays to the environment are guided: {percent} of unguided ones reach it, guided ones have {:.1} times \
          less variance",
@@ -253,7 +253,7 @@ impl PlanCommandReport {
             features: plan.features,
             balance: integrator.ray_photon_balance(),
             prefix_rays_per_pixel: integrator.prefix_rays_per_pixel(),
-            indirect_photon_share: integrator.photon_share_of_indirect_light(0),
+            indirect_photon_share: integrator.interreflection_photon_weight(0),
             environment_guiding: integrator.environment_guiding_report(),
             scatter_point_guiding: integrator.scatter_point_guiding_report(),
             rays: work.total.rays,

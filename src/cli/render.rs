@@ -37,7 +37,7 @@ use crate::integrate::{
     render_surface_aovs,
 };
 use crate::render::{
-    RenderLimits, RenderResult, RenderedLayers, StopCriteria, check_layered_picture_memory, check_photon_memory,
+    LayerSelection, RenderLimits, RenderResult, StopCriteria, check_layered_picture_memory, check_photon_memory,
 };
 use crate::scene::Scene;
 #[cfg(feature = "view")]
@@ -278,8 +278,8 @@ fn render_scene(
 }
 
 /// Returns which layers beside the picture the command line asks for. Each of them needs memory.
-fn requested_layers(arguments: &RenderArguments, estimates_error: bool) -> RenderedLayers {
-    RenderedLayers {
+fn requested_layers(arguments: &RenderArguments, estimates_error: bool) -> LayerSelection {
+    LayerSelection {
         estimates_error,
         groups_light: arguments.light_groups,
         clamps_light: arguments.clamp.is_some(),

@@ -89,7 +89,8 @@ pub(super) struct EstimatedErrorReport {
     #[serde(flatten)]
     pub estimate: ErrorEstimate,
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
-    pub confidence: Confidence,
+    #[serde(rename = "confidence")]
+    pub interval_confidence: Confidence,
     /// Total number of passes after which a render would end whose error target is half of the
     /// present error (median of the forecast). `None` if it is unknown, or if no number of passes
     /// halves the error.
@@ -113,7 +114,12 @@ impl EstimatedErrorReport {
         };
         let pass_seconds = rendered.wall_time.as_secs_f64() / f64::from(estimate.passes);
         let halving_seconds = halving_passes.map(|n| f64::from(n.saturating_sub(estimate.passes)) * pass_seconds);
-        Some(Self { estimate, confidence, halving_total_passes: halving_passes, halving_seconds_left: halving_seconds })
+        Some(Self {
+            estimate,
+            interval_confidence: confidence,
+            halving_total_passes: halving_passes,
+            halving_seconds_left: halving_seconds,
+        })
     }
 }
 
@@ -149,7 +155,8 @@ pub(super) struct RenderTimes {
 
 #[derive(Debug, Serialize)]
 pub(super) struct RenderRates {
-    pub photons_per_second: f64,
+    #[serde(rename = "photons_per_second")]
+    pub photon_paths_per_second: f64,
     pub rays_per_second: f64,
 }
 
@@ -207,7 +214,7 @@ impl RenderReport {
             counters: rendered.counters,
             seconds: RenderTimes { setup: setup.setup_seconds, passes: rendered.seconds, render: wall },
             rates: RenderRates {
-                photons_per_second: rate(emitted, rendered.seconds.photons),
+                photon_paths_per_second: rate(emitted, rendered.seconds.photons),
                 rays_per_second: rate(rendered.counters.total_rays(), wall),
             },
             peak_memory_bytes: peak_memory(),

@@ -33,7 +33,11 @@ impl ImportArguments {
     /// Returns the options for reading a scene with these flags. `memory` limits the memory that
     /// reading may take.
     pub(super) fn import_options(&self, memory: MemoryLimit) -> ImportOptions {
-        ImportOptions { memory, format_extension: self.format.clone(), allows_outside_files: self.allow_outside }
+        ImportOptions {
+            memory_limit: memory,
+            format_extension: self.format.clone(),
+            allows_outside_files: self.allow_outside,
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Meshes, pictures and grids that a scene file itself contains.
 
-use super::grid::GridFile;
+use super::grid::DensityGridData;
 use super::mesh::TriangleMesh;
 use crate::image::Image;
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ pub struct EmbeddedAssets {
     /// Pictures of textures and lights; their values are linear.
     pub pictures: BTreeMap<String, Arc<Image>>,
     /// Density grids of media.
-    pub grids: BTreeMap<String, Arc<GridFile>>,
+    pub grids: BTreeMap<String, Arc<DensityGridData>>,
 }
 
 impl EmbeddedAssets {

@@ -47,14 +47,14 @@ pub enum ProjectionDescription {
     /// Perspective through a pinhole or a thin lens.
     Perspective {
         /// Vertical field of view in degrees, inside (0, 180).
-        angle: f64,
+        vertical_fov_degrees: f64,
         /// Lens; `None` for a pinhole.
         lens: Option<LensDescription>,
     },
     /// Orthographic projection.
     Orthographic {
         /// Height of the visible region in scene units, above 0.
-        size: f64,
+        view_height: f64,
     },
     /// Equirectangular projection of all directions.
     Panorama,
@@ -82,7 +82,7 @@ pub enum ApertureDescription {
         /// The f-number, above 0.
         number: f64,
         /// Height of the sensor in scene units, above 0.
-        sensor: f64,
+        sensor_height: f64,
     },
 }
 
@@ -142,7 +142,7 @@ const PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
 ];
 
 static PERSPECTIVE: BlockSchema = block_schema("PerspectiveCamera", "perspective through a pinhole or a thin lens")
-    .with_fields(&[
+    .with_own_fields(&[
         field_schema("angle", FieldKind::Number, "vertical field of view")
             .with_range(FieldRange::OpenInterval(0.0, 180.0))
             .make_required()
@@ -168,7 +168,7 @@ static PERSPECTIVE: BlockSchema = block_schema("PerspectiveCamera", "perspective
     .mark_as_mit_6837_syntax();
 
 static ORTHOGRAPHIC: BlockSchema = block_schema("OrthographicCamera", "parallel projection")
-    .with_fields(&[field_schema("size", FieldKind::Number, "height of the visible region")
+    .with_own_fields(&[field_schema("size", FieldKind::Number, "height of the visible region")
         .with_range(FieldRange::LeftOpenInterval(0.0, 1e12))
         .make_required()])
     .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS]);
@@ -177,7 +177,7 @@ static PANORAMA: BlockSchema = block_schema(
     "EnvironmentCamera",
     "all directions by longitude and latitude, with the direction of view in the middle",
 )
-.with_fields(&[
+.with_own_fields(&[
     field_schema("width", FieldKind::WholeNumber, "picture width")
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[960.0])
@@ -234,11 +234,14 @@ pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Resu
 }
 
 fn parse_perspective_projection(f: &BlockFields<'_>, view: &CameraPose) -> Result<ProjectionDescription, SceneError> {
-    Ok(ProjectionDescription::Perspective { angle: f.value_or_default("angle")?, lens: parse_lens(f, view)? })
+    Ok(ProjectionDescription::Perspective {
+        vertical_fov_degrees: f.value_or_default("angle")?,
+        lens: parse_lens(f, view)?,
+    })
 }
 
 fn parse_orthographic_projection(f: &BlockFields<'_>, _: &CameraPose) -> Result<ProjectionDescription, SceneError> {
-    Ok(ProjectionDescription::Orthographic { size: f.value_or_default("size")? })
+    Ok(ProjectionDescription::Orthographic { view_height: f.value_or_default("size")? })
 }
 
 fn parse_panorama_projection(_: &BlockFields<'_>, _: &CameraPose) -> Result<ProjectionDescription, SceneError> {
@@ -258,7 +261,7 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraPose) -> Result<Option<LensDescr
         ApertureDescription::Radius(aperture.value())
     } else {
         let sensor = f.optional_value("sensorHeight").unwrap_or(DEFAULT_SENSOR_HEIGHT);
-        ApertureDescription::FNumber { number: aperture.value(), sensor }
+        ApertureDescription::FNumber { number: aperture.value(), sensor_height: sensor }
     };
     let focus = if f.get("focusDistance").is_some() || f.get("focusAt").is_some() {
         let focus = f.require_one_field_of(&["focusDistance", "focusAt"])?;
@@ -299,11 +302,11 @@ pub(super) fn write_camera(out: &mut SceneWriter<'_, '_>, camera: &CameraDescrip
     write_direction_or_target(out, camera.aim)?;
     out.write_vec3("up", camera.up)?;
     match camera.projection {
-        ProjectionDescription::Perspective { angle, lens } => {
+        ProjectionDescription::Perspective { vertical_fov_degrees: angle, lens } => {
             out.write_number("angle", angle)?;
             lens.map_or(Ok(()), |lens| write_lens(out, &lens))?;
         }
-        ProjectionDescription::Orthographic { size } => out.write_number("size", size)?,
+        ProjectionDescription::Orthographic { view_height: size } => out.write_number("size", size)?,
         ProjectionDescription::Panorama => {}
     }
     out.write_field("width", camera.width)?;
@@ -318,7 +321,7 @@ pub(super) fn write_camera(out: &mut SceneWriter<'_, '_>, camera: &CameraDescrip
 fn write_lens(out: &mut SceneWriter<'_, '_>, lens: &LensDescription) -> fmt::Result {
     match lens.aperture {
         ApertureDescription::Radius(radius) => out.write_number("aperture", radius)?,
-        ApertureDescription::FNumber { number, sensor } => {
+        ApertureDescription::FNumber { number, sensor_height: sensor } => {
             out.write_number("fNumber", number)?;
             out.write_number("sensorHeight", sensor)?;
         }
@@ -343,7 +346,7 @@ pub(super) fn resolve_camera(
         SceneError::error_at_span(source, described.span, message, "this camera", help)
     };
     let camera = match described.projection {
-        ProjectionDescription::Perspective { angle, lens } => {
+        ProjectionDescription::Perspective { vertical_fov_degrees: angle, lens } => {
             check_field_of_view(angle, (width, height)).map_err(refuse)?;
             let camera = Camera::perspective(center, direction, up, angle.to_radians(), width, height);
             match lens {
@@ -355,7 +358,7 @@ pub(super) fn resolve_camera(
                 None => camera,
             }
         }
-        ProjectionDescription::Orthographic { size } => {
+        ProjectionDescription::Orthographic { view_height: size } => {
             Camera::orthographic(center, direction, up, size, width, height)
         }
         ProjectionDescription::Panorama => Camera::panorama(center, direction, up, width, height),
@@ -421,7 +424,7 @@ fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
 fn resolve_lens(lens: &LensDescription, angle: f64, center: DVec3, direction: DVec3) -> Lens {
     let radius = match lens.aperture {
         ApertureDescription::Radius(radius) => radius,
-        ApertureDescription::FNumber { number, sensor } => {
+        ApertureDescription::FNumber { number, sensor_height: sensor } => {
             let focal_length = 0.5 * sensor / libm::tan(0.5 * angle.to_radians());
             0.5 * focal_length / number
         }

@@ -5,7 +5,7 @@ use super::description::{
     DensityDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription, Spanned, TextureKindDescription,
 };
 use super::file::SceneFile;
-use super::grid::GridFile;
+use super::grid::DensityGridData;
 use super::mesh::TriangleMesh;
 use super::resolve::candidate_file_paths;
 use crate::image::Image;
@@ -23,7 +23,7 @@ pub struct ConvertedScene {
     /// Embedded pictures, each with the path of the OpenEXR file to write.
     pub pictures: Vec<(PathBuf, Arc<Image>)>,
     /// Embedded density grids, each with the path of the grid file to write.
-    pub grids: Vec<(PathBuf, Arc<GridFile>)>,
+    pub grids: Vec<(PathBuf, Arc<DensityGridData>)>,
     /// Paths of existing files that the text refers to, such as meshes and pictures. Files still to
     /// be written are not included.
     pub existing_file_paths: Vec<PathBuf>,

@@ -3,7 +3,7 @@
 use super::assets::EmbeddedAssets;
 use super::camera::resolve_camera;
 use super::description::{SceneDescription, Span};
-use super::extensions::lowercase_extension;
+use super::file_extensions::lowercase_extension;
 use super::import::{ImportNote, ImportOptions, ImportedScene, SceneReadError};
 use super::language::parse;
 use super::mesh::MeshReadMonitor;
@@ -161,7 +161,7 @@ impl SceneFile {
 
 #[cfg(test)]
 mod tests {
-    use super::super::extensions::remedy_for_foreign_scene;
+    use super::super::file_extensions::remedy_for_foreign_scene;
     use super::IMPORTERS;
     use std::collections::HashSet;
 

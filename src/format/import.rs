@@ -10,13 +10,13 @@ use std::path::{Path, PathBuf};
 /// Reader of scenes in one file format.
 ///
 /// To add a format, implement this trait. Then add the type to [`IMPORTERS`](super::IMPORTERS), and
-/// remove its extensions from the lists of unread formats in `extensions.rs`.
+/// remove its extensions from the lists of unread formats in `file_extensions.rs`.
 ///
 /// An importer checks what the scene language checks in its own files: values lie in their ranges
 /// (see [`description`](super::description)), and groups nest at most
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep. The paths of its [`EmbeddedAssets`] must
 /// not name files beside the scene, because an asset hides a file of the same path.
-/// `import_notes.rs` collects messages about unsupported content. `framing.rs` makes a camera for a
+/// `import_notes.rs` collects messages about unsupported content. `default_camera.rs` makes a camera for a
 /// file that has none.
 ///
 /// Malformed files are tested by a function in `tests/it/robustness/input/readers.rs`, a folder of
@@ -52,7 +52,7 @@ pub trait SceneImporter: Sync {
 #[derive(Clone, Debug, Default)]
 pub struct ImportOptions {
     /// Limit of the memory that the scene may take.
-    pub memory: MemoryLimit,
+    pub memory_limit: MemoryLimit,
     /// File extension that selects the importer, in lower case and without the dot; `None` for the
     /// extension of the file itself.
     pub format_extension: Option<String>,

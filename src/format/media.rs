@@ -156,7 +156,7 @@ const EXTENT_FIELDS: &[FieldSchema] = &[
 ];
 
 static MEDIUM: BlockSchema = block_schema("Medium", "a medium of constant density, or with the densities of a grid")
-    .with_fields(&[
+    .with_own_fields(&[
         field_schema("grid", FieldKind::Name, "file of densities").make_optional("none: density 1 everywhere"),
         field_schema("densityScale", FieldKind::Number, "with `grid`: factor of its densities")
             .with_range(FieldRange::Positive)
@@ -166,7 +166,7 @@ static MEDIUM: BlockSchema = block_schema("Medium", "a medium of constant densit
 
 static CLOUD: BlockSchema =
     block_schema("Cloud", "a medium with noise as density, from 0 to 1, in the ellipsoid inscribed in its box")
-        .with_fields(&[
+        .with_own_fields(&[
             field_schema("cover", FieldKind::Number, "amount of noise: 0 is empty, 1 is noise everywhere")
                 .with_range(FieldRange::ClosedInterval(0.0, 1.0))
                 .with_default_numbers(&[0.5]),
@@ -416,7 +416,7 @@ fn make_density_grid(
                 }
                 *value = scaled as f32;
             }
-            GridDensity::new(grid.size, grid.densities, unit_cube_to_world(extent)).map_err(refuse)?
+            GridDensity::new(grid.cell_counts, grid.densities, unit_cube_to_world(extent)).map_err(refuse)?
         }
         DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
             let cloud = Cloud {

@@ -1,7 +1,7 @@
 //! The fields of a parallelogram, which rectangles and rectangle lights have.
 
 use super::error::SceneError;
-use crate::format::language::field_table::CheckedField;
+use crate::format::language::field_table::FieldWithCheck;
 use crate::format::language::fields::{BlockFields, ParsedField};
 use crate::format::language::schema::{FieldKind, FieldSchema, field_schema};
 use glam::DVec3;
@@ -15,7 +15,7 @@ pub(super) const EDGE0: FieldSchema =
     field_schema("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required();
 
 /// Field for the second edge vector of a parallelogram, which must not be parallel to the first.
-pub(super) const EDGE1: CheckedField = CheckedField::new(
+pub(super) const EDGE1: FieldWithCheck = FieldWithCheck::new(
     field_schema("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
     check_area,
 );

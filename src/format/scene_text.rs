@@ -1,7 +1,7 @@
 //! The importer of files in the scene language.
 
 use super::assets::EmbeddedAssets;
-use super::extensions::{SCENE_TEXT_EXTENSIONS, lowercase_extension, remedy_for_foreign_scene};
+use super::file_extensions::{SCENE_TEXT_EXTENSIONS, lowercase_extension, remedy_for_foreign_scene};
 use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError};
 use super::language::parse_scene_bytes;
 use super::mesh::MeshReadMonitor;
@@ -44,7 +44,7 @@ impl SceneImporter for SceneTextImporter {
             return Err(SceneError::error_without_position(&name, message, help).into());
         }
         let needed = SCENE_BYTES_PER_TEXT_BYTE * length;
-        if let Some(free) = options.memory.available_bytes().filter(|free| needed > *free) {
+        if let Some(free) = options.memory_limit.available_bytes().filter(|free| needed > *free) {
             return Err(SceneReadError::OutOfMemory { path: path.to_owned(), needed, free });
         }
         let mut bytes = Vec::new();

@@ -43,14 +43,14 @@ pub enum TextureKindDescription {
         /// Rule for texture coordinates beyond the picture's edges.
         wrap: WrapMode,
         /// Transform from the surface's texture coordinates to those of the picture.
-        coordinates: TexcoordTransformDescription,
+        uv_transform: TexcoordTransformDescription,
     },
     /// Checkerboard with squares of side 1 in texture coordinates.
     Checker {
         /// Colors where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
         colors: [DVec3; 2],
         /// Transform from the surface's texture coordinates to those of the checkerboard.
-        coordinates: TexcoordTransformDescription,
+        uv_transform: TexcoordTransformDescription,
     },
     /// A solid texture: a function of the position in object space.
     Solid {
@@ -153,7 +153,7 @@ const PATTERN_FIELDS: &[FieldSchema] = &[
 ];
 
 static IMAGE: BlockSchema = block_schema("Image", "a picture, which covers the unit square of texture coordinates")
-    .with_fields(&[
+    .with_own_fields(&[
         field_schema("file", FieldKind::Name, "picture: PNG, OpenEXR or Radiance HDR").make_required(),
         field_schema(
             "encoding",
@@ -204,7 +204,7 @@ pub(super) fn parse_textures_block<'a>(
 }
 
 fn placeholder_texture() -> TextureKindDescription {
-    TextureKindDescription::Checker { colors: [DVec3::ZERO; 2], coordinates: TexcoordTransformDescription::default() }
+    TextureKindDescription::Checker { colors: [DVec3::ZERO; 2], uv_transform: TexcoordTransformDescription::default() }
 }
 
 fn parse_texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKindDescription, SceneError> {
@@ -225,12 +225,12 @@ fn parse_image_texture(f: &BlockFields<'_>) -> Result<TextureKindDescription, Sc
             "mirror" => WrapMode::Mirror,
             _ => WrapMode::Repeat,
         },
-        coordinates: parse_texcoord_transform(f)?,
+        uv_transform: parse_texcoord_transform(f)?,
     })
 }
 
 fn parse_checker_texture(f: &BlockFields<'_>) -> Result<TextureKindDescription, SceneError> {
-    Ok(TextureKindDescription::Checker { colors: parse_pattern_colors(f)?, coordinates: parse_texcoord_transform(f)? })
+    Ok(TextureKindDescription::Checker { colors: parse_pattern_colors(f)?, uv_transform: parse_texcoord_transform(f)? })
 }
 
 /// Converts the fields of a solid texture, which depends on position and not on texture
@@ -272,7 +272,7 @@ pub(super) fn write_texture(out: &mut SceneWriter<'_, '_>, texture: &TextureDesc
     };
     out.begin_named_block(block, &texture.name)?;
     match &texture.kind {
-        TextureKindDescription::Image { path, encoding, wrap, coordinates } => {
+        TextureKindDescription::Image { path, encoding, wrap, uv_transform: coordinates } => {
             out.write_name_field("file", path)?;
             let encoding = match encoding {
                 PictureEncoding::Srgb => "srgb",
@@ -287,7 +287,7 @@ pub(super) fn write_texture(out: &mut SceneWriter<'_, '_>, texture: &TextureDesc
             out.write_field("wrap", wrap)?;
             write_texcoord_transform(out, coordinates)?;
         }
-        TextureKindDescription::Checker { colors, coordinates } => {
+        TextureKindDescription::Checker { colors, uv_transform: coordinates } => {
             write_pattern_colors(out, colors)?;
             write_texcoord_transform(out, coordinates)?;
         }
@@ -320,14 +320,14 @@ pub(super) fn add_textures<'a>(
 ) -> Result<(), SceneError> {
     for texture in textures {
         let added = match &texture.kind {
-            TextureKindDescription::Image { path, encoding, wrap, coordinates } => {
+            TextureKindDescription::Image { path, encoding, wrap, uv_transform: coordinates } => {
                 let content = match encoding {
                     PictureEncoding::Srgb => PixelMeaning::Color,
                     PictureEncoding::Linear => PixelMeaning::NonColor,
                 };
                 r.add_picture_texture(path, content, *wrap, texcoord_transform(coordinates))?
             }
-            TextureKindDescription::Checker { colors, coordinates } => {
+            TextureKindDescription::Checker { colors, uv_transform: coordinates } => {
                 let checker =
                     Texture::Checkerboard(Checkerboard { colors: colors.map(rgb) }, texcoord_transform(coordinates));
                 r.add_texture(checker, false)

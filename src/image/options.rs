@@ -29,9 +29,9 @@ pub struct WriteOptions {
     /// Exposure and tone curve of PNG files. OpenEXR files hold linear radiance.
     pub tone: ToneMap,
     /// Bits per channel of PNG files, 8 or 16.
-    pub depth: BitDepth,
+    pub bit_depth: BitDepth,
     /// Floating-point precision of OpenEXR files.
-    pub floats: ExrPrecision,
+    pub exr_precision: ExrPrecision,
     /// Metadata of the file: pairs of key and text.
     ///
     /// PNG stores them as text chunks, OpenEXR as lines `key: text` of the attribute `comments`. A

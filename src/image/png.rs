@@ -22,7 +22,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
 
     let mut encoder = Encoder::new(&mut file, image.width(), image.height());
     encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(match options.depth {
+    encoder.set_depth(match options.bit_depth {
         BitDepth::Eight => Depth::Eight,
         BitDepth::Sixteen => Depth::Sixteen,
     });
@@ -46,7 +46,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
 /// Converts radiance to the samples of a PNG file by the tone map of `options`; 16-bit samples are
 /// big-endian.
 fn quantize_image(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
-    let (white, size) = match options.depth {
+    let (white, size) = match options.bit_depth {
         BitDepth::Eight => (255, 1),
         BitDepth::Sixteen => (65_535, 2),
     };

@@ -46,7 +46,7 @@ pub fn encode(
     check_metadata(&options.metadata)?;
     match format {
         OutputFormat::Png => png::encode(image, options),
-        OutputFormat::Exr => exr::encode(image, options.floats, &options.metadata),
+        OutputFormat::Exr => exr::encode(image, options.exr_precision, &options.metadata),
     }
 }
 

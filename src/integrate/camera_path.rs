@@ -460,7 +460,7 @@ fn may_add_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
 /// It is the balance heuristic (Veach 1997, section 9.2.2).
 #[inline]
 fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
-    let Some(light) = hit.light else { return 1.0 };
+    let Some(light) = hit.area_light_index else { return 1.0 };
     prev.pdf / (prev.pdf + nee.mis_pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
 }
 

@@ -42,7 +42,7 @@ const MIN_GAIN: f64 = 1.5;
 ///
 /// Above it, the pilot ends after the first round without a guide: camera paths that sample the
 /// BSDF find such a widely visible sky well.
-const MAX_UNOCCLUDED_FRACTION: f64 = 0.25;
+const MAX_CONTRIBUTING_FRACTION: f64 = 0.25;
 
 /// Work and estimated benefit of the pilot that guides shadow rays to the environment light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -53,7 +53,7 @@ pub struct EnvironmentGuidingReport {
     /// Fraction in \[0, 1] of unguided shadow rays that reach the environment and contribute to the
     /// picture.
     #[serde(rename = "unoccluded")]
-    pub unoccluded_fraction: f64,
+    pub contributing_fraction: f64,
     /// Second moment of unguided shadow rays' contributions to the picture, divided by that of
     /// guided ones; 1 if no ray contributes, or if the pilot ends after the first round.
     #[serde(rename = "gain")]
@@ -98,8 +98,8 @@ pub(super) fn guide_environment_light(
         report.shadow_rays += rays.len() as u64;
         if round == 1 {
             let unoccluded = rays.iter().filter(|ray| ray.unguided_contribution > 0.0).count();
-            report.unoccluded_fraction = unoccluded as f64 / rays.len().max(1) as f64;
-            if report.unoccluded_fraction > MAX_UNOCCLUDED_FRACTION {
+            report.contributing_fraction = unoccluded as f64 / rays.len().max(1) as f64;
+            if report.contributing_fraction > MAX_CONTRIBUTING_FRACTION {
                 return (None, report);
             }
         }

@@ -1,7 +1,7 @@
 //! Sampling of the film: which rays go through each pixel of a picture, and with which weights.
 
 use super::lamp_images::{LampImages, PixelLampImage, aimed_pdf, sample_aimed_film_point};
-use super::prefix_rays::{FilmPointMisWeights, PixelPrefixRayCounts, PrefixWeights};
+use super::prefix_rays::{FilmPointRayCounts, PixelPrefixRayCounts, PrefixWeights};
 use super::shutter::{PixelRaySlices, SlicedCameras};
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::math::Ray;
@@ -69,7 +69,7 @@ pub(super) struct PixelRays<'a> {
     prefix_weights: PrefixWeights,
     /// Images of lamps at which prefix rays of the pixel are aimed, and the numbers of rays that
     /// share their light; `None` if no ray of the pixel is aimed.
-    lamp_images: Option<(&'a [PixelLampImage], FilmPointMisWeights)>,
+    lamp_images: Option<(&'a [PixelLampImage], FilmPointRayCounts)>,
     /// True if these rays are aimed; false if the pixel filter distributes them.
     is_aimed: bool,
 }
@@ -116,7 +116,7 @@ impl FilmSampling<'_> {
 
     /// Returns the numbers of [prefix rays](super::prefix_rays) of a pixel. `pixel` is an index by
     /// rows from the top.
-    fn pixel_prefix_ray_count(&self, pixel: usize) -> PixelPrefixRayCounts {
+    fn pixel_prefix_ray_counts(&self, pixel: usize) -> PixelPrefixRayCounts {
         self.prefix_rays.map_or(PixelPrefixRayCounts::default(), |rays| rays.counts[pixel])
     }
 
@@ -130,12 +130,12 @@ impl FilmSampling<'_> {
         y: u32,
     ) -> (PixelRays<'_>, Option<PixelRays<'_>>, Option<PixelRays<'_>>) {
         let index = y as usize * self.camera.size().0 as usize + x as usize;
-        let (samples, prefix) = (self.pixel_camera_ray_count(index), self.pixel_prefix_ray_count(index));
+        let (samples, prefix) = (self.pixel_camera_ray_count(index), self.pixel_prefix_ray_counts(index));
         let slices = self.divide_rays(x, y, samples);
         let used_slices = slices.used_slice_count();
         let has_aimed_rays = self.prefix_rays.filter(|_| prefix.aimed > 0);
         let lamp_images =
-            has_aimed_rays.map(|rays| (rays.lamp_images.of_pixel(index), FilmPointMisWeights::new(samples, prefix)));
+            has_aimed_rays.map(|rays| (rays.lamp_images.of_pixel(index), FilmPointRayCounts::new(samples, prefix)));
         let rays = |key: Key, count: u32, slices: PixelRaySlices, prefix_weights: PrefixWeights| PixelRays {
             key: key.pixel_key(x, y),
             count,
@@ -179,7 +179,7 @@ impl FilmSampling<'_> {
         &self,
         rays: &PixelRays<'_>,
         images: &[PixelLampImage],
-        weights: &FilmPointMisWeights,
+        weights: &FilmPointRayCounts,
         slice: usize,
         corner: Vec2,
         sampler: Sampler,
@@ -212,7 +212,7 @@ impl FilmSampling<'_> {
     pub fn up_to_receiver_weight(
         &self,
         images: &[PixelLampImage],
-        weights: &FilmPointMisWeights,
+        weights: &FilmPointRayCounts,
         corner: Vec2,
         sampler: Sampler,
     ) -> f32 {
@@ -225,7 +225,7 @@ impl FilmSampling<'_> {
     fn weight_near_lamp_images(
         &self,
         images: &[PixelLampImage],
-        weights: &FilmPointMisWeights,
+        weights: &FilmPointRayCounts,
         corner: Vec2,
         film: Vec2,
         on_lens: Vec2,

@@ -50,7 +50,7 @@ pub trait Integrator: Send + Sync {
     ///
     /// Camera paths have the rest of the weight. The indirect light of caustics does not count: in
     /// `hybrid`, photons always carry it.
-    fn photon_share_of_indirect_light(&self, _pass: u32) -> f64 {
+    fn interreflection_photon_weight(&self, _pass: u32) -> f64 {
         0.0
     }
 

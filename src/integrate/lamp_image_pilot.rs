@@ -48,7 +48,7 @@ const MIN_THROUGHPUT: f32 = 0.02;
 
 /// Largest distance from a camera ray of the pilot to the image that it searches, along each axis
 /// \[pixels].
-const MAX_DISTANCE: f64 = 1.0;
+const MAX_FILM_DISTANCE: f64 = 1.0;
 
 /// Largest area of an image at which rays are aimed \[pixels²]. Rays of the pixel find larger ones.
 const MAX_AREA: f64 = 1.0;
@@ -185,7 +185,7 @@ impl ImageSearch<'_> {
         // Find lamps near a few camera rays through each pixel. Leave out those with little noise,
         // first in each tile to save memory.
         let first_candidates = |corner: &(u32, u32)| {
-            let mut candidates = self.candidates_near_rays::<I>(&tile_pixels(corner), 0..MIN_RAYS_PER_PIXEL);
+            let mut candidates = self.search_starts_near_rays::<I>(&tile_pixels(corner), 0..MIN_RAYS_PER_PIXEL);
             let least = least_searched_noise(&candidates, 0.5 * MAX_OMITTED_NOISE_FRACTION);
             candidates.retain(|candidate| candidate.noise >= least);
             candidates.shrink_to_fit();
@@ -199,7 +199,7 @@ impl ImageSearch<'_> {
             let tile = tile_pixels(corner);
             candidates.retain(|candidate| candidate.noise >= least);
             let near = pixels_near_images(&tile, &candidates);
-            let more = self.candidates_near_rays::<I>(&near, MIN_RAYS_PER_PIXEL..MAX_RAYS_PER_PIXEL);
+            let more = self.search_starts_near_rays::<I>(&near, MIN_RAYS_PER_PIXEL..MAX_RAYS_PER_PIXEL);
             candidates.extend(more.into_iter().filter(|candidate| candidate.noise >= least));
             self.search_images::<I>(candidates, (MAX_SEARCHES_PER_PIXEL * tile.len() as f64) as u32)
         };
@@ -213,7 +213,11 @@ impl ImageSearch<'_> {
 
     /// Returns starts of image searches: the lamps near camera rays through `pixels`. `indices` are
     /// the indices of the rays of each pixel, below [`MAX_RAYS_PER_PIXEL`].
-    fn candidates_near_rays<I: Interior>(&self, pixels: &[(u32, u32)], indices: Range<u32>) -> Vec<ImageSearchStart> {
+    fn search_starts_near_rays<I: Interior>(
+        &self,
+        pixels: &[(u32, u32)],
+        indices: Range<u32>,
+    ) -> Vec<ImageSearchStart> {
         let camera = self.scene.camera();
         let has_lens = self.lens_radius() > 0.0;
         let (mut candidates, mut stack) = (Vec::new(), Vec::new());
@@ -223,7 +227,7 @@ impl ImageSearch<'_> {
                 film: Vec2::new(x as f32, y as f32) + sampler.get_2d(Dimension::Film),
                 on_lens: has_lens.then(|| camera.sample_lens(sampler.get_2d(Dimension::Lens))),
             };
-            self.find_candidates::<I>(point, sampler, &mut candidates, &mut stack);
+            self.push_search_starts::<I>(point, sampler, &mut candidates, &mut stack);
         }
         candidates
     }
@@ -272,7 +276,7 @@ impl ImageSearch<'_> {
     /// which specular surfaces split it. Rays that carry a single wavelength are left out.
     ///
     /// `stack` is empty before and after.
-    fn find_candidates<I: Interior>(
+    fn push_search_starts<I: Interior>(
         &self,
         point: CameraPoint,
         sampler: Sampler,
@@ -295,7 +299,7 @@ impl ImageSearch<'_> {
                 let Some(passage) = bundle.lamp_passage(lamp, reach) else { continue };
                 let area = std::f64::consts::PI / passage.to_disc.determinant().abs();
                 let to_image = vector_to_near_side(&passage);
-                if to_image.abs().max_element() <= MAX_DISTANCE && area <= MAX_AREA {
+                if to_image.abs().max_element() <= MAX_FILM_DISTANCE && area <= MAX_AREA {
                     let radiance = color::channel_mean(bundle.throughput) * self.lamp_radiance(lamp);
                     let noise = area * (f64::from(radiance) * f64::from(radiance));
                     let to_image = to_image.as_vec2();
@@ -339,15 +343,15 @@ impl ImageSearch<'_> {
                 from = point.film;
                 let to_image = vector_to_near_side(&passage);
                 let largest = to_image.abs().max_element();
-                step = (to_image * (MAX_DISTANCE / largest).min(1.0)).as_vec2();
+                step = (to_image * (MAX_FILM_DISTANCE / largest).min(1.0)).as_vec2();
                 let moved = (from + step - start.film).abs().max_element();
-                if moved.is_nan() || moved > 3.0 * MAX_DISTANCE as f32 {
+                if moved.is_nan() || moved > 3.0 * MAX_FILM_DISTANCE as f32 {
                     return None;
                 }
                 continue;
             }
             let PathEvent::Surface(hit) = bundle.next_vertex(self.scene) else { return None };
-            if hit.surface.light != Some(lamp.light) {
+            if hit.surface.area_light_index != Some(lamp.light) {
                 return None;
             }
             let radiance =

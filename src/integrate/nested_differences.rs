@@ -37,7 +37,7 @@ pub struct NestedDifferences {
 /// Sums of the gather radii and of the photon counts of a pixel's density estimates on surfaces.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct GatherDiscSum {
-    radius: f32,
+    radius_sum: f32,
     photon_counts: f32,
     count: u32,
 }
@@ -46,14 +46,14 @@ impl GatherDiscSum {
     /// Counts one density estimate: adds its gather radius \[length] and its number of photons to
     /// the sums.
     pub fn add(&mut self, radius: f32, photons: u32) {
-        self.radius += radius;
+        self.radius_sum += radius;
         self.photon_counts += photons as f32;
         self.count += 1;
     }
 
     fn mean(self) -> Option<MeanGatherDisc> {
         let n = self.count as f32;
-        (self.count > 0).then(|| MeanGatherDisc { radius: self.radius / n, mean_count: self.photon_counts / n })
+        (self.count > 0).then(|| MeanGatherDisc { radius: self.radius_sum / n, mean_count: self.photon_counts / n })
     }
 }
 

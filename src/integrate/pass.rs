@@ -74,10 +74,10 @@ pub struct ExpectedPhotons {
     pub paths: u64,
     /// Expected number of stored photons of all maps. A photon beam counts as four photons, because
     /// it takes as much memory.
-    pub stored_photons: u64,
+    pub memory_in_photons: u64,
     /// Expected number of stored photons in the largest map. A photon beam counts as four photons,
     /// because it takes as much memory.
-    pub photons_in_largest_map: u64,
+    pub largest_map_in_photons: u64,
 }
 
 /// Result of one pass.

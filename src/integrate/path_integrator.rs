@@ -157,7 +157,7 @@ impl Integrator for PathIntegrator<'_> {
         self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayAllocation::mean_rays_per_pixel)
     }
 
-    fn photon_share_of_indirect_light(&self, pass: u32) -> f64 {
+    fn interreflection_photon_weight(&self, pass: u32) -> f64 {
         self.renderer.map_builder.technique_of_pass(pass).mean_photon_weight()
     }
 

@@ -29,7 +29,7 @@ use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::prefix_rays::{FilmPointMisWeights, PixelPrefixRayCounts, PrefixRayAllocation, PrefixWeights};
+use super::prefix_rays::{FilmPointRayCounts, PixelPrefixRayCounts, PrefixRayAllocation, PrefixWeights};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::sampling::{Key, Purpose};
@@ -117,7 +117,7 @@ impl RunningVariance {
 struct PixelLightStatistics {
     /// Light that camera paths find from their first receiver on, without photon estimates, as mean
     /// and variance.
-    after_receiver: RunningVariance,
+    from_receiver: RunningVariance,
     /// Emission and direct light that camera paths find up to their first receiver, as mean and
     /// variance.
     up_to_receiver: RunningVariance,
@@ -133,7 +133,7 @@ struct PixelLightStatistics {
 struct RelativePixelVariances {
     /// Variance of the light that a camera path finds from its first receiver on, without photon
     /// estimates.
-    after_receiver: f64,
+    from_receiver: f64,
     /// Variance of the emission and direct light that the path finds up to its first receiver.
     ///
     /// If the covariance of this light and the light of `after_receiver` is negative, twice the
@@ -188,8 +188,8 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     for i in 0..WHOLE_PICTURES {
         let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, i, |_| PathParts::Whole);
         light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
-            let before = parts.x - light.after_receiver.mean;
-            light.after_receiver.add(parts.x);
+            let before = parts.x - light.from_receiver.mean;
+            light.from_receiver.add(parts.x);
             light.up_to_receiver.add(parts.y);
             light.photon_estimate.add(parts.z);
             light.deviation_product_sum += f64::from(before) * f64::from(parts.y - light.up_to_receiver.mean);
@@ -298,7 +298,7 @@ enum PathParts {
 /// pixels from [`CANDIDATE_VARIANCE`] times this value on.
 fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
-    let total: f64 = variances.iter().map(|v| v.after_receiver + v.up_to_receiver).sum();
+    let total: f64 = variances.iter().map(|v| v.from_receiver + v.up_to_receiver).sum();
     let least = CANDIDATE_VARIANCE * total / variances.len() as f64;
     variances.iter().map(|v| v.photon_estimate * n * n > least).collect()
 }
@@ -325,7 +325,7 @@ fn render_light_parts(
     let sampling = FilmSampling { nests_estimates: false, ..pilot.film_sampling(pass) };
     let (width, _) = renderer.scene.camera().size();
     let aimed = PixelPrefixRayCounts { aimed: ASSUMED_AIMED_RAYS, ..PixelPrefixRayCounts::default() };
-    let weights = FilmPointMisWeights::new(renderer.samples_per_pixel, aimed);
+    let weights = FilmPointRayCounts::new(renderer.samples_per_pixel, aimed);
     with_interior_type!(pilot.policy.effects, <I> {
         tiles::render_tiles(&sampling, key, &SilentMonitor, |camera_ray, task, branches| {
             let center = camera_ray.weight_lookup_position;
@@ -365,10 +365,10 @@ fn pixel_variances(
     size: (usize, usize),
 ) -> Option<Vec<RelativePixelVariances>> {
     let values = |value: fn(&PixelLightStatistics) -> f64| light.par_iter().map(value).collect::<Vec<f64>>();
-    let mut mean = values(|l| f64::from(l.after_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean));
+    let mut mean = values(|l| f64::from(l.from_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean));
     images.iter().for_each(|image| mean[image.pixel as usize] += image.pixel_radiance);
     let median = positive_median(mean.iter().copied())?;
-    let after_receiver = values(|l| l.after_receiver.variance());
+    let after_receiver = values(|l| l.from_receiver.variance());
     let up_to_receiver = values(|l| l.up_to_receiver.variance());
     let (products, photons) = (values(|l| l.deviation_product_sum), values(|l| l.photon_estimate.variance()));
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
@@ -382,7 +382,7 @@ fn pixel_variances(
         let covariance = smoothed(&products, i) / f64::from(WHOLE_PICTURES - 1);
         let photons = smoothed(&photons, i);
         RelativePixelVariances {
-            after_receiver: box_mean(&after_receiver, i, 1) * scale,
+            from_receiver: box_mean(&after_receiver, i, 1) * scale,
             up_to_receiver: (up_to_receiver + 2.0 * covariance.min(0.0)).max(0.0) * scale,
             photon_estimate: photons * scale,
             ..RelativePixelVariances::default()
@@ -459,7 +459,7 @@ fn efficient_ray_counts(
         let pixel_variance = |(v, deviations): (&RelativePixelVariances, &PixelDeviations)| {
             let (rays, lookups, aimed) = count(deviations, scale);
             let images = if aimed > 0.0 { v.aimed / aimed } else { v.unaimed / n };
-            photon_variance_factor * v.after_receiver / n
+            photon_variance_factor * v.from_receiver / n
                 + v.up_to_receiver / (n + rays)
                 + v.photon_estimate / (1.0 + lookups)
                 + images

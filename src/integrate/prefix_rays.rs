@@ -16,7 +16,7 @@ pub(super) struct PrefixWeights {
     /// light, and direct light at casters.
     ///
     /// The pixel has n camera paths and m prefix rays. If prefix rays are aimed at images of lamps,
-    /// [`FilmPointMisWeights`] gives each ray a weight of its own.
+    /// [`FilmPointRayCounts`] gives each ray a weight of its own.
     pub up_to_receiver: f32,
     /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
     /// with the lowest sample indices.
@@ -71,7 +71,7 @@ impl PrefixWeights {
     }
 
     /// Returns the weights of prefix rays that are aimed at images of lamps. `up_to_receiver` is 1
-    /// here; the caller replaces it by [`FilmPointMisWeights::up_to_receiver_weight`] for each ray.
+    /// here; the caller replaces it by [`FilmPointRayCounts::up_to_receiver_weight`] for each ray.
     pub fn of_aimed_rays() -> Self {
         Self { lookup_count: 0, lookup_weight: 0.0, ends_at_receiver: true, ..Self::default() }
     }
@@ -80,7 +80,7 @@ impl PrefixWeights {
 /// Numbers of rays of a pixel that find images of lamps, from which the weights of their light
 /// follow by the balance heuristic.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FilmPointMisWeights {
+pub(super) struct FilmPointRayCounts {
     /// Number of camera paths.
     camera_paths: f32,
     /// Number of camera paths, plus the number of prefix rays that the pixel filter distributes.
@@ -89,7 +89,7 @@ pub(super) struct FilmPointMisWeights {
     aimed_rays: f32,
 }
 
-impl FilmPointMisWeights {
+impl FilmPointRayCounts {
     /// Returns the weights of a pixel with `samples` camera paths and the prefix rays `prefix`.
     pub fn new(samples: u32, prefix: PixelPrefixRayCounts) -> Self {
         let camera_paths = samples as f32;
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn aimed_rays_share_light_with_other_rays() {
         let prefix = PixelPrefixRayCounts { unaimed: 3, lookups: 0, aimed: 5 };
-        let weights = FilmPointMisWeights::new(8, prefix);
+        let weights = FilmPointRayCounts::new(8, prefix);
         for (filter_pdf, aimed_pdf) in [(0.7f32, 0.0), (0.7, 1e-3), (0.2, 400.0), (0.0, 2.0)] {
             let density = 11.0 * filter_pdf + 5.0 * aimed_pdf;
             let weight = weights.up_to_receiver_weight(filter_pdf, aimed_pdf);

@@ -15,7 +15,7 @@ use std::cell::RefCell;
 
 /// Search radius for the photons that guide a final-gathering ray, divided by the smallest length
 /// at which such a ray reads the indirect map.
-const GUIDE_RADIUS: f32 = 4.0;
+const RELATIVE_GUIDE_RADIUS: f32 = 4.0;
 
 /// Fills the task's gather guide with the directions from which photons arrived near `vertex`.
 pub(super) fn collect_gather_directions<I: Interior>(
@@ -27,7 +27,7 @@ pub(super) fn collect_gather_directions<I: Interior>(
     let ScratchBuffers { gather_guide, searches, .. } = &mut task.scratch;
     gather_guide.clear();
     let guide = RefCell::new(gather_guide);
-    let bandwidth = Bandwidth { radius: min_gather_distance * GUIDE_RADIUS, k: GUIDE_PHOTONS };
+    let bandwidth = Bandwidth { radius: min_gather_distance * RELATIVE_GUIDE_RADIUS, k: GUIDE_PHOTONS };
     let p = vertex.surface.point.p;
     for normal in vertex.surface.light_side_normals() {
         // The lookup visits the photons; its estimate is not used.

@@ -25,7 +25,7 @@ const PATH_COUNT_RANGE: (u32, u32) = (2000, 6000);
 
 /// Mean numbers of guided points per camera path that the scatter-point pilot tries. It compares
 /// their noise and work.
-const TRIAL_POINTS: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
+const TRIAL_POINTS_PER_PATH: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 
 /// Largest noise times work, divided by that of the best number of points, at which the
 /// scatter-point pilot prefers a smaller number of points.
@@ -119,7 +119,7 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
 /// and 1 if the estimates have no noise.
 fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGuide) -> (ScatterPointSampling, f64) {
     let LearnedGuide { guide, mean_radiance, .. } = learned;
-    let guided = TRIAL_POINTS.map(|points| ScatterPointSampling::Guided {
+    let guided = TRIAL_POINTS_PER_PATH.map(|points| ScatterPointSampling::Guided {
         guide: guide.clone(),
         points_per_radiance: (points / mean_radiance) as f32,
     });

@@ -249,14 +249,14 @@ impl SceneAtTime<'_> {
     fn motion_of_surface<I>(&self, path_ray: &PathRay<I>, surface: &SurfaceInteraction<'_>) -> Vec2 {
         let Some(motion) = self.motion else { return Vec2::ZERO };
         let hit = self.scene.intersect(&path_ray.ray);
-        let of_hit = |hit| motion.of_surface_point(self.scene, &hit, self.time, surface.point.p);
+        let of_hit = |hit| motion.surface_point_displacement(self.scene, &hit, self.time, surface.point.p);
         hit.and_then(of_hit).unwrap_or(Vec2::ZERO)
     }
 
     /// Returns the motion on the film of the surroundings in unit `direction` \[pixels to the right
     /// and down]; 0 if unknown.
     fn motion_of_direction(&self, direction: Vec3) -> Vec2 {
-        self.motion.and_then(|motion| motion.of_direction(direction)).unwrap_or(Vec2::ZERO)
+        self.motion.and_then(|motion| motion.displacement_at_infinity(direction)).unwrap_or(Vec2::ZERO)
     }
 }
 

@@ -154,7 +154,7 @@ impl LightSurface {
     }
 
     /// Bounding box of the surface, and a cone that contains all its outer normals.
-    fn bounds(&self) -> (Bounds, DirectionCone) {
+    fn bounds_and_normal_cone(&self) -> (Bounds, DirectionCone) {
         match self {
             Self::Shape(shape) => {
                 let cone = |point: SurfacePoint| DirectionCone { axis: point.ng.as_dvec3(), half_angle: NORMAL_ERROR };
@@ -313,7 +313,7 @@ impl LightSource for AreaLight {
     }
 
     fn bounds(&self) -> Option<LightBounds> {
-        let (space, normals) = self.surface.bounds();
+        let (space, normals) = self.surface.bounds_and_normal_cone();
         Some(LightBounds::new(space, normals, FRAC_PI_2, self.flux()))
     }
 

@@ -18,7 +18,7 @@ pub struct LightBvhSampler {
     nodes: Vec<LightBvhNode>,
     /// Indices of the lights at infinity. They are outside of the tree, and share their probability
     /// equally.
-    infinite: Vec<u32>,
+    infinite_light_indices: Vec<u32>,
     /// Location of each light in the sampler. The list index is the index of the light.
     locations: Vec<LightBvhLocation>,
     /// Probability of sampling one of the lights at infinity instead of a light of the tree.
@@ -89,8 +89,12 @@ impl LightBvhSampler {
             return None;
         }
         let infinite_probability = infinite.len() as f64 / (infinite.len() + others) as f64;
-        let mut sampler =
-            Self { nodes: Vec::with_capacity(2 * bounded.len()), infinite, locations, infinite_probability };
+        let mut sampler = Self {
+            nodes: Vec::with_capacity(2 * bounded.len()),
+            infinite_light_indices: infinite,
+            locations,
+            infinite_probability,
+        };
         if !bounded.is_empty() {
             sampler.build_subtree(&mut bounded, 0, 0);
         }
@@ -128,10 +132,10 @@ impl LightBvhSampler {
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
         let mut u = f64::from(u);
         let (light, probability) = if u < self.infinite_probability {
-            let at = u / self.infinite_probability * self.infinite.len() as f64;
-            let i = (at as usize).min(self.infinite.len() - 1);
+            let at = u / self.infinite_probability * self.infinite_light_indices.len() as f64;
+            let i = (at as usize).min(self.infinite_light_indices.len() - 1);
             u = at - i as f64;
-            (self.infinite[i], self.infinite_probability / self.infinite.len() as f64)
+            (self.infinite_light_indices[i], self.infinite_probability / self.infinite_light_indices.len() as f64)
         } else {
             u = (u - self.infinite_probability) / (1.0 - self.infinite_probability);
             let mut probability = 1.0 - self.infinite_probability;
@@ -166,7 +170,9 @@ impl LightBvhSampler {
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {
         let mut trail = match self.locations[light] {
             LightBvhLocation::Absent => return 0.0,
-            LightBvhLocation::Infinite => return (self.infinite_probability / self.infinite.len() as f64) as f32,
+            LightBvhLocation::Infinite => {
+                return (self.infinite_probability / self.infinite_light_indices.len() as f64) as f32;
+            }
             LightBvhLocation::Tree(trail) => trail,
         };
         let mut probability = 1.0 - self.infinite_probability;

@@ -236,7 +236,7 @@ impl Light {
     ///
     /// If it emits such a ray, rounding decides whether an object in the plane occludes the ray.
     #[must_use]
-    pub fn emits_nothing_in_plane(&self, p: Vec3, n: Vec3) -> bool {
+    pub fn emits_no_ray_within_plane(&self, p: Vec3, n: Vec3) -> bool {
         match self.geometry() {
             LightGeometry::Point(position) => {
                 let margin = RELATIVE_POSITION_ERROR * (position.abs().max_element() + p.abs().max_element());

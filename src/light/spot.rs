@@ -23,7 +23,7 @@ pub struct SpotLight {
     /// 1 − cosine of the outer cone's half angle.
     pub outer_one_minus_cos: f32,
     /// Radiant intensity inside the inner cone \[W/sr].
-    pub peak: Rgb,
+    pub peak_intensity: Rgb,
 }
 
 impl SpotLight {
@@ -34,7 +34,13 @@ impl SpotLight {
     #[must_use]
     pub fn new(position: Vec3, axis: DVec3, inner: f64, outer: f64, peak: Rgb) -> Self {
         let (inner_one_minus_cos, outer_one_minus_cos) = (one_minus_cos(inner) as f32, one_minus_cos(outer) as f32);
-        Self { position, axis: axis.normalize().as_vec3(), inner_one_minus_cos, outer_one_minus_cos, peak }
+        Self {
+            position,
+            axis: axis.normalize().as_vec3(),
+            inner_one_minus_cos,
+            outer_one_minus_cos,
+            peak_intensity: peak,
+        }
     }
 
     /// Intensity \[W/sr] in directions for which 1 − cosine of the angle to the axis is
@@ -45,10 +51,10 @@ impl SpotLight {
     fn intensity_at_one_minus_cos(&self, one_minus_cos: f32) -> Rgb {
         let (inner, outer) = (self.inner_one_minus_cos, self.outer_one_minus_cos);
         if one_minus_cos <= inner {
-            return self.peak;
+            return self.peak_intensity;
         }
         let x = (outer - one_minus_cos) / (outer - inner);
-        if x > 0.0 { self.peak * (x * x * (3.0 - 2.0 * x)) } else { Rgb::ZERO }
+        if x > 0.0 { self.peak_intensity * (x * x * (3.0 - 2.0 * x)) } else { Rgb::ZERO }
     }
 
     /// Radiant flux of the light \[W].
@@ -56,7 +62,7 @@ impl SpotLight {
     pub fn flux(&self) -> Rgb {
         let (inner, outer) = (self.inner_one_minus_cos, self.outer_one_minus_cos);
         // The mean of the smooth step over the falloff is one half.
-        self.peak * (TAU * (inner + 0.5 * (outer - inner)))
+        self.peak_intensity * (TAU * (inner + 0.5 * (outer - inner)))
     }
 }
 
@@ -86,7 +92,7 @@ impl PositionalLight for SpotLight {
     }
 
     fn nominal_intensity(&self) -> Rgb {
-        self.peak
+        self.peak_intensity
     }
 
     fn emission_cone(&self) -> (DirectionCone, f64) {

@@ -27,7 +27,7 @@ pub use coverage::{disc_coverage, nested_disc_coverage};
 pub use deposits::{Deposits, Splat, VolumePhotons};
 pub use emit::PhotonSource;
 pub use estimate::{Bandwidth, NESTED_DISC_COUNT, NestedRadianceEstimate, PhotonSearchBuffers, RadianceEstimate};
-pub use guiding::{EmissionGuidingPilot, EmissionGuidingReport};
+pub use guiding::{EmissionGuidingPilotSettings, EmissionGuidingReport};
 pub use kernel::{Kernel, UnknownKernel};
 pub use light_tracing::{DensityEstimateShares, LightTracer, add_splats};
 pub use map::PhotonMap;

@@ -109,7 +109,7 @@ impl SceneFeatures {
             && !features.has_motion
             && features.media == 0
         {
-            features.is_one_flat_object = lights.iter().all(|light| light.emits_nothing_in_plane(p, n));
+            features.is_one_flat_object = lights.iter().all(|light| light.emits_no_ray_within_plane(p, n));
         }
         features.soft_lights = lights.iter().filter(|l| !l.is_delta()).count();
         for object in &objects {

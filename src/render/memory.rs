@@ -150,13 +150,13 @@ pub fn check_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
-pub fn check_estimated_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
+pub fn check_picture_and_error_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
     check_pixel_memory(count, size, BASE_BYTES_PER_PIXEL + ERROR_BYTES_PER_PIXEL, free)
 }
 
 /// Layers that a render stores beside its picture. Each of them needs memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RenderedLayers {
+pub struct LayerSelection {
     /// True if the render estimates the error of its picture.
     pub estimates_error: bool,
     /// True if the render stores a picture for each light group.
@@ -169,7 +169,7 @@ pub struct RenderedLayers {
     pub renders_aovs: bool,
 }
 
-impl RenderedLayers {
+impl LayerSelection {
     /// Returns the memory per pixel of the picture and these layers together \[bytes].
     fn bytes_per_pixel(self) -> u64 {
         let bytes_if = |is_wanted: bool, bytes: u64| if is_wanted { bytes } else { 0 };
@@ -191,7 +191,7 @@ impl RenderedLayers {
 /// [`MemoryError`] if the picture needs more than `free` bytes, or has too many pixels.
 pub fn check_layered_picture_memory(
     size: (u32, u32),
-    layers: RenderedLayers,
+    layers: LayerSelection,
     free: Option<u64>,
 ) -> Result<u64, MemoryError> {
     check_pixel_memory(1, size, layers.bytes_per_pixel(), free)
@@ -208,7 +208,7 @@ pub fn check_layered_picture_memory(
 pub fn check_films_memory(
     count: usize,
     size: (u32, u32),
-    layers: RenderedLayers,
+    layers: LayerSelection,
     free: Option<u64>,
 ) -> Result<(), MemoryError> {
     check_pixel_memory(count, size, layers.bytes_per_pixel(), free).map(drop).map_err(|error| match error {
@@ -252,7 +252,7 @@ pub fn check_photon_memory(
     free: Option<u64>,
 ) -> Result<(), MemoryError> {
     let free = free.map(|free| free.saturating_sub(picture_bytes));
-    let ExpectedPhotons { paths, stored_photons: stored, photons_in_largest_map: largest_map } = expected;
+    let ExpectedPhotons { paths, memory_in_photons: stored, largest_map_in_photons: largest_map } = expected;
     if largest_map > u64::from(u32::MAX) {
         return Err(MemoryError::Indices { paths, stored: largest_map });
     }

@@ -20,8 +20,8 @@ pub use film_file::{FilmFile, FilmFileError, FilmHeader, InputDigest, read_film_
 pub use layers::{picture_layers, rgb_layer, surface_layers};
 pub use limits::{DEFAULT_TARGET_ERROR, DEFAULT_TIME_LIMIT, PREVIEW_TARGET_ERROR, RenderLimits};
 pub use memory::{
-    MemoryError, RenderedLayers, check_estimated_picture_memory, check_films_memory, check_layered_picture_memory,
-    check_photon_memory, check_picture_memory,
+    LayerSelection, MemoryError, check_films_memory, check_layered_picture_memory, check_photon_memory,
+    check_picture_and_error_memory, check_picture_memory,
 };
 pub use merge_error::MergeError;
 pub use pass_set::PassSet;

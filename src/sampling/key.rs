@@ -139,7 +139,7 @@ pub enum Dimension {
     /// Direction after scattering in a medium.
     Phase,
     /// Choice of the point of a medium from which a shadow ray starts.
-    Medium,
+    ScatterPoint,
 }
 
 /// A 64-bit hash that identifies an independent source of random numbers. The module documentation

@@ -10,9 +10,9 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug)]
 pub struct FilmMotionMeter {
     /// Camera at the opening of the shutter.
-    opening: Camera,
+    camera_at_opening: Camera,
     /// Camera at the closing of the shutter.
-    closing: Camera,
+    camera_at_closing: Camera,
 }
 
 impl FilmMotionMeter {
@@ -24,7 +24,7 @@ impl FilmMotionMeter {
             let moved = animation.camera.as_ref().and_then(|(camera, motion)| camera_at_time(camera, motion, time));
             moved.unwrap_or(scene.camera)
         };
-        Some(Self { opening: camera(0.0), closing: camera(1.0) })
+        Some(Self { camera_at_opening: camera(0.0), camera_at_closing: camera(1.0) })
     }
 
     /// Returns the displacement of a surface point on the film from the opening to the closing of
@@ -33,13 +33,13 @@ impl FilmMotionMeter {
     /// The point is at `p` at the time `time` in \[0, 1], and belongs to the object at `hit` of
     /// `scene`. `None` if it is behind the camera at an end of the shutter interval.
     #[must_use]
-    pub fn of_surface_point(&self, scene: &Scene, hit: &Hit, time: f64, p: Vec3) -> Option<Vec2> {
+    pub fn surface_point_displacement(&self, scene: &Scene, hit: &Hit, time: f64, p: Vec3) -> Option<Vec2> {
         let Some(motion) = motion_of_hit(scene, hit) else {
-            return self.opening.film_displacement(p, &self.closing, p);
+            return self.camera_at_opening.film_displacement(p, &self.camera_at_closing, p);
         };
         let before = motion.at_time(time).inverse().transform_point3(p.as_dvec3());
         let at = |time| motion.at_time(time).transform_point3(before).as_vec3();
-        self.opening.film_displacement(at(0.0), &self.closing, at(1.0))
+        self.camera_at_opening.film_displacement(at(0.0), &self.camera_at_closing, at(1.0))
     }
 
     /// Returns the displacement on the film of a point at infinity in unit `direction`, from the
@@ -48,7 +48,7 @@ impl FilmMotionMeter {
     /// `None` if the point is behind the camera at an end of the shutter interval, or if the camera
     /// is orthographic.
     #[must_use]
-    pub fn of_direction(&self, direction: Vec3) -> Option<Vec2> {
-        self.opening.film_displacement_at_infinity(direction, &self.closing)
+    pub fn displacement_at_infinity(&self, direction: Vec3) -> Option<Vec2> {
+        self.camera_at_opening.film_displacement_at_infinity(direction, &self.camera_at_closing)
     }
 }

@@ -1,7 +1,7 @@
 //! The geometry of a resolved scene, with the hierarchies that find intersections.
 
 use super::shape_list::ShapeList;
-use crate::accel::{Hierarchy, PrimitiveHit, PrimitiveIndex, ShapeHit};
+use crate::accel::{Bvh, PrimitiveHit, PrimitiveIndex, ShapeHit};
 use crate::math::{Bounds, Ray};
 use crate::shape::{Mesh, Plane, Shape, SurfacePoint, TexCoord};
 use glam::{Vec2, Vec3};
@@ -91,8 +91,8 @@ impl CoincidenceGroup {
 
 /// The primitives of a scene: triangles, shapes and unbounded planes.
 ///
-/// A ray query searches one [`Hierarchy`] over triangles and shapes at rest, a second one over
-/// moving shapes, and all planes in turn. It then keeps the nearest hit. A `Hierarchy` knows
+/// A ray query searches one [`Bvh`] over triangles and shapes at rest, a second one over
+/// moving shapes, and all planes in turn. It then keeps the nearest hit. A `Bvh` knows
 /// triangles by their corners, and shapes by their boxes only.
 ///
 /// Objects are numbered in this order: shapes at rest, moving shapes, meshes, planes at rest,
@@ -108,21 +108,21 @@ pub(super) struct Geometry {
     /// Range of triangle indices of each mesh object.
     pub mesh_ranges: Arc<[Range<u32>]>,
     /// Object index of each triangle.
-    pub triangle_object: Arc<[u32]>,
+    pub object_of_triangle: Arc<[u32]>,
     /// Bounds of all objects at rest except unbounded planes.
     pub static_bounds: Bounds,
     /// Hierarchy over triangles and shapes at rest.
-    pub resting_hierarchy: Arc<Hierarchy>,
+    pub resting_hierarchy: Arc<Bvh>,
     /// Hierarchy over moving shapes; `None` if there are none.
-    pub moving_hierarchy: Option<Arc<Hierarchy>>,
+    pub moving_hierarchy: Option<Arc<Bvh>>,
 }
 
 /// Builds the hierarchy over the triangles of `mesh`, and over shapes at rest with these `boxes`.
 /// Returns it with the bounds of all of them.
-fn build_static_hierarchy(mesh: &Mesh, boxes: &[Bounds]) -> (Arc<Hierarchy>, Bounds) {
+fn build_static_hierarchy(mesh: &Mesh, boxes: &[Bounds]) -> (Arc<Bvh>, Bounds) {
     let corners: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
     let bounds = boxes.iter().copied().fold(Bounds::from_points(corners.iter().flatten().copied()), Bounds::union);
-    (Arc::new(Hierarchy::build(&corners, boxes)), bounds)
+    (Arc::new(Bvh::build(&corners, boxes)), bounds)
 }
 
 impl Geometry {
@@ -155,7 +155,7 @@ impl Geometry {
             planes,
             mesh,
             mesh_ranges: mesh_ranges.into(),
-            triangle_object: triangle_object.into(),
+            object_of_triangle: triangle_object.into(),
             static_bounds,
             resting_hierarchy: hierarchy,
             moving_hierarchy: None,
@@ -180,7 +180,7 @@ impl Geometry {
     /// Rebuilds the hierarchy over moving shapes, after their positions have changed.
     pub fn rebuild_moving_hierarchy(&mut self) {
         let boxes: Vec<Bounds> = self.shapes.moving().iter().map(Shape::bounds).collect();
-        self.moving_hierarchy = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
+        self.moving_hierarchy = (!boxes.is_empty()).then(|| Arc::new(Bvh::build(&[], &boxes)));
     }
 
     /// Bounds of all objects except unbounded planes.
@@ -205,7 +205,7 @@ impl Geometry {
     #[inline]
     pub fn object_index(&self, primitive: HitPrimitive) -> u32 {
         match primitive {
-            HitPrimitive::Triangle(i, _) => self.triangle_object[i as usize],
+            HitPrimitive::Triangle(i, _) => self.object_of_triangle[i as usize],
             HitPrimitive::Shape(i, _) => i,
             HitPrimitive::Plane(i) => self.first_plane_index() as u32 + i,
         }
@@ -263,7 +263,7 @@ impl Geometry {
 
     /// Calls `visit` for every intersection along `ray`, in no particular order.
     pub fn for_each_hit(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
-        let mut search = |hierarchy: &Hierarchy, shapes: &[Shape], first: u32| {
+        let mut search = |hierarchy: &Bvh, shapes: &[Shape], first: u32| {
             hierarchy.for_each_hit(
                 ray,
                 |i, ray| shapes[i as usize].intersect(ray),

@@ -64,7 +64,7 @@ impl Material {
         let coat = ClearCoatParameters { coverage: coverage.into(), alpha };
         let coated = Self { clear_coat: Some(coat), textured: self.textured || coat.coverage.is_textured(), ..self };
         let mean_bsdf = coated.bsdf(&MeanParameterEvaluator);
-        if mean_bsdf.under_coat().is_none() { self } else { Self { mean_bsdf, ..coated } }
+        if mean_bsdf.base_under_clear_coat().is_none() { self } else { Self { mean_bsdf, ..coated } }
     }
 
     /// Returns this material with `may_store_photons` set for a mix: to true if one of its
@@ -310,7 +310,7 @@ impl Material {
             bsdf.separate_coat().into_iter().for_each(&mut visit);
         };
         visit(self.mean_bsdf);
-        self.mean_bsdf.under_coat().into_iter().for_each(&mut visit);
+        self.mean_bsdf.base_under_clear_coat().into_iter().for_each(&mut visit);
         self.kind.visit_extreme_roughness_bsdfs(textures, visit);
     }
 }

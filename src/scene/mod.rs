@@ -181,7 +181,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn light_contact_distance(&self, light: usize) -> f32 {
-        self.derived.light_contact_distance[light]
+        self.derived.light_contact_distances[light]
     }
 
     /// All materials, by material index.
@@ -308,7 +308,7 @@ impl Scene {
             boundary_roughness: material.mean_boundary_roughness(),
             coincidence_group: near_boundary.then(|| self.geometry.coincidence_group(hit.primitive)),
             coincident: CoincidentFaces::NONE,
-            light: object.light,
+            area_light_index: object.light,
             emission,
         };
         if material.needs_textures() {

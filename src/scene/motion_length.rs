@@ -16,7 +16,7 @@ const STEPS: u32 = 16;
 const MAX_MEASURED_SHAPES: usize = 4096;
 
 /// Number of film points along each side of the film at which camera motion is measured.
-const FILM_POINTS: u32 = 5;
+const FILM_POINTS_PER_SIDE: u32 = 5;
 
 /// Cameras and pixel sizes with which the motion of points while the shutter is open is measured in
 /// pixels.
@@ -52,7 +52,7 @@ impl MotionLengthMeter {
     /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
     /// Film positions outside the picture are clamped to its edge. A step does not count if the
     /// point is behind the camera before or after it.
-    fn film_length_in_pixels(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
+    fn film_path_length_in_pixels(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         let film = |(step, camera): (u32, &Camera)| {
             let at = camera.connect_to_point(position(step).as_vec3(), None)?.film_position;
             Some(at.clamp(Vec2::ZERO, self.size))
@@ -71,7 +71,7 @@ impl MotionLengthMeter {
     /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
     /// The measure serves objects outside the picture. Their shadows and caustics may fall into the
     /// picture, and move about as far as the objects.
-    fn scene_length_in_pixels(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
+    fn scene_path_length_in_pixels(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         (0..STEPS).map(|step| position(step).distance(position(step + 1))).sum::<f64>() / self.pixel_width
     }
 }
@@ -118,7 +118,9 @@ pub fn max_motion_in_pixels(scene: &Scene) -> f32 {
         let maps: Vec<_> = (0..=STEPS).map(|step| motion.at_time(step_time(step))).collect();
         for corner in box_corners(shape.bounds_f64()) {
             let position = |step: u32| maps[step as usize].transform_point3(corner);
-            longest = longest.max(film.film_length_in_pixels(&position)).max(film.scene_length_in_pixels(&position));
+            longest = longest
+                .max(film.film_path_length_in_pixels(&position))
+                .max(film.scene_path_length_in_pixels(&position));
         }
     }
 
@@ -128,15 +130,17 @@ pub fn max_motion_in_pixels(scene: &Scene) -> f32 {
         let center = scene.lights[*i].representative_point().unwrap_or(domain.center).as_dvec3();
         let reach = if kind.changes_by_rotation() { f64::from(domain.radius) } else { 0.0 };
         for corner in box_corners((center - reach, center + reach)) {
-            longest = longest.max(film.scene_length_in_pixels(&trajectory_from_mid_shutter(motion, corner)));
+            longest = longest.max(film.scene_path_length_in_pixels(&trajectory_from_mid_shutter(motion, corner)));
         }
     }
 
     // Measure the camera and moving planes by points that the camera sees at mid-shutter.
     if animation.camera.is_some() || !animation.planes.is_empty() {
         let first_plane = scene.geometry.planes.len() - animation.planes.len();
-        for (x, y) in (0..FILM_POINTS * FILM_POINTS).map(|i| (i % FILM_POINTS, i / FILM_POINTS)) {
-            let at = (Vec2::new(x as f32, y as f32) + 0.5) / FILM_POINTS as f32 * film.size;
+        for (x, y) in (0..FILM_POINTS_PER_SIDE * FILM_POINTS_PER_SIDE)
+            .map(|i| (i % FILM_POINTS_PER_SIDE, i / FILM_POINTS_PER_SIDE))
+        {
+            let at = (Vec2::new(x as f32, y as f32) + 0.5) / FILM_POINTS_PER_SIDE as f32 * film.size;
             let ray = scene.camera.generate_ray(at, None);
             let hit = scene.intersect(&ray);
             let distance = hit.map_or(domain.radius, |hit| hit.t);
@@ -146,8 +150,8 @@ pub fn max_motion_in_pixels(scene: &Scene) -> f32 {
                 HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) => None,
             });
             longest = longest.max(match plane {
-                Some((_, motion)) => film.film_length_in_pixels(&trajectory_from_mid_shutter(motion, seen)),
-                None => film.film_length_in_pixels(&|_| seen),
+                Some((_, motion)) => film.film_path_length_in_pixels(&trajectory_from_mid_shutter(motion, seen)),
+                None => film.film_path_length_in_pixels(&|_| seen),
             });
         }
     }

@@ -242,7 +242,7 @@ pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, inte
 /// origin to the part. `ray` must have a unit direction.
 #[inline]
 fn clip_ray_to_medium<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior: &I) -> Option<(u32, Ray, f32)> {
-    let CurrentMedium { medium, ambient } = interior.current_medium(scene)?;
+    let CurrentMedium { medium_index: medium, ambient } = interior.current_medium(scene)?;
     let whole = Ray { t_max: end, ..*ray };
     if !ambient {
         return Some((medium, whole, 0.0));

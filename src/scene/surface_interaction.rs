@@ -34,7 +34,7 @@ pub struct SurfaceInteraction<'a> {
     /// `Interior::resolve_boundary`.
     pub(super) coincident: CoincidentFaces,
     /// Index of the object's area light; `None` if the object does not emit light.
-    pub light: Option<u32>,
+    pub area_light_index: Option<u32>,
     /// Radiance that the surface emits towards `wo` \[W/(m² sr)].
     pub emission: Rgb,
 }

@@ -6,7 +6,7 @@ use super::mesh::Mesh;
 use super::object_ray::ray_to_object_space;
 use super::surface_point::{RELATIVE_TRIANGLE_HIT_ERROR, ShapeSample, SurfacePoint, position_error_bound};
 use super::texture_mapping::TexCoord;
-use crate::accel::{Hierarchy, PrimitiveIndex, ShapeHit};
+use crate::accel::{Bvh, PrimitiveIndex, ShapeHit};
 use crate::math::{Ray, Transform, warp};
 use crate::sampling::DiscreteDistribution;
 use glam::{DVec3, Vec2, Vec3};
@@ -15,7 +15,7 @@ use std::sync::{Arc, OnceLock};
 /// Mesh in object space with a bounding volume hierarchy. Several instances can share it.
 pub struct MeshWithBvh {
     mesh: Mesh,
-    bvh: Hierarchy,
+    bvh: Bvh,
     /// Distribution that selects a triangle in proportion to its area; built at its first use.
     triangle_distribution: OnceLock<Option<DiscreteDistribution>>,
 }
@@ -32,7 +32,7 @@ impl MeshWithBvh {
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
-        Self { bvh: Hierarchy::build(&corners, &[]), mesh, triangle_distribution: OnceLock::new() }
+        Self { bvh: Bvh::build(&corners, &[]), mesh, triangle_distribution: OnceLock::new() }
     }
 
     /// Distribution that selects a triangle in proportion to its object-space area; `None` if the

@@ -216,8 +216,8 @@ impl<'a> EffectStudy<'a> {
         let all = self.runs.iter().map(|run| run.integrator.expected_photons());
         all.fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
-            stored_photons: a.stored_photons.max(b.stored_photons),
-            photons_in_largest_map: a.photons_in_largest_map.max(b.photons_in_largest_map),
+            memory_in_photons: a.memory_in_photons.max(b.memory_in_photons),
+            largest_map_in_photons: a.largest_map_in_photons.max(b.largest_map_in_photons),
         })
     }
 

@@ -65,7 +65,7 @@ impl LivePage {
             scene,
             integrator,
             interactive,
-            reference: reference.as_ref().map(|frame| frame.size),
+            reference_size: reference.as_ref().map(|frame| frame.size),
             ..LiveStatus::default()
         };
         let newest = LiveState { status, ..LiveState::default() };
@@ -93,7 +93,7 @@ impl LivePage {
             scene: old.scene.clone(),
             integrator: old.integrator,
             interactive: old.interactive,
-            reference: old.reference,
+            reference_size: old.reference_size,
             render_number: old.render_number + 1,
             sequence: old.sequence,
             size: old.size,

@@ -11,12 +11,12 @@ const MIN_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Schedule of publications of a growing picture: says when the next one is due.
 #[derive(Debug, Default)]
-pub(super) struct Pace {
+pub(super) struct PublicationThrottle {
     /// Earliest time of the next publication; `None` before the first one.
     next: Option<Instant>,
 }
 
-impl Pace {
+impl PublicationThrottle {
     /// True if a publication is due at the time `now`.
     pub fn is_due(&self, now: Instant) -> bool {
         self.next.is_none_or(|next| now >= next)
@@ -36,7 +36,7 @@ mod tests {
     fn publications_take_a_hundredth_of_the_time() {
         let start = Instant::now();
         let after = |milliseconds| start + Duration::from_millis(milliseconds);
-        let mut pace = Pace::default();
+        let mut pace = PublicationThrottle::default();
         assert!(pace.is_due(start));
         pace.record(start, after(10));
         assert!(!pace.is_due(after(1009)) && pace.is_due(after(1010)));

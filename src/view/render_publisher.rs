@@ -2,7 +2,7 @@
 
 use super::frame::LiveFrame;
 use super::live_page::{LivePage, LiveState};
-use super::pace::Pace;
+use super::pace::PublicationThrottle;
 use super::status::{ErrorCurvePoint, ForecastReport, PlanReport, RenderStage};
 use crate::integrate::SurfaceAovs;
 use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria};
@@ -23,8 +23,8 @@ pub struct RenderPublisher<'a> {
     number: u32,
     /// Time at which loading of the scene began.
     load_start: Instant,
-    picture_pace: Pace,
-    error_map_pace: Pace,
+    picture_pace: PublicationThrottle,
+    error_map_pace: PublicationThrottle,
     error_curve: Arc<Vec<ErrorCurvePoint>>,
     forecast: Option<Arc<ForecastReport>>,
 }
@@ -33,7 +33,7 @@ impl<'a> RenderPublisher<'a> {
     /// Begins a new render on `page`. `load_start` is the time at which loading of its scene began.
     #[must_use]
     pub fn begin(page: &'a LivePage, load_start: Instant) -> Self {
-        let (picture_pace, map_pace) = (Pace::default(), Pace::default());
+        let (picture_pace, map_pace) = (PublicationThrottle::default(), PublicationThrottle::default());
         Self {
             page,
             number: page.begin_render(),
@@ -84,7 +84,7 @@ impl<'a> RenderPublisher<'a> {
             status.pass_limit = stop.max_passes;
             status.time_limit_seconds = stop.time_limit.map(|time| time.as_secs_f64());
             status.error_limit = stop.target.map(|target| target.error);
-            status.confidence = stop.target.map(ErrorTarget::interval_confidence);
+            status.interval_confidence = stop.target.map(ErrorTarget::interval_confidence);
         });
     }
 

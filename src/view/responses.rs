@@ -222,6 +222,11 @@ fn encoded_picture(frame: &LiveFrame, format: OutputFormat, tone: ToneMap) -> Op
     let pixels = frame.layer(LayerKind::Picture)?.colors();
     let image = Image::from_pixels(frame.size.0, frame.size.1, pixels).ok()?;
     let software = ("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")));
-    let options = WriteOptions { tone, depth: BitDepth::Eight, floats: ExrPrecision::Single, metadata: vec![software] };
+    let options = WriteOptions {
+        tone,
+        bit_depth: BitDepth::Eight,
+        exr_precision: ExrPrecision::Single,
+        metadata: vec![software],
+    };
     image::encode(format, &image, &options).ok().map(|(bytes, _)| bytes)
 }

@@ -34,7 +34,7 @@ const MAX_BODY_BYTES: usize = 4096;
 
 /// Time for which the server stays open after the end of a render, so that browsers can fetch the
 /// last picture.
-const LAST_FETCH_TIME: Duration = Duration::from_millis(500);
+const FINAL_FETCH_DELAY: Duration = Duration::from_millis(500);
 
 /// Time that open connections get to finish after the server has ended. They are cut then.
 const CONNECTION_CUT_DELAY: Duration = Duration::from_millis(500);
@@ -58,8 +58,8 @@ struct RouteState {
     handler: RequestHandler,
     token: String,
     port: u16,
-    readers: Arc<Semaphore>,
-    pixel_responses: Arc<Semaphore>,
+    reader_permits: Arc<Semaphore>,
+    pixel_response_permits: Arc<Semaphore>,
     end: watch::Receiver<bool>,
 }
 
@@ -86,8 +86,8 @@ impl PageServer {
             handler,
             token,
             port: bound.port(),
-            readers: Arc::new(Semaphore::new(MAX_READERS)),
-            pixel_responses: Arc::new(Semaphore::new(MAX_PIXEL_RESPONSES)),
+            reader_permits: Arc::new(Semaphore::new(MAX_READERS)),
+            pixel_response_permits: Arc::new(Semaphore::new(MAX_PIXEL_RESPONSES)),
             end: receiver,
         });
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
@@ -109,7 +109,7 @@ impl PageServer {
     /// the last picture.
     pub fn finish(self) {
         if self.page.reader_count() > 0 {
-            std::thread::sleep(LAST_FETCH_TIME);
+            std::thread::sleep(FINAL_FETCH_DELAY);
         }
     }
 }
@@ -195,7 +195,7 @@ async fn send_page() -> Response {
 }
 
 async fn send_events(State(shared): State<Arc<RouteState>>) -> Response {
-    match shared.readers.clone().try_acquire_owned() {
+    match shared.reader_permits.clone().try_acquire_owned() {
         Ok(permit) => state_events_response(&shared.page, until_end(shared.end.clone()), permit),
         Err(_) => busy_response(),
     }
@@ -206,7 +206,7 @@ async fn send_layer(
     Path((_, name)): Path<(String, String)>,
     Query(known): Query<KnownFrameQuery>,
 ) -> Response {
-    match shared.pixel_responses.clone().try_acquire_owned() {
+    match shared.pixel_response_permits.clone().try_acquire_owned() {
         Ok(permit) => layer_pixels_response(shared.page.clone(), name, known, permit).await,
         Err(_) => busy_response(),
     }
@@ -221,7 +221,7 @@ async fn send_saved_picture(
     Path((_, file)): Path<(String, String)>,
     Query(options): Query<SaveOptions>,
 ) -> Response {
-    match shared.pixel_responses.clone().try_acquire_owned() {
+    match shared.pixel_response_permits.clone().try_acquire_owned() {
         Ok(_permit) => saved_picture_response(shared.page.clone(), file, options).await,
         Err(_) => busy_response(),
     }

@@ -75,7 +75,8 @@ pub struct ForecastReport {
     pub passes_to_target: [Option<u32>; 3],
     /// Relative bias, which keeps the error above `target_error` after any number of passes; `None`
     /// if `target_error` can be reached.
-    pub floor: Option<f64>,
+    #[serde(rename = "floor")]
+    pub bias_floor: Option<f64>,
     /// Probability that the number of passes lies between the first and last value of
     /// `passes_to_target`.
     #[serde(rename = "probability")]
@@ -196,7 +197,8 @@ pub struct LiveStatus {
     #[serde(rename = "surfaces")]
     pub surface_aovs: Option<FrameReport>,
     /// Size of the reference picture \[pixels]; `None` without one.
-    pub reference: Option<(u32, u32)>,
+    #[serde(rename = "reference")]
+    pub reference_size: Option<(u32, u32)>,
     /// Number of passes so far.
     pub passes: u32,
     /// Wall time of the passes so far \[s].
@@ -213,7 +215,8 @@ pub struct LiveStatus {
     pub error_limit: Option<f64>,
     /// Confidence of the intervals from `low` to `high` in `error_curve`; `None` without an error
     /// target.
-    pub confidence: Option<Confidence>,
+    #[serde(rename = "confidence")]
+    pub interval_confidence: Option<Confidence>,
     /// Points of the curve of the estimated error over the passes so far.
     #[serde(rename = "curve")]
     pub error_curve: Arc<Vec<ErrorCurvePoint>>,
@@ -269,7 +272,7 @@ impl ForecastReport {
             target_error: target.error,
             is_render_target: stop.target.is_some(),
             passes_to_target: passes,
-            floor,
+            bias_floor: floor,
             range_probability: RANGE_PROBABILITY,
             error_curve: numbers.into_iter().map(|n| (n, forecast.error_after_passes(n))).collect(),
         }

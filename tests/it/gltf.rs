@@ -189,7 +189,9 @@ fn cameras_and_nodes_have_their_transforms() {
     let blender = SceneFile::read(&folder.join("blender_glass/blender_glass.glb")).unwrap().description;
     let camera = &blender.camera;
     assert_all_near(camera.center, &[0.0, 2.0, 8.0]);
-    let ProjectionDescription::Perspective { angle, lens: None } = camera.projection else { panic!("{camera:?}") };
+    let ProjectionDescription::Perspective { vertical_fov_degrees: angle, lens: None } = camera.projection else {
+        panic!("{camera:?}")
+    };
     assert_near(angle, 0.399_596_520_463_048_94 * 360.0 / TAU);
     assert_eq!((camera.width, camera.height), (1280, 720));
     let Some((hierarchy, json)) = world_scene("02_node_hierarchy") else { return };
@@ -245,7 +247,7 @@ fn factors_and_texture_transforms_match_the_file() {
     let transform = &info["extensions"]["KHR_texture_transform"];
     let scale = numbers(&transform["scale"]);
     let coordinates = textured.textures.iter().filter_map(|texture| match &texture.kind {
-        TextureKindDescription::Image { coordinates, .. } => Some(coordinates),
+        TextureKindDescription::Image { uv_transform: coordinates, .. } => Some(coordinates),
         _ => None,
     });
     let coordinates = coordinates.into_iter().find(|c| c.scale == DVec2::new(scale[0], scale[1])).unwrap();

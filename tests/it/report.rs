@@ -69,7 +69,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
             rmse: 0.3 * squared_errors[0].sqrt(),
             flip: squared_errors[0].sqrt().min(1.0) * 0.5,
             squared_noises,
-            squared_errors,
+            relative_squared_errors: squared_errors,
         }
     };
     let checkpoints: Vec<ConvergenceCheckpoint> = (0..count).map(checkpoint).collect();
@@ -110,7 +110,7 @@ fn found() -> MethodStudyResult {
         program: "Caustica 0.1.0".into(),
         machine: "an imagined processor, 2 threads".into(),
         seeds: SEEDS as u32,
-        cpu_seconds_per_seed: 60.0,
+        max_cpu_seconds_per_seed: 60.0,
         thread_time_share: 0.85,
         reference: Reference {
             source: "auto: 256 passes of hybrid, twice".into(),

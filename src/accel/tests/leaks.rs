@@ -4,7 +4,7 @@ use super::meshes::{
     cube_vertices_and_faces, icosphere_vertices_and_faces, mesh_of_faces, random_point, torus_vertices_and_faces,
 };
 use super::miss_other_primitive;
-use crate::accel::Hierarchy;
+use crate::accel::Bvh;
 use crate::math::Ray;
 use glam::Vec3;
 use rand::rngs::SmallRng;
@@ -21,7 +21,7 @@ fn count_leaking_rays(
     seed: u64,
 ) -> usize {
     let mut rng = SmallRng::seed_from_u64(seed);
-    let tree = Hierarchy::build(&mesh_of_faces(vertices, faces), &[]);
+    let tree = Bvh::build(&mesh_of_faces(vertices, faces), &[]);
     let mut origin = inside(&mut rng);
     let miss = |i: usize| {
         if i.is_multiple_of(64) {

@@ -65,7 +65,7 @@ fn assert_agrees_with_brute_force(
     balls: &[(Vec3, f32)],
     rays: impl Iterator<Item = Ray>,
 ) -> (usize, usize) {
-    let tree = Hierarchy::build(triangles, &boxes_around_spheres(balls));
+    let tree = Bvh::build(triangles, &boxes_around_spheres(balls));
     let (mut hits, mut total) = (0, 0);
     for ray in rays {
         let expected = brute_force_hit(triangles, balls, &ray);
@@ -80,18 +80,18 @@ fn assert_agrees_with_brute_force(
 
 #[test]
 fn empty_hierarchy_has_no_hit() {
-    let tree = Hierarchy::build(&[], &[]);
+    let tree = Bvh::build(&[], &[]);
     assert!(tree.bounds().is_empty());
     assert_eq!(tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::X), miss_other_primitive), None);
     assert!(!tree.occluded(&Ray::new(Vec3::ZERO, Vec3::X), |_, _| true));
-    let tree = Hierarchy::build(&[], &[Bounds::EMPTY]);
+    let tree = Bvh::build(&[], &[Bounds::EMPTY]);
     assert!(!tree.occluded(&Ray::new(Vec3::ZERO, Vec3::X), |_, _| true));
 }
 
 #[test]
 fn rays_with_invalid_origin_or_direction_hit_nothing() {
     let (v, f) = cube_vertices_and_faces();
-    let tree = Hierarchy::build(&mesh_of_faces(&v, &f), &[]);
+    let tree = Bvh::build(&mesh_of_faces(&v, &f), &[]);
     for ray in [
         Ray::new(Vec3::ZERO, Vec3::ZERO),
         Ray::new(Vec3::ZERO, Vec3::splat(f32::NAN)),
@@ -137,7 +137,7 @@ fn leaves_near_a_box_hold_all_its_hits() {
         let triangles = random_triangle_mesh(&mut rng, count, size);
         let balls: Vec<(Vec3, f32)> =
             (0..spheres).map(|_| (random_point(&mut rng), rng.random_range(0.0..0.3))).collect();
-        let tree = Hierarchy::build(&triangles, &boxes_around_spheres(&balls));
+        let tree = Bvh::build(&triangles, &boxes_around_spheres(&balls));
         let solve = |i: u32, r: &Ray| intersect_sphere(balls[i as usize].0, balls[i as usize].1, r);
         for _ in 0..300 {
             let center = random_point(&mut rng);
@@ -175,7 +175,7 @@ fn hits_agree_with_double_precision() {
         .collect::<Mesh>();
     let mut hits = 0;
     for triangle in &triangles {
-        let tree = Hierarchy::build(&[*triangle], &[]);
+        let tree = Bvh::build(&[*triangle], &[]);
         let ray = Ray::new(random_point(&mut rng) * 2.0, random_direction(&mut rng) * 0.3);
         let ray = Ray {
             direction: if rng.random() { triangle[0].midpoint(triangle[2]) - ray.origin } else { ray.direction },
@@ -227,7 +227,7 @@ fn equal_distances_go_to_the_lowest_primitive_index() {
     }
     // A triangle and another primitive in the same plane.
     let wall = [[Vec3::new(-1.0, -1.0, 2.0), Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 3.0, 2.0)]];
-    let tree = Hierarchy::build(&wall, &[Bounds::from_points(wall[0])]);
+    let tree = Bvh::build(&wall, &[Bounds::from_points(wall[0])]);
     let hit = tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::Z), |_, ray| {
         (2.0 < ray.t_max).then_some(ShapeHit { t: 2.0, shape_coords: Vec2::ZERO })
     });
@@ -306,12 +306,12 @@ fn power_of_two_scales_change_no_bit() {
     let mut rng = SmallRng::seed_from_u64(5);
     let triangles = random_triangle_mesh(&mut rng, 400, 0.3);
     let rays: Vec<Ray> = (0..2000).map(|_| Ray::new(random_point(&mut rng), random_direction(&mut rng))).collect();
-    let tree = Hierarchy::build(&triangles, &[]);
+    let tree = Bvh::build(&triangles, &[]);
     for (size, length) in [(2f32, 1f32), (1.0, 2.0), (1.0 / 1024.0, 1.0), (2e-20, 1e-24), (1e-20, 1e20), (1e17, 1e-3)] {
         let power = |x: f32| f32::from_bits(x.to_bits() & 0x7f80_0000);
         let (size, length) = (power(size), power(length));
         let scaled: Mesh = triangles.iter().map(|t| t.map(|p| p * size)).collect();
-        let other = Hierarchy::build(&scaled, &[]);
+        let other = Bvh::build(&scaled, &[]);
         for ray in &rays {
             let expected =
                 tree.closest_hit(ray, miss_other_primitive).map(|h| PrimitiveHit { t: h.t * (size / length), ..h });
@@ -327,7 +327,7 @@ fn identical_primitives_build_fast_and_shallow() {
     let triangle = [random_point(&mut rng), random_point(&mut rng), random_point(&mut rng)];
     let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
     let start = std::time::Instant::now();
-    let tree = Hierarchy::build(&vec![triangle; 100_000], &vec![Bounds::from_points(triangle); 100_000]);
+    let tree = Bvh::build(&vec![triangle; 100_000], &vec![Bounds::from_points(triangle); 100_000]);
     let seconds = start.elapsed().as_secs_f64();
     assert!(seconds < 1.0, "{seconds}");
     let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);

@@ -85,7 +85,7 @@ fn selected_layers_add_up_to_coat_and_base() {
                 mean += value / f64::from(n);
             }
             // Under the clear coat, a coat with a BSDF of its own is attenuated like its base.
-            let base = bsdf.under_coat().unwrap();
+            let base = bsdf.base_under_clear_coat().unwrap();
             let inner = base.separate_coat().map_or(DVec3::ZERO, f) * (f(bsdf) / f(base));
             let expected = f(bsdf) + inner + f(bsdf.separate_coat().unwrap());
             // At each of two boundaries between layers, the values of `u` miss at most half a step.

@@ -42,7 +42,7 @@ pub(super) struct CostEstimateReport {
     setup_seconds: f64,
     pass_seconds: f64,
     #[serde(rename = "pass_photons")]
-    photons_per_pass: f64,
+    photon_paths_per_pass: f64,
     peak_memory_bytes: Option<u64>,
     /// Probability that the time of a render lies between `seconds_low` and `seconds_high` of its
     /// [`CostEstimate`].
@@ -87,7 +87,8 @@ pub(super) struct CostEstimate {
     /// Upper end of the range of likely times of the render \[s]; `None` if it is too far to
     /// predict, or if no number of passes reaches the target error.
     seconds_high: Option<f64>,
-    photons: Option<f64>,
+    #[serde(rename = "photons")]
+    photon_paths: Option<f64>,
     /// Relative bias that remains in the picture after any number of passes; `None` if the target
     /// error can be reached.
     #[serde(rename = "floor")]
@@ -154,7 +155,7 @@ impl CostEstimateReport {
             pilot_error: pilot,
             setup_seconds: setup,
             pass_seconds,
-            photons_per_pass: pass_photons,
+            photon_paths_per_pass: pass_photons,
             peak_memory_bytes: peak_memory(),
             time_range_probability: RANGE_PROBABILITY,
             estimates: arguments.errors.iter().map(estimate).collect(),
@@ -202,7 +203,7 @@ impl CostEstimateReport {
                 "  {error:>7} {passes:>9} {:>14} {:>24} {:>9} {memory:>8}  {}",
                 duration_text(time),
                 ends.join(" to "),
-                estimate.photons.map_or(String::new(), count_text),
+                estimate.photon_paths.map_or(String::new(), count_text),
                 estimate.render_flags.as_deref().unwrap_or_default(),
             );
         }
@@ -247,7 +248,7 @@ impl CostEstimate {
             seconds: None,
             seconds_low: None,
             seconds_high: None,
-            photons: None,
+            photon_paths: None,
             bias_floor: None,
             render_flags: None,
         };
@@ -257,7 +258,7 @@ impl CostEstimate {
                 seconds: Some(time(range.median)),
                 seconds_low: Some(time(range.low)),
                 seconds_high: range.high.map(time),
-                photons: Some(f64::from(range.median) * pass_photons),
+                photon_paths: Some(f64::from(range.median) * pass_photons),
                 ..unknown
             },
             StopForecast::Never { floor } => Self { bias_floor: Some(floor), ..unknown },

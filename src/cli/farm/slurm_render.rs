@@ -7,7 +7,7 @@ use super::args::SlurmArguments;
 use super::division::{ArrayTasks, ShardDivision, job_arrays, number_list};
 use super::script::JobScripts;
 use super::slurm::{self, SlurmError, SlurmTaskStatus};
-use super::waves::{NextWave, next_wave};
+use super::waves::{WaveDecision, decide_next_wave};
 use super::work_folder::{FarmState, MERGE_SCRIPT_NAME, MERGED_FILM_NAME, SHARD_SCRIPT_NAME, WorkFolder};
 use crate::cli::film::{check_film_memory, read_film};
 use crate::cli::interrupt::INTERRUPTED;
@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 
 /// Default limit of the passes of all waves of jobs (`--max-passes`), divided by the passes of the
 /// first wave (`--passes`).
-const MAX_PASS_GROWTH_FACTOR: u32 = 100;
+const DEFAULT_MAX_PASSES_FACTOR: u32 = 100;
 
 /// Time for which Slurm may fail to answer before the command gives up.
 const MAX_SLURM_SILENCE: Duration = Duration::from_secs(600);
@@ -132,16 +132,16 @@ impl<'a> SlurmRender<'a> {
             let film = read_film(&merged)?;
             let Some(target) = self.error_target() else { return Ok(self.print_picture_summary(&film.rendered)) };
             let most =
-                self.arguments.max_passes.unwrap_or(self.arguments.passes.saturating_mul(MAX_PASS_GROWTH_FACTOR));
-            match next_wave(&film.rendered, state.division, target, most) {
-                NextWave::Grow(larger) => {
+                self.arguments.max_passes.unwrap_or(self.arguments.passes.saturating_mul(DEFAULT_MAX_PASSES_FACTOR));
+            match decide_next_wave(&film.rendered, state.division, target, most) {
+                WaveDecision::Grow(larger) => {
                     let error = film.rendered.estimate_error(Some(target));
                     let error = error.map_or("unknown".to_owned(), |(error, _)| forecast_text::error_text(&error));
                     let more = count_with_noun((larger.shards - state.division.shards) as usize, "shard", "shards");
                     self.progress.print_line(&format!("estimated error {error}; the next wave has {more}"));
                     state.division = larger;
                 }
-                end @ (NextWave::TargetReached | NextWave::TargetUnreachable | NextWave::TooManyPasses) => {
+                end @ (WaveDecision::TargetReached | WaveDecision::TargetUnreachable | WaveDecision::TooManyPasses) => {
                     let exit = self.print_picture_summary(&film.rendered);
                     self.print_wave_end(end, target, most);
                     return Ok(exit);
@@ -386,18 +386,18 @@ impl<'a> SlurmRender<'a> {
     }
 
     /// Prints why no further wave of jobs follows.
-    fn print_wave_end(&self, end: NextWave, target: ErrorTarget, most: u32) {
+    fn print_wave_end(&self, end: WaveDecision, target: ErrorTarget, most: u32) {
         let error = percent_text(target.error);
         match end {
-            NextWave::TargetReached => self.progress.print_line(&format!(
+            WaveDecision::TargetReached => self.progress.print_line(&format!(
                 "the error is at most {error} with {} confidence",
                 percent_text(target.confidence.probability())
             )),
-            NextWave::TargetUnreachable => print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY)),
-            NextWave::TooManyPasses => print_message(&format!(
+            WaveDecision::TargetUnreachable => print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY)),
+            WaveDecision::TooManyPasses => print_message(&format!(
                 "warning: the error is above {error}, and a further wave would exceed {most} passes; --max-passes allows more"
             )),
-            NextWave::Grow(_) => {}
+            WaveDecision::Grow(_) => {}
         }
     }
 }

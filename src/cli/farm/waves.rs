@@ -7,7 +7,7 @@ use crate::render::{EndReason, ErrorTarget, PassTimes, RenderResult, StopCriteri
 
 /// Decision after a wave of jobs: another wave, or the reason why none follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NextWave {
+pub(super) enum WaveDecision {
     /// Another wave, after which the render has this division.
     Grow(ShardDivision),
     /// The error is low enough.
@@ -23,12 +23,17 @@ pub(super) enum NextWave {
 ///
 /// A wave has at most as many passes as all earlier ones together, because a forecast from few
 /// passes is uncertain.
-pub(super) fn next_wave(rendered: &RenderResult, division: ShardDivision, target: ErrorTarget, most: u32) -> NextWave {
+pub(super) fn decide_next_wave(
+    rendered: &RenderResult,
+    division: ShardDivision,
+    target: ErrorTarget,
+    most: u32,
+) -> WaveDecision {
     let estimated = rendered.estimate_error(Some(target));
     let stop = StopCriteria { target: Some(target), ..StopCriteria::unlimited(&INTERRUPTED) };
     match stop.end_reason(rendered.film.passes(), estimated.as_ref(), PassTimes::default()) {
-        Some(EndReason::Target) => return NextWave::TargetReached,
-        Some(EndReason::BiasFloor) => return NextWave::TargetUnreachable,
+        Some(EndReason::Target) => return WaveDecision::TargetReached,
+        Some(EndReason::BiasFloor) => return WaveDecision::TargetUnreachable,
         Some(EndReason::Passes | EndReason::Time | EndReason::Interrupted) | None => {}
     }
     let forecast = estimated.map(|(_, forecast)| forecast.stop_forecast(target.error, target.interval_confidence()));
@@ -41,7 +46,7 @@ pub(super) fn next_wave(rendered: &RenderResult, division: ShardDivision, target
     // Near the limit of passes, a smaller wave may fit.
     let fitting = shards.min(most.saturating_sub(division.passes) / size);
     match division.with_more_shards(fitting, most) {
-        Some(larger) if fitting > 0 => NextWave::Grow(larger),
-        _ => NextWave::TooManyPasses,
+        Some(larger) if fitting > 0 => WaveDecision::Grow(larger),
+        _ => WaveDecision::TooManyPasses,
     }
 }

@@ -50,12 +50,12 @@ pub(super) fn print_render_summary(
         count_with_noun(report.passes as usize, "pass", "passes"),
         report.seconds.render,
         report.rates.rays_per_second * 1e-6,
-        report.rates.photons_per_second * 1e-6,
+        report.rates.photon_paths_per_second * 1e-6,
     ));
     if let Some(fraction) = report.clamped_fraction {
         progress.print_line(&format!("clamping removed {} of the light", percent_text(fraction)));
     }
-    if let Some(EstimatedErrorReport { estimate, confidence, .. }) = &report.error {
+    if let Some(EstimatedErrorReport { estimate, interval_confidence: confidence, .. }) = &report.error {
         let interval = format!("{} to {}", percent_text(estimate.low), percent_text(estimate.high));
         let confidence = percent_text(confidence.probability());
         progress.print_line(&format!(

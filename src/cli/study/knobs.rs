@@ -30,7 +30,7 @@ struct PilotChosenSettings {
     samples_per_pixel: u32,
     unaimed_paths: u32,
     aimed_paths: u32,
-    radius: Option<f32>,
+    gather_radius: Option<f32>,
 }
 
 impl PilotChosenSettings {
@@ -46,7 +46,7 @@ impl PilotChosenSettings {
             samples_per_pixel: (camera_rays / (u64::from(width) * u64::from(height))).max(1) as u32,
             unaimed_paths: balance.and_then(|b| b.unaimed_paths).unwrap_or(settings.unaimed_paths),
             aimed_paths: balance.and_then(|b| b.aimed_paths).unwrap_or(settings.aimed_paths),
-            radius,
+            gather_radius: radius,
         }
     }
 }
@@ -91,7 +91,7 @@ fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) ->
             add(format!("--gather-k {k}"), &|method| method.gather_k = Some(k));
         }
         for radius in
-            pilot.radius.iter().flat_map(|r| RADIUS_FACTORS.map(|by| r * by)).filter(|r| base.radius != Some(*r))
+            pilot.gather_radius.iter().flat_map(|r| RADIUS_FACTORS.map(|by| r * by)).filter(|r| base.radius != Some(*r))
         {
             add(format!("--radius {radius}"), &|method| method.radius = Some(radius));
         }

@@ -142,7 +142,7 @@ fn run_method_study(
             "{label}: {} after {:.2} s, error {}",
             count_with_noun(at.passes as usize, "pass", "passes"),
             at.cpu_seconds,
-            square_root_percent_text(at.mean_squared_error())
+            square_root_percent_text(at.mean_relative_squared_error())
         )),
     });
     progress.remove_progress_bar();

@@ -27,7 +27,7 @@ pub(super) fn checkpoints_table(found: &MethodStudyResult) -> String {
                 "  {:>8} {:>10.3} {:>9} {:>9} {:>9} {:>7} {:>9}",
                 checkpoint.passes,
                 checkpoint.cpu_seconds,
-                square_root_percent_text(checkpoint.mean_squared_error()),
+                square_root_percent_text(checkpoint.mean_relative_squared_error()),
                 square_root_percent_text(checkpoint.squared_noise),
                 square_root_percent_text(checkpoint.squared_bias),
                 rate.map_or(String::new(), |rate| format!("{rate:.2}")),
@@ -56,7 +56,7 @@ fn rms_estimated_error_text(checkpoint: &ConvergenceCheckpoint) -> String {
 /// processor time. `None` if it is not finite, as between equal times, or if an estimated squared
 /// error is not positive.
 fn convergence_rate(before: &ConvergenceCheckpoint, after: &ConvergenceCheckpoint) -> Option<f64> {
-    let squares = [before, after].map(ConvergenceCheckpoint::mean_squared_error);
+    let squares = [before, after].map(ConvergenceCheckpoint::mean_relative_squared_error);
     if squares.iter().any(|square| *square <= 0.0) {
         return None;
     }
@@ -73,7 +73,7 @@ mod tests {
     fn rates_are_exponents_of_time() {
         let at = |seconds, square| ConvergenceCheckpoint {
             cpu_seconds: seconds,
-            squared_errors: vec![square; 2],
+            relative_squared_errors: vec![square; 2],
             ..ConvergenceCheckpoint::default()
         };
         // In four times the time, the squared error falls to a quarter. The error falls to a half,

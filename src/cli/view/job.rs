@@ -11,7 +11,7 @@ use crate::integrate::{
     Algorithm, AovSurface, CameraPathSettings, Integrator, PassStage, ProgressMonitor, render_surface_aovs,
 };
 use crate::render::{
-    EndReason, MemoryError, RenderResult, RenderedLayers, StopCriteria, check_layered_picture_memory,
+    EndReason, LayerSelection, MemoryError, RenderResult, StopCriteria, check_layered_picture_memory,
     check_photon_memory, render,
 };
 use crate::scene::Scene;
@@ -176,11 +176,11 @@ impl<'a> Job<'a> {
         settings.camera_paths.groups_light = arguments.light_groups;
         let camera_paths = settings.camera_paths.clone();
         let free = || arguments.scene.memory_limit().available_bytes();
-        let layers = RenderedLayers {
+        let layers = LayerSelection {
             estimates_error: camera_paths.estimate_error,
             groups_light: camera_paths.groups_light,
             renders_aovs: true,
-            ..RenderedLayers::default()
+            ..LayerSelection::default()
         };
         self.live.publish(|state, _| {
             state.status.size = size;

@@ -103,7 +103,7 @@ impl<'a> GltfBuffers<'a> {
         let is_normalized = accessor.normalized();
         let mut numbers = match accessor.view() {
             Some(view) => {
-                let layout = Layout {
+                let layout = AccessorLayout {
                     element_count: count,
                     components_per_element: width,
                     kind: accessor.data_type(),
@@ -124,9 +124,9 @@ impl<'a> GltfBuffers<'a> {
                 gltf::accessor::sparse::IndexType::U32 => DataType::U32,
             };
             let layout =
-                Layout { element_count: sparse.count(), components_per_element: 1, kind, is_normalized: false };
+                AccessorLayout { element_count: sparse.count(), components_per_element: 1, kind, is_normalized: false };
             let targets = self.read_elements(&place, &indices.view(), indices.offset(), layout)?;
-            let layout = Layout {
+            let layout = AccessorLayout {
                 element_count: sparse.count(),
                 components_per_element: width,
                 kind: accessor.data_type(),
@@ -156,8 +156,14 @@ impl<'a> GltfBuffers<'a> {
 
     /// Reads elements that are stored in a buffer view. `offset` is that of the first element from
     /// the start of the view \[bytes].
-    fn read_elements(&self, place: &str, view: &View<'_>, offset: usize, layout: Layout) -> ReadResult<Vec<f64>> {
-        let Layout { element_count: count, components_per_element: width, kind, is_normalized } = layout;
+    fn read_elements(
+        &self,
+        place: &str,
+        view: &View<'_>,
+        offset: usize,
+        layout: AccessorLayout,
+    ) -> ReadResult<Vec<f64>> {
+        let AccessorLayout { element_count: count, components_per_element: width, kind, is_normalized } = layout;
         let (component, element) = (kind.size(), kind.size() * width);
         let stride = view.stride().unwrap_or(element);
         let length = count.saturating_sub(1).checked_mul(stride).and_then(|n| n.checked_add(element));
@@ -183,7 +189,7 @@ impl<'a> GltfBuffers<'a> {
 
 /// Number and format of the elements that an accessor stores in a buffer view.
 #[derive(Clone, Copy)]
-struct Layout {
+struct AccessorLayout {
     element_count: usize,
     components_per_element: usize,
     kind: DataType,

@@ -46,7 +46,7 @@ impl FileContext<'_> {
 
     /// Returns the memory that may still be allocated \[bytes]; `None` without a limit.
     pub fn free_memory(&self) -> Option<u64> {
-        self.options.memory.available_bytes()
+        self.options.memory_limit.available_bytes()
     }
 
     /// Fails if `needed` bytes exceed the free memory.

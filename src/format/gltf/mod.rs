@@ -11,8 +11,8 @@ mod tests;
 mod textures;
 
 use super::assets::EmbeddedAssets;
+use super::default_camera::framing_camera;
 use super::description::{EnvironmentRadiance, LightDescription, SceneDescription, Span, Spanned};
-use super::framing::framing_camera;
 use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError};
 use super::import_notes::ImportNotes;
 use super::mesh::MeshReadMonitor;

@@ -4,12 +4,12 @@ use super::accessors::GltfBuffers;
 use super::context::{FileContext, ReadResult};
 use super::geometry::{mean_vertex_color, read_primitive};
 use super::materials::GltfMaterials;
+use crate::format::default_camera::{DEFAULT_ASPECT_RATIO, camera_with_aspect_ratio};
 use crate::format::description::{
     CameraDescription, DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength, GroupItem,
     LightDescription, MeshDescription, MeshOptions, ObjectDescription, ObjectGroup, PointLightDescription,
     PointLightStrength, ProjectionDescription, ShapeDescription, Span, Spanned, SpotLightDescription, TransformStep,
 };
-use crate::format::framing::{DEFAULT_ASPECT_RATIO, camera_with_aspect_ratio};
 use crate::format::import_notes::ImportNotes;
 use crate::format::mesh::TriangleMesh;
 use crate::math::Transform;
@@ -299,14 +299,14 @@ impl NodeWalker<'_, '_> {
                     return Err(invalid("its field of view is not between 0 and π"));
                 }
                 let aspect = perspective.aspect_ratio.map_or(DEFAULT_ASPECT_RATIO, f64::from);
-                (ProjectionDescription::Perspective { angle, lens: None }, aspect)
+                (ProjectionDescription::Perspective { vertical_fov_degrees: angle, lens: None }, aspect)
             }
             (None, Some(orthographic)) => {
                 let (x, y) = (f64::from(orthographic.xmag).abs(), f64::from(orthographic.ymag).abs());
                 if !(x > 0.0 && y > 0.0 && y <= 1e11) {
                     return Err(invalid("its magnification is 0 or too large"));
                 }
-                (ProjectionDescription::Orthographic { size: 2.0 * y }, x / y)
+                (ProjectionDescription::Orthographic { view_height: 2.0 * y }, x / y)
             }
             (None, None) => return Err(invalid("it has no projection")),
         };

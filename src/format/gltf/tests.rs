@@ -130,7 +130,9 @@ fn textures_keep_factor_channel_and_place() {
     assert_eq!(color.texture_name(), Some(base));
     let picture = |name: &str| {
         let texture = scene.description.textures.iter().find(|texture| texture.name == name).unwrap();
-        let TextureKindDescription::Image { path, wrap, coordinates, .. } = &texture.kind else { panic!() };
+        let TextureKindDescription::Image { path, wrap, uv_transform: coordinates, .. } = &texture.kind else {
+            panic!()
+        };
         assert_eq!(*wrap, WrapMode::Clamp);
         (scene.assets.pictures[&path.value].pixels().to_vec(), *coordinates)
     };
@@ -277,7 +279,7 @@ fn broken_files_are_refused_with_their_place() {
         "one element is replaced, by zero"
     );
     huge["accessors"][0]["count"] = 1_000_000_000_u64.into();
-    let options = ImportOptions { memory: MemoryLimit::ProcessBytes(1 << 33), ..ImportOptions::default() };
+    let options = ImportOptions { memory_limit: MemoryLimit::ProcessBytes(1 << 33), ..ImportOptions::default() };
     let error = decode(Path::new("a.gltf"), huge.to_string().as_bytes(), &options).unwrap_err();
     assert!(matches!(error, crate::format::SceneReadError::OutOfMemory { .. }), "{error}");
 }

@@ -66,7 +66,7 @@ pub(super) struct GltfTextures<'a> {
     context: &'a FileContext<'a>,
     buffers: &'a GltfBuffers<'a>,
     /// Decoded pictures by image index; `None` for an image in an unsupported format.
-    decoded: HashMap<usize, Option<Rc<QuantizedRgba>>>,
+    decoded_pictures: HashMap<usize, Option<Rc<QuantizedRgba>>>,
     /// Converted images, as paths of embedded pictures or as constants, by image index and use.
     converted_pictures: HashMap<(usize, String), GltfConvertedTexture>,
     /// Names of the imported scene's textures. A key combines picture, wrap mode and transform.
@@ -83,7 +83,7 @@ impl<'a> GltfTextures<'a> {
         Self {
             context,
             buffers,
-            decoded: HashMap::new(),
+            decoded_pictures: HashMap::new(),
             converted_pictures: HashMap::new(),
             texture_names_by_content: HashMap::new(),
             textures: Vec::new(),
@@ -163,7 +163,8 @@ impl<'a> GltfTextures<'a> {
             return name.clone();
         }
         let name = format!("texture{}", self.textures.len());
-        let kind = TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates };
+        let kind =
+            TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, uv_transform: coordinates };
         self.textures.push(Spanned::new(TextureDescription { name: name.clone(), kind }, Span::default()));
         let name = Spanned::new(name, Span::default());
         self.texture_names_by_content.insert(key, name.clone());
@@ -179,7 +180,7 @@ impl<'a> GltfTextures<'a> {
         image: &gltf::Image<'_>,
         notes: &mut ImportNotes,
     ) -> ReadResult<Option<Rc<QuantizedRgba>>> {
-        if let Some(decoded) = self.decoded.get(&index) {
+        if let Some(decoded) = self.decoded_pictures.get(&index) {
             return Ok(decoded.clone());
         }
         let place = format!("images[{index}]");
@@ -193,7 +194,7 @@ impl<'a> GltfTextures<'a> {
         if levels.is_none() {
             notes.add_unsupported("textures in other formats than PNG and JPEG are left out", place);
         }
-        self.decoded.insert(index, levels.clone());
+        self.decoded_pictures.insert(index, levels.clone());
         Ok(levels)
     }
 

@@ -37,9 +37,9 @@ const READ_CHUNK_BYTES: usize = 1 << 16;
 
 /// Densities of a medium on a regular grid of cells, as in a grid file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GridFile {
+pub struct DensityGridData {
     /// Number of cells along x, y and z, each at least 1.
-    pub size: [u32; 3],
+    pub cell_counts: [u32; 3],
     /// Densities of all cells, finite and at least 0; the index x varies fastest.
     pub densities: Vec<f32>,
 }
@@ -68,7 +68,7 @@ struct GridHeader {
 ///
 /// # Errors
 /// [`GridError`].
-pub fn read(path: &Path) -> Result<GridFile, GridError> {
+pub fn read(path: &Path) -> Result<DensityGridData, GridError> {
     read_with_memory_limit(path, None)
 }
 
@@ -78,7 +78,7 @@ pub fn read(path: &Path) -> Result<GridFile, GridError> {
 ///
 /// # Errors
 /// [`GridError`].
-pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<GridFile, GridError> {
+pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<DensityGridData, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
     let (file, length) = open_file(path).map_err(unreadable)?;
     decode(path, length, file, free)
@@ -91,7 +91,7 @@ pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<GridFile
 ///
 /// # Errors
 /// [`GridError`].
-pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) -> Result<GridFile, GridError> {
+pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) -> Result<DensityGridData, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
     let mut start = Vec::new();
     Read::take(&mut file, MAX_HEADER_BYTES).read_to_end(&mut start).map_err(unreadable)?;
@@ -109,14 +109,14 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
             value: values[i],
         });
     }
-    Ok(GridFile { size: header.size, densities: values })
+    Ok(DensityGridData { cell_counts: header.size, densities: values })
 }
 
 /// Writes a grid file.
 ///
 /// # Errors
 /// The cause reported by the system.
-pub fn write(path: &Path, grid: &GridFile, encoding: GridEncoding) -> std::io::Result<()> {
+pub fn write(path: &Path, grid: &DensityGridData, encoding: GridEncoding) -> std::io::Result<()> {
     write_to(BufWriter::new(File::create(path)?), grid, encoding)
 }
 
@@ -124,8 +124,8 @@ pub fn write(path: &Path, grid: &GridFile, encoding: GridEncoding) -> std::io::R
 ///
 /// # Errors
 /// The error of `out`.
-pub fn write_to(mut out: impl Write, grid: &GridFile, encoding: GridEncoding) -> std::io::Result<()> {
-    let [x, y, z] = grid.size;
+pub fn write_to(mut out: impl Write, grid: &DensityGridData, encoding: GridEncoding) -> std::io::Result<()> {
+    let [x, y, z] = grid.cell_counts;
     let word = if encoding == GridEncoding::F32 { "f32" } else { "text" };
     write!(out, "caustica-grid 1\nsize {x} {y} {z}\ntype {word}\n\n")?;
     for row in grid.densities.chunks(x.max(1) as usize) {

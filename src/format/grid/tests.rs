@@ -10,11 +10,11 @@ fn call_with_temporary_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T
     then(&path)
 }
 
-fn read_grid_bytes(bytes: &[u8]) -> Result<GridFile, GridError> {
+fn read_grid_bytes(bytes: &[u8]) -> Result<DensityGridData, GridError> {
     call_with_temporary_file(bytes, read)
 }
 
-fn grid_file_bytes(grid: &GridFile, encoding: GridEncoding) -> Vec<u8> {
+fn grid_file_bytes(grid: &DensityGridData, encoding: GridEncoding) -> Vec<u8> {
     call_with_temporary_file(&[], |path| {
         write(path, grid, encoding).unwrap();
         std::fs::read(path).unwrap()
@@ -31,7 +31,7 @@ fn assert_refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
 
 #[test]
 fn grid_values_are_text_or_f32_x_fastest() {
-    let grid = GridFile { size: [3, 2, 1], densities: vec![0.0, 1.0, 2.5, 3.0, 1e-30, 5e7] };
+    let grid = DensityGridData { cell_counts: [3, 2, 1], densities: vec![0.0, 1.0, 2.5, 3.0, 1e-30, 5e7] };
     let text = b"caustica-grid 1\r\n# smoke\r\ntype text\r\nsize 3 2 1\r\n\r\n0 1 2.5\n3\t1e-30\r\n\n  5e7 ";
     assert_eq!(read_grid_bytes(text).unwrap(), grid);
     let mut singles = b"caustica-grid 1\nsize 3 2 1\ntype f32\n\n".to_vec();
@@ -40,7 +40,7 @@ fn grid_values_are_text_or_f32_x_fastest() {
     assert_eq!(grid_file_bytes(&grid, GridEncoding::F32), singles);
     assert_eq!(
         read_grid_bytes(b"caustica-grid 1\ntype text\nsize 1 1 1\n\n7").unwrap(),
-        GridFile { size: [1; 3], densities: vec![7.0] }
+        DensityGridData { cell_counts: [1; 3], densities: vec![7.0] }
     );
 }
 
@@ -102,7 +102,8 @@ fn invalid_densities_are_reported_by_cell() {
         // (1, 2, 3) of 2 × 3 × 4.
         values[1 + 2 * (2 + 3 * 3)] = bad;
         for encoding in [GridEncoding::F32, GridEncoding::Text] {
-            let bytes = grid_file_bytes(&GridFile { size: [2, 3, 4], densities: values.clone() }, encoding);
+            let bytes =
+                grid_file_bytes(&DensityGridData { cell_counts: [2, 3, 4], densities: values.clone() }, encoding);
             assert_refused(&bytes, " the density of cell (1, 2, 3)", &format!("is {shown}"), "finite and at least 0");
         }
     }
@@ -121,11 +122,11 @@ fn unreadable_grid_files_are_refused() {
     }
 }
 
-fn any_grid() -> impl Strategy<Value = GridFile> {
+fn any_grid() -> impl Strategy<Value = DensityGridData> {
     let value = prop_oneof![Just(0.0), proptest::num::f32::POSITIVE | proptest::num::f32::SUBNORMAL];
     ([1..5_u32, 1..5_u32, 1..5_u32], proptest::collection::vec(value, 64)).prop_map(|(size, mut values)| {
         values.truncate(size.iter().product::<u32>() as usize);
-        GridFile { size, densities: values.into_iter().map(f32::abs).collect() }
+        DensityGridData { cell_counts: size, densities: values.into_iter().map(f32::abs).collect() }
     })
 }
 

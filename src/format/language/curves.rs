@@ -38,11 +38,12 @@ pub(in crate::format) const BSPLINE_CONTROLS: FieldSchema =
 
 /// Schema of a Bézier curve that is the profile of a surface of revolution.
 pub(in crate::format) static BEZIER_PROFILE: BlockSchema =
-    block_schema("BezierCurve", "one Bézier curve").with_fields(&[BEZIER_CONTROLS]).mark_as_mit_6837_syntax();
+    block_schema("BezierCurve", "one Bézier curve").with_own_fields(&[BEZIER_CONTROLS]).mark_as_mit_6837_syntax();
 
 /// Schema of a uniform cubic B-spline that is the profile of a surface of revolution.
-pub(in crate::format) static BSPLINE_PROFILE: BlockSchema =
-    block_schema("BsplineCurve", "a uniform cubic B-spline").with_fields(&[BSPLINE_CONTROLS]).mark_as_mit_6837_syntax();
+pub(in crate::format) static BSPLINE_PROFILE: BlockSchema = block_schema("BsplineCurve", "a uniform cubic B-spline")
+    .with_own_fields(&[BSPLINE_CONTROLS])
+    .mark_as_mit_6837_syntax();
 
 impl CurveBasis {
     /// Returns the schema of a profile curve with this basis.

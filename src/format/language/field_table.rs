@@ -104,12 +104,12 @@ pub(in crate::format) type FieldCheck = fn(&BlockFields<'_>, &ParsedField<'_, '_
 
 /// Table entry of a field whose value a function checks, for example against other fields.
 #[derive(Clone, Copy)]
-pub(in crate::format) struct CheckedField {
+pub(in crate::format) struct FieldWithCheck {
     field: FieldSchema,
     check: FieldCheck,
 }
 
-impl CheckedField {
+impl FieldWithCheck {
     /// Creates a table entry for `field`. `check` is called only if the block has the field.
     pub const fn new(field: FieldSchema, check: FieldCheck) -> Self {
         Self { field, check }
@@ -121,7 +121,7 @@ impl CheckedField {
     }
 }
 
-impl<T: FieldValue> FieldEntry<T> for CheckedField {
+impl<T: FieldValue> FieldEntry<T> for FieldWithCheck {
     fn parse(&self, f: &BlockFields<'_>) -> Result<T, SceneError> {
         let value = self.field.parse(f)?;
         f.get(self.field.keyword).map_or(Ok(()), |field| (self.check)(f, &field))?;

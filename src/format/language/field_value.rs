@@ -59,7 +59,7 @@ pub(in crate::format) fn default_value<T: FieldValue>(field: &FieldSchema) -> Op
         FieldDefault::Numbers(numbers) => value.numbers.as_mut()[..numbers.len()].copy_from_slice(numbers),
         FieldDefault::Word(word) => word.clone_into(&mut value.text),
         FieldDefault::Required => return None,
-        FieldDefault::Absent(_) => return T::absent_value(),
+        FieldDefault::Optional(_) => return T::absent_value(),
     }
     Some(T::from_parsed_value(&Spanned::new(value, Span::default())))
 }

@@ -181,7 +181,7 @@ fn parse_field_value<'a>(
         FieldKind::NumberList => {
             let mut span = None;
             // A copy of the lexer looks ahead, so that the number stays unread.
-            while !{ parser.lexer }.read_number_token().is_end_of_text() {
+            while !{ parser.lexer }.read_number_token().is_empty() {
                 let read = parser.parse_numbers::<1>(word)?;
                 value.number_list.push(read.value[0]);
                 let start = span.map_or(read.span.start, |s: Span| s.start);

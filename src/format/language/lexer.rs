@@ -19,7 +19,7 @@ impl Token<'_> {
         Span { start: self.start, len: self.text.len() }
     }
 
-    pub fn is_end_of_text(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.text.is_empty()
     }
 }

@@ -44,7 +44,7 @@ pub(super) use suggest::nearest_word;
 use writer::SceneWriter;
 
 static BACKGROUND: BlockSchema = block_schema("Background", "what lies behind all objects")
-    .with_fields(&[
+    .with_own_fields(&[
         field_schema("color", FieldKind::Color, "radiance of rays that leave the scene")
             .with_default_numbers(&[0.5, 0.5, 0.5])
             .with_unit("W/(m² sr)")
@@ -150,7 +150,7 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
     let mut blocks = SceneFileBlocks::default();
     loop {
         let word = parser.lexer.peek_token();
-        if word.is_end_of_text() {
+        if word.is_empty() {
             break;
         }
         parser.lexer.consume_token(word);

@@ -121,7 +121,7 @@ impl<'a> Parser<'a> {
         loop {
             let token = self.lexer.peek_token();
             let stops = braces == 0 && (has_open_blocks || token.text == "}" || allowed.contains(&token.text));
-            if token.is_end_of_text() || stops {
+            if token.is_empty() || stops {
                 return;
             }
             if token.text == "\"" && self.lexer.read_quoted_string().is_ok() {
@@ -225,7 +225,7 @@ impl<'a> Parser<'a> {
             self.lexer.consume_token(token);
             return Ok(());
         }
-        if token.is_end_of_text() {
+        if token.is_empty() {
             return Err(self.unclosed_block_error());
         }
         let block = self.innermost_block_name();
@@ -240,7 +240,7 @@ impl<'a> Parser<'a> {
     /// If the text ends inside the block.
     pub fn next_word_or_close(&mut self) -> Result<Option<Token<'a>>, SceneError> {
         let token = self.lexer.peek_token();
-        if token.is_end_of_text() {
+        if token.is_empty() {
             return Err(self.unclosed_block_error());
         }
         self.lexer.consume_token(token);
@@ -258,7 +258,7 @@ impl<'a> Parser<'a> {
         let mut span: Option<Span> = None;
         for value in &mut values {
             let token = self.lexer.read_number_token();
-            if token.is_end_of_text() {
+            if token.is_empty() {
                 return Err(self.missing_number_error(owner, N, "number"));
             }
             // The token is a valid number, but its value may overflow to infinity.
@@ -279,7 +279,7 @@ impl<'a> Parser<'a> {
     pub fn parse_integer(&mut self, owner: Token<'a>) -> Result<Spanned<u32>, SceneError> {
         let fraction = { self.lexer }.read_number_token();
         let token = self.lexer.read_integer_token();
-        if token.is_end_of_text() {
+        if token.is_empty() {
             return Err(self.missing_number_error(owner, 1, "whole number"));
         }
         let name = owner.text;
@@ -303,7 +303,7 @@ impl<'a> Parser<'a> {
     /// `wanted` is the count of numbers; `kind` is "number" or "whole number".
     fn missing_number_error(&mut self, owner: Token<'a>, wanted: usize, kind: &str) -> SceneError {
         let token = self.lexer.peek_token();
-        if token.is_end_of_text() {
+        if token.is_empty() {
             return self.unclosed_block_error();
         }
         let (name, found) = (owner.text, clip_for_message(token.text));
@@ -333,7 +333,7 @@ impl<'a> Parser<'a> {
             return Ok(read);
         }
         let token = self.lexer.peek_token();
-        if token.is_end_of_text() && read.span.len == 0 {
+        if token.is_empty() && read.span.len == 0 {
             return Err(self.unclosed_block_error());
         }
         let span = if read.span.len == 0 { token.span() } else { read.span };

@@ -83,7 +83,7 @@ pub(in crate::format) enum FieldDefault {
     Required,
     /// The field may be absent, without a default value. The text states in the language reference
     /// what absence means.
-    Absent(&'static str),
+    Optional(&'static str),
     /// The parser uses these numbers if the field is absent.
     Numbers(&'static [f64]),
     /// The parser uses this word if the field is absent.
@@ -131,7 +131,7 @@ pub(in crate::format) struct BlockSchema {
     pub aliases: &'static [&'static str],
     /// Lists of fields that the block's description states in its table, see
     /// [`BlockCodec`](super::field_table::BlockCodec).
-    pub table: &'static [FieldList],
+    pub table_fields: &'static [FieldList],
     /// Fields beside those of `table` that only this kind of block has.
     pub own_fields: &'static [FieldSchema],
     /// Lists of fields beside those of `table` that several kinds of blocks share.
@@ -160,7 +160,7 @@ pub(in crate::format) const fn field_schema(name: &'static str, kind: FieldKind,
         FieldKind::Color | FieldKind::ColorOrTexture => FieldRange::NonNegative,
         _ => FieldRange::Any,
     };
-    let default = FieldDefault::Absent("");
+    let default = FieldDefault::Optional("");
     FieldSchema {
         keyword: name,
         alias: "",
@@ -179,7 +179,7 @@ pub(in crate::format) const fn block_schema(keyword: &'static str, help: &'stati
     BlockSchema {
         keyword,
         aliases: &[],
-        table: &[],
+        table_fields: &[],
         own_fields: &[],
         shared_fields: &[],
         help,
@@ -215,7 +215,7 @@ impl FieldSchema {
     /// Makes the field optional without a default value. `meaning` states in the language reference
     /// what it means if the field is absent.
     pub const fn make_optional(mut self, meaning: &'static str) -> Self {
-        self.default = FieldDefault::Absent(meaning);
+        self.default = FieldDefault::Optional(meaning);
         self
     }
 
@@ -339,7 +339,7 @@ impl FieldSchema {
     fn describe_default(&self) -> String {
         match self.default {
             FieldDefault::Required => "required".to_owned(),
-            FieldDefault::Absent(meaning) => meaning.to_owned(),
+            FieldDefault::Optional(meaning) => meaning.to_owned(),
             FieldDefault::Numbers(numbers) => numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" "),
             FieldDefault::Word(word) => format!("`{word}`"),
         }
@@ -380,12 +380,12 @@ impl BlockSchema {
 
     /// Sets the lists of fields that the block's description states in its table.
     pub const fn with_table(mut self, table: &'static [FieldList]) -> Self {
-        self.table = table;
+        self.table_fields = table;
         self
     }
 
     /// Sets the fields beside those of the table that only this kind of block has.
-    pub const fn with_fields(mut self, fields: &'static [FieldSchema]) -> Self {
+    pub const fn with_own_fields(mut self, fields: &'static [FieldSchema]) -> Self {
         self.own_fields = fields;
         self
     }
@@ -409,12 +409,12 @@ impl BlockSchema {
 
     /// Iterates over the fields that only this kind of block has.
     fn all_own_fields(&self) -> impl Iterator<Item = &'static FieldSchema> + use<> {
-        self.table.iter().filter(|list| !list.is_shared).flat_map(|list| list.fields).chain(self.own_fields)
+        self.table_fields.iter().filter(|list| !list.is_shared).flat_map(|list| list.fields).chain(self.own_fields)
     }
 
     /// Iterates over the lists of fields that several kinds of blocks share.
     fn all_shared_lists(&self) -> impl Iterator<Item = &'static [FieldSchema]> + use<> {
-        let lists = self.table.iter().filter(|list| list.is_shared).map(|list| list.fields);
+        let lists = self.table_fields.iter().filter(|list| list.is_shared).map(|list| list.fields);
         lists.chain(self.shared_fields.iter().copied())
     }
 
@@ -528,7 +528,7 @@ mod tests {
                     FieldDefault::Word(word) => {
                         assert!(matches!(field.kind, FieldKind::Word(words) if words.contains(&word)))
                     }
-                    FieldDefault::Required | FieldDefault::Absent(_) => {}
+                    FieldDefault::Required | FieldDefault::Optional(_) => {}
                 }
             }
         }

@@ -44,7 +44,7 @@ pub(in crate::format) struct DefinedMaterial {
 pub(in crate::format) struct MixConstraints {
     /// Index into [`ParserScope::materials`] of the material that bounds a dielectric body: this
     /// material, or one that it mixes. `None` if neither bounds such a body.
-    pub dielectric_index: Option<usize>,
+    pub dielectric_material_index: Option<usize>,
     /// Nesting depth of mixes: 0 for a material that is no mix, 1 for a mix of such materials.
     pub mix_depth: u8,
 }

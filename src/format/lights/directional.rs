@@ -52,7 +52,7 @@ impl BlockCodec for DirectionalLightDescription {
 
 impl LightBlock for DirectionalLightDescription {
     const BLOCK: &'static BlockSchema = &block_schema("DirectionalLight", "parallel light from infinity")
-        .with_fields(&[
+        .with_own_fields(&[
             field_schema("direction", FieldKind::Direction, "direction in which the light travels")
                 .make_required()
                 .mark_as_mit_6837_syntax(),

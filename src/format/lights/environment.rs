@@ -62,7 +62,7 @@ impl LightBlock for EnvironmentRadiance {
         "EnvironmentLight",
         "light from infinity in all directions; at most one per scene, shown instead of the `Background`",
     )
-    .with_fields(&[
+    .with_own_fields(&[
         field_schema("radiance", FieldKind::Color, "constant radiance; give this or `file`").with_unit("W/(m² sr)"),
         field_schema("file", FieldKind::Name, "picture of all directions: PNG, OpenEXR or Radiance HDR"),
         field_schema("scale", FieldKind::Number, "with `file`: factor from picture values to radiance")

@@ -2,7 +2,7 @@
 
 use super::LightBlock;
 use super::delta::{PATTERN_STRENGTH, PointLightStrength, add_delta_light};
-use super::oriented::{LightPose, ORIENTATION_FIELDS};
+use super::oriented::{LightPose, POSE_FIELDS};
 use crate::color::Rgb;
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, FieldEntry};
@@ -64,7 +64,7 @@ impl BlockCodec for GoniometricLightDescription {
 impl LightBlock for GoniometricLightDescription {
     const BLOCK: &'static BlockSchema =
         &block_schema("GoniometricLight", "point light with a measured intensity distribution")
-            .with_fields(&[
+            .with_own_fields(&[
                 field_schema(
                     "file",
                     FieldKind::Name,
@@ -76,7 +76,7 @@ impl LightBlock for GoniometricLightDescription {
                     "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
                 ),
             ])
-            .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH.list.fields]);
+            .with_shared_fields(&[POSE_FIELDS, PATTERN_STRENGTH.list.fields]);
     const IS_INFINITE: bool = false;
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {

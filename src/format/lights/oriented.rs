@@ -23,7 +23,7 @@ pub struct LightPose {
 }
 
 /// Fields of a [`LightPose`].
-pub(super) const ORIENTATION_FIELDS: &[FieldSchema] = &[
+pub(super) const POSE_FIELDS: &[FieldSchema] = &[
     field_schema("position", FieldKind::Point, "position").make_required(),
     field_schema("direction", FieldKind::Direction, "axis of the light; give this or `lookAt`"),
     field_schema("lookAt", FieldKind::Point, "point on the axis of the light"),

@@ -2,7 +2,7 @@
 
 use super::LightBlock;
 use super::delta::{PATTERN_STRENGTH, PointLightStrength, add_delta_light};
-use super::oriented::{LightPose, ORIENTATION_FIELDS};
+use super::oriented::{LightPose, POSE_FIELDS};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, FieldEntry};
 use crate::format::language::fields::BlockFields;
@@ -47,14 +47,14 @@ impl BlockCodec for ProjectorLightDescription {
 
 impl LightBlock for ProjectorLightDescription {
     const BLOCK: &'static BlockSchema = &block_schema("ProjectorLight", "pinhole that projects a picture")
-        .with_fields(&[
+        .with_own_fields(&[
             field_schema("angle", FieldKind::Number, "full vertical angle of the picture")
                 .with_range(FieldRange::OpenInterval(0.0, 180.0))
                 .make_required()
                 .with_unit("degrees"),
             field_schema("file", FieldKind::Name, "projected picture: PNG, OpenEXR or Radiance HDR").make_required(),
         ])
-        .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH.list.fields]);
+        .with_shared_fields(&[POSE_FIELDS, PATTERN_STRENGTH.list.fields]);
     const IS_INFINITE: bool = false;
 
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {

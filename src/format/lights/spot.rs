@@ -4,7 +4,7 @@ use super::LightBlock;
 use super::delta::{POINT_STRENGTH, PointLightStrength, add_delta_light};
 use crate::format::aim::{DirectionOrTarget, parse_direction_or_target, write_direction_or_target};
 use crate::format::error::SceneError;
-use crate::format::language::field_table::{BlockCodec, CheckedField, FieldGroup, field_table};
+use crate::format::language::field_table::{BlockCodec, FieldGroup, FieldWithCheck, field_table};
 use crate::format::language::fields::{BlockFields, ParsedField};
 use crate::format::language::schema::{BlockSchema, FieldKind, FieldList, FieldRange, block_schema, field_schema};
 use crate::format::resolve::Resolver;
@@ -36,7 +36,7 @@ field_table!(SpotLightDescription {
         .with_range(FieldRange::LeftOpenInterval(0.0, 360.0))
         .make_required()
         .with_unit("degrees"),
-    penumbra_degrees: CheckedField::new(
+    penumbra_degrees: FieldWithCheck::new(
         field_schema("penumbra", FieldKind::Number, "width of the soft rim inside the cone, at most half of `angle`")
             .with_range(FieldRange::DescribedOnly("≥ 0"))
             .with_default_numbers(&[0.0])

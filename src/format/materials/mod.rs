@@ -136,13 +136,13 @@ fn defined_material(scope: &ParserScope<'_>, material: &MaterialDescription) -> 
         Some(components) => {
             let [a, b] = components.map(|name| scope.mix_constraints(name));
             MixConstraints {
-                dielectric_index: a.dielectric_index.or(b.dielectric_index),
+                dielectric_material_index: a.dielectric_material_index.or(b.dielectric_material_index),
                 mix_depth: a.mix_depth.max(b.mix_depth) + 1,
             }
         }
         None => {
-            let bounds_body = kind.is_dielectric() || kind.may_transmit_into_body();
-            MixConstraints { dielectric_index: bounds_body.then_some(scope.materials.len()), mix_depth: 0 }
+            let bounds_body = kind.is_dielectric() || kind.has_dielectric_component();
+            MixConstraints { dielectric_material_index: bounds_body.then_some(scope.materials.len()), mix_depth: 0 }
         }
     };
     DefinedMaterial { name: material.name.clone(), is_null_interface: kind.is_null_interface(), mix_constraints }

@@ -42,7 +42,7 @@ pub const MIN_REFRACTIVE_INDEX: f64 = 0.001;
 pub const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 
 /// Schema of the field `indexOfRefraction` of dielectrics and thin panes.
-pub(super) const INDEX_FIELD: FieldSchema =
+pub(super) const REFRACTIVE_INDEX_FIELD: FieldSchema =
     field_schema("indexOfRefraction", FieldKind::Number, "absolute index of refraction")
         .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
         .with_default_numbers(&[1.5]);
@@ -50,7 +50,7 @@ pub(super) const INDEX_FIELD: FieldSchema =
 /// Fields that state the refractive index of a dielectric, with or without dispersion.
 pub(super) const REFRACTION: FieldGroup<RefractiveIndexDescription> = FieldGroup {
     list: FieldList::own(&[
-        INDEX_FIELD,
+        REFRACTIVE_INDEX_FIELD,
         field_schema("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
             .with_range(FieldRange::Positive)
             .make_optional("none: no dispersion"),
@@ -100,7 +100,7 @@ fn parse_index_and_abbe(f: &BlockFields<'_>) -> Result<RefractiveIndexDescriptio
     let index = f.value_or_default("indexOfRefraction")?;
     let Some(field) = f.get("abbe") else { return Ok(RefractiveIndexDescription::Constant(index)) };
     let abbe = field.value();
-    check_index_range(&DispersionFormula::from_abbe_number(index, abbe), &field, "is too small")?;
+    check_refractive_index_range(&DispersionFormula::from_abbe_number(index, abbe), &field, "is too small")?;
     Ok(RefractiveIndexDescription::Abbe { index, abbe })
 }
 
@@ -110,7 +110,7 @@ fn parse_cauchy(coefficients: &ParsedField<'_, '_>) -> Result<RefractiveIndexDes
     coefficients.ensure_valid((2..=3).contains(&list.len()), rule)?;
     let (a, b, c) = (list[0], list[1], list.get(2).copied().unwrap_or(0.0));
     let glass = DispersionFormula::Cauchy { a, b, c };
-    check_index_range(&glass, coefficients, "wants B in µm² and C in µm⁴")?;
+    check_refractive_index_range(&glass, coefficients, "wants B in µm² and C in µm⁴")?;
     Ok(RefractiveIndexDescription::Formula(glass))
 }
 
@@ -127,7 +127,7 @@ fn parse_sellmeier(
     b[..terms].copy_from_slice(strengths);
     c[..terms].copy_from_slice(wavelengths);
     let glass = DispersionFormula::Sellmeier { b, c };
-    check_index_range(&glass, wavelength_field, "wants squares of wavelengths, in µm²")?;
+    check_refractive_index_range(&glass, wavelength_field, "wants squares of wavelengths, in µm²")?;
     Ok(RefractiveIndexDescription::Formula(glass))
 }
 
@@ -135,7 +135,11 @@ fn parse_sellmeier(
 /// anywhere from 380 to 720 nm.
 ///
 /// The error's help text is the name of the field, then `advice` and the accepted range.
-fn check_index_range(glass: &DispersionFormula, field: &ParsedField<'_, '_>, advice: &str) -> Result<(), SceneError> {
+fn check_refractive_index_range(
+    glass: &DispersionFormula,
+    field: &ParsedField<'_, '_>,
+    advice: &str,
+) -> Result<(), SceneError> {
     let within = glass
         .refractive_index_range()
         .is_some_and(|ends| ends.iter().all(|n| (MIN_REFRACTIVE_INDEX..=MAX_REFRACTIVE_INDEX).contains(n)));

@@ -35,7 +35,7 @@ const MAX_ELEMENTS: u64 = 1 << 22;
 const MEMORY_PER_ELEMENT: u64 = 600;
 
 /// Memory that the XML parser takes per byte of an XML file \[bytes].
-const MEMORY_PER_BYTE: u64 = 24;
+const MEMORY_PER_XML_BYTE: u64 = 24;
 
 /// Returns the tree of objects of the scene file, whose content is `bytes`.
 pub(super) fn read_tree(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ObjectTree> {
@@ -149,7 +149,7 @@ impl TreeReader<'_, '_> {
         let whole =
             |text: &str| MitsubaSourceLocation { source: SourceText::new(&name, text), span: Span::default(), line: 1 };
         self.total_bytes += bytes.len() as u64;
-        self.files.check_memory(path, MEMORY_PER_BYTE * bytes.len() as u64)?;
+        self.files.check_memory(path, MEMORY_PER_XML_BYTE * bytes.len() as u64)?;
         if self.total_bytes > MAX_TOTAL_BYTES {
             let place = includer.cloned().unwrap_or_else(|| whole(""));
             return Err(place.error("the scene file and its includes are longer than 256 MiB", "put meshes into files"));

@@ -16,7 +16,7 @@ use std::f64::consts::{PI, TAU};
 /// Greatest relative deviation of an environment map's transform from a rotation about y.
 ///
 /// A map with a greater deviation is resampled.
-const MAX_TILT: f64 = 1e-6;
+const UPRIGHT_TOLERANCE: f64 = 1e-6;
 
 /// Number of samples of the original map along each side of a pixel of a resampled map.
 const SAMPLES_PER_PIXEL_SIDE: u32 = 4;
@@ -48,11 +48,11 @@ pub(super) fn read_environment(
         return Err(singular());
     }
     let y = linear.y_axis.normalize();
-    let is_upright = (y - DVec3::Y).length() < MAX_TILT
-        && linear.x_axis.y.abs() < MAX_TILT * linear.x_axis.length()
+    let is_upright = (y - DVec3::Y).length() < UPRIGHT_TOLERANCE
+        && linear.x_axis.y.abs() < UPRIGHT_TOLERANCE * linear.x_axis.length()
         && linear.determinant() > 0.0
-        && (linear.x_axis.length() - linear.z_axis.length()).abs() < MAX_TILT * linear.x_axis.length()
-        && linear.x_axis.dot(linear.z_axis).abs() < MAX_TILT * linear.x_axis.length_squared();
+        && (linear.x_axis.length() - linear.z_axis.length()).abs() < UPRIGHT_TOLERANCE * linear.x_axis.length()
+        && linear.x_axis.dot(linear.z_axis).abs() < UPRIGHT_TOLERANCE * linear.x_axis.length_squared();
     let rotate = if is_upright {
         // Caustica's maps show −z at the center, not at the left edge: half a turn about y.
         let angle = libm::atan2(linear.z_axis.x, linear.z_axis.z).to_degrees() + 180.0;

@@ -54,13 +54,13 @@ pub(super) struct MitsubaSceneFiles<'a> {
 impl<'a> MitsubaSceneFiles<'a> {
     /// Prepares reading the scene at `path`, without search folders; reads no file.
     pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
-        let free_at_start = options.memory.available_bytes();
+        let free_at_start = options.memory_limit.available_bytes();
         Self { path, monitor, options, search_folders: RefCell::default(), free_at_start }
     }
 
     /// Returns the memory that may still be allocated \[bytes]; `None` if there is no limit.
     pub fn free_memory(&self) -> Option<u64> {
-        self.options.memory.available_bytes()
+        self.options.memory_limit.available_bytes()
     }
 
     /// Fails with an error that names `path` if `needed` bytes exceed the free memory.

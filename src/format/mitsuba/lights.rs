@@ -18,7 +18,7 @@ use glam::{DMat4, DVec3, Vec3};
 use std::f64::consts::PI;
 
 /// Number of rows of a spotlight's intensity map, over 180 degrees: 8 per degree.
-const SPOT_ROWS: u32 = 1_440;
+const SPOT_MAP_ROWS: u32 = 1_440;
 
 /// Width and height of the projected picture of a spotlight with a texture \[pixels].
 const SPOT_PICTURE_SIZE: u32 = 512;
@@ -152,9 +152,9 @@ fn read_spot(
             ProjectorLightDescription { pose, vertical_fov_degrees: angle, path, strength },
         ));
     }
-    let angle = |row: u32| (f64::from(row) + 0.5) * 180.0 / f64::from(SPOT_ROWS);
-    let pixels: Vec<Rgb> = (0..SPOT_ROWS).map(|row| Vec3::splat(falloff(angle(row)) as f32)).collect();
-    let path = Spanned::new(embed_picture(textures, 1, SPOT_ROWS, pixels)?, Span::default());
+    let angle = |row: u32| (f64::from(row) + 0.5) * 180.0 / f64::from(SPOT_MAP_ROWS);
+    let pixels: Vec<Rgb> = (0..SPOT_MAP_ROWS).map(|row| Vec3::splat(falloff(angle(row)) as f32)).collect();
+    let path = Spanned::new(embed_picture(textures, 1, SPOT_MAP_ROWS, pixels)?, Span::default());
     // The intensity map is symmetric about its up direction, which is the light's axis.
     let pose = LightPose { position, aim: DirectionOrTarget::Direction(right), up: Some(axis) };
     let distribution = IntensityDistribution::MapFile(path);

@@ -9,7 +9,7 @@ use crate::format::description::{
     DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Span, Spanned, TransformStep,
     TransformedBoxDescription,
 };
-use crate::format::grid::GridFile;
+use crate::format::grid::DensityGridData;
 use crate::format::import::SceneReadError;
 use glam::{DMat4, DVec3};
 use std::collections::{BTreeMap, HashMap};
@@ -33,7 +33,7 @@ pub(super) struct MitsubaMedia {
     /// Media of the imported scene.
     pub descriptions: Vec<Spanned<MediumDescription>>,
     /// Embedded density grids, by path.
-    pub grids: BTreeMap<String, Arc<GridFile>>,
+    pub grids: BTreeMap<String, Arc<DensityGridData>>,
     names: HashMap<*const MitsubaObject, String>,
 }
 
@@ -158,7 +158,7 @@ impl MitsubaMedia {
         };
         let steps = vec![TransformStep::Matrix(to_world)];
         let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, steps };
-        self.grids.insert(name.to_owned(), Arc::new(GridFile { size: grid.size, densities }));
+        self.grids.insert(name.to_owned(), Arc::new(DensityGridData { cell_counts: grid.size, densities }));
         let path = Spanned::new(name.to_owned(), Span::default());
         let coefficients =
             MediumCoefficients::ExtinctionAlbedo { extinction: color * scale, albedo: albedo.min(DVec3::ONE) };

@@ -25,8 +25,8 @@ mod volume;
 
 use super::SourceText;
 use super::assets::EmbeddedAssets;
+use super::default_camera::framing_camera;
 use super::description::{EnvironmentRadiance, LightDescription, SceneDescription, Span, Spanned};
-use super::framing::framing_camera;
 use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError};
 use super::mesh::MeshReadMonitor;
 use context::ImportContext;

@@ -60,7 +60,7 @@ pub(super) fn read_camera(
         }
         "orthographic" => {
             let size = 2.0 * axes[0].length() * film.size[1] / film.size[0] * (film.crop_size[1] / film.size[1]);
-            ProjectionDescription::Orthographic { size }
+            ProjectionDescription::Orthographic { view_height: size }
         }
         "spherical" => ProjectionDescription::Panorama,
         _ => return Ok(None),
@@ -91,7 +91,7 @@ fn perspective_projection(
         context.add_note("offsets of the principal point are ignored: the view is centered", sensor);
     }
     let angle = 2.0 * libm::atan(half_height * film.crop_size[1] / film.size[1]).to_degrees();
-    Ok(ProjectionDescription::Perspective { angle, lens })
+    Ok(ProjectionDescription::Perspective { vertical_fov_degrees: angle, lens })
 }
 
 /// Returns the tangent of half the vertical field of view of a sensor or projector.

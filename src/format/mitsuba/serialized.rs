@@ -22,7 +22,7 @@ const MAX_COMPRESSION_RATIO: u64 = 1_032;
 const MEMORY_PER_MESH_ELEMENT: u64 = 200;
 
 /// Greatest length of a mesh's name \[bytes]. Names are skipped.
-const MAX_NAME: usize = 1 << 16;
+const MAX_NAME_BYTES: usize = 1 << 16;
 
 /// Message that describes a defect of a file.
 pub(super) type Defect = String;
@@ -144,7 +144,7 @@ impl MeshReader<'_> {
 
     /// Skips the name of the mesh, a text that ends with a zero byte.
     fn skip_name(&mut self) -> Result<(), Defect> {
-        for _ in 0..MAX_NAME {
+        for _ in 0..MAX_NAME_BYTES {
             if self.read_array::<1>()? == [0] {
                 return Ok(());
             }

@@ -23,7 +23,7 @@ const INTEGRATOR_NAMES: [(&str, &str); 13] = [
 ];
 
 /// Pixel filters of Mitsuba, each with the most similar filter of `caustica render --filter`.
-const FILTERS: [(&str, &str); 5] =
+const FILTER_NAMES: [(&str, &str); 5] =
     [("box", "box"), ("tent", "tent"), ("gaussian", "gaussian"), ("mitchell", "mitchell"), ("catmullrom", "mitchell")];
 
 /// Returns flags of `caustica render` for the integrator and the pixel filter of the scene.
@@ -58,7 +58,7 @@ pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<Mi
         && let Some(filter) = context.named_or_unnamed_child(&film, ObjectClass::Filter, "rfilter")?
     {
         filter.mark_as_read();
-        if let Some((_, name)) = FILTERS.iter().find(|(theirs, _)| *theirs == filter.plugin) {
+        if let Some((_, name)) = FILTER_NAMES.iter().find(|(theirs, _)| *theirs == filter.plugin) {
             flags.push(format!("--filter {name}"));
         }
     }

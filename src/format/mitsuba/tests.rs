@@ -131,7 +131,7 @@ fn growing_includes_and_parameters_end_with_an_error() {
     std::fs::write(folder.path().join("15.xml"), scene_xml(&"<shape type=\"sphere\"/>".repeat(10))).unwrap();
     let error = import_error_in_folder(folder.path(), r#"<include filename="0.xml"/>"#, &ImportOptions::default());
     assert!(error.contains("more than 10000 includes"), "{error}");
-    let limited = ImportOptions { memory: MemoryLimit::ProcessBytes(0), ..ImportOptions::default() };
+    let limited = ImportOptions { memory_limit: MemoryLimit::ProcessBytes(0), ..ImportOptions::default() };
     let error = import_error_in_folder(folder.path(), "<shape type=\"sphere\"/>", &limited);
     assert!(error.contains("memory"), "{error}");
     let doubled = |i: usize| format!(r#"<default name="p{}_" value="$p{i}_$p{i}_"/>"#, i + 1);
@@ -178,7 +178,7 @@ fn fields_of_view_follow_their_axis() {
         scene.description.camera.value
     };
     let angle = |values: &str, size| match camera(values, size).projection {
-        ProjectionDescription::Perspective { angle, lens: None } => angle,
+        ProjectionDescription::Perspective { vertical_fov_degrees: angle, lens: None } => angle,
         other => panic!("{other:?}"),
     };
     let view = camera("<float name=\"fov\" value=\"90\"/>", [200, 100]);
@@ -208,7 +208,10 @@ fn centered_crops_narrow_the_view() {
         ))
     };
     let (centered, aside) = (scene(25), scene(0));
-    let ProjectionDescription::Perspective { angle, .. } = centered.description.camera.projection else { panic!() };
+    let ProjectionDescription::Perspective { vertical_fov_degrees: angle, .. } = centered.description.camera.projection
+    else {
+        panic!()
+    };
     assert!((angle - 2.0 * libm::atan(0.5).to_degrees()).abs() < 1e-9, "{angle}");
     assert_eq!((centered.description.camera.width, aside.description.camera.width), (50, 100));
     assert!(has_note(&aside, "crops") && !has_note(&centered, "crops"));
@@ -322,7 +325,10 @@ fn checkerboards_have_half_the_period_of_the_description() {
           <rgb name="color0" value="0.1"/><rgb name="color1" value="0.9"/>
           <transform name="to_uv"><scale x="3" y="5"/></transform></texture></bsdf></shape>"#,
     );
-    let TextureKindDescription::Checker { colors, coordinates } = &scene.description.textures[0].kind else { panic!() };
+    let TextureKindDescription::Checker { colors, uv_transform: coordinates } = &scene.description.textures[0].kind
+    else {
+        panic!()
+    };
     assert_eq!(*colors, [DVec3::splat(0.1), DVec3::splat(0.9)]);
     assert_eq!(
         (coordinates.scale, coordinates.rotation_degrees, coordinates.offset),
@@ -347,7 +353,7 @@ fn bitmaps_are_decoded_and_upright() {
         ),
     );
     let [texture, _] = &scene.description.textures[..] else { panic!("{:?}", scene.description.textures) };
-    let TextureKindDescription::Image { path, coordinates, .. } = &texture.kind else { panic!() };
+    let TextureKindDescription::Image { path, uv_transform: coordinates, .. } = &texture.kind else { panic!() };
     // Mitsuba's rectangles show pictures upside down: their v is 1 − v here.
     assert_eq!((coordinates.scale, coordinates.offset), (DVec2::new(1.0, -1.0), DVec2::Y));
     assert_eq!(scene.assets.pictures[&path.value].pixels()[0], glam::Vec3::X);

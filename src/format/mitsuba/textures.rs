@@ -84,7 +84,7 @@ pub(super) struct MitsubaTextures {
     /// Embedded pictures, by path.
     pub pictures: BTreeMap<String, Arc<Image>>,
     /// Decoded picture files. The key's flag is true for raw values, false for decoded sRGB.
-    decoded: HashMap<(PathBuf, bool), Rc<Image>>,
+    decoded_pictures: HashMap<(PathBuf, bool), Rc<Image>>,
     /// Converted picture files, as paths of embedded pictures or as constants.
     ///
     /// The key holds the file, a flag for raw values, the use, and the bits of the factor.
@@ -175,7 +175,7 @@ impl MitsubaTextures {
             return Err(object.place.error("this picture has no file", "give it a `filename`"));
         };
         let file = context.files.find_file(name, &object.place)?;
-        if let Some(image) = self.decoded.get(&(file.clone(), is_raw)) {
+        if let Some(image) = self.decoded_pictures.get(&(file.clone(), is_raw)) {
             return Ok((file, Rc::clone(image)));
         }
         let bytes = context.files.read_file(&file)?;
@@ -204,7 +204,7 @@ impl MitsubaTextures {
             None => decode(&file, &bytes, PixelMeaning::Color, free).map_err(failed)?.0,
         };
         let image = Rc::new(image);
-        self.decoded.insert((file.clone(), is_raw), Rc::clone(&image));
+        self.decoded_pictures.insert((file.clone(), is_raw), Rc::clone(&image));
         Ok((file, image))
     }
 
@@ -283,7 +283,8 @@ impl MitsubaTextures {
         let to_uv = mitsuba_texcoord_transform(context, texture, convention);
         // v = 0 is the top of a picture in Mitsuba, and the bottom in Caustica.
         let coordinates = texcoord_transform_description(context, texture, flipped_v(to_uv));
-        let kind = TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates };
+        let kind =
+            TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, uv_transform: coordinates };
         Ok(MitsubaConvertedTexture::Texture(self.texture_name(kind), mean))
     }
 
@@ -316,7 +317,7 @@ impl MitsubaTextures {
         // Mitsuba's checkerboard has period 1, and Caustica's has period 2.
         let (linear, offset) = mitsuba_texcoord_transform(context, texture, convention);
         let coordinates = texcoord_transform_description(context, texture, (linear * 2.0, offset * 2.0));
-        let name = self.texture_name(TextureKindDescription::Checker { colors, coordinates });
+        let name = self.texture_name(TextureKindDescription::Checker { colors, uv_transform: coordinates });
         Ok(MitsubaConvertedTexture::Texture(name, mean))
     }
 

@@ -16,7 +16,7 @@ pub(super) struct VolumeGrid {
 }
 
 /// Length of the header \[bytes].
-const HEADER: usize = 48;
+const HEADER_BYTES: usize = 48;
 
 /// Decodes a volume with 32-bit floating-point values.
 ///
@@ -24,7 +24,7 @@ const HEADER: usize = 48;
 /// A message if the file is damaged, or if its version, encoding or number of channels is not
 /// supported. Also if a value is negative or not finite.
 pub(super) fn decode(file: &[u8]) -> Result<VolumeGrid, String> {
-    let Some((header, data)) = file.split_at_checked(HEADER) else {
+    let Some((header, data)) = file.split_at_checked(HEADER_BYTES) else {
         return Err("the file is too short for the header of a volume".to_owned());
     };
     if &header[..3] != b"VOL" || header[3] != 3 {

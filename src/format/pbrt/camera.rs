@@ -111,7 +111,7 @@ pub(super) fn read_camera(
     let mirror = if needs_mirror { DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)) } else { DAffine3::IDENTITY };
     let placed = mirror * to_world;
     let motion = object_motion(&MovingTransform([placed, mirror * at_end]));
-    if motion.as_ref().is_some_and(|motion| motion.omits_scale) {
+    if motion.as_ref().is_some_and(|motion| motion.omits_deformation) {
         notes.add_unsupported("cameras whose scale changes over the shutter only move and turn", place.position_text());
     }
     let aspect = parameters.number("frameaspectratio").unwrap_or(f64::from(width) / f64::from(height));
@@ -144,13 +144,13 @@ pub(super) fn read_camera(
                 focus: FocusDescription::Distance(distance),
                 blades: 0,
             });
-            ProjectionDescription::Perspective { angle: 2.0 * half.to_degrees(), lens }
+            ProjectionDescription::Perspective { vertical_fov_degrees: 2.0 * half.to_degrees(), lens }
         }
         "orthographic" => {
             if parameters.number_or("lensradius", 0.0) > 0.0 {
                 notes.add_unsupported("lenses of orthographic cameras are ignored", place.position_text());
             }
-            ProjectionDescription::Orthographic { size: 2.0 * half_height * scale }
+            ProjectionDescription::Orthographic { view_height: 2.0 * half_height * scale }
         }
         "spherical" | "environment" => {
             if parameters.text("mapping") != Some("equirectangular") && name == "spherical" {

@@ -50,7 +50,7 @@ pub(super) struct PbrtSceneFiles<'a> {
 impl<'a> PbrtSceneFiles<'a> {
     /// Prepares reading the scene at `path`; reads no file.
     pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
-        let free_at_start = options.memory.available_bytes();
+        let free_at_start = options.memory_limit.available_bytes();
         Self { path, monitor, options, free_at_start, reserved_memory: Cell::new(0) }
     }
 

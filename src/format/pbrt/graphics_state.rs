@@ -39,7 +39,7 @@ pub(super) struct ObjectMotion {
     pub steps: Vec<TransformStep>,
     /// True if the object's scale, shear or handedness also changes. `steps` leave that out; if not
     /// only the scale changes, they leave out the rotation too.
-    pub omits_scale: bool,
+    pub omits_deformation: bool,
 }
 
 /// Returns the motion from the start transform to the end transform; `None` if they are equal.
@@ -63,7 +63,7 @@ pub(super) fn object_motion(transform: &MovingTransform) -> Option<ObjectMotion>
             steps.push(TransformStep::Rotate { axis: rotation.xyz().normalize(), angle: angle.to_degrees() });
         }
     }
-    Some(ObjectMotion { rotation_center: start.translation, steps, omits_scale })
+    Some(ObjectMotion { rotation_center: start.translation, steps, omits_deformation: omits_scale })
 }
 
 /// Directive `AreaLightSource`, which applies to the shapes that follow.
@@ -75,7 +75,7 @@ pub(super) struct AreaLightDirective {
 
 /// Material that applies to the shapes that follow.
 #[derive(Clone, Debug)]
-pub(super) enum CurrentMaterial {
+pub(super) enum MaterialReference {
     /// Number of an unnamed material, which a `Material` directive defines; 0 for pbrt's default.
     Numbered(usize),
     /// Name of a material, and the position of the directive that uses it.
@@ -94,11 +94,11 @@ pub(super) struct GraphicsState {
     /// True if the shapes that follow are turned inside out (`ReverseOrientation`).
     pub is_reversed: bool,
     /// Material of the shapes that follow.
-    pub material: CurrentMaterial,
+    pub material: MaterialReference,
     /// Emission of the shapes that follow; `None` if they emit nothing.
     pub area_light: Option<AreaLightDirective>,
     /// Names of the media inside and outside of the shapes that follow; empty for vacuum.
-    pub media: [Rc<str>; 2],
+    pub medium_interface: [Rc<str>; 2],
 }
 
 impl GraphicsState {
@@ -108,9 +108,9 @@ impl GraphicsState {
             transform: MovingTransform::IDENTITY,
             is_transform_active: [true; 2],
             is_reversed: false,
-            material: CurrentMaterial::Numbered(0),
+            material: MaterialReference::Numbered(0),
             area_light: None,
-            media: ["".into(), "".into()],
+            medium_interface: ["".into(), "".into()],
         }
     }
 
@@ -206,12 +206,12 @@ mod tests {
         let start = DAffine3::from_translation(DVec3::X);
         let end = DAffine3::from_translation(DVec3::new(1.0, 4.0, 0.0)) * DAffine3::from_rotation_z(0.5);
         let motion = object_motion(&MovingTransform([start, end])).unwrap();
-        assert_eq!((motion.rotation_center, motion.omits_scale), (DVec3::X, false));
+        assert_eq!((motion.rotation_center, motion.omits_deformation), (DVec3::X, false));
         let around = DAffine3::from_translation(motion.rotation_center);
         let full = around * TransformStep::composed_matrix(&motion.steps) * around.inverse() * start;
         assert!(full.abs_diff_eq(end, 1e-12));
         let scaled = MovingTransform([start, start * DAffine3::from_scale(DVec3::splat(2.0))]);
-        assert!(object_motion(&scaled).unwrap().omits_scale);
+        assert!(object_motion(&scaled).unwrap().omits_deformation);
         assert!(object_motion(&MovingTransform([start; 2])).is_none());
     }
 }

@@ -3,7 +3,9 @@
 use super::camera::{FilmSize, film_size, read_camera};
 use super::content::PbrtSceneContent;
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
-use super::graphics_state::{AreaLightDirective, CurrentMaterial, GraphicsState, MovingTransform, directive_transform};
+use super::graphics_state::{
+    AreaLightDirective, GraphicsState, MaterialReference, MovingTransform, directive_transform,
+};
 use super::lights::{PbrtLights, PbrtShapeEmission};
 use super::materials::PbrtMaterials;
 use super::media::PbrtMedia;
@@ -61,7 +63,7 @@ pub(super) struct Interpreter<'a> {
     content: PbrtSceneContent,
     lights: PbrtLights,
     media: PbrtMedia,
-    film: Option<FilmSize>,
+    film_size: Option<FilmSize>,
     settings: SuggestedFlags,
     camera: Option<CameraDescription>,
     ambient_medium: Rc<str>,
@@ -96,7 +98,7 @@ impl<'a> Interpreter<'a> {
             content,
             lights: PbrtLights::default(),
             media: PbrtMedia::default(),
-            film: None,
+            film_size: None,
             settings: SuggestedFlags::default(),
             camera: None,
             ambient_medium: "".into(),
@@ -138,7 +140,7 @@ impl<'a> Interpreter<'a> {
                 center: DVec3::ZERO,
                 aim: DirectionOrTarget::Direction(self.mirror.transform_vector3(DVec3::Z)),
                 up: DVec3::Y,
-                projection: ProjectionDescription::Perspective { angle: 90.0, lens: None },
+                projection: ProjectionDescription::Perspective { vertical_fov_degrees: 90.0, lens: None },
                 width: 640,
                 height: 480,
                 motion: Vec::new(),
@@ -294,12 +296,12 @@ impl<'a> Interpreter<'a> {
                     Some(PbrtToken { kind: TokenKind::Quoted(_), .. }) => read_quoted(tokens, &place)?,
                     _ => inside.clone(),
                 };
-                self.state.media = [inside.into(), outside.into()];
+                self.state.medium_interface = [inside.into(), outside.into()];
                 Ok(())
             }
             "NamedMaterial" => {
                 let name = read_quoted(tokens, &place)?;
-                self.state.material = CurrentMaterial::Named(name.into(), place);
+                self.state.material = MaterialReference::Named(name.into(), place);
                 Ok(())
             }
             "Texture" => {
@@ -341,7 +343,7 @@ impl<'a> Interpreter<'a> {
         match directive {
             "Film" => {
                 self.content.is_v3 |= name == "image";
-                self.film = Some(film_size(name, &parameters, &mut self.content.notes)?);
+                self.film_size = Some(film_size(name, &parameters, &mut self.content.notes)?);
                 Ok(())
             }
             "Camera" => {
@@ -349,7 +351,7 @@ impl<'a> Interpreter<'a> {
                 let to_world =
                     to_world.ok_or_else(|| place.error("the camera's transform is singular", "scale less"))?;
                 self.coordinate_systems.insert("camera".to_owned(), to_world);
-                self.ambient_medium = Rc::clone(&self.state.media[1]);
+                self.ambient_medium = Rc::clone(&self.state.medium_interface[1]);
                 self.camera_directive = Some((Rc::new(parameters), name.to_owned(), to_world));
                 Ok(())
             }
@@ -360,7 +362,7 @@ impl<'a> Interpreter<'a> {
             }
             "Material" => {
                 let number = self.content.materials.add_numbered(name, parameters);
-                self.state.material = CurrentMaterial::Numbered(number);
+                self.state.material = MaterialReference::Numbered(number);
                 Ok(())
             }
             "MakeNamedMaterial" => {
@@ -412,7 +414,7 @@ impl<'a> Interpreter<'a> {
     /// Does nothing if no directive is pending.
     fn place_camera(&mut self) -> ReadResult<()> {
         let Some((parameters, name, to_world)) = self.camera_directive.take() else { return Ok(()) };
-        let size = self.film.unwrap_or(FilmSize::DEFAULT);
+        let size = self.film_size.unwrap_or(FilmSize::DEFAULT);
         let (camera, mirror) = read_camera(&name, &parameters, to_world, size, &mut self.content.notes)?;
         self.camera = Some(camera);
         self.mirror = mirror;
@@ -451,8 +453,8 @@ impl<'a> Interpreter<'a> {
         let is_reversed = self.state.is_reversed;
         let shape = read_shape((kind, &name), parameters, is_reversed, &mut self.content, self.files)?;
         let Some(shape) = shape else { return Ok(()) };
-        let inside = Rc::clone(&self.state.media[0]);
-        let medium = (!inside.is_empty() && inside != self.state.media[1])
+        let inside = Rc::clone(&self.state.medium_interface[0]);
+        let medium = (!inside.is_empty() && inside != self.state.medium_interface[1])
             .then(|| self.media.contains(&inside).then_some(&*inside))
             .flatten();
         let emission = match (&self.state.area_light, self.objects.has_open_definition()) {
@@ -470,7 +472,7 @@ impl<'a> Interpreter<'a> {
         let PbrtSceneContent { meshes, textures, materials, notes, .. } = &mut self.content;
         let material =
             materials.imported_material_name(&self.state.material, (medium, alpha), textures, self.files, notes)?;
-        let separates_media = inside != self.state.media[1];
+        let separates_media = inside != self.state.medium_interface[1];
         if separates_media && !materials.can_contain_medium(&material) && is_sheet(&shape, meshes) {
             // pbrt lets light that leaves the back of a sheet travel through the inner medium.
             let message = "sheets do not separate media: the medium around is on both sides";

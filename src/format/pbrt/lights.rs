@@ -167,7 +167,7 @@ impl PbrtLights {
         if parameters.find("illuminance").is_some() {
             content.notes.add_unsupported("the illuminance of environment maps is ignored", place.position_text());
         }
-        let (image, layout) = environment_map(parameter, place, content, files)?;
+        let (image, layout) = read_spherical_map(parameter, place, content, files)?;
         files.reserve_memory(36 * image.pixels().len() as u64)?;
         let factor = if parameter.name == "mapname" { constant } else { scale };
         let map = to_equirectangular(&image, layout, axes);
@@ -212,7 +212,7 @@ impl PbrtLights {
 /// Reads the environment map that a parameter names, and returns it with its layout.
 ///
 /// A square map of pbrt-v4 is octahedral; any other is by latitude and longitude.
-fn environment_map(
+fn read_spherical_map(
     parameter: &Parameter,
     place: &PbrtSourceLocation,
     content: &mut PbrtSceneContent,
@@ -245,7 +245,7 @@ fn goniometric_map(
 ) -> ReadResult<Option<Image>> {
     let place = &parameters.place;
     let Some(parameter) = parameters.find_any(&["filename", "mapname"]) else { return Ok(None) };
-    let (mut image, layout) = environment_map(parameter, place, content, files)?;
+    let (mut image, layout) = read_spherical_map(parameter, place, content, files)?;
     for pixel in image.pixels_mut() {
         let value = nonnegative_finite_pixel(*pixel);
         // pbrt-v4 uses the mean of the channels.

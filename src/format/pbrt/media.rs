@@ -7,7 +7,7 @@ use crate::format::description::{
     DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Span, Spanned, TransformStep,
     TransformedBoxDescription,
 };
-use crate::format::grid::GridFile;
+use crate::format::grid::DensityGridData;
 use crate::format::import_notes::ImportNotes;
 use glam::{DAffine3, DMat4, DVec3};
 use std::collections::BTreeMap;
@@ -29,7 +29,7 @@ struct MediumProperties {
 }
 
 /// Density grids by path.
-type GridFiles = BTreeMap<String, Arc<GridFile>>;
+type GridFiles = BTreeMap<String, Arc<DensityGridData>>;
 
 /// Media of the imported scene so far, with their density grids.
 #[derive(Default)]
@@ -203,7 +203,7 @@ impl PbrtMedia {
         files.reserve_memory(MEMORY_PER_CELL * values.len() as u64)?;
         let extent = TransformedBoxDescription { min, max, steps: vec![TransformStep::Matrix(DMat4::from(to_world))] };
         let path = format!("grid{}", self.grids.len());
-        self.grids.insert(path.clone(), Arc::new(GridFile { size, densities: values }));
+        self.grids.insert(path.clone(), Arc::new(DensityGridData { cell_counts: size, densities: values }));
         Ok(DensityDescription::Grid { path: Spanned::new(path, Span::default()), scale: 1.0, extent })
     }
 }

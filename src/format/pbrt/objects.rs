@@ -142,7 +142,7 @@ fn transformed_object(
         Spanned::new(ObjectDescription::Transform { steps, object: Box::new(object) }, Span::default())
     };
     let Some(motion) = object_motion(&transform) else { return under(outer * transform.0[0], object) };
-    if motion.omits_scale {
+    if motion.omits_deformation {
         notes.add_unsupported("scales that change over the shutter stay as at its start", place.position_text());
     }
     let center = DAffine3::from_translation(motion.rotation_center);

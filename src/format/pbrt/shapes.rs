@@ -18,7 +18,7 @@ use std::sync::Arc;
 const MEMORY_PER_CORNER: u64 = 100;
 
 /// Greatest number of Loop subdivision levels.
-const MAX_LEVELS: f64 = 10.0;
+const MAX_SUBDIVISION_LEVELS: f64 = 10.0;
 
 /// Greatest number of vertices and triangle corners of the mesh of a quadric.
 const MAX_QUADRIC_CORNERS: u64 = 16_000;
@@ -80,7 +80,7 @@ pub(super) fn read_shape(
         "bilinearmesh" => bilinear_mesh(parameters, files)?,
         "loopsubdiv" => {
             let levels = parameters.number("levels").or(parameters.number("nlevels")).unwrap_or(3.0);
-            if !(0.0..=MAX_LEVELS).contains(&levels) {
+            if !(0.0..=MAX_SUBDIVISION_LEVELS).contains(&levels) {
                 return Err(place.error("the subdivision has no level from 0 to 10", "correct `levels`"));
             }
             let base = triangle_mesh(parameters, files)?;

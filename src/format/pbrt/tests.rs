@@ -13,7 +13,7 @@ use glam::{DAffine3, DVec3, Vec3};
 use std::path::Path;
 
 pub(super) fn try_import_text(text: &str) -> Result<ImportedScene, SceneReadError> {
-    let options = ImportOptions { memory: MemoryLimit::ProcessBytes(1 << 28), ..ImportOptions::default() };
+    let options = ImportOptions { memory_limit: MemoryLimit::ProcessBytes(1 << 28), ..ImportOptions::default() };
     decode(Path::new("/nowhere/test.pbrt"), text.as_bytes(), &options)
 }
 
@@ -44,7 +44,7 @@ fn the_camera_has_the_view_and_handedness_of_pbrt() {
     assert!(view.cross(camera.up).abs_diff_eq(DVec3::X, 1e-12));
     assert!(camera.center.abs_diff_eq(DVec3::new(0.0, 0.0, 5.0), 1e-12) && view.abs_diff_eq(DVec3::NEG_Z, 1e-12));
     assert_eq!((camera.width, camera.height), (200, 100));
-    let ProjectionDescription::Perspective { angle, lens } = camera.projection else { panic!() };
+    let ProjectionDescription::Perspective { vertical_fov_degrees: angle, lens } = camera.projection else { panic!() };
     // The field of view is that of the shorter side.
     assert!((angle - 90.0).abs() < 1e-9 && lens.is_some());
     let LightDescription::Point(PointLightDescription { position, .. }) = scene.description.lights[0].value else {
@@ -270,7 +270,9 @@ fn centered_crops_narrow_the_view() {
         );
         let scene = import_text(&text);
         let camera = &scene.description.camera;
-        let ProjectionDescription::Perspective { angle, .. } = camera.projection else { panic!() };
+        let ProjectionDescription::Perspective { vertical_fov_degrees: angle, .. } = camera.projection else {
+            panic!()
+        };
         ((camera.width, camera.height), libm::tan((0.5 * angle).to_radians()), note_messages(&scene))
     };
     let (whole, tangent, _) = view("");

@@ -18,7 +18,7 @@ const JPEG_SIGNATURE: [u8; 2] = [0xff, 0xd8];
 
 /// A texture that the pbrt file defines, or a constant in place of one.
 #[derive(Clone, Debug)]
-pub(super) enum TextureValue {
+pub(super) enum PbrtTexture {
     /// One value everywhere.
     Constant(DVec3),
     /// Pixels of a picture.
@@ -50,7 +50,7 @@ pub(super) enum TextureValue {
     },
 }
 
-impl TextureValue {
+impl PbrtTexture {
     /// Returns the texture with `map` applied to its constant, its pixels or its two colors.
     fn with_mapped_values(&self, map: &dyn Fn(DVec3) -> DVec3) -> Self {
         match self {
@@ -98,7 +98,7 @@ impl TextureValue {
 pub(super) struct PbrtTextures {
     /// Textures that the pbrt file defines, by name. The key's flag is true for color textures, and
     /// false for number textures.
-    defined: HashMap<(bool, String), TextureValue>,
+    defined: HashMap<(bool, String), PbrtTexture>,
     /// Textures of the imported scene.
     pub descriptions: Vec<Spanned<TextureDescription>>,
     /// Embedded pictures of the imported scene, by path.
@@ -120,15 +120,15 @@ impl PbrtTextures {
         let place = &parameters.place;
         let value = |names: &[&str], default: f64| match parameters.find_any(names) {
             Some(parameter) => self.parameter_value(parameter, is_color, place, files),
-            None => Ok(TextureValue::Constant(DVec3::splat(default))),
+            None => Ok(PbrtTexture::Constant(DVec3::splat(default))),
         };
         let texture = match class {
             "constant" => value(&["value"], 1.0)?,
             "scale" => {
                 let (first, second) = (value(&["tex", "tex1"], 1.0)?, value(&["scale", "tex2"], 1.0)?);
                 let (texture, factor) = match (&first, &second) {
-                    (TextureValue::Constant(factor), _) => (&second, *factor),
-                    (_, TextureValue::Constant(factor)) => (&first, *factor),
+                    (PbrtTexture::Constant(factor), _) => (&second, *factor),
+                    (_, PbrtTexture::Constant(factor)) => (&first, *factor),
                     _ => {
                         let message = "products of two textures are the first, times the mean of the second";
                         notes.add_unsupported(message, place.position_text());
@@ -142,7 +142,7 @@ impl PbrtTextures {
                 let (first, second) = (value(&["tex1"], 0.0)?, value(&["tex2"], 1.0)?);
                 let amount = value(&["amount"], 0.5)?;
                 match (&first, &second, &amount) {
-                    (TextureValue::Constant(a), TextureValue::Constant(b), amount) => {
+                    (PbrtTexture::Constant(a), PbrtTexture::Constant(b), amount) => {
                         let (a, b) = (*a, *b);
                         files.reserve_memory(amount.memory_bytes())?;
                         amount.with_mapped_values(&|t| a + (b - a) * t)
@@ -150,7 +150,7 @@ impl PbrtTextures {
                     _ => {
                         notes.add_unsupported("mixes of textures are their mean", place.position_text());
                         let (a, b) = (first.mean(), second.mean());
-                        TextureValue::Constant(a + (b - a) * amount.mean())
+                        PbrtTexture::Constant(a + (b - a) * amount.mean())
                     }
                 }
             }
@@ -159,7 +159,7 @@ impl PbrtTextures {
                 if parameters.number_or("dimension", 2.0) != 2.0 {
                     notes.add_unsupported("checkerboards of three dimensions have two", place.position_text());
                 }
-                TextureValue::Checker { colors, coordinates: texcoord_transform_description(parameters, notes) }
+                PbrtTexture::Checker { colors, coordinates: texcoord_transform_description(parameters, notes) }
             }
             "imagemap" => {
                 let name = parameters.text("filename").unwrap_or_default();
@@ -186,7 +186,7 @@ impl PbrtTextures {
                     _ => WrapMode::Repeat,
                 };
                 let factor = DVec3::splat(parameters.number_or("scale", 1.0).max(0.0));
-                TextureValue::Picture {
+                PbrtTexture::Picture {
                     image: image.into(),
                     factor,
                     wrap,
@@ -200,7 +200,7 @@ impl PbrtTextures {
                     _ => (SolidPatternDescription::Noise, [DVec3::ZERO, DVec3::ONE]),
                 };
                 let octaves = parameters.number_or("octaves", 8.0).clamp(1.0, 16.0) as u32;
-                TextureValue::Solid { pattern, colors, octaves }
+                PbrtTexture::Solid { pattern, colors, octaves }
             }
             "bilerp" => {
                 notes.add_unsupported("textures between four corners are their mean", place.position_text());
@@ -208,7 +208,7 @@ impl PbrtTextures {
                 for (name, default) in [("v00", 0.0), ("v01", 1.0), ("v10", 0.0), ("v11", 1.0)] {
                     sum += value(&[name], default)?.mean();
                 }
-                TextureValue::Constant(0.25 * sum)
+                PbrtTexture::Constant(0.25 * sum)
             }
             "dots" => {
                 notes.add_unsupported("textures of dots have the color between the dots", place.position_text());
@@ -235,20 +235,20 @@ impl PbrtTextures {
         is_color: bool,
         place: &PbrtSourceLocation,
         files: &PbrtSceneFiles<'_>,
-    ) -> ReadResult<TextureValue> {
+    ) -> ReadResult<PbrtTexture> {
         if parameter.kind != "texture" {
             if parameter.numbers.len() == 1 && (!is_color || parameter.kind == "float") {
-                return Ok(TextureValue::Constant(DVec3::splat(parameter.numbers[0])));
+                return Ok(PbrtTexture::Constant(DVec3::splat(parameter.numbers[0])));
             }
             if is_color
                 && parameter.kind != "blackbody"
                 && let SpectralValue::Rgb(rgb) = spectral_value(parameter, place, files)?
             {
                 // A color may be a factor above 1. The parameter of the material limits the product.
-                return Ok(TextureValue::Constant(rgb.max(DVec3::ZERO)));
+                return Ok(PbrtTexture::Constant(rgb.max(DVec3::ZERO)));
             }
             let wanted = if is_color { ColorMeaning::Reflectance } else { ColorMeaning::Unbounded };
-            return linear_rgb(parameter, wanted, place, files).map(TextureValue::Constant);
+            return linear_rgb(parameter, wanted, place, files).map(PbrtTexture::Constant);
         }
         let name = parameter.texts.first().map(String::as_str).unwrap_or_default();
         let find = |is_color: bool| self.defined.get(&(is_color, name.to_owned()));
@@ -263,7 +263,7 @@ impl PbrtTextures {
     /// values.
     pub fn add_texture(
         &mut self,
-        value: &TextureValue,
+        value: &PbrtTexture,
         map: &dyn Fn(DVec3) -> DVec3,
         files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<(TexturedValue<DVec3>, DVec3)> {
@@ -271,17 +271,24 @@ impl PbrtTextures {
         let mapped = value.with_mapped_values(map);
         let mean = mapped.mean();
         let kind = match mapped {
-            TextureValue::Constant(value) => return Ok((TexturedValue::Constant(value), value)),
-            TextureValue::Picture { image, wrap, coordinates, .. } => {
+            PbrtTexture::Constant(value) => return Ok((TexturedValue::Constant(value), value)),
+            PbrtTexture::Picture { image, wrap, coordinates, .. } => {
                 let first = image.pixels().first().copied().unwrap_or_default();
                 if image.pixels().iter().all(|pixel| *pixel == first) {
                     return Ok((TexturedValue::Constant(first.as_dvec3()), first.as_dvec3()));
                 }
                 let path = Spanned::new(self.embed_picture((*image).clone(), files)?, Span::default());
-                TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates }
+                TextureKindDescription::Image {
+                    path,
+                    encoding: PictureEncoding::Linear,
+                    wrap,
+                    uv_transform: coordinates,
+                }
             }
-            TextureValue::Checker { colors, coordinates } => TextureKindDescription::Checker { colors, coordinates },
-            TextureValue::Solid { pattern, colors, octaves } => TextureKindDescription::Solid {
+            PbrtTexture::Checker { colors, coordinates } => {
+                TextureKindDescription::Checker { colors, uv_transform: coordinates }
+            }
+            PbrtTexture::Solid { pattern, colors, octaves } => TextureKindDescription::Solid {
                 pattern,
                 colors,
                 octaves,

@@ -101,7 +101,7 @@ fn add_mesh_part(
 ) -> Result<(), SceneError> {
     let mesh = &*part.mesh;
     let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
-    let further_copies = r.mesh_uses.get(path.as_str()).map_or(0, |uses| uses - 1);
+    let further_copies = r.mesh_use_counts.get(path.as_str()).map_or(0, |uses| uses - 1);
     let is_shared = emission == Rgb::ZERO && further_copies * mesh.triangles.len() >= MIN_TRIANGLES_INSTANCING_SAVES;
     let is_instance = is_shared || !placement.to_world.is_constant();
     // Instances of one mesh share one BVH, so only the first counts.
@@ -109,7 +109,7 @@ fn add_mesh_part(
         claim_triangle_memory(r, path, mesh.triangles.len())?;
     }
     if is_instance {
-        add_instance(r, placement, part.normalized(), emission)?;
+        add_instance(r, placement, part.normalized_mesh(), emission)?;
     } else {
         add_still_mesh(r, &placement.to_world_at_open, &mesh.positions, normals, &mesh.triangles, emission);
         set_texcoords_if_needed(r, texcoords);
@@ -118,16 +118,16 @@ fn add_mesh_part(
     Ok(())
 }
 
-/// Adds `triangles` to [`Resolver::triangle_count`]. Fails if building the BVHs of all counted
+/// Adds `triangles` to [`Resolver::bvh_triangle_count`]. Fails if building the BVHs of all counted
 /// triangles would exceed the memory limit.
 fn claim_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
-    r.triangle_count += triangles as u64;
-    let needed = MEMORY_PER_TRIANGLE * r.triangle_count;
+    r.bvh_triangle_count += triangles as u64;
+    let needed = MEMORY_PER_TRIANGLE * r.bvh_triangle_count;
     let Some(free) = r.memory.available_bytes().filter(|free| needed > *free) else { return Ok(()) };
     let (needed, free) = (format_bytes(needed), format_bytes(free));
     let message = format!(
         "the scene has {} triangles with this mesh, which take {needed} of memory, and {free} are free",
-        r.triangle_count
+        r.bvh_triangle_count
     );
     let help = "simplify meshes, or let the scene have more memory (--memory)";
     Err(r.file_error(path, &message, help).marked_out_of_memory())

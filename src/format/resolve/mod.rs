@@ -11,7 +11,7 @@ pub(super) mod textures;
 
 use super::assets::EmbeddedAssets;
 use super::error::{MAX_REPORTED_ERRORS, SceneError, SourceText};
-use super::extensions::{is_unsupported_mesh_format, lowercase_extension};
+use super::file_extensions::{is_unsupported_mesh_format, lowercase_extension};
 use super::mesh::MeshReadMonitor;
 use super::span::{Span, Spanned};
 use crate::color::Rgb;
@@ -75,7 +75,7 @@ pub(super) struct Resolver<'a> {
     /// Textures that the description defines, by name.
     pub textures: HashMap<&'a str, AddedTexture>,
     /// Picture textures that materials refer to by path. The key's flag is true for sRGB encoding.
-    pub pictures: HashMap<(PathBuf, bool), AddedTexture>,
+    pub picture_textures: HashMap<(PathBuf, bool), AddedTexture>,
     /// Media of the description with their indices in the scene, by name.
     pub media: HashMap<&'a str, (u32, Medium)>,
     /// Properties that objects need of their materials, by material index. Materials beyond its end
@@ -87,7 +87,7 @@ pub(super) struct Resolver<'a> {
     pub memory: MemoryLimit,
     /// Number of mesh triangles so far for which BVHs are built. Triangles of a shared mesh count
     /// once.
-    pub triangle_count: u64,
+    pub bvh_triangle_count: u64,
     /// Meshes that were read so far, each split by material. The key states file and options.
     pub mesh_parts: HashMap<MeshKey, Rc<[meshes::MeshPart]>>,
     /// The meshes of `mesh_parts` without their materials in this scene. Later versions of the
@@ -96,7 +96,7 @@ pub(super) struct Resolver<'a> {
     /// Materials from the MTL files of each mesh file, in the order of the mesh's material names.
     pub mesh_file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
     /// Number of objects that refer to each mesh file, by its path in the description.
-    pub mesh_uses: HashMap<&'a str, usize>,
+    pub mesh_use_counts: HashMap<&'a str, usize>,
     /// Index of the current material: that of the next object. It stays current after the end of a
     /// group.
     pub current_material_index: u32,

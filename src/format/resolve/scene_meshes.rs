@@ -125,7 +125,7 @@ impl PreparedPart {
     }
 
     /// Returns the geometry that all instances of the part share. The first call builds it.
-    pub fn normalized(&self) -> &NormalizedMesh {
+    pub fn normalized_mesh(&self) -> &NormalizedMesh {
         self.normalized.get_or_init(|| {
             let TriangleMesh { positions, triangles, normals, texcoords, .. } = &*self.mesh;
             NormalizedMesh::new(positions, normals.as_deref(), texcoords.as_deref(), triangles)

@@ -124,12 +124,12 @@ impl<'a> Resolver<'a> {
             return self.texture_by_name(name, &NON_NEGATIVE_TEXTURE_RANGE);
         }
         let key: (PathBuf, bool) = (self.find_file("texture or picture", name)?, content == PixelMeaning::Color);
-        if let Some(texture) = self.pictures.get(&key) {
+        if let Some(texture) = self.picture_textures.get(&key) {
             return Ok(*texture);
         }
         let unchanged = UvTransform::new(DVec2::ONE, 0.0, DVec2::ZERO);
         let texture = self.add_picture_texture(name, content, WrapMode::Repeat, unchanged)?;
-        self.pictures.insert(key, texture);
+        self.picture_textures.insert(key, texture);
         Ok(texture)
     }
 

@@ -3,7 +3,7 @@
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::format::error::SceneError;
-use crate::format::language::field_table::{BlockCodec, CheckedField, field_table};
+use crate::format::language::field_table::{BlockCodec, FieldWithCheck, field_table};
 use crate::format::language::fields::{BlockFields, ParsedField};
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
 use crate::format::resolve::Resolver;
@@ -22,7 +22,7 @@ pub struct BoxDescription {
 
 field_table!(BoxDescription {
     min: field_schema("min", FieldKind::Point, "corner with the lowest coordinates").make_required(),
-    max: CheckedField::new(
+    max: FieldWithCheck::new(
         field_schema("max", FieldKind::Point, "opposite corner; above `min` in every coordinate").make_required(),
         check_corners,
     ),

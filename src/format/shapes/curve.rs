@@ -4,7 +4,7 @@ use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::format::error::SceneError;
 use crate::format::language::curves::{BEZIER_CONTROLS, BSPLINE_CONTROLS, CurveBasis};
-use crate::format::language::field_table::{BlockCodec, CheckedField, field_table};
+use crate::format::language::field_table::{BlockCodec, FieldWithCheck, field_table};
 use crate::format::language::schema::{BlockSchema, block_schema};
 use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement};
@@ -25,13 +25,13 @@ pub struct BsplineCurveDescription {
 }
 
 field_table!(BezierCurveDescription {
-    controls: CheckedField::new(BEZIER_CONTROLS, |_, controls| {
+    controls: FieldWithCheck::new(BEZIER_CONTROLS, |_, controls| {
         controls.curve_with_basis(CurveBasis::Bezier).map(drop)
     }),
 });
 
 field_table!(BsplineCurveDescription {
-    controls: CheckedField::new(BSPLINE_CONTROLS, |_, controls| {
+    controls: FieldWithCheck::new(BSPLINE_CONTROLS, |_, controls| {
         controls.curve_with_basis(CurveBasis::Bspline).map(drop)
     }),
 });

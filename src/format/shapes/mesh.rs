@@ -48,7 +48,7 @@ impl BlockCodec for MeshDescription {
 
 impl ShapeBlock for MeshDescription {
     const BLOCK: &'static BlockSchema = &block_schema("TriangleMesh", "triangle mesh in a file of its own")
-        .with_fields(&[
+        .with_own_fields(&[
             field_schema("obj_file", FieldKind::Name, "OBJ or PLY file")
                 .with_alias("file")
                 .make_required()

@@ -3,7 +3,7 @@
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
 use crate::format::error::SceneError;
-use crate::format::language::field_table::{BlockCodec, CheckedField, FieldEntry, FieldGroup, field_table};
+use crate::format::language::field_table::{BlockCodec, FieldEntry, FieldGroup, FieldWithCheck, field_table};
 use crate::format::language::fields::{BlockFields, ParsedField};
 use crate::format::language::schema::{
     BlockSchema, FieldKind, FieldList, FieldRange, FieldSchema, block_schema, field_schema,
@@ -65,7 +65,7 @@ const DEGREES: FieldGroup<[u32; 2]> = FieldGroup {
 
 field_table!(BezierPatchesDescription {
     degree: DEGREES,
-    controls: CheckedField::new(
+    controls: FieldWithCheck::new(
         field_schema("controls", FieldKind::WeightedPoints, "control points, patch after patch, those along v first")
             .make_required(),
         check_patch_controls,
@@ -133,7 +133,7 @@ impl BlockCodec for NurbsDescription {
 
 impl ShapeBlock for NurbsDescription {
     const BLOCK: &'static BlockSchema = &block_schema("NurbsSurface", "rational B-spline surface")
-        .with_fields(&[
+        .with_own_fields(&[
             field_schema("countU", FieldKind::WholeNumber, "number of control points along u")
                 .with_range(FieldRange::DescribedOnly("above the degree"))
                 .make_required(),

@@ -53,7 +53,7 @@ impl BlockCodec for TriangleDescription {
 
 impl ShapeBlock for TriangleDescription {
     const BLOCK: &'static BlockSchema = &block_schema("Triangle", "triangle; its area may be 0")
-        .with_fields(&[
+        .with_own_fields(&[
             field_schema("vertex0", FieldKind::Point, "first vertex").make_required().mark_as_mit_6837_syntax(),
             field_schema("vertex1", FieldKind::Point, "second vertex").make_required().mark_as_mit_6837_syntax(),
             field_schema("vertex2", FieldKind::Point, "third vertex").make_required().mark_as_mit_6837_syntax(),

@@ -48,7 +48,7 @@ fn random_projection() -> impl Strategy<Value = ProjectionDescription> {
     let aperture = prop_oneof![
         prop_oneof![Just(0.0), random_positive()].prop_map(ApertureDescription::Radius),
         (random_positive(), random_positive())
-            .prop_map(|(number, sensor)| ApertureDescription::FNumber { number, sensor }),
+            .prop_map(|(number, sensor_height)| ApertureDescription::FNumber { number, sensor_height }),
     ];
     // `random_camera` moves the point to the front of the camera.
     let focus =
@@ -57,8 +57,9 @@ fn random_projection() -> impl Strategy<Value = ProjectionDescription> {
     let lens =
         (aperture, focus, blades).prop_map(|(aperture, focus, blades)| LensDescription { aperture, focus, blades });
     prop_oneof![
-        (1e-9..179.999, option::of(lens)).prop_map(|(angle, lens)| ProjectionDescription::Perspective { angle, lens }),
-        (1e-12..1e12).prop_map(|size| ProjectionDescription::Orthographic { size }),
+        (1e-9..179.999, option::of(lens))
+            .prop_map(|(vertical_fov_degrees, lens)| ProjectionDescription::Perspective { vertical_fov_degrees, lens }),
+        (1e-12..1e12).prop_map(|view_height| ProjectionDescription::Orthographic { view_height }),
         Just(ProjectionDescription::Panorama),
     ]
 }
@@ -163,11 +164,11 @@ fn random_texture_kind() -> impl Strategy<Value = TextureKindDescription> {
     ];
     let noise = (1..=16_u32, 1e-9..1e9, random_positive());
     prop_oneof![
-        (random_name(), encoding, wrap, coordinates()).prop_map(|(path, encoding, wrap, coordinates)| {
-            TextureKindDescription::Image { path: with_empty_span(path), encoding, wrap, coordinates }
+        (random_name(), encoding, wrap, coordinates()).prop_map(|(path, encoding, wrap, uv_transform)| {
+            TextureKindDescription::Image { path: with_empty_span(path), encoding, wrap, uv_transform }
         }),
         ([random_color(), random_color()], coordinates())
-            .prop_map(|(colors, coordinates)| TextureKindDescription::Checker { colors, coordinates }),
+            .prop_map(|(colors, uv_transform)| TextureKindDescription::Checker { colors, uv_transform }),
         (pattern, [random_color(), random_color()], noise, vec(random_transform_step(), 0..3)).prop_map(
             |(pattern, colors, (octaves, frequency, amplitude), steps)| TextureKindDescription::Solid {
                 pattern,

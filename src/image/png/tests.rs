@@ -2,7 +2,7 @@ use super::*;
 use crate::image::ToneMap;
 
 fn png_write_options(curve: ToneCurve, depth: BitDepth) -> WriteOptions {
-    WriteOptions { tone: ToneMap { curve, exposure_stops: 0.0 }, depth, ..WriteOptions::default() }
+    WriteOptions { tone: ToneMap { curve, exposure_stops: 0.0 }, bit_depth: depth, ..WriteOptions::default() }
 }
 
 fn color_ramp_image() -> Image {

@@ -10,7 +10,9 @@ use crate::integrate::radius_pilot::{
 };
 use crate::integrate::settings::{CameraPathSettings, IndirectPhotons, LightTracing};
 use crate::integrate::visible_pilot::find_visible_points;
-use crate::photon::{DensityEstimateShares, EmissionGuidingPilot, LightTracer, PhotonSource, StoreMask, VolumePhotons};
+use crate::photon::{
+    DensityEstimateShares, EmissionGuidingPilotSettings, LightTracer, PhotonSource, StoreMask, VolumePhotons,
+};
 use crate::sampling::{Key, Purpose};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -71,7 +73,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let unguided = source.take()?;
             let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
             let paths = pilot_path_count(paths, max_paths);
-            let pilot = EmissionGuidingPilot { mask, max_bounces, visible_points: &visible, paths, seed };
+            let pilot = EmissionGuidingPilotSettings { mask, max_bounces, visible_points: &visible, paths, seed };
             let (guided, report) = unguided.clone().with_guided_emission(&pilot);
             *source = Some(if report.variance_gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
@@ -80,13 +82,13 @@ impl<'a> PhotonMapBuilder<'a> {
             &mut self.aimed_source,
             self.request.aimed,
             settings.aimed_paths,
-            EmissionGuidingPilot::DEFAULT_PATHS,
+            EmissionGuidingPilotSettings::DEFAULT_PATHS,
         );
         // If gather rays read the indirect map, its photons are needed everywhere, so they are not
         // guided.
         if !self.request.unaimed.direct {
             let max_paths = if self.policy.indirect_photons == IndirectPhotons::Off {
-                EmissionGuidingPilot::DEFAULT_PATHS
+                EmissionGuidingPilotSettings::DEFAULT_PATHS
             } else {
                 MAX_INTERREFLECTION_GUIDING_PATHS
             };
@@ -205,7 +207,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return ExpectedPhotons::default() };
             let probe = paths.min(PROBE_PATHS);
-            let traced = self.photon_tracer(source, mask).trace(key, probe, &|_| {});
+            let traced = self.photon_tracer(source, self.mask_for_volume_estimator(mask)).trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
             let volume_photon_size =
                 |volume: &VolumePhotons| volume.points.len() + BEAM_MEMORY_IN_PHOTONS * volume.beams.len();
@@ -215,7 +217,11 @@ impl<'a> PhotonMapBuilder<'a> {
                 traced.deposits.after_caustic_surface_photons.len()
                     + volume_photon_size(&traced.deposits.after_caustic_volume_photons),
             );
-            ExpectedPhotons { paths: paths.into(), stored_photons: one + other, photons_in_largest_map: one.max(other) }
+            ExpectedPhotons {
+                paths: paths.into(),
+                memory_in_photons: one + other,
+                largest_map_in_photons: one.max(other),
+            }
         };
         let guides = if self.request.builds_guide_map { self.counts.unaimed / GUIDE_PHOTON_DIVISOR } else { 0 };
         let maps = [
@@ -225,8 +231,8 @@ impl<'a> PhotonMapBuilder<'a> {
         ];
         maps.into_iter().fold(ExpectedPhotons::default(), |all, map| ExpectedPhotons {
             paths: all.paths + map.paths,
-            stored_photons: all.stored_photons + map.stored_photons,
-            photons_in_largest_map: all.photons_in_largest_map.max(map.photons_in_largest_map),
+            memory_in_photons: all.memory_in_photons + map.memory_in_photons,
+            largest_map_in_photons: all.largest_map_in_photons.max(map.largest_map_in_photons),
         })
     }
 }

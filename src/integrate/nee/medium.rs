@@ -275,7 +275,7 @@ impl<I: Interior> ScatterPointDistribution<'_, I> {
     fn sample(&self, sampler: Sampler) -> Option<ScatterPoint> {
         let MediumSegment { ray, medium, .. } = self.path_segment.segment;
         let mut rng = sampler.sample_key().shadow_ray_scatter_point_key().rng();
-        let Vec2 { x: which, y: u } = sampler.get_2d(Dimension::Medium);
+        let Vec2 { x: which, y: u } = sampler.get_2d(Dimension::ScatterPoint);
         let guided_fraction = if self.guided.is_some() { 1.0 - DEFENSIVE_FRACTION } else { 0.0 };
         let angle_fraction = if self.angles.is_some() { 0.5 * (1.0 - guided_fraction) } else { 0.0 };
         let t = match (self.guided, &self.angles) {

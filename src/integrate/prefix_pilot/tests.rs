@@ -11,13 +11,13 @@ const WORK: PassWork = PassWork {
 /// Variances of `n` ordinary pixels and one with a highlight or a caustic.
 fn one_special_pixel(n: usize, special: RelativePixelVariances) -> Vec<RelativePixelVariances> {
     let ordinary = RelativePixelVariances {
-        after_receiver: 0.1,
+        from_receiver: 0.1,
         up_to_receiver: 0.001,
         photon_estimate: 0.001,
         ..RelativePixelVariances::default()
     };
     let mut variances = vec![ordinary; n];
-    variances.push(RelativePixelVariances { after_receiver: 0.1, ..special });
+    variances.push(RelativePixelVariances { from_receiver: 0.1, ..special });
     variances
 }
 
@@ -36,7 +36,7 @@ fn only_pixels_with_noisy_prefixes_get_prefix_rays() {
     let ordinary = RelativePixelVariances {
         up_to_receiver: 0.001,
         photon_estimate: 0.001,
-        after_receiver: 0.1,
+        from_receiver: 0.1,
         ..RelativePixelVariances::default()
     };
     assert_eq!(efficient_ray_counts(&[ordinary; 200], SAMPLES, &WORK), None);
@@ -48,7 +48,7 @@ fn ray_counts_minimize_variance_times_work() {
     let special = RelativePixelVariances {
         up_to_receiver: 20.0,
         photon_estimate: 2.0,
-        after_receiver: 0.1,
+        from_receiver: 0.1,
         ..RelativePixelVariances::default()
     };
     let variances = one_special_pixel(800, special);
@@ -59,9 +59,9 @@ fn ray_counts_minimize_variance_times_work() {
         let rest_work = WORK.camera_work_per_pixel + WORK.photon_work_per_pixel;
         let v = variances[0];
         let ordinary =
-            rest_work / WORK.camera_work_per_pixel * v.after_receiver / n + v.up_to_receiver / n + v.photon_estimate;
+            rest_work / WORK.camera_work_per_pixel * v.from_receiver / n + v.up_to_receiver / n + v.photon_estimate;
         let variance = 800.0 * ordinary
-            + rest_work / WORK.camera_work_per_pixel * special.after_receiver / n
+            + rest_work / WORK.camera_work_per_pixel * special.from_receiver / n
             + special.up_to_receiver / (n + m)
             + special.photon_estimate / (1.0 + l);
         variance * (801.0 * rest_work + m * WORK.work_per_prefix_ray + l * WORK.work_per_lookup)
@@ -73,7 +73,7 @@ fn ray_counts_minimize_variance_times_work() {
 #[test]
 fn prefix_rays_take_limited_work() {
     let noisy = RelativePixelVariances {
-        after_receiver: 0.1,
+        from_receiver: 0.1,
         up_to_receiver: 1e6,
         photon_estimate: 1e6,
         ..RelativePixelVariances::default()
@@ -90,7 +90,7 @@ fn prefix_rays_take_limited_work() {
 #[test]
 fn undefined_variances_give_no_prefix_rays() {
     let broken = RelativePixelVariances {
-        after_receiver: 0.1,
+        from_receiver: 0.1,
         up_to_receiver: f64::NAN,
         photon_estimate: f64::INFINITY,
         ..RelativePixelVariances::default()

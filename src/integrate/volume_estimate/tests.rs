@@ -94,7 +94,7 @@ fn parallel_light(pass: u64, estimate: VolumeEstimator) -> VolumePhotons {
             let flux = Rgb::splat(4.0 / count as f32);
             photons.beams.push(PhotonBeam::new(place.extend(-1.0), Vec3::Z, 2.0, flux, 0, 0).unwrap());
         } else {
-            let depth = 2.0 * key.uniform_1d(Dimension::Medium);
+            let depth = 2.0 * key.uniform_1d(Dimension::ScatterPoint);
             let flux = Rgb::splat(8.0 / count as f32 * SCATTERING * transmittance(depth));
             photons.points.push(VolumePhoton::new(place.extend(depth - 1.0), flux, Vec3::Z, 0, 0).unwrap());
         }

@@ -14,7 +14,7 @@ fn lights_of_all_kinds() -> Vec<Light> {
             axis: Vec3::NEG_Y,
             inner_one_minus_cos: 0.05,
             outer_one_minus_cos: 0.2,
-            peak: Rgb::splat(2.0),
+            peak_intensity: Rgb::splat(2.0),
         }),
         Light::Projector(test_projector_light()),
         Light::Goniometric(test_goniometric_light()),

@@ -25,7 +25,13 @@ fn random_finite_lights(n: u64) -> Vec<Light> {
         let (s, t) = axis.as_dvec3().any_orthonormal_pair();
         let spot = |outer_one_minus_cos: f32| {
             let peak = Rgb::splat(strength);
-            Light::Spot(SpotLight { position: place, axis, inner_one_minus_cos: 0.1, outer_one_minus_cos, peak })
+            Light::Spot(SpotLight {
+                position: place,
+                axis,
+                inner_one_minus_cos: 0.1,
+                outer_one_minus_cos,
+                peak_intensity: peak,
+            })
         };
         let kinds: [&dyn Fn() -> Light; 9] = [
             &|| Light::Point(PointLight { position: place, intensity: Rgb::splat(strength) }),

@@ -32,7 +32,7 @@ const DEFENSIVE_FRACTION: f64 = 0.2;
 /// Settings of the pilot of emission guiding: a small photon pass that measures which emitted
 /// photons contribute to the picture.
 #[derive(Clone, Copy, Debug)]
-pub struct EmissionGuidingPilot<'a> {
+pub struct EmissionGuidingPilotSettings<'a> {
     /// Kinds of photons that the render stores. Photons of other kinds contribute nothing to the
     /// picture.
     pub mask: StoreMask,
@@ -40,15 +40,15 @@ pub struct EmissionGuidingPilot<'a> {
     pub max_bounces: u32,
     /// Surface points that the camera sees. Their density gives the importance of a photon.
     pub visible_points: &'a VisiblePointMap,
-    /// Number of photon paths of the pilot. [`EmissionGuidingPilot::DEFAULT_PATHS`] suffices for
+    /// Number of photon paths of the pilot. [`EmissionGuidingPilotSettings::DEFAULT_PATHS`] suffices for
     /// most scenes.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,
 }
 
-impl EmissionGuidingPilot<'_> {
-    /// Default of [`EmissionGuidingPilot::paths`].
+impl EmissionGuidingPilotSettings<'_> {
+    /// Default of [`EmissionGuidingPilotSettings::paths`].
     ///
     /// If 1 % of the paths reach a visible point, the pilot has 1300 contributing samples.
     pub const DEFAULT_PATHS: u32 = 1 << 17;
@@ -84,7 +84,7 @@ impl PhotonSource<'_> {
     /// point, the source stays unguided. The result depends only on the scene, this source and
     /// `pilot`.
     #[must_use]
-    pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilot<'_>) -> (Self, EmissionGuidingReport) {
+    pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilotSettings<'_>) -> (Self, EmissionGuidingReport) {
         let unguided = self.light_distribution.clone();
         let mut report = EmissionGuidingReport { variance_gain: 1.0, ..EmissionGuidingReport::default() };
         let mut samples = Vec::new();
@@ -108,7 +108,7 @@ impl PhotonSource<'_> {
 
     /// Traces the photon paths of the pilot's round number `round` (0 or 1), and returns them with
     /// their contributions to the picture.
-    fn trace_pilot_round(&self, pilot: &EmissionGuidingPilot<'_>, round: u32) -> PilotRoundSamples {
+    fn trace_pilot_round(&self, pilot: &EmissionGuidingPilotSettings<'_>, round: u32) -> PilotRoundSamples {
         let key = Key::new(pilot.seed).purpose_key(Purpose::EmissionGuiding).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
         let chunks: Vec<PilotRoundSamples> = (0..paths.div_ceil(PATHS_PER_TASK))
@@ -129,7 +129,7 @@ impl PhotonSource<'_> {
 
     fn trace_pilot_chunk<I: Interior>(
         &self,
-        pilot: &EmissionGuidingPilot<'_>,
+        pilot: &EmissionGuidingPilotSettings<'_>,
         key: Key,
         range: std::ops::Range<u32>,
         paths: u32,

@@ -84,8 +84,13 @@ fn source_guided_to_visible<'a>(
     scene: &'a Scene,
     visible: &VisiblePointMap,
 ) -> (PhotonSource<'a>, EmissionGuidingReport) {
-    let pilot =
-        EmissionGuidingPilot { mask: MASK, max_bounces: BOUNCES, visible_points: visible, paths: 1 << 16, seed: 11 };
+    let pilot = EmissionGuidingPilotSettings {
+        mask: MASK,
+        max_bounces: BOUNCES,
+        visible_points: visible,
+        paths: 1 << 16,
+        seed: 11,
+    };
     PhotonSource::emitting_in_all_directions(scene).unwrap().with_guided_emission(&pilot)
 }
 
@@ -182,7 +187,7 @@ fn aiming_and_guiding_together_are_unbiased() {
         b.add_delta_light(UnscaledDeltaLight::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
     let visible = floor_corner_point_map(&scene);
-    let pilot = EmissionGuidingPilot {
+    let pilot = EmissionGuidingPilotSettings {
         mask: StoreMask::CAUSTIC,
         max_bounces: 20,
         visible_points: &visible,
@@ -302,7 +307,7 @@ fn guiding_is_deterministic() {
     let emissions = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let pilot = EmissionGuidingPilot {
+            let pilot = EmissionGuidingPilotSettings {
                 mask: MASK,
                 max_bounces: BOUNCES,
                 visible_points: &visible,

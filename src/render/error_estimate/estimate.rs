@@ -48,7 +48,7 @@ pub struct ErrorEstimate {
     /// Moments of the differences between density estimates with full, half and quarter discs; all
     /// 0 without photon estimates.
     #[serde(skip)]
-    pub(super) differences: NestedDifferenceMoments,
+    pub(super) difference_moments: NestedDifferenceMoments,
     /// Histogram of fireflies: pixels whose relative squared noise exceeds 1.
     #[serde(skip)]
     pub(super) fireflies: FireflyHistogram,

@@ -279,7 +279,7 @@ impl ErrorEstimator {
             half_disc_blur_ratio: blur.half_disc_ratio,
             blur_extrapolation_factor: blur.extrapolation_factor,
             parts,
-            differences: differences.unwrap_or_default(),
+            difference_moments: differences.unwrap_or_default(),
             fireflies,
         }
     }
@@ -300,7 +300,8 @@ impl ErrorEstimator {
             return weights;
         }
         let pixels = blurred.par_iter().enumerate().with_min_len(MIN_PIXELS_PER_TASK);
-        let sharp = pixels.map(|(i, pixel)| (*pixel - sums.blur(i, factor / n)).max(pixel.min(Vec3::ZERO)));
+        let sharp =
+            pixels.map(|(i, pixel)| (*pixel - sums.scaled_difference_sum(i, factor / n)).max(pixel.min(Vec3::ZERO)));
         RelativeErrorWeights::from_pixels(film.size(), &sharp.collect::<Vec<Vec3>>())
     }
 
@@ -322,7 +323,7 @@ impl ErrorEstimator {
         let noise = spreads.map(|pixel| (pixel.squared_deviations / over).map(f64::sqrt).as_vec3()).collect();
         let Some(sums) = &self.nested_differences else { return ErrorMaps { noise, ..ErrorMaps::default() } };
         let factor = self.estimate(film).blur_extrapolation_factor / n;
-        let bias = (0..sums.discs.len()).map(|i| sums.blur(i, factor)).collect();
+        let bias = (0..sums.discs.len()).map(|i| sums.scaled_difference_sum(i, factor)).collect();
         let discs = |map: usize| sums.discs.iter().map(|d| d[map].mean()).collect();
         ErrorMaps { noise, blur: bias, caustic_discs: discs(0), indirect_discs: discs(1) }
     }
@@ -384,7 +385,7 @@ impl NestedDifferenceSums {
 
     /// Returns `factor` times the sum over passes of the difference between density estimates with
     /// full and quarter discs, at pixel `i`.
-    fn blur(&self, i: usize, factor: f64) -> Vec3 {
+    fn scaled_difference_sum(&self, i: usize, factor: f64) -> Vec3 {
         let [d0, d1] = self.difference_sums(i);
         ((d0 + d1) * factor).as_vec3()
     }

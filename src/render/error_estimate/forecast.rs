@@ -54,7 +54,7 @@ impl ErrorForecast {
         };
         let blur_exponent = (-libm::log2(estimate.half_disc_blur_ratio)).max(0.0);
         let sums = DiscAreaSums::of_passes(alpha, blur_exponent, estimate.passes);
-        let photon_variance = estimate.differences.d0_variance / f64::from(kernel_difference_variance);
+        let photon_variance = estimate.difference_moments.d0_variance / f64::from(kernel_difference_variance);
         let photon_variance = photon_variance.min(variance);
         Self {
             estimate,

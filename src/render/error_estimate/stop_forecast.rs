@@ -240,7 +240,7 @@ impl ErrorForecast {
         sums: &DiscAreaSums,
         sums_so_far: &DiscAreaSums,
     ) -> BlurEstimate {
-        let measured = &self.estimate.differences;
+        let measured = &self.estimate.difference_moments;
         if measured.d0_variance <= 0.0 && blur.d0_squared <= 0.0 {
             return BlurEstimate::default();
         }
@@ -279,7 +279,7 @@ impl ErrorForecast {
     /// and the measured ‖D₁‖² gives the likelihood of p. The estimates of ‖D₁‖² and ‖D₀‖² have
     /// about the same variance.
     fn cumulative_exponent_weights(&self) -> [f64; BLUR_EXPONENTS.len()] {
-        let measured = &self.estimate.differences;
+        let measured = &self.estimate.difference_moments;
         // Least variance of the difference. If a measured ratio without noise lies between those of
         // two neighbouring exponents, both exponents then fit it.
         let rounding = 1e-4 * measured.d0_squared * measured.d0_squared;
@@ -306,7 +306,7 @@ impl ErrorForecast {
     fn d0_squared_distribution(&self) -> Vec<(f64, f64)> {
         const VALUES: i32 = 80;
         const LEAST: f64 = 1e-3;
-        let measured = &self.estimate.differences;
+        let measured = &self.estimate.difference_moments;
         let (d0_squared, deviation) = (measured.d0_squared.max(0.0), measured.d0_squared_variance.sqrt());
         if deviation <= 0.0 {
             return vec![(d0_squared, 1.0)];

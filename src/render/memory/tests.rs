@@ -8,10 +8,10 @@ fn too_large_pictures_are_refused() {
     let refused = check_picture_memory(1, (1000, 1000), Some(87_999_999)).unwrap_err().to_string();
     assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("88.0 MB"), "{refused}");
     assert!(matches!(
-        check_estimated_picture_memory(1, (1000, 1000), Some(469_999_999)),
+        check_picture_and_error_memory(1, (1000, 1000), Some(469_999_999)),
         Err(MemoryError::Picture { .. })
     ));
-    let layers = RenderedLayers {
+    let layers = LayerSelection {
         estimates_error: true,
         groups_light: true,
         clamps_light: true,
@@ -26,7 +26,7 @@ fn too_large_pictures_are_refused() {
     let refused = check_picture_memory(5, (500, 500), Some(88_000_000)).unwrap_err().to_string();
     assert!(refused.contains("5 pictures of 500 × 500 pixels take 110.0 MB"), "{refused}");
     let film =
-        RenderedLayers { estimates_error: true, groups_light: true, clamps_light: true, ..RenderedLayers::default() };
+        LayerSelection { estimates_error: true, groups_light: true, clamps_light: true, ..LayerSelection::default() };
     let check = |free| check_films_memory(2, (1000, 1000), film, Some(free));
     assert_eq!(check(2 * (88 + 382 + 210 + 140) * 1_000_000), Ok(()));
     let refused = check(2 * (88 + 382 + 210 + 140) * 1_000_000 - 1).unwrap_err().to_string();
@@ -38,8 +38,8 @@ fn too_many_photons_are_refused() {
     let index = u64::from(u32::MAX);
     let expected = |photons, largest_map| ExpectedPhotons {
         paths: 1,
-        stored_photons: photons,
-        photons_in_largest_map: largest_map,
+        memory_in_photons: photons,
+        largest_map_in_photons: largest_map,
     };
     assert_eq!(check_photon_memory(expected(2 * index, index), 0, None), Ok(()));
     assert!(matches!(check_photon_memory(expected(2 * index, index + 1), 0, None), Err(MemoryError::Indices { .. })));

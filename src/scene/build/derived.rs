@@ -30,7 +30,7 @@ pub(in crate::scene) struct DerivedSceneData {
     pub light_interiors: Vec<InteriorStack>,
     /// Distance \[length] below which a surface point counts as touching a light, by light index:
     /// see [`Scene::light_contact_distance`].
-    pub light_contact_distance: Vec<f32>,
+    pub light_contact_distances: Vec<f32>,
 }
 
 impl Default for DerivedSceneData {
@@ -41,7 +41,7 @@ impl Default for DerivedSceneData {
             ambient_medium_sphere: nowhere,
             camera_interior: InteriorStack::EMPTY,
             light_interiors: Vec::new(),
-            light_contact_distance: Vec::new(),
+            light_contact_distances: Vec::new(),
         }
     }
 }
@@ -66,7 +66,11 @@ pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
         ambient_medium_sphere: BoundingSphere { center: domain.center, radius: farthest * AMBIENT_RADIUS_FACTOR },
         camera_interior,
         light_interiors,
-        light_contact_distance: scene.lights.iter().map(|light| light_contact_distance(scene, domain, light)).collect(),
+        light_contact_distances: scene
+            .lights
+            .iter()
+            .map(|light| light_contact_distance(scene, domain, light))
+            .collect(),
     }
 }
 

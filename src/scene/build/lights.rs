@@ -30,7 +30,7 @@ pub(super) struct CollectedLights {
     pub mit_6837_lights: Vec<Mit6837Light>,
     /// Moving delta lights: index in `lights`, light before its motion is applied, strength and
     /// motion.
-    pub moving: Vec<(usize, UnscaledDeltaLight, LightStrength, Motion)>,
+    pub moving_delta_lights: Vec<(usize, UnscaledDeltaLight, LightStrength, Motion)>,
     /// Index of the area light of each object; `None` if the object does not emit light.
     pub area_light_of_object: Vec<Option<u32>>,
 }
@@ -52,7 +52,7 @@ pub(super) fn collect_lights(
         lights: Vec::new(),
         environment_light_index: None,
         mit_6837_lights: Vec::new(),
-        moving: Vec::new(),
+        moving_delta_lights: Vec::new(),
         area_light_of_object: Vec::new(),
     };
     for source in delta_lights.iter().filter(|source| source.motion.is_none()) {
@@ -63,7 +63,7 @@ pub(super) fn collect_lights(
         let motion = motion.followed_by_map(DAffine3::from_translation(-origin));
         let strength = physical_light_strength_at_mid_shutter(&source.kind, source.strength, &motion);
         let placed = delta_light_at_time(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::SingularMotion)?;
-        found.moving.push((found.lights.len(), source.kind.clone(), strength, motion));
+        found.moving_delta_lights.push((found.lights.len(), source.kind.clone(), strength, motion));
         found.add_light(place_delta_light(&placed, strength, DVec3::ZERO));
     }
     let mut shapes = geometry.shapes.iter();

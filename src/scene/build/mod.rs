@@ -228,7 +228,7 @@ impl SceneBuilder {
             lights,
             environment_light_index,
             mit_6837_lights,
-            moving,
+            moving_delta_lights: moving,
             area_light_of_object: of_object,
         } = collect_lights(
             &self.delta_lights,

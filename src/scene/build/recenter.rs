@@ -17,7 +17,7 @@ const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
 const BISECTIONS: u32 = 64;
 
 /// Camera position, and the distance \[length] to the nearest shape along five camera rays.
-type CameraView = (DVec3, f64);
+type CameraAndNearestDistance = (DVec3, f64);
 
 /// Center and size of a region in which single precision must resolve details.
 ///
@@ -68,7 +68,7 @@ fn union_of_bounds((a, b): BoundsF64, (c, d): BoundsF64) -> BoundsF64 {
 /// origin is the center of the union of all boxes, if no object is farther from it than
 /// [`MAX_DISTANCE_IN_SIZES`] times its own size. Otherwise, as for small objects on a huge sphere,
 /// the origin minimizes the greatest ratio of an object's distance to its size.
-fn origin_for_bounds(boxes: &[BoundsF64], view: Option<CameraView>) -> Option<DVec3> {
+fn origin_for_bounds(boxes: &[BoundsF64], view: Option<CameraAndNearestDistance>) -> Option<DVec3> {
     let (min, max) = boxes.iter().copied().reduce(union_of_bounds)?;
     let center = min * 0.5 + max * 0.5;
     let target = |(min, max): &BoundsF64| FineDetailRegion {
@@ -92,7 +92,7 @@ fn origin_for_bounds(boxes: &[BoundsF64], view: Option<CameraView>) -> Option<DV
 /// center and the corners of the image.
 ///
 /// Returns `None` if these rays hit no shape.
-fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<CameraView> {
+fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<CameraAndNearestDistance> {
     let (position, (width, height)) = (camera.center(), camera.size());
     let local = camera.translated(-position);
     let size = Vec2::new(width as f32, height as f32);

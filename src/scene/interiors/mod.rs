@@ -52,7 +52,7 @@ pub enum BoundaryEvent {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurrentMedium {
     /// Index of the medium in [`Scene::media`].
-    pub medium: u32,
+    pub medium_index: u32,
     /// True for the ambient medium, false for the medium of a dielectric body.
     pub ambient: bool,
 }

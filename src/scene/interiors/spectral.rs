@@ -70,7 +70,7 @@ impl Interior for SpectralInterior {
             Some((_, body)) => (body.medium, false),
             None => (scene.ambient_medium, true),
         };
-        medium.map(|medium| CurrentMedium { medium, ambient })
+        medium.map(|medium| CurrentMedium { medium_index: medium, ambient })
     }
 
     #[inline]

@@ -3,7 +3,7 @@
 use super::box_bvh::Line;
 use super::polynomial::{Coefficient, MAX_DEGREE, evaluate_2d_with_derivatives, reparametrize, reparametrize_rows};
 use super::root_finding::{
-    MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, RootClassification,
+    MAX_DERIVATIVE_CHANGE, MAX_FIRST_NEWTON_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, RootClassification,
     TANGENT_HIT_RELATIVE_SIZE,
 };
 use glam::{DVec2, DVec3};
@@ -303,7 +303,7 @@ fn newton_root(
     tolerance: f64,
 ) -> Option<(DVec2, f64)> {
     let mut at = start.clamp(DVec2::NEG_ONE, DVec2::ONE);
-    let mut longest = MAX_FIRST_STEP;
+    let mut longest = MAX_FIRST_NEWTON_STEP;
     loop {
         let (step, t) = newton_step(a, columns, line, at);
         let size = step.abs().max_element();

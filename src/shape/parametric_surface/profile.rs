@@ -3,7 +3,7 @@
 use super::cylindrical_ray::{ArcLengthInterval, CylindricalRay};
 use super::polynomial::{Coefficient, MAX_DEGREE, evaluate_with_derivative, reparametrize};
 use super::root_finding::{
-    MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, RootClassification,
+    MAX_DERIVATIVE_CHANGE, MAX_FIRST_NEWTON_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, RootClassification,
     TANGENT_HIT_RELATIVE_SIZE,
 };
 use arrayvec::ArrayVec;
@@ -211,7 +211,7 @@ fn newton_root(
 ) -> Option<(f64, f64)> {
     let dy = ray.direction.y;
     let (mut x, mut z) = (start.0.clamp(-1.0, 1.0), start.1.clamp(-half, half));
-    let mut longest = MAX_FIRST_STEP;
+    let mut longest = MAX_FIRST_NEWTON_STEP;
     loop {
         let ([px, py], [dx, dh]) = evaluate_with_derivative(a, x);
         let (radius, slope) = ray.radius_and_slope(at + z);

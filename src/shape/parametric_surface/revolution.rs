@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// Longest accepted Newton step when a hit is refined along a ray, relative to the surface's size.
 ///
 /// A longer step means that the ray is nearly tangent.
-const MAX_RELATIVE_STEP: f64 = 1e-4;
+const MAX_RELATIVE_NEWTON_STEP: f64 = 1e-4;
 
 /// Number of azimuth steps of the sum that integrates the area of a surface of revolution.
 const AREA_AZIMUTH_STEPS: u32 = 64;
@@ -231,7 +231,7 @@ impl BoundedShape for Revolution {
                 / d.length_squared());
         let most = DVec2::new(
             4.0 * f64::from(f32::EPSILON) / self.profile.leaves[leaf].parameter_half_width,
-            MAX_RELATIVE_STEP * self.profile.bounding_radius,
+            MAX_RELATIVE_NEWTON_STEP * self.profile.bounding_radius,
         );
         for _ in 0..2 {
             let (radius, radial) = polar_radius_and_direction(p);

@@ -31,7 +31,7 @@ pub(super) const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
 ///
 /// The step is J⁻¹J̄ times the distance to the root, which is at most 2 half widths.
 /// [`MAX_DERIVATIVE_CHANGE`] defines J and J̄.
-pub(super) const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
+pub(super) const MAX_FIRST_NEWTON_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 
 /// Distance outside a piece at which a root still counts as inside, in half widths of the piece.
 ///

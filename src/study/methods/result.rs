@@ -26,7 +26,7 @@ pub struct ConvergenceCheckpoint {
     /// The noise of the references cancels in the estimate, so a small error may be estimated as
     /// negative.
     #[serde(rename = "squares")]
-    pub squared_errors: Vec<f64>,
+    pub relative_squared_errors: Vec<f64>,
     /// Relative squared noise: variance between the seeds' pictures, relative as in
     /// `squared_errors`.
     #[serde(rename = "noise2")]
@@ -55,8 +55,8 @@ pub struct ConvergenceCheckpoint {
 impl ConvergenceCheckpoint {
     /// Returns the relative squared error, as a mean over seeds.
     #[must_use]
-    pub fn mean_squared_error(&self) -> f64 {
-        self.squared_errors.iter().sum::<f64>() / self.squared_errors.len().max(1) as f64
+    pub fn mean_relative_squared_error(&self) -> f64 {
+        self.relative_squared_errors.iter().sum::<f64>() / self.relative_squared_errors.len().max(1) as f64
     }
 
     /// Returns the square of the relative error that the renderer itself estimates, as a mean over
@@ -130,7 +130,7 @@ pub struct MethodStudyResult {
     /// Number of seeds of each method.
     pub seeds: u32,
     /// Limit of processor time for each seed of a method \[s].
-    pub cpu_seconds_per_seed: f64,
+    pub max_cpu_seconds_per_seed: f64,
     /// Share of the threads' time that the program got: processor time divided by the product of
     /// wall time and threads. It is the minimum over methods.
     ///

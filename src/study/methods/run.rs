@@ -156,8 +156,8 @@ impl<'a> MethodStudy<'a> {
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         self.runs.iter().map(|run| run.expected_photons).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
-            stored_photons: a.stored_photons.max(b.stored_photons),
-            photons_in_largest_map: a.photons_in_largest_map.max(b.photons_in_largest_map),
+            memory_in_photons: a.memory_in_photons.max(b.memory_in_photons),
+            largest_map_in_photons: a.largest_map_in_photons.max(b.largest_map_in_photons),
         })
     }
 
@@ -245,7 +245,7 @@ impl<'a> MethodStudy<'a> {
             program: format!("caustica {}", env!("CARGO_PKG_VERSION")),
             machine: super::clock::machine_description(threads),
             seeds: self.seeds,
-            cpu_seconds_per_seed: limits.cpu_seconds_per_seed,
+            max_cpu_seconds_per_seed: limits.cpu_seconds_per_seed,
             thread_time_share: shares.fold(1.0, f64::min),
             reference: references.mean_reference(),
             methods: self.runs.into_iter().filter_map(|run| run.into_result(subject)).collect(),
@@ -301,7 +301,7 @@ impl MethodRun<'_> {
             wall_seconds: self.total_pass_time.wall_seconds / seeds,
             rays: self.rays as f64 / seeds,
             photon_paths: self.photon_paths as f64 / seeds,
-            squared_errors: measured.squared_errors,
+            relative_squared_errors: measured.squared_errors,
             squared_noises: measured.squared_noises,
             squared_noise: measured.squared_noise,
             squared_bias: measured.squared_bias,

@@ -286,12 +286,12 @@ fn measured_errors_match_synthetic_methods() {
             // the relative standard deviation √(2/n). Means near 1 are rounded at 6e-8.
             assert_near(checkpoint.squared_noise, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
             let v = bias * bias + noise2;
-            assert_near(checkpoint.mean_squared_error(), 0.5 * v, v / CHANNELS.sqrt());
+            assert_near(checkpoint.mean_relative_squared_error(), 0.5 * v, v / CHANNELS.sqrt());
             assert_near(checkpoint.squared_bias, 0.5 * bias * bias, v / CHANNELS.sqrt());
         }
         let error =
             method.relative_pixel_errors.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
-        assert!((error - method.checkpoints.last().unwrap().mean_squared_error()).abs() < 1e-6, "{error}");
+        assert!((error - method.checkpoints.last().unwrap().mean_relative_squared_error()).abs() < 1e-6, "{error}");
         // `mean` is taken over all channels. Each channel has the standard deviation σ/√(16 passes
         // · 2 seeds).
         let mean = method.mean_difference.pixels().iter().map(|d| d.as_dvec3().element_sum()).sum::<f64>() / CHANNELS;

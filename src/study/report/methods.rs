@@ -85,7 +85,7 @@ fn study_summary_html(found: &MethodStudyResult) -> String {
     let seeds = format!(
         "{} of each method, up to {} of processor time each",
         found.seeds,
-        duration_text(found.cpu_seconds_per_seed)
+        duration_text(found.max_cpu_seconds_per_seed)
     );
     let mut list = "<dl>\n".to_owned();
     for (term, text) in [

@@ -50,7 +50,7 @@ fn mean_direct_irradiance() -> f64 {
 fn picture_means_and_variance(scene: &Scene, settings: &Settings, passes: u32) -> (Vec<f64>, f64) {
     let integrator = Algorithm::Hybrid.prepare(scene, settings.clone());
     let uses_photons = settings.indirect_photons != IndirectPhotons::Off;
-    assert_eq!(integrator.photon_share_of_indirect_light(0) > 0.0, uses_photons, "{:?}", settings.indirect_photons);
+    assert_eq!(integrator.interreflection_photon_weight(0) > 0.0, uses_photons, "{:?}", settings.indirect_photons);
     let red = |pass| render_one_pass(&*integrator, pass).iter().map(|l| f64::from(l.x)).collect::<Vec<f64>>();
     let pictures: Vec<Vec<f64>> = (0..passes).map(red).collect();
     let pixels = pictures[0].len();

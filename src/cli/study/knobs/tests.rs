@@ -4,7 +4,8 @@ use crate::cli::study::variants::default_method_arguments;
 fn knob_variant_labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArguments)) -> Vec<String> {
     let mut shared = default_method_arguments();
     change(&mut shared);
-    let pilot = PilotChosenSettings { samples_per_pixel: 1, unaimed_paths: 1000, aimed_paths: 0, radius: Some(0.25) };
+    let pilot =
+        PilotChosenSettings { samples_per_pixel: 1, unaimed_paths: 1000, aimed_paths: 0, gather_radius: Some(0.25) };
     let all = one_setting_variants(VariantArguments::from_algorithm(algorithm, &shared), &pilot);
     // Each label, parsed as text, gives the variant that it names.
     for named in &all {

@@ -83,7 +83,7 @@ impl GltfMaterialConverter<'_, '_> {
         let factor = DVec4::from(factor.map(clamped_to_unit)) * vertex_color;
         let alpha = self.opacity(material, factor.w, base_texture.as_ref())?;
         let emission = self.emission(material, factor.truncate(), base_texture.as_ref())?;
-        let emission = emission.map(|emission| self.masked_emission(emission, &alpha));
+        let emission = emission.map(|emission| self.emission_times_alpha(emission, &alpha));
         let emits = emission.is_some();
         let kind = if material.unlit() {
             self.add_note("unlit surfaces emit their base color, and reflect nothing");
@@ -204,7 +204,7 @@ impl GltfMaterialConverter<'_, '_> {
             let reflectance = self.textured_color(base_texture.as_ref(), *base)?;
             return Ok(MaterialKindDescription::Diffuse(DiffuseDescription { reflectance }));
         }
-        if let Some(eta) = coat_index(*f0) {
+        if let Some(eta) = coat_refractive_index(*f0) {
             return Ok(MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription {
                 reflectance: self.textured_color(base_texture.as_ref(), *base)?,
                 eta,
@@ -372,7 +372,11 @@ impl GltfMaterialConverter<'_, '_> {
     /// Returns `emission` times `alpha`, because only the opaque fraction of a surface emits.
     ///
     /// If `alpha` is a texture, returns `emission` unchanged and adds a note.
-    fn masked_emission(&mut self, emission: EmissionDescription, alpha: &TexturedValue<f64>) -> EmissionDescription {
+    fn emission_times_alpha(
+        &mut self,
+        emission: EmissionDescription,
+        alpha: &TexturedValue<f64>,
+    ) -> EmissionDescription {
         let alpha = match alpha {
             TexturedValue::Constant(alpha) => *alpha,
             TexturedValue::Texture(_) => {
@@ -485,7 +489,7 @@ impl GltfMaterialConverter<'_, '_> {
 /// Returns the refractive index of a coat with the reflectance `f0` at normal incidence.
 ///
 /// `None` if the channels differ, or if the index is not between 1 and [`MAX_COAT_INDEX`].
-fn coat_index(f0: DVec3) -> Option<f64> {
+fn coat_refractive_index(f0: DVec3) -> Option<f64> {
     let root = f0.x.sqrt();
     let index = (1.0 + root) / (1.0 - root);
     (f0 == DVec3::splat(f0.x) && (1.0..=f64::from(MAX_COAT_INDEX)).contains(&index)).then_some(index)

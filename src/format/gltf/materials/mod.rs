@@ -31,13 +31,13 @@ pub(super) struct GltfMaterials<'a> {
     pub textures: GltfTextures<'a>,
     /// Materials of the imported scene.
     pub list: ImportedMaterials,
-    converted: HashMap<(Option<usize>, [u64; 4]), GltfImportedMaterial>,
+    converted_materials: HashMap<(Option<usize>, [u64; 4]), GltfImportedMaterial>,
 }
 
 impl<'a> GltfMaterials<'a> {
     /// Returns an empty table of materials. `pictures` collects the textures of later materials.
     pub fn new(pictures: GltfTextures<'a>) -> Self {
-        Self { textures: pictures, list: ImportedMaterials::default(), converted: HashMap::new() }
+        Self { textures: pictures, list: ImportedMaterials::default(), converted_materials: HashMap::new() }
     }
 
     /// Returns the material of the imported scene for `material` of the file. Converts it at its
@@ -53,7 +53,7 @@ impl<'a> GltfMaterials<'a> {
     ) -> ReadResult<GltfImportedMaterial> {
         let vertex_color = vertex_color.unwrap_or(DVec4::ONE);
         let key = (material.index(), vertex_color.to_array().map(f64::to_bits));
-        if let Some(known) = self.converted.get(&key) {
+        if let Some(known) = self.converted_materials.get(&key) {
             return Ok(known.clone());
         }
         let number = material.index().map_or_else(|| "default".to_owned(), |i| format!("material {i}"));
@@ -61,7 +61,7 @@ impl<'a> GltfMaterials<'a> {
         let mut converter =
             GltfMaterialConverter { materials: self, notes, context, name, texcoord_set: None, normal: None };
         let imported = converter.convert_material(material, vertex_color)?;
-        self.converted.insert(key, imported.clone());
+        self.converted_materials.insert(key, imported.clone());
         Ok(imported)
     }
 

@@ -29,7 +29,7 @@ fn comments_start_only_where_a_token_could() {
     assert_eq!(token.text, "a//b#c#");
     lexer.consume_token(token);
     assert_eq!(lexer.peek_token().text, "three");
-    assert!(Lexer::new("", "# end").peek_token().is_end_of_text());
+    assert!(Lexer::new("", "# end").peek_token().is_empty());
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn first_object(body: &str) -> ObjectDescription {
 fn numbers_need_no_white_space_after_them() {
     let text = "PerspectiveCamera{center 0 0 10direction 0 0-1up 0 1 0angle 20width 200height 100}Group{}";
     let camera = parse("a", text).unwrap().camera;
-    assert_eq!(camera.projection, ProjectionDescription::Perspective { angle: 20.0, lens: None });
+    assert_eq!(camera.projection, ProjectionDescription::Perspective { vertical_fov_degrees: 20.0, lens: None });
     assert_eq!((camera.width, camera.height), (200, 100));
     assert_eq!(camera.aim, DirectionOrTarget::Direction(DVec3::NEG_Z));
 }

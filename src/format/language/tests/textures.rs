@@ -25,13 +25,17 @@ fn textures_read_all_their_fields() {
         offset: DVec2::new(0.5, 1.0),
     };
     let path = name_with_empty_span("dir/a.png");
-    let kind =
-        TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap: WrapMode::Mirror, coordinates };
+    let kind = TextureKindDescription::Image {
+        path,
+        encoding: PictureEncoding::Linear,
+        wrap: WrapMode::Mirror,
+        uv_transform: coordinates,
+    };
     assert_eq!((a.name.as_str(), &a.kind), ("a b", &kind));
     let colors = [DVec3::new(1.0, 2.0, 3.0), DVec3::ONE];
     assert_eq!(
         c.kind,
-        TextureKindDescription::Checker { colors, coordinates: TexcoordTransformDescription::default() }
+        TextureKindDescription::Checker { colors, uv_transform: TexcoordTransformDescription::default() }
     );
     match &m.kind {
         TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, steps } => {

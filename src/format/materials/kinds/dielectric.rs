@@ -42,7 +42,7 @@ field_table!(DielectricDescription {
 impl MaterialBlock for DielectricDescription {
     const BLOCK: &'static BlockSchema = &block_schema("Dielectric", "boundary of a body of glass, water or the like")
         .with_table(Self::FIELDS)
-        .with_fields(&[field_schema("medium", FieldKind::Name, "medium that fills the body").make_optional("none")])
+        .with_own_fields(&[field_schema("medium", FieldKind::Name, "medium that fills the body").make_optional("none")])
         .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
     const BODY: BoundedBody = BoundedBody::Dielectric;
 

@@ -98,9 +98,10 @@ fn check_mix_components<'a>(
     }
     // Otherwise, a path could enter one dielectric and leave the other. The first would stay on the
     // path's stack of bodies.
-    if let (Some(a), Some(b)) =
-        (scope.mix_constraints(first).dielectric_index, scope.mix_constraints(second).dielectric_index)
-        && a != b
+    if let (Some(a), Some(b)) = (
+        scope.mix_constraints(first).dielectric_material_index,
+        scope.mix_constraints(second).dielectric_material_index,
+    ) && a != b
     {
         let message = "a mix cannot be two different Dielectrics".to_owned();
         let help = "mix a Dielectric with an opaque material, or with itself".to_owned();

@@ -212,12 +212,12 @@ impl MaterialKindDescription {
     /// True if the surface bounds a dielectric body, wholly or in part: a dielectric, or a
     /// principled material with transmission. Components of a mix do not count.
     pub(in crate::format) fn bounds_dielectric(&self) -> bool {
-        self.is_dielectric() || self.may_transmit_into_body()
+        self.is_dielectric() || self.has_dielectric_component()
     }
 
     /// True if only a component of the material bounds a dielectric body: for a `Principled`
     /// material with transmission. False for a `Dielectric`.
-    pub(super) fn may_transmit_into_body(&self) -> bool {
+    pub(super) fn has_dielectric_component(&self) -> bool {
         if let Self::Principled(principled) = self { principled.transmits() } else { false }
     }
 

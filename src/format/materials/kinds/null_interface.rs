@@ -38,7 +38,7 @@ impl BlockCodec for NullInterfaceDescription {
 impl MaterialBlock for NullInterfaceDescription {
     const BLOCK: &'static BlockSchema =
         &block_schema("Clear", "null interface: boundary of a region without a surface")
-            .with_fields(&[
+            .with_own_fields(&[
                 field_schema("medium", FieldKind::Name, "medium that fills the region").make_optional("none"),
                 PRIORITY_FIELD,
             ])

@@ -7,7 +7,7 @@ use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
 use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
-use crate::format::materials::refraction::INDEX_FIELD;
+use crate::format::materials::refraction::REFRACTIVE_INDEX_FIELD;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::textures::TextureRequirements;
 use crate::format::span::Spanned;
@@ -25,7 +25,7 @@ pub struct ThinDielectricDescription {
 }
 
 field_table!(ThinDielectricDescription {
-    eta: INDEX_FIELD,
+    eta: REFRACTIVE_INDEX_FIELD,
     transmittance: field_schema(
         "transmittance",
         FieldKind::ColorOrTexture,

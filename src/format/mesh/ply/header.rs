@@ -58,7 +58,7 @@ impl PlyNumberType {
 pub(super) enum PlyPropertyRole {
     /// Component of a vertex's position, normal or texture coordinates. The number is the index of
     /// this component in the list x, y, z, nx, ny, nz, u, v.
-    Slot(usize),
+    VertexComponent(usize),
     /// List of a face's vertex indices.
     VertexIndices,
     /// Unused property, which is skipped.
@@ -111,7 +111,7 @@ pub(super) type HeaderError = (usize, MessageAndRemedy);
 /// Remedy for files that violate the PLY format.
 const EXPORT_ANEW: &str = "export it anew as PLY";
 
-/// Names of vertex properties, each with its index for [`PlyPropertyRole::Slot`].
+/// Names of vertex properties, each with its index for [`PlyPropertyRole::VertexComponent`].
 const VERTEX_PROPERTY_SLOTS: [(&str, usize); 14] = [
     ("x", 0),
     ("y", 1),
@@ -226,7 +226,7 @@ impl PlyElement {
     }
 
     pub fn has_vertex_coordinate(&self, slot: usize) -> bool {
-        self.properties.iter().any(|p| p.role == PlyPropertyRole::Slot(slot))
+        self.properties.iter().any(|p| p.role == PlyPropertyRole::VertexComponent(slot))
     }
 
     fn check_required_properties(&self) -> Result<(), HeaderError> {
@@ -283,7 +283,7 @@ fn parse_ply_property<'w>(
         (PlyElementKind::Vertex, _, None) => VERTEX_PROPERTY_SLOTS
             .iter()
             .find(|(known, _)| *known == name)
-            .map_or(PlyPropertyRole::Other, |(_, slot)| PlyPropertyRole::Slot(*slot)),
+            .map_or(PlyPropertyRole::Other, |(_, slot)| PlyPropertyRole::VertexComponent(*slot)),
         (PlyElementKind::Face, "vertex_indices" | "vertex_index", Some(_)) => {
             if !item.is_integer() {
                 let message = format!("the indices `{name}` are not whole numbers");

@@ -207,7 +207,7 @@ impl PlyMeshReader<'_> {
         for property in &element.properties {
             match (property.role, property.list_length_type) {
                 (_, Some(length)) => skip_ply_list(numbers, length, property.number_type)?,
-                (PlyPropertyRole::Slot(slot), None) => {
+                (PlyPropertyRole::VertexComponent(slot), None) => {
                     let number = numbers.read_number(property.number_type)?;
                     if !number.is_finite() {
                         let names = ["x", "y", "z", "nx", "ny", "nz", "s", "t"];
@@ -272,7 +272,7 @@ impl PlyMeshReader<'_> {
                     let fan = corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]);
                     self.loaded.mesh.triangles.extend(fan);
                 }
-                (PlyPropertyRole::Slot(_) | PlyPropertyRole::Other, Some(length)) => {
+                (PlyPropertyRole::VertexComponent(_) | PlyPropertyRole::Other, Some(length)) => {
                     skip_ply_list(numbers, length, property.number_type)?;
                 }
                 (_, None) => {

@@ -20,7 +20,7 @@ use std::rc::Rc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MaterialBoundary {
     /// Any other boundary: an opaque, diffusely transmitting or principled material, or a mix.
-    Opaque,
+    Surface,
     /// Boundary of a solid dielectric, such as a glass body.
     Body,
     /// A thin pane without volume.
@@ -103,7 +103,7 @@ impl MitsubaMaterials {
         } else if let MaterialKindDescription::Thin(_) = kind {
             MaterialBoundary::Pane
         } else {
-            MaterialBoundary::Opaque
+            MaterialBoundary::Surface
         };
         let fills = matches!(boundary, MaterialBoundary::Body | MaterialBoundary::Null);
         let medium = medium.clone().filter(|_| fills).map(|name| Spanned::new(name, Span::default()));

@@ -12,10 +12,10 @@ use crate::format::description::{
 use crate::format::import_notes::ImportNotes;
 use crate::format::imported_materials::mix_of;
 use crate::format::pbrt::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
-use crate::format::pbrt::graphics_state::CurrentMaterial;
+use crate::format::pbrt::graphics_state::MaterialReference;
 use crate::format::pbrt::parameters::Parameters;
 use crate::format::pbrt::spectra::{SpectralValue, spectral_value};
-use crate::format::pbrt::textures::{PbrtTextures, TextureValue, read_picture};
+use crate::format::pbrt::textures::{PbrtTexture, PbrtTextures, read_picture};
 use glam::DVec3;
 
 /// Greatest nesting depth of mix materials.
@@ -67,13 +67,13 @@ impl PbrtMaterialConverter<'_> {
     /// Converts a pbrt material, adds it to the imported scene, and returns its name there.
     ///
     /// `depth` is the number of mixes around this material.
-    pub(super) fn convert_material(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
+    pub(super) fn convert_material(&mut self, material: &MaterialReference, depth: usize) -> ReadResult<String> {
         let missing = |name: &str, place: &PbrtSourceLocation| {
             place.error(format!("no material is called `{name}`"), "define it with `MakeNamedMaterial`")
         };
         let found = match material {
-            CurrentMaterial::Numbered(number) => self.materials.numbered.get(*number).cloned().flatten(),
-            CurrentMaterial::Named(name, place) => {
+            MaterialReference::Numbered(number) => self.materials.numbered.get(*number).cloned().flatten(),
+            MaterialReference::Named(name, place) => {
                 Some(self.materials.named.get(&**name).cloned().ok_or_else(|| missing(name, place))?)
             }
         };
@@ -141,11 +141,11 @@ impl PbrtMaterialConverter<'_> {
         };
         let amount = match parameters.find("amount") {
             Some(parameter) => self.textures.parameter_value(parameter, false, place, self.files)?,
-            None => TextureValue::Constant(DVec3::splat(0.5)),
+            None => PbrtTexture::Constant(DVec3::splat(0.5)),
         };
         let (amount, _) = self.textured_scalar_and_mean(&amount, &|amount| amount.clamp(0.0, 1.0))?;
         let [first, second] =
-            names.map(|name| self.convert_material(&CurrentMaterial::Named(name.into(), place.clone()), depth + 1));
+            names.map(|name| self.convert_material(&MaterialReference::Named(name.into(), place.clone()), depth + 1));
         self.push_material(mix_of(first?, second?, amount), None)
     }
 
@@ -289,7 +289,7 @@ impl PbrtMaterialConverter<'_> {
         let mut scalar = |name: &str, default: f64, map: &dyn Fn(f64) -> f64| {
             let value = match p.find(name) {
                 Some(parameter) => self.textures.parameter_value(parameter, false, place, self.files)?,
-                None => TextureValue::Constant(DVec3::splat(default)),
+                None => PbrtTexture::Constant(DVec3::splat(default)),
             };
             self.textured_scalar_and_mean(&value, &|number| map(number.clamp(0.0, 1.0)))
         };
@@ -421,7 +421,7 @@ impl PbrtMaterialConverter<'_> {
         let common = format!("{prefix}roughness");
         let value = |name: &str| match p.find_any(&[name, &common]) {
             Some(parameter) => self.textures.parameter_value(parameter, false, place, self.files),
-            None => Ok(TextureValue::Constant(DVec3::splat(default))),
+            None => Ok(PbrtTexture::Constant(DVec3::splat(default))),
         };
         let (first, second) = (value(u)?, value(v)?);
         let remaps = p.flag("remaproughness") != Some(false);
@@ -460,7 +460,7 @@ impl PbrtMaterialConverter<'_> {
     ) -> ReadResult<(TexturedValue<DVec3>, DVec3)> {
         let value = match p.find(name) {
             Some(parameter) => self.textures.parameter_value(parameter, true, &p.place, self.files)?,
-            None => TextureValue::Constant(DVec3::splat(default)),
+            None => PbrtTexture::Constant(DVec3::splat(default)),
         };
         let unit = |color: DVec3| map(color.clamp(DVec3::ZERO, DVec3::ONE));
         self.textures.add_texture(&value, &unit, self.files)
@@ -471,7 +471,7 @@ impl PbrtMaterialConverter<'_> {
     /// Returns the number or number texture, and its mean over the texture.
     pub(super) fn textured_scalar_and_mean(
         &mut self,
-        value: &TextureValue,
+        value: &PbrtTexture,
         map: &dyn Fn(f64) -> f64,
     ) -> ReadResult<(TexturedValue<f64>, f64)> {
         let mean = |c: DVec3| if c.x == c.y && c.y == c.z { c.x } else { c.element_sum() / 3.0 };
@@ -489,7 +489,7 @@ impl PbrtMaterialConverter<'_> {
             let meaning = crate::image::PixelMeaning::NonColor;
             let image = read_picture(name, meaning, &p.place, self.files)?;
             let coordinates = Default::default();
-            let value = TextureValue::Picture {
+            let value = PbrtTexture::Picture {
                 image: image.into(),
                 factor: DVec3::ONE,
                 wrap: crate::format::description::WrapMode::Repeat,

@@ -3,7 +3,7 @@
 mod converter;
 
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
-use super::graphics_state::CurrentMaterial;
+use super::graphics_state::MaterialReference;
 use super::parameters::{Parameter, Parameters};
 use super::textures::PbrtTextures;
 use crate::format::description::{MaterialDescription, Spanned, TexturedValue};
@@ -62,7 +62,7 @@ impl PbrtMaterials {
     /// shape's opacity parameter; `None` for an opaque shape.
     pub fn imported_material_name(
         &mut self,
-        material: &CurrentMaterial,
+        material: &MaterialReference,
         (medium, alpha): (Option<&str>, Option<&Parameter>),
         textures: &mut PbrtTextures,
         files: &PbrtSceneFiles<'_>,
@@ -70,8 +70,8 @@ impl PbrtMaterials {
     ) -> ReadResult<String> {
         let opacity = alpha.map_or(String::new(), |alpha| format!("{:?} {:?}", alpha.numbers, alpha.texts));
         let key = match material {
-            CurrentMaterial::Numbered(number) => format!("{number}|{medium:?}|{opacity}"),
-            CurrentMaterial::Named(name, _) => format!("\"{name}\"|{medium:?}|{opacity}"),
+            MaterialReference::Numbered(number) => format!("{number}|{medium:?}|{opacity}"),
+            MaterialReference::Named(name, _) => format!("\"{name}\"|{medium:?}|{opacity}"),
         };
         if let Some(name) = self.converted_names.get(&key) {
             return Ok(name.clone());

@@ -26,7 +26,7 @@ fn uniform_grids_keep_densities_and_their_box() {
     );
     let DensityDescription::Grid { path, scale, extent } = &only_medium(&scene).density else { panic!() };
     let grid = &scene.assets.grids[&path.value];
-    assert_eq!((grid.size, &grid.densities[..], *scale), ([2, 1, 2], &[0.0, 1.0, 2.0, 3.0][..], 1.0));
+    assert_eq!((grid.cell_counts, &grid.densities[..], *scale), ([2, 1, 2], &[0.0, 1.0, 2.0, 3.0][..], 1.0));
     assert_eq!(absorption_and_scattering_of_scene(&scene), (DVec3::new(2.0, 4.0, 6.0), DVec3::splat(2.0)));
     // The mean factor by density is (0.5 + 2 + 3) / 6. Light counts once per absorption.
     assert!(only_medium(&scene).emission.abs_diff_eq(DVec3::new(2.0, 4.0, 0.0) * 5.5 / 6.0, 1e-12));

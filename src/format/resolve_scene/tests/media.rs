@@ -1,7 +1,7 @@
 //! Tests of resolved media: coefficients, density grids, bodies and the ambient medium.
 
 use super::{CAMERA, resolve_error, resolve_in_folder, resolve_scene_text};
-use crate::format::grid::{self, GridEncoding, GridFile};
+use crate::format::grid::{self, DensityGridData, GridEncoding};
 use crate::format::{SourceText, parse, resolve};
 use crate::medium::{Medium, PhaseFunction};
 use crate::scene::{Body, Material, Scene};
@@ -98,7 +98,7 @@ fn body_absorption_adds_to_a_homogeneous_medium() {
 #[test]
 fn density_grids_fill_their_box() {
     let folder = tempfile::tempdir().unwrap();
-    let values = GridFile { size: [2, 1, 1], densities: vec![1.0, 3.0] };
+    let values = DensityGridData { cell_counts: [2, 1, 1], densities: vec![1.0, 3.0] };
     grid::write(&folder.path().join("two.grid"), &values, GridEncoding::F32).unwrap();
     let of = |fields: &str| {
         let media = format!("Medium a {{ scattering 1 1 1 grid two.grid {fields} }}");

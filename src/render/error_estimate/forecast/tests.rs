@@ -14,7 +14,14 @@ fn error_estimate_with_parts(
 ) -> ErrorEstimate {
     let parts = SquaredErrorParts { noise: variance / f64::from(passes), blur: blur * blur, ..Default::default() };
     let differences = NestedDifferenceMoments { d0_variance: difference_variance, ..Default::default() };
-    ErrorEstimate { passes, blur, half_disc_blur_ratio: blur_ratio, parts, differences, ..ErrorEstimate::default() }
+    ErrorEstimate {
+        passes,
+        blur,
+        half_disc_blur_ratio: blur_ratio,
+        parts,
+        difference_moments: differences,
+        ..ErrorEstimate::default()
+    }
 }
 
 fn noise_and_bias_after_passes(forecast: &ErrorForecast, passes: u32) -> (f64, f64) {

@@ -20,7 +20,7 @@ fn forecast_with(differences: NestedDifferenceMoments, alpha: Option<f64>) -> Er
         blur: blur.squared_blur.sqrt(),
         half_disc_blur_ratio: if blur.half_disc_ratio > 0.0 { blur.half_disc_ratio } else { 0.5 },
         parts,
-        differences,
+        difference_moments: differences,
         ..ErrorEstimate::default()
     };
     ErrorForecast::new(estimate, alpha.map(|alpha| (alpha, 0.5)))

@@ -31,7 +31,7 @@ const RELATIVE_MARGIN: f32 = 16.0 * f32::EPSILON;
 enum CoincidentPart {
     Nothing,
     Everything,
-    /// Flags of intervals of a profile, see [`Revolution::profile_intervals_near`].
+    /// Flags of intervals of a profile, see [`Revolution::near_profile_interval_flags`].
     ProfileIntervals(Vec<bool>),
 }
 
@@ -70,7 +70,9 @@ impl CoincidentFlags {
                 HitPrimitive::Shape(i, coords) => match self.shapes.get(i as usize) {
                     None | Some(CoincidentPart::Nothing) => false,
                     Some(CoincidentPart::Everything) => true,
-                    Some(CoincidentPart::ProfileIntervals(flags)) => flags[Revolution::profile_interval(coords.x)],
+                    Some(CoincidentPart::ProfileIntervals(flags)) => {
+                        flags[Revolution::profile_interval_index(coords.x)]
+                    }
                 },
                 HitPrimitive::Plane(_) => false,
             }
@@ -136,7 +138,7 @@ pub(in crate::scene) fn flag_coincident_primitives(
         let primitive = PrimitiveIndex::Other(*i as u32);
         faces.push(BoundaryFace { primitive, bounds: extents[object].bounds, boundary_object: object as u32 });
     }
-    for (i, object) in geometry.triangle_object.iter().enumerate() {
+    for (i, object) in geometry.object_of_triangle.iter().enumerate() {
         let mesh = *object as usize - geometry.shapes.len();
         if let Some(object) = extent_of_mesh[mesh].filter(|object| is_overlapping[*object as usize]) {
             let bounds = Bounds::from_points(geometry.mesh.corners(i)).expanded(extents[object as usize].margin);
@@ -168,7 +170,7 @@ pub(in crate::scene) fn flag_coincident_primitives(
         }
     };
     let found = SpatialSelfJoin::faces_near_other_objects(&faces, &near);
-    let mut triangles = vec![false; geometry.triangle_object.len()];
+    let mut triangles = vec![false; geometry.object_of_triangle.len()];
     let mut shapes = vec![CoincidentPart::Nothing; geometry.shapes.len()];
     for (face, _) in faces.iter().zip(found).filter(|(_, found)| *found) {
         match face.primitive {
@@ -205,8 +207,8 @@ fn flag_coaxial_pairs(
         match budget.checked_sub(first.profile_leaf_count().saturating_mul(second.profile_leaf_count())) {
             Some(rest) => {
                 budget = rest;
-                shapes[indices[0]].add_intervals(first.profile_intervals_near(second, margin));
-                shapes[indices[1]].add_intervals(second.profile_intervals_near(first, margin));
+                shapes[indices[0]].add_intervals(first.near_profile_interval_flags(second, margin));
+                shapes[indices[1]].add_intervals(second.near_profile_interval_flags(first, margin));
             }
             None => indices.iter().for_each(|i| shapes[*i] = CoincidentPart::Everything),
         }
@@ -217,7 +219,7 @@ fn flag_coaxial_pairs(
 /// meshes without triangles.
 fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool) -> Vec<Option<Bounds>> {
     let mut mesh_bounds: Vec<Option<Bounds>> = vec![None; geometry.mesh_ranges.len()];
-    for (i, object) in geometry.triangle_object.iter().enumerate() {
+    for (i, object) in geometry.object_of_triangle.iter().enumerate() {
         let object = *object as usize;
         if bounds_body(object) {
             let corners = Bounds::from_points(geometry.mesh.corners(i));

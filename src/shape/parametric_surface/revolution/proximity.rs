@@ -6,7 +6,7 @@ use super::{Revolution, RevolutionProfile};
 use glam::{DMat3, DVec3};
 
 /// Number of equal intervals of the profile parameter, for which
-/// [`Revolution::profile_intervals_near`] returns flags.
+/// [`Revolution::near_profile_interval_flags`] returns flags.
 const PROFILE_INTERVALS: usize = 1024;
 
 /// Largest relative deviation of a map that counts as coaxial, because it is a rounding error.
@@ -19,7 +19,7 @@ const COAXIAL_TOLERANCE: f64 = 1e-9;
 ///
 /// The condition number uses the Frobenius norm, so it is 3 for a rotation. Up to this limit,
 /// [`COAXIAL_TOLERANCE`] is far below the distance within which surfaces may touch.
-const MAX_CONDITION: f64 = 10.0;
+const MAX_CONDITION_NUMBER: f64 = 10.0;
 
 /// Map from the radii and heights of one surface of revolution to those of another around the same
 /// axis.
@@ -33,11 +33,11 @@ impl CoaxialMap {
     /// Map from the object space of `from` to that of `to`.
     ///
     /// `None` if their axes differ, or if circles around the axis of one are ellipses in the other.
-    /// Also `None` if the condition number of a map to world space exceeds [`MAX_CONDITION`].
+    /// Also `None` if the condition number of a map to world space exceeds [`MAX_CONDITION_NUMBER`].
     fn new(from: &Revolution, to: &Revolution) -> Option<Self> {
         let is_even = |surface: &Revolution| {
             let (forward, inverse) = (surface.to_world.forward().matrix3, surface.to_world.inverse().matrix3);
-            frobenius_norm(forward) * frobenius_norm(inverse) <= MAX_CONDITION
+            frobenius_norm(forward) * frobenius_norm(inverse) <= MAX_CONDITION_NUMBER
         };
         if !(is_even(from) && is_even(to)) {
             return None;
@@ -77,9 +77,9 @@ impl Revolution {
     }
 
     /// Index of the interval that holds the profile parameter `u`, in the result of
-    /// [`Revolution::profile_intervals_near`].
+    /// [`Revolution::near_profile_interval_flags`].
     #[inline]
-    pub(crate) fn profile_interval(u: f32) -> usize {
+    pub(crate) fn profile_interval_index(u: f32) -> usize {
         ((u * PROFILE_INTERVALS as f32) as usize).min(PROFILE_INTERVALS - 1)
     }
 
@@ -87,7 +87,7 @@ impl Revolution {
     /// farther than `margin` \[world length] from `other` there.
     ///
     /// All flags are true unless [`Revolution::shares_axis`].
-    pub(crate) fn profile_intervals_near(&self, other: &Self, margin: f64) -> Vec<bool> {
+    pub(crate) fn near_profile_interval_flags(&self, other: &Self, margin: f64) -> Vec<bool> {
         let Some(map) = CoaxialMap::new(other, self) else { return vec![true; PROFILE_INTERVALS] };
         let reach = margin * frobenius_norm(self.to_world.inverse().matrix3) + self.profile.point_error_bound;
         let other_error = other.profile.point_error_bound;

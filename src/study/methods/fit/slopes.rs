@@ -59,21 +59,21 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     if tail.len() < MIN_CHECKPOINTS {
         return None;
     }
-    let seeds = tail.iter().map(|c| c.squared_errors.len()).min().unwrap_or(0);
+    let seeds = tail.iter().map(|c| c.relative_squared_errors.len()).min().unwrap_or(0);
     let has_noises = tail.iter().all(|c| c.squared_noises.len() >= seeds);
     let mean = |values: &[f64], weights: &[f64]| values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
     // Noise and bias have confidence intervals only if the noise of each seed is known, so that
     // seeds can be resampled.
     let apart = if has_noises { seeds } else { 0 };
     let error = fit_convergence_slopes(tail, seeds, |c, weights| {
-        weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squared_errors, w))
+        weights.map_or_else(|| c.mean_relative_squared_error(), |w| mean(&c.relative_squared_errors, w))
     });
     let noise = fit_convergence_slopes(tail, apart, |c, weights| {
         weights.map_or(c.squared_noise, |w| mean(&c.squared_noises, w))
     });
     // The mean squared error is exactly bias² + noise², so the rest is bias.
     let bias = fit_convergence_slopes(tail, apart, |c, weights| {
-        weights.map_or(c.squared_bias, |w| mean(&c.squared_errors, w) - mean(&c.squared_noises, w))
+        weights.map_or(c.squared_bias, |w| mean(&c.relative_squared_errors, w) - mean(&c.squared_noises, w))
     });
     Some(ConvergenceFit { checkpoint_passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
@@ -192,7 +192,7 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
 /// Returns the 95 % confidence interval of the squared relative bias; `None` with fewer than two
 /// seeds, or if the noise of each seed is not known.
 pub(super) fn squared_bias_interval(checkpoint: &ConvergenceCheckpoint) -> Option<[f64; 2]> {
-    let ConvergenceCheckpoint { squared_errors, squared_noises, .. } = checkpoint;
+    let ConvergenceCheckpoint { relative_squared_errors: squared_errors, squared_noises, .. } = checkpoint;
     (squared_errors.len() == squared_noises.len())
         .then(|| squared_errors.iter().zip(squared_noises).map(|(s, n)| s - n).collect::<Vec<_>>())
         .and_then(|parts| mean_confidence_interval(&parts))

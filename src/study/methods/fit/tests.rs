@@ -48,7 +48,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
             passes: n,
             cpu_seconds: seconds,
             photon_paths: 1000.0 * f64::from(n),
-            squared_errors,
+            relative_squared_errors: squared_errors,
             squared_noises,
             squared_noise: noise2,
             squared_bias: bias2,
@@ -165,7 +165,7 @@ fn verdicts_name_the_cause_of_bias() {
     ));
     // The bias is a tenth of the noise at the last checkpoint.
     assert!(
-        matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), ConvergenceVerdict::BiasHidden { most, .. } if most < 0.005)
+        matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), ConvergenceVerdict::BiasHidden { max_bias, .. } if max_bias < 0.005)
     );
     // The bias is as large as the noise at the last checkpoint.
     assert!(matches!(
@@ -191,10 +191,10 @@ fn errors_below_the_reference_error_are_not_judged() {
     ));
     assert!(matches!(judge_convergence(&method, fit.as_ref(), Some(0.005)), ConvergenceVerdict::Expected { .. }));
     let mut below = method.clone();
-    below.checkpoints.last_mut().unwrap().squared_errors = vec![-1e-9; SEEDS];
+    below.checkpoints.last_mut().unwrap().relative_squared_errors = vec![-1e-9; SEEDS];
     assert!(matches!(fitted_verdict(&below), ConvergenceVerdict::ErrorTooSmall { reference_error: None }));
     let mut alone = method;
-    alone.checkpoints.iter_mut().for_each(|c| (c.squared_errors.truncate(1), c.squared_noises.clear()).1);
+    alone.checkpoints.iter_mut().for_each(|c| (c.relative_squared_errors.truncate(1), c.squared_noises.clear()).1);
     assert!(matches!(fitted_verdict(&alone), ConvergenceVerdict::NoInterval { .. }));
 }
 
@@ -203,8 +203,9 @@ fn errors_below_the_reference_error_are_not_judged() {
 fn method_without_noise() -> MethodResult {
     let mut method = synthetic_method(Algorithm::Path, 0.0, 1.0, &powers_of_two(9), 7);
     for c in &mut method.checkpoints {
-        c.squared_errors = vec![0.01 / f64::from(c.passes); SEEDS];
-        (c.squared_noises, c.squared_noise, c.squared_bias) = (c.squared_errors.clone(), c.mean_squared_error(), 0.0);
+        c.relative_squared_errors = vec![0.01 / f64::from(c.passes); SEEDS];
+        (c.squared_noises, c.squared_noise, c.squared_bias) =
+            (c.relative_squared_errors.clone(), c.mean_relative_squared_error(), 0.0);
     }
     method
 }
@@ -222,7 +223,9 @@ fn times_to_error_follow_the_slope() {
             && (effort.cpu_seconds - 9.0).abs() < 1e-9
             && (effort.photon_paths - 36e3).abs() < 1e-6
     );
-    let TimeToError::Predicted { effort, seconds: Some([low, high]) } = time_to(0.1 / 64.0) else { panic!() };
+    let TimeToError::Predicted { effort, cpu_seconds_interval: Some([low, high]) } = time_to(0.1 / 64.0) else {
+        panic!()
+    };
     assert!((effort.passes - 4096.0).abs() < 1e-6 && (low - 1024.0).abs() < 1e-6 && (high - 1024.0).abs() < 1e-6);
     let TimeToError::Predicted { effort, .. } = time_to_tenth_of_error(&method, fit.as_ref(), &verdict) else {
         panic!()
@@ -255,7 +258,7 @@ fn only_noise_falls_above_a_plateau() {
     let mut method = method_without_noise();
     for c in &mut method.checkpoints {
         let noise2 = 0.01 * 256.0 / f64::from(c.passes);
-        c.squared_errors = vec![0.01 + noise2; SEEDS];
+        c.relative_squared_errors = vec![0.01 + noise2; SEEDS];
         (c.squared_noises, c.squared_noise, c.squared_bias) = (vec![noise2; SEEDS], noise2, 0.01);
     }
     let fit = fit_convergence(&method);
@@ -276,7 +279,7 @@ fn predictions_end_at_a_thousand_times_the_measured_time() {
     let verdict = judge_convergence(&method, Some(&fit), None);
     assert_eq!(time_to_error(&method, Some(&fit), &verdict, 0.1 / 16e3), TimeToError::Unknown);
     fit.error.as_mut().unwrap().by_time.confidence_interval = Some([-0.6, 0.1]);
-    let TimeToError::Predicted { effort, seconds: Some([low, high]) } =
+    let TimeToError::Predicted { effort, cpu_seconds_interval: Some([low, high]) } =
         time_to_error(&method, Some(&fit), &verdict, 0.1 / 64.0)
     else {
         panic!()
@@ -295,8 +298,8 @@ fn wide_intervals_give_no_verdict() {
         let square = 0.01 / f64::from(c.passes);
         let spread = if i == 8 { 0.3 } else { 1.2 };
         let factor = |seed: usize| libm::exp2(spread * (((seed * 5 + i * 3) % 8) as f64 - 3.5));
-        c.squared_errors = (0..SEEDS).map(|seed| square * factor(seed)).collect();
-        (c.squared_noises, c.squared_noise) = (c.squared_errors.clone(), c.mean_squared_error());
+        c.relative_squared_errors = (0..SEEDS).map(|seed| square * factor(seed)).collect();
+        (c.squared_noises, c.squared_noise) = (c.relative_squared_errors.clone(), c.mean_relative_squared_error());
     }
     let verdict = fitted_verdict(&method);
     let ConvergenceVerdict::Undecided { slope, interval: [low, high] } = verdict else { panic!("{verdict:?}") };
@@ -311,7 +314,7 @@ fn wide_intervals_give_no_verdict() {
 #[test]
 fn pareto_front_and_recommendation_have_least_error() {
     let mut early = method_without_noise();
-    early.checkpoints.iter_mut().for_each(|c| (c.cpu_seconds *= 2.0, c.squared_errors.fill(0.001)).1);
+    early.checkpoints.iter_mut().for_each(|c| (c.cpu_seconds *= 2.0, c.relative_squared_errors.fill(0.001)).1);
     let picture = Image::from_pixels(1, 1, vec![Vec3::ONE]).unwrap();
     let mut found = MethodStudyResult {
         scene_path: "a.txt".into(),
@@ -319,7 +322,7 @@ fn pareto_front_and_recommendation_have_least_error() {
         program: "caustica".into(),
         machine: "test".into(),
         seeds: 8,
-        cpu_seconds_per_seed: 64.0,
+        max_cpu_seconds_per_seed: 64.0,
         thread_time_share: 1.0,
         reference: Reference { source: "closed form".into(), error: None, picture },
         methods: vec![method_without_noise(), early],
@@ -338,7 +341,7 @@ fn pareto_front_and_recommendation_have_least_error() {
             && (late.expected_error - 0.1 / 16.0).abs() < 1e-12
             && late.similar_method_indices.is_empty()
     );
-    found.cpu_seconds_per_seed = 1.0;
+    found.max_cpu_seconds_per_seed = 1.0;
     assert_eq!(recommended(&found).method_index, 1);
 }
 

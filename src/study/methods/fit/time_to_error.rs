@@ -72,7 +72,8 @@ pub enum TimeToError {
         /// slope has no interval.
         ///
         /// Their ratio to the time of `effort` is limited by [`MAX_EXTRAPOLATION_FACTOR`].
-        seconds: Option<[f64; 2]>,
+        #[serde(rename = "seconds")]
+        cpu_seconds_interval: Option<[f64; 2]>,
     },
     /// The error is never reached, because the bias stays above it.
     Never {
@@ -95,7 +96,7 @@ pub fn time_to_error(
     error: f64,
 ) -> TimeToError {
     let checkpoints = &method.checkpoints;
-    let above = |c: &ConvergenceCheckpoint| c.mean_squared_error() > error * error;
+    let above = |c: &ConvergenceCheckpoint| c.mean_relative_squared_error() > error * error;
     let Some(last_above) = checkpoints.iter().rposition(above) else {
         return checkpoints
             .first()
@@ -105,7 +106,7 @@ pub fn time_to_error(
     let Some(after) = checkpoints.get(last_above + 1) else {
         return extrapolate_time_to_error(before, fit, verdict, error);
     };
-    let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.mean_squared_error()));
+    let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.mean_relative_squared_error()));
     // The logarithm of the later squared error is unknown if the square is not positive. The later
     // checkpoint itself is then used.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
@@ -138,10 +139,12 @@ fn extrapolate_time_to_error(
     }
     // Above a constant bias, only the noise falls: fit and extrapolate it alone.
     let (slopes, square, target) = match floor {
-        Some(floor) => {
-            (fit.and_then(|fit| fit.noise), last.mean_squared_error() - floor * floor, error * error - floor * floor)
-        }
-        None => (fit.and_then(|fit| fit.error), last.mean_squared_error(), error * error),
+        Some(floor) => (
+            fit.and_then(|fit| fit.noise),
+            last.mean_relative_squared_error() - floor * floor,
+            error * error - floor * floor,
+        ),
+        None => (fit.and_then(|fit| fit.error), last.mean_relative_squared_error(), error * error),
     };
     let slope = match (slopes, floor) {
         (Some(slopes), _) => slopes.by_time,
@@ -158,7 +161,7 @@ fn extrapolate_time_to_error(
         .map(|factor| last.cpu_seconds * factor);
     let end = |slope: f64| (last.cpu_seconds * factor(slope)).clamp(limits[0], limits[1]);
     let effort = RenderEffort::effort_at_checkpoint(last).scaled_by(predicted);
-    TimeToError::Predicted { effort, seconds: slope.confidence_interval.map(|ends| ends.map(end)) }
+    TimeToError::Predicted { effort, cpu_seconds_interval: slope.confidence_interval.map(|ends| ends.map(end)) }
 }
 
 /// Returns the time and work to reach a tenth of the method's error at its last checkpoint.
@@ -169,8 +172,8 @@ pub fn time_to_tenth_of_error(
     verdict: &ConvergenceVerdict,
 ) -> TimeToError {
     match method.checkpoints.last() {
-        Some(last) if last.mean_squared_error() > 0.0 => {
-            extrapolate_time_to_error(last, fit, verdict, 0.1 * last.mean_squared_error().sqrt())
+        Some(last) if last.mean_relative_squared_error() > 0.0 => {
+            extrapolate_time_to_error(last, fit, verdict, 0.1 * last.mean_relative_squared_error().sqrt())
         }
         _ => TimeToError::Unknown,
     }
@@ -183,7 +186,7 @@ pub fn time_to_tenth_of_error(
 /// squared error of a checkpoint that is used is not positive.
 #[must_use]
 pub fn error_after_cpu_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
-    let error = |c: &ConvergenceCheckpoint| Some(c.mean_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
+    let error = |c: &ConvergenceCheckpoint| Some(c.mean_relative_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
     let after = method.checkpoints.iter().position(|c| c.cpu_seconds >= seconds);
     let last = method.checkpoints.last()?;
     match after {
@@ -221,9 +224,13 @@ pub struct ParetoPoint {
 pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
     let mut all: Vec<(f64, f64, ParetoPoint)> = Vec::new();
     for (method, found) in methods.iter().enumerate() {
-        let points = found.checkpoints.iter().enumerate().filter(|(_, c)| c.mean_squared_error() > 0.0);
+        let points = found.checkpoints.iter().enumerate().filter(|(_, c)| c.mean_relative_squared_error() > 0.0);
         all.extend(points.map(|(checkpoint, c)| {
-            (c.cpu_seconds, c.mean_squared_error(), ParetoPoint { method_index: method, checkpoint_index: checkpoint })
+            (
+                c.cpu_seconds,
+                c.mean_relative_squared_error(),
+                ParetoPoint { method_index: method, checkpoint_index: checkpoint },
+            )
         }));
     }
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -263,7 +270,7 @@ pub fn recommend_method(found: &MethodStudyResult, fits: &[Option<ConvergenceFit
         .zip(fits)
         .enumerate()
         .filter_map(|(i, (method, fit))| {
-            Some((i, error_after_cpu_seconds(method, fit.as_ref(), found.cpu_seconds_per_seed)?))
+            Some((i, error_after_cpu_seconds(method, fit.as_ref(), found.max_cpu_seconds_per_seed)?))
         })
         .collect();
     let (method, error) = errors.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;

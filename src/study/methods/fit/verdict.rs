@@ -56,7 +56,7 @@ pub enum ConvergenceVerdict {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
         /// Upper bound of the relative bias, with 97.5 % confidence.
-        most: f64,
+        max_bias: f64,
     },
     /// The error falls as theory predicts.
     Expected {
@@ -71,14 +71,14 @@ pub enum ConvergenceVerdict {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
         /// Slopes of the error that theory predicts.
-        law: SlopeRange,
+        predicted_slopes: SlopeRange,
     },
     /// The error falls faster than theory predicts.
     Faster {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
         /// Slopes of the error that theory predicts.
-        law: SlopeRange,
+        predicted_slopes: SlopeRange,
     },
 }
 
@@ -109,8 +109,8 @@ pub fn judge_convergence(
         return ConvergenceVerdict::TooFewCheckpoints;
     };
     let least = reference_error.unwrap_or(0.0);
-    let nothing = mean_confidence_interval(&last.squared_errors).is_some_and(|[low, _]| low <= 0.0)
-        || last.mean_squared_error() <= least * least;
+    let nothing = mean_confidence_interval(&last.relative_squared_errors).is_some_and(|[low, _]| low <= 0.0)
+        || last.mean_relative_squared_error() <= least * least;
     let (Some(slopes), false) = (fit.error, nothing) else {
         return ConvergenceVerdict::ErrorTooSmall { reference_error };
     };
@@ -124,14 +124,14 @@ pub fn judge_convergence(
     // `falling` is the flattest slope that theory predicts for the noise, and for the bias if it
     // falls. A constant bias does not count.
     let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
-    if low > falling && last.squared_bias >= DOMINANT_SQUARED_BIAS_SHARE * last.mean_squared_error() {
+    if low > falling && last.squared_bias >= DOMINANT_SQUARED_BIAS_SHARE * last.mean_relative_squared_error() {
         return ConvergenceVerdict::Plateau { floor: last.squared_bias.sqrt(), cause: bias_cause(method) };
     }
     if low > total.flattest {
-        return ConvergenceVerdict::Slower { slope, law: total };
+        return ConvergenceVerdict::Slower { slope, predicted_slopes: total };
     }
     if high < total.steepest {
-        return ConvergenceVerdict::Faster { slope, law: total };
+        return ConvergenceVerdict::Faster { slope, predicted_slopes: total };
     }
     if high - low > MAX_DECIDED_INTERVAL_WIDTH {
         return ConvergenceVerdict::Undecided { slope, interval: [low, high] };
@@ -139,7 +139,7 @@ pub fn judge_convergence(
     let seen = squared_bias_interval(last);
     match seen {
         Some([low, most]) if low <= 0.0 && bias.is_some() => {
-            ConvergenceVerdict::BiasHidden { slope, most: most.max(0.0).sqrt() }
+            ConvergenceVerdict::BiasHidden { slope, max_bias: most.max(0.0).sqrt() }
         }
         _ => {
             let stays = bias.is_some_and(|b| b.flattest >= 0.0) && seen.is_some_and(|[low, _]| low > 0.0);
@@ -171,7 +171,7 @@ impl fmt::Display for ConvergenceVerdict {
                 write!(f, "cannot tell: slope {}, between {low} and {high}; more seeds tell more", slope_text(*slope))
             }
             Self::Plateau { floor, cause } => write!(f, "plateau: bias of {} stays{cause}", error_percent_text(*floor)),
-            Self::BiasHidden { slope, most } => {
+            Self::BiasHidden { slope, max_bias: most } => {
                 let (most, slope) = (error_percent_text(*most), slope_text(*slope));
                 write!(f, "{as_theory}; bias is hidden by noise, below {most} (slope {slope})")
             }
@@ -184,10 +184,10 @@ impl fmt::Display for ConvergenceVerdict {
                     slope_text(*slope)
                 )
             }
-            Self::Slower { slope, law } => {
+            Self::Slower { slope, predicted_slopes: law } => {
                 write!(f, "falls more slowly than theory says: slope {}, not {law}", slope_text(*slope))
             }
-            Self::Faster { slope, law } => {
+            Self::Faster { slope, predicted_slopes: law } => {
                 write!(f, "falls faster than theory says: slope {}, not {law}", slope_text(*slope))
             }
         }

@@ -66,7 +66,7 @@ impl MethodStudyAnalysis {
         let words = format!(
             "{} has the least error after {} of processor time: an error of {} is expected.{alike}{more}",
             best.label,
-            duration_text(found.cpu_seconds_per_seed),
+            duration_text(found.max_cpu_seconds_per_seed),
             error_percent_text(*expected),
         );
         Some((words, best.render_command.clone()))
@@ -112,7 +112,7 @@ pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (Str
     match reach {
         TimeToError::Within(effort) => (format!("< {}", duration_text(effort.cpu_seconds)), work(effort).collect()),
         TimeToError::Measured(effort) => (duration_text(effort.cpu_seconds), work(effort).collect()),
-        TimeToError::Predicted { effort, seconds } => {
+        TimeToError::Predicted { effort, cpu_seconds_interval: seconds } => {
             let range = seconds.map(|[low, high]| {
                 let is_open = high >= MAX_EXTRAPOLATION_FACTOR * effort.cpu_seconds;
                 let high = if is_open { "unknown".to_owned() } else { duration_text(high) };

@@ -46,8 +46,8 @@ pub fn csv_report(found: &MethodStudyResult) -> String {
     for method in &found.methods {
         for c in &method.checkpoints {
             let number = |v: f64| v.to_string();
-            let [low, high] =
-                mean_confidence_interval(&c.squared_errors).map_or_else(Default::default, |ends| ends.map(number));
+            let [low, high] = mean_confidence_interval(&c.relative_squared_errors)
+                .map_or_else(Default::default, |ends| ends.map(number));
             table += &csv_row(&[
                 method.label.clone(),
                 method.algorithm.name().to_owned(),
@@ -57,7 +57,7 @@ pub fn csv_report(found: &MethodStudyResult) -> String {
                 number(method.setup_seconds),
                 number(c.rays),
                 number(c.photon_paths),
-                number(c.mean_squared_error()),
+                number(c.mean_relative_squared_error()),
                 low,
                 high,
                 number(c.squared_noise),
@@ -65,7 +65,7 @@ pub fn csv_report(found: &MethodStudyResult) -> String {
                 c.mean_square_of_estimated_error().map_or(String::new(), number),
                 number(c.rmse),
                 number(c.flip),
-                c.squared_errors.iter().map(f64::to_string).collect::<Vec<_>>().join(";"),
+                c.relative_squared_errors.iter().map(f64::to_string).collect::<Vec<_>>().join(";"),
                 method.render_command.clone(),
             ]);
         }
@@ -179,7 +179,7 @@ pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json
         width: found.reference.picture.width(),
         height: found.reference.picture.height(),
         seeds: found.seeds,
-        cpu_seconds_per_seed: found.cpu_seconds_per_seed,
+        cpu_seconds_per_seed: found.max_cpu_seconds_per_seed,
         thread_time_share: found.thread_time_share,
         interrupted: found.interrupted,
         warnings: study_warnings(found),
@@ -203,7 +203,7 @@ pub fn markdown_report(found: &MethodStudyResult) -> String {
         escape_markdown(&found.program),
         escape_markdown(&found.machine),
         found.seeds,
-        duration_text(found.cpu_seconds_per_seed),
+        duration_text(found.max_cpu_seconds_per_seed),
         escape_markdown(&found.reference.source),
         markdown_code_block(&found.study_command),
     );
@@ -221,7 +221,7 @@ pub fn markdown_report(found: &MethodStudyResult) -> String {
         let fit = judged.fit.as_ref();
         vec![
             method.label.clone(),
-            of(ConvergenceCheckpoint::mean_squared_error),
+            of(ConvergenceCheckpoint::mean_relative_squared_error),
             of(|c| c.squared_noise),
             of(|c| c.squared_bias),
             slope_interval_text(fit.and_then(|f| f.error)),
@@ -262,7 +262,7 @@ fn checkpoints_markdown(method: &MethodResult) -> String {
             duration_text(c.cpu_seconds),
             count_text(c.rays),
             count_text(c.photon_paths),
-            square_root_percent_text(c.mean_squared_error()),
+            square_root_percent_text(c.mean_relative_squared_error()),
             square_root_percent_text(c.squared_noise),
             square_root_percent_text(c.squared_bias),
         ]

@@ -50,14 +50,14 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
         method
             .checkpoints
             .iter()
-            .map(|c| mean_confidence_interval(&c.squared_errors).map(|ends| ends.map(|e| e.max(0.0).sqrt())))
+            .map(|c| mean_confidence_interval(&c.relative_squared_errors).map(|ends| ends.map(|e| e.max(0.0).sqrt())))
             .collect()
     };
     let one = |(style, method): (usize, &MethodResult)| PlotSeries {
         label: method.label.clone(),
         series_index: style,
         stroke: LineStyle::Solid,
-        points: error_plot_points(method, ConvergenceCheckpoint::mean_squared_error),
+        points: error_plot_points(method, ConvergenceCheckpoint::mean_relative_squared_error),
         confidence_intervals: bars(method),
     };
     let series: Vec<PlotSeries> = found.methods.iter().enumerate().map(one).collect();
@@ -79,7 +79,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
             format!(
                 "{}: {} after {}",
                 m.label,
-                square_root_percent_text(last.mean_squared_error()),
+                square_root_percent_text(last.mean_relative_squared_error()),
                 duration_text(last.cpu_seconds)
             )
         })
@@ -106,7 +106,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
         confidence_intervals: Vec::new(),
     };
     let series = vec![
-        line("error", LineStyle::Solid, ConvergenceCheckpoint::mean_squared_error),
+        line("error", LineStyle::Solid, ConvergenceCheckpoint::mean_relative_squared_error),
         line("noise", LineStyle::Dashed, |c| c.squared_noise),
         line("bias", LineStyle::Dotted, |c| c.squared_bias),
     ];
@@ -125,12 +125,12 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     let noise = guide(ErrorComponent::Noise, "noise", last.squared_noise);
     // If noise hides the bias, the bias has no guide line.
     let bias = guide(ErrorComponent::Bias, "bias", last.squared_bias)
-        .filter(|_| last.squared_bias > 0.1 * last.mean_squared_error());
+        .filter(|_| last.squared_bias > 0.1 * last.mean_relative_squared_error());
     let title = format!("Error, noise and bias of {}", method.label);
     let words = format!(
         "Logarithmic. At the end after {}: error {}, noise {}, bias {}. {}.",
         duration_text(last.cpu_seconds),
-        square_root_percent_text(last.mean_squared_error()),
+        square_root_percent_text(last.mean_relative_squared_error()),
         square_root_percent_text(last.squared_noise),
         square_root_percent_text(last.squared_bias),
         judged.verdict
@@ -168,7 +168,7 @@ pub(super) fn picture_switcher_html(found: &MethodStudyResult) -> Result<String,
                 ", {} passes, {}: error {}",
                 c.passes,
                 duration_text(c.cpu_seconds),
-                square_root_percent_text(c.mean_squared_error())
+                square_root_percent_text(c.mean_relative_squared_error())
             )
         });
         add(&method.label, &method.first_seed_picture, &format!("{}{summary}", method.label), &method.render_command)?;

@@ -51,7 +51,7 @@ pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &MethodSt
         };
         let fit = judged.fit.as_ref();
         for cell in [
-            of(ConvergenceCheckpoint::mean_squared_error),
+            of(ConvergenceCheckpoint::mean_relative_squared_error),
             of(|c| c.squared_noise),
             of(|c| c.squared_bias),
             slope_interval_text(fit.and_then(|f| f.error)),
@@ -97,7 +97,7 @@ pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &MethodStudy
             let c = &method.checkpoints[at];
             format!(
                 "{} after {} ({})",
-                error_percent_text(c.mean_squared_error().sqrt()),
+                error_percent_text(c.mean_relative_squared_error().sqrt()),
                 duration_text(c.cpu_seconds),
                 method.label
             )
@@ -142,7 +142,7 @@ pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
                 duration_text(c.wall_seconds),
                 count_text(c.rays),
                 count_text(c.photon_paths),
-                square_root_percent_text(c.mean_squared_error()),
+                square_root_percent_text(c.mean_relative_squared_error()),
                 square_root_percent_text(c.squared_noise),
                 square_root_percent_text(c.squared_bias),
                 c.mean_square_of_estimated_error().map_or("–".to_owned(), square_root_percent_text),

@@ -26,7 +26,7 @@ pub(super) fn study_warnings(found: &MethodStudyResult) -> Vec<String> {
     if let Some(reference_error) = found.reference.error {
         let close = |m: &&crate::study::methods::MethodResult| {
             m.checkpoints.last().is_some_and(|c| {
-                c.mean_squared_error()
+                c.mean_relative_squared_error()
                     < MIN_RELIABLE_ERROR_RATIO * MIN_RELIABLE_ERROR_RATIO * reference_error * reference_error
             })
         };

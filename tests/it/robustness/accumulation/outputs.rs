@@ -22,7 +22,7 @@ fn write_and_read_pixel(value: f32, options: &WriteOptions, name: &str) -> (Vec3
 
 #[test]
 fn half_floats_saturate_at_65504_with_report() {
-    let options = WriteOptions { floats: ExrPrecision::Half, ..WriteOptions::default() };
+    let options = WriteOptions { exr_precision: ExrPrecision::Half, ..WriteOptions::default() };
     for value in EDGES.into_iter().flat_map(|x| [x, -x]) {
         let (found, report) = write_and_read_pixel(value, &options, "a.exr");
         assert_eq!(found, Vec3::new(0.5, 65_504f32.copysign(value), 0.25), "{value}");
@@ -48,7 +48,7 @@ fn half_floats_saturate_at_65504_with_report() {
 fn sixteen_bit_png_saturates_at_white_with_report() {
     for curve in [ToneCurve::Srgb, ToneCurve::Legacy] {
         let tone = ToneMap { curve, exposure_stops: 0.0 };
-        let options = WriteOptions { tone, depth: BitDepth::Sixteen, ..WriteOptions::default() };
+        let options = WriteOptions { tone, bit_depth: BitDepth::Sixteen, ..WriteOptions::default() };
         let report = |value: f32| {
             let image = Image::from_pixels(1, 1, vec![Vec3::new(0.5, value, 0.25)]).unwrap();
             image::encode(OutputFormat::Png, &image, &options).unwrap().1

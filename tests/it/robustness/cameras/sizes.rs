@@ -137,7 +137,7 @@ fn tiny_images_have_files_and_metrics() {
             (OutputFormat::Png, BitDepth::Eight),
             (OutputFormat::Png, BitDepth::Sixteen),
         ] {
-            let options = WriteOptions { tone, depth, ..WriteOptions::default() };
+            let options = WriteOptions { tone, bit_depth: depth, ..WriteOptions::default() };
             let (file, report) = encode(format, &image, &options).unwrap();
             assert_eq!(report.non_finite, 0);
             let (back, _) = decode(Path::new("memory"), &file, PixelMeaning::Color, None).unwrap();

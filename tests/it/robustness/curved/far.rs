@@ -108,7 +108,7 @@ fn far_lights_cast_no_shadow_on_themselves() {
     ];
     let mut rng = SmallRng::seed_from_u64(4);
     for (kind, emitter) in emitters.into_iter().enumerate() {
-        let tree = caustica::accel::Hierarchy::build(&[corners], &[]);
+        let tree = caustica::accel::Bvh::build(&[corners], &[]);
         let light = Light::Area(AreaLight::with_uniform_radiance(emitter.clone(), Rgb::ONE));
         for distance in [2.0, 30.0, 1e3, 1e5, 1e6] {
             let mut tested = 0;

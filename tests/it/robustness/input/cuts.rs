@@ -98,8 +98,9 @@ fn truncated_images_are_refused() {
     let tone = ToneMap { curve: ToneCurve::Srgb, exposure_stops: 0.0 };
     let mut hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n".to_vec();
     hdr.extend([128, 64, 32, 129].repeat(4));
-    let written =
-        |format, depth| encode(format, &image, &WriteOptions { tone, depth, ..WriteOptions::default() }).unwrap().0;
+    let written = |format, depth| {
+        encode(format, &image, &WriteOptions { tone, bit_depth: depth, ..WriteOptions::default() }).unwrap().0
+    };
     // A PNG ends with a chunk of twelve bytes. The last data chunk ends with a checksum of four
     // bytes.
     for (file, beyond) in [

@@ -137,12 +137,12 @@ pub fn mitsuba(bytes: &[u8]) {
 
 /// Reads a pbrt scene and checks the imported scene.
 pub fn pbrt(bytes: &[u8]) {
-    let options = ImportOptions { memory: MemoryLimit::ProcessBytes(1 << 28), ..ImportOptions::default() };
+    let options = ImportOptions { memory_limit: MemoryLimit::ProcessBytes(1 << 28), ..ImportOptions::default() };
     check_imported(pbrt::decode(&Path::new(NOWHERE).join("fuzz.pbrt"), bytes, &options));
 }
 
 fn import_options() -> ImportOptions {
-    ImportOptions { memory: MemoryLimit::ProcessBytes(1 << 31), ..ImportOptions::default() }
+    ImportOptions { memory_limit: MemoryLimit::ProcessBytes(1 << 31), ..ImportOptions::default() }
 }
 
 /// Checks that an imported description equals its printed text, parsed again, and that its meshes

@@ -135,8 +135,10 @@ impl Similarity {
         self.point(center);
         self.vector(up);
         match projection {
-            ProjectionDescription::Perspective { angle: _, lens } => lens.iter_mut().for_each(|lens| self.lens(lens)),
-            ProjectionDescription::Orthographic { size } => self.length(size),
+            ProjectionDescription::Perspective { vertical_fov_degrees: _, lens } => {
+                lens.iter_mut().for_each(|lens| self.lens(lens))
+            }
+            ProjectionDescription::Orthographic { view_height: size } => self.length(size),
             ProjectionDescription::Panorama => {}
         }
         self.motion(motion);
@@ -146,7 +148,7 @@ impl Similarity {
         let LensDescription { aperture, focus, blades: _ } = lens;
         match aperture {
             ApertureDescription::Radius(radius) => self.length(radius),
-            ApertureDescription::FNumber { number: _, sensor } => self.length(sensor),
+            ApertureDescription::FNumber { number: _, sensor_height: sensor } => self.length(sensor),
         }
         match focus {
             FocusDescription::Distance(distance) => self.length(distance),

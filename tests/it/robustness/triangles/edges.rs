@@ -1,7 +1,7 @@
 //! Rays at edges with exact crossings, triangles without area, and edges of many triangles.
 
 use super::closed::point;
-use caustica::accel::{Hierarchy, PrimitiveIndex, ShapeHit};
+use caustica::accel::{Bvh, PrimitiveIndex, ShapeHit};
 use caustica::math::{Ray, rounding_error_bound};
 use glam::{DVec3, I64Vec3, Vec3};
 use rand::rngs::SmallRng;
@@ -48,7 +48,7 @@ fn edge_rays_hit_triangle_on_their_side() {
             continue;
         }
         let to = |p: I64Vec3| p.as_vec3();
-        let tree = Hierarchy::build(&[[to(a), to(c), to(b)], [to(a), to(c), to(d)]], &[]);
+        let tree = Bvh::build(&[[to(a), to(c), to(b)], [to(a), to(c), to(d)]], &[]);
         let hit = tree.closest_hit(&Ray::new(to(o), to(target) - to(o)), never_hit);
         let side = volume(o, a, c, target);
         let reach = [a, c, b, d].map(|p| (p - o).as_dvec3().length()).into_iter().fold(0.0, f64::max);
@@ -101,7 +101,7 @@ fn zero_area_triangles_are_never_hit() {
             let (b, c) = [(a + d, a + d + d), (a + d, a), (a, a)][kind];
             let [p, q, r] = [a, b, c].map(Vec3::as_dvec3);
             assert_eq!((q - p).cross(r - p), DVec3::ZERO);
-            let tree = Hierarchy::build(&[[a, b, c]], &[]);
+            let tree = Bvh::build(&[[a, b, c]], &[]);
             let o = point(&mut rng) * (2.0 * scale);
             let ray = Ray::new(o, a + (b - a) * rng.random::<f32>() - o);
             assert!(
@@ -159,7 +159,7 @@ fn axis_aligned_and_coplanar_rays_hit_correctly() {
         }
         let scale = SCALES[i % SCALES.len()];
         let to = |p: I64Vec3| p.as_vec3() * scale;
-        let tree = Hierarchy::build(&[[to(a), to(b), to(c)]], &[]);
+        let tree = Bvh::build(&[[to(a), to(b), to(c)]], &[]);
         let ray = Ray::new(to(o), to(d));
         let hit = tree.closest_hit(&ray, never_hit);
         assert_eq!(tree.occluded(&ray, |_, _| false), hit.is_some(), "{a} {b} {c} {o} {d}");
@@ -223,7 +223,7 @@ fn edges_of_many_triangles_are_watertight() {
         let blade = |k: i32| [low, high, (low + high) * 0.5 + around(k as f32 + 0.5, 3.0 * length)];
         let mut triangles: Vec<[Vec3; 3]> = (0..blades).map(blade).collect();
         triangles.push(triangles[0]);
-        let tree = Hierarchy::build(&triangles, &[]);
+        let tree = Bvh::build(&triangles, &[]);
         for _ in 0..20 {
             let sector =
                 if exactly { 0.0 } else { rng.random_range(0..blades) as f32 + rng.random_range(-0.3f32..0.3) };

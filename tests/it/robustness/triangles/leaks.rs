@@ -1,7 +1,7 @@
 //! A hundred million rays at edges and corners of closed meshes hit the meshes.
 
 use super::closed::{ClosedMesh, cube, growing_cone, sphere_mesh, torus_mesh, turned_cube};
-use caustica::accel::Hierarchy;
+use caustica::accel::Bvh;
 use caustica::math::Ray;
 use glam::Vec3;
 use rand::rngs::SmallRng;
@@ -19,7 +19,7 @@ const RAYS: u64 = 100_000_000;
 fn count_missed_rays(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3, rays: u64, seed: u64) -> u64 {
     let mut rng = SmallRng::seed_from_u64(seed);
     let corners = mesh.corners(&map);
-    let tree = Hierarchy::build(&corners, &[]);
+    let tree = Bvh::build(&corners, &[]);
     let mut inside = Vec3::ZERO;
     let mut missed = 0;
     for i in 0..rays {

@@ -2,7 +2,7 @@
 
 use super::closed::{ClosedMesh, cube, point, sphere_mesh, torus_mesh, turned_cube};
 use caustica::accel::ShapeHit;
-use caustica::accel::{Hierarchy, PrimitiveIndex};
+use caustica::accel::{Bvh, PrimitiveIndex};
 use caustica::math::{Ray, Transform, offset_ray_origin, rotation_matrix};
 use caustica::shape::{Mesh, Rectangle, Shape, SurfacePoint};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
@@ -12,14 +12,14 @@ use rayon::prelude::*;
 
 struct Walls {
     mesh: Mesh,
-    tree: Hierarchy,
+    tree: Bvh,
 }
 
 impl Walls {
     fn new(closed: &ClosedMesh, map: impl Fn(Vec3) -> Vec3) -> Self {
         let positions: Vec<Vec3> = closed.vertices.iter().map(|v| map(*v)).collect();
         let mesh = Mesh { positions, triangles: closed.faces.clone(), ..Mesh::default() };
-        Self { mesh, tree: Hierarchy::build(&closed.corners(map), &[]) }
+        Self { mesh, tree: Bvh::build(&closed.corners(map), &[]) }
     }
 
     fn closest_hit(&self, ray: &Ray) -> Option<(u32, SurfacePoint)> {

@@ -19,10 +19,11 @@ fn assert_flags(a: &Revolution, b: &Revolution, margin: f64) {
         let parameters = (0..1200).map(|i| i as f32 / 1200.0);
         parameters.flat_map(|u| [0.3, 0.8].map(|turns| (u, s.point_at_uv(Vec2::new(u, turns))))).collect()
     };
-    let (flags, others) = (a.profile_intervals_near(b, margin), points(b));
+    let (flags, others) = (a.near_profile_interval_flags(b, margin), points(b));
     let mut near = vec![false; PROFILE_INTERVALS];
     for (u, p) in points(a) {
-        near[Revolution::profile_interval(u)] |= others.iter().any(|(_, q)| p.distance_squared(*q) < margin * margin);
+        near[Revolution::profile_interval_index(u)] |=
+            others.iter().any(|(_, q)| p.distance_squared(*q) < margin * margin);
     }
     let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count();
     assert!(near.iter().zip(&flags).all(|(near, flag)| *flag || !*near));
@@ -72,6 +73,6 @@ fn surfaces_beside_or_across_each_other_do_not_share_an_axis() {
         moved(Transform::new(DAffine3::from_scale(DVec3::new(1e-5, 1.0, 2e-5))).unwrap()),
     ] {
         assert!(!tube.shares_axis(&other));
-        assert_eq!(tube.profile_intervals_near(&other, 1e-3), vec![true; PROFILE_INTERVALS]);
+        assert_eq!(tube.near_profile_interval_flags(&other, 1e-3), vec![true; PROFILE_INTERVALS]);
     }
 }

@@ -46,6 +46,6 @@ pub(super) fn framing_camera((low, high): (DVec3, DVec3)) -> CameraDescription {
     let radius = if radius > 0.0 && radius.is_finite() { radius } else { 1.0 };
     let direction = DVec3::new(-0.5, -0.4, -1.0).normalize();
     let distance = 1.05 * radius / libm::sin((0.5 * FIELD_OF_VIEW_DEGREES).to_radians());
-    let projection = ProjectionDescription::Perspective { angle: FIELD_OF_VIEW_DEGREES, lens: None };
+    let projection = ProjectionDescription::Perspective { vertical_fov_degrees: FIELD_OF_VIEW_DEGREES, lens: None };
     camera_with_aspect_ratio(center - direction * distance, direction, DVec3::Y, (projection, DEFAULT_ASPECT_RATIO))
 }
