@@ -82,8 +82,8 @@
 //!
 //! 1. After the photons are traced, [`Integrator::render_pass`](integrate::Integrator::render_pass)
 //!    calls `render_tiles`. This renders the tiles of the picture in parallel, pixel by pixel. For
-//!    each sample of a pixel, the reconstruction filter chooses a point, and
-//!    [`Camera::generate_ray`] makes a ray through it.
+//!    each sample of a pixel, `FilmSampling::generate_pixel_ray` chooses a film point by the
+//!    reconstruction filter. [`Camera::generate_ray`] makes a ray through it.
 //! 2. `camera_path::trace_camera_path` returns the radiance along this ray. It calls
 //!    [`PathRay::next_vertex`](scene::PathRay::next_vertex) for each vertex of the path.
 //!    `next_vertex` asks `Geometry::intersect` for the nearest surface. This calls
@@ -101,6 +101,13 @@
 //!
 //! In all photon algorithms except `pm`, gather radii shrink from pass to pass. So the mean of the
 //! passes converges to the true radiance.
+
+//!
+//! # Where a new kind goes
+//!
+//! A new light: see the head of `light/mod.rs`. A new BSDF with its material: see the head of
+//! `bsdf/mod.rs`. A new scene format: see `SceneImporter` in `format/import.rs`. A new shape: see
+//! the head of `shape/mod.rs`.
 
 #[macro_use]
 mod enum_list;

@@ -167,7 +167,7 @@ impl CoatedDiffuse {
     }
 
     /// The coat as a separate BSDF; `None` if it is so rough that this BSDF includes it.
-    pub(super) fn separate_coat(&self) -> Option<DielectricCoat> {
+    pub(super) fn coat_if_separate(&self) -> Option<DielectricCoat> {
         (!self.includes_coat()).then(|| self.coat_divided_by_probability(1.0))
     }
 

@@ -3,6 +3,10 @@
 //! Directions are unit vectors in world space that point away from the surface: `wo` to the
 //! previous vertex of the path, `wi` to the next one. `ns` is the shading normal, `ng` the
 //! geometric normal. Both normals are on the outer side of the surface.
+//!
+//! A new BSDF with its material needs five files: one here with its variant of [`Bsdf`] in this
+//! file, the variant of `MaterialKind` in `scene/material/kind.rs`, and one in
+//! `format/materials/kinds/` with its line in `format/materials/kinds/mod.rs`.
 
 mod adjoint;
 mod clear_coat;
@@ -270,9 +274,9 @@ impl Bsdf {
     /// Unlike the coat that `select_layer` returns, it is not divided by the probability of that
     /// choice.
     #[must_use]
-    pub fn separate_coat(&self) -> Option<Self> {
+    pub fn coat_if_separate(&self) -> Option<Self> {
         match self {
-            Self::CoatedDiffuse(coated) => coated.separate_coat().map(Self::DielectricCoat),
+            Self::CoatedDiffuse(coated) => coated.coat_if_separate().map(Self::DielectricCoat),
             Self::ClearCoated(coated) => Some(Self::DielectricCoat(coated.coat())),
             Self::Black
             | Self::Diffuse(_)

@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 /// (see [`description`](super::description)), and groups nest at most
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep. The paths of its [`EmbeddedAssets`] must
 /// not name files beside the scene, because an asset hides a file of the same path.
-/// `import_notes.rs` collects messages about unsupported content. `default_camera.rs` makes a camera for a
-/// file that has none.
+/// `import_notes.rs` collects messages about unsupported content. `default_camera.rs` makes a
+/// camera for a file that has none.
 ///
 /// Malformed files are tested by a function in `tests/it/robustness/input/readers.rs`, a folder of
 /// `tests/corpus/` and its line in `corpus.rs` beside the readers, and a target in

@@ -50,15 +50,15 @@ pub(super) fn trace_paths_through_film_points(
 /// Traces a camera path through each of `points`, and calls `result` with its radiance \[W/(m² sr)]
 /// and the task that traced it.
 ///
-/// Returns the values that `result` returned, and the ray counts of all paths. If `nests_estimates`
+/// Returns the values that `result` returned, and the ray counts of all paths. If `repeats_in_nested_discs`
 /// is true, each photon estimate is also made with smaller nested discs.
 pub(super) fn map_paths_through_film_points<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
-    nests_estimates: bool,
+    repeats_in_nested_discs: bool,
     result: impl Fn(Rgb, &mut PathTask) -> T + Sync,
 ) -> (Vec<T>, Counters) {
-    let (results, tasks) = trace_paths_by_chunks(paths, points, nests_estimates, &result);
+    let (results, tasks) = trace_paths_by_chunks(paths, points, repeats_in_nested_discs, &result);
     let mut counters = Counters::default();
     tasks.iter().for_each(|task| counters += task.counters);
     (results, counters)
@@ -70,13 +70,13 @@ pub(super) fn map_paths_through_film_points<T: Send>(
 fn trace_paths_by_chunks<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
-    nests_estimates: bool,
+    repeats_in_nested_discs: bool,
     result: &(impl Fn(Rgb, &mut PathTask) -> T + Sync),
 ) -> (Vec<T>, Vec<PathTask>) {
     let has_lens = paths.policy.effects.has(Effect::Lens);
     with_interior_type!(paths.policy.effects, <I> {
         let chunks = points.par_chunks(CHUNK).map(|chunk| {
-            let mut task = PathTask::new(nests_estimates, false);
+            let mut task = PathTask::new(repeats_in_nested_discs, false);
             let mut stack = Vec::<PathState<I>>::new();
             let values = chunk.iter().map(|(film, sampler)| {
                 task.counters.camera_rays += 1;

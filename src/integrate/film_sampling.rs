@@ -23,7 +23,7 @@ pub(super) struct FilmSampling<'a> {
     /// Numbers of [prefix rays](super::prefix_rays); `None` traces none.
     pub prefix_rays: Option<PrefixRays<'a>>,
     /// True if each photon estimate is repeated with smaller nested discs, to measure its bias.
-    pub nests_estimates: bool,
+    pub repeats_in_nested_discs: bool,
     /// True if the light of each pixel is also stored in three parts: direct, indirect and caustic
     /// light.
     pub groups_light: bool,
@@ -96,7 +96,7 @@ impl<'a> FilmSampling<'a> {
             samples_lens: lens,
             relative_ray_counts: None,
             prefix_rays: None,
-            nests_estimates: false,
+            repeats_in_nested_discs: false,
             groups_light: false,
             window: CropWindow::of_whole_picture(camera.size()),
             clamp: None,

@@ -225,9 +225,9 @@ impl<'a> PilotTrial<'a> {
         points: &[FilmPoint],
         technique: IndirectTechnique<'_>,
     ) -> (Vec<TrialPathLight>, Counters) {
-        let nests_estimates = matches!(technique, IndirectTechnique::Comparison);
+        let repeats_in_nested_discs = matches!(technique, IndirectTechnique::Comparison);
         let paths = pilot.path_context(Some(&self.maps), 0).with_technique(technique);
-        map_paths_through_film_points(&paths, points, nests_estimates, TrialPathLight::from_path_sums)
+        map_paths_through_film_points(&paths, points, repeats_in_nested_discs, TrialPathLight::from_path_sums)
     }
 
     /// Returns the work of the camera paths through `points`, and of the photons of the

@@ -189,7 +189,7 @@ impl<'a> PassRenderer<'a> {
                     .purpose_key(Purpose::AimedPrefixRays)
                     .pass_key(pass),
             }),
-            nests_estimates: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
+            repeats_in_nested_discs: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
             ..FilmSampling::of_camera(self.scene.camera(), filter, self.samples_per_pixel, lens)
         }
     }
@@ -207,11 +207,11 @@ impl<'a> PassRenderer<'a> {
         let settings = &self.settings.camera_paths;
         let window = settings.window(self.scene.camera().size());
         let sampling = FilmSampling { slices, window, clamp: settings.clamp, ..self.film_sampling(pass) };
-        if !(sampling.nests_estimates && self.policy.passes_share_paths) {
+        if !(sampling.repeats_in_nested_discs && self.policy.passes_share_paths) {
             return None;
         }
         let tile_stride = tiles::rendered_tile_stride(sampling.window.size(), UNSHARED_PATH_TILE_COUNT);
         let key = Key::new(settings.seed).purpose_key(Purpose::CameraPaths).unshared_camera_paths_key(pass);
-        Some((FilmSampling { nests_estimates: false, tile_stride, ..sampling }, key))
+        Some((FilmSampling { repeats_in_nested_discs: false, tile_stride, ..sampling }, key))
     }
 }

@@ -100,11 +100,11 @@ pub(super) struct MapSearchBuffers {
 }
 
 impl PathTask {
-    /// Returns a task that has traced no path. If `nests_estimates`, its photon estimates are
+    /// Returns a task that has traced no path. If `repeats_in_nested_discs`, its photon estimates are
     /// repeated with smaller nested discs, to measure their bias. If `groups_light`, it divides
     /// light by [`LightGroup`](super::light_group::LightGroup).
-    pub fn new(nests_estimates: bool, groups_light: bool) -> Self {
-        let nested = PixelNestedDifferenceSum::new(nests_estimates);
+    pub fn new(repeats_in_nested_discs: bool, groups_light: bool) -> Self {
+        let nested = PixelNestedDifferenceSum::new(repeats_in_nested_discs);
         let groups = GroupedLight::new(groups_light);
         Self { pixel: PixelLight { nested, groups, ..PixelLight::default() }, ..Self::default() }
     }

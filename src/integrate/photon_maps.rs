@@ -25,8 +25,8 @@ pub(super) struct PhotonDensityEstimator<'a> {
     pub kernel: Kernel,
     /// Photon beams and photon points in media.
     pub volume: BeamAndPointMaps,
-    /// True if each photon stores which share of its flux counts in density estimates at directly
-    /// visible surfaces. Light tracing carries the rest of the flux.
+    /// True if each photon stores a share. Density estimates at directly visible surfaces use only
+    /// this share of its flux. Light tracing carries the rest.
     pub has_density_estimate_shares: bool,
 }
 

@@ -322,7 +322,7 @@ fn render_light_parts(
     let pass = u32::MAX - i;
     let pilot = renderer.with_one_sample();
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
-    let sampling = FilmSampling { nests_estimates: false, ..pilot.film_sampling(pass) };
+    let sampling = FilmSampling { repeats_in_nested_discs: false, ..pilot.film_sampling(pass) };
     let (width, _) = renderer.scene.camera().size();
     let aimed = PixelPrefixRayCounts { aimed: ASSUMED_AIMED_RAYS, ..PixelPrefixRayCounts::default() };
     let weights = FilmPointRayCounts::new(renderer.samples_per_pixel, aimed);

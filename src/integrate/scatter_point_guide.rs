@@ -119,7 +119,7 @@ impl ScatterPointGuideFitter {
         let len = self.grid.len();
         let mean = |i: usize| {
             let (mut count, mut square) = (0.0, 0.0);
-            self.grid.for_each_neighbor(i % len, |cell| {
+            self.grid.for_each_cell_in_neighborhood(i % len, |cell| {
                 count += self.ray_counts[i / len * len + cell];
                 square += self.squared_radiance_sums[i / len * len + cell];
             });
@@ -218,7 +218,7 @@ impl MediumCellGrid {
     }
 
     /// Calls `visit` with the indices of the cells that touch cell `index`, and with `index`.
-    fn for_each_neighbor(&self, index: usize, mut visit: impl FnMut(usize)) {
+    fn for_each_cell_in_neighborhood(&self, index: usize, mut visit: impl FnMut(usize)) {
         let index = index as u32;
         let cell = UVec3::new(
             index % self.cells_per_axis.x,

@@ -131,7 +131,7 @@ struct SceneAtTime<'a> {
     /// Measure of motion on the film; `None` if nothing moves.
     motion: Option<FilmMotionMeter>,
     effects: Effects,
-    /// True if rays follow specular surfaces.
+    /// True if rays continue at specular surfaces, until they reach another surface or escape.
     follows_specular: bool,
 }
 

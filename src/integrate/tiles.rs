@@ -24,7 +24,7 @@ pub(super) struct FilmImage {
     /// Radiance of each pixel of the window, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
     /// Differences between nested photon estimates of each pixel; empty unless
-    /// [`FilmSampling::nests_estimates`] is true.
+    /// [`FilmSampling::repeats_in_nested_discs`] is true.
     pub nested: Vec<NestedDifferences>,
     /// Radiance of each pixel by light group, which adds up to `image`, in the order of
     /// [`LightGroup::ALL`] \[W/(m² sr)]; empty unless [`FilmSampling::groups_light`] is true.
@@ -78,7 +78,7 @@ struct Tile<'a> {
     index: u32,
     /// Parts of the picture's rows that lie in the tile, from the top.
     image: Vec<&'a mut [Rgb]>,
-    /// Rows of nested differences in the tile; empty unless [`FilmSampling::nests_estimates`] is
+    /// Rows of nested differences in the tile; empty unless [`FilmSampling::repeats_in_nested_discs`] is
     /// true.
     nested: Vec<&'a mut [NestedDifferences]>,
     /// Rows of each light group in the tile; empty unless [`FilmSampling::groups_light`] is true.
@@ -159,7 +159,7 @@ pub(super) fn render_tiles<Stack: Default>(
 
     // Cut the picture into tiles.
     let mut image = vec![Rgb::ZERO; pixels];
-    let mut nested = vec![NestedDifferences::default(); if sampling.nests_estimates { pixels } else { 0 }];
+    let mut nested = vec![NestedDifferences::default(); if sampling.repeats_in_nested_discs { pixels } else { 0 }];
     let mut groups = vec![vec![Rgb::ZERO; pixels]; if sampling.groups_light { LightGroup::ALL.len() } else { 0 }];
     let mut clamped = vec![Rgb::ZERO; if sampling.clamp.is_some() { pixels } else { 0 }];
     let mut tiles = Tile::split_image_into_tiles(&mut image, &mut nested, &mut groups, &mut clamped, width);
@@ -168,7 +168,7 @@ pub(super) fn render_tiles<Stack: Default>(
     let rendered_pixels = if stride > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
 
     let work = tiles.into_par_iter().map(|mut tile| {
-        let mut task = PathTask::new(sampling.nests_estimates, sampling.groups_light);
+        let mut task = PathTask::new(sampling.repeats_in_nested_discs, sampling.groups_light);
         let mut branches = Stack::default();
         let mut rendered = 0;
         let tile_pixels = tile_pixels(tile.index, columns, width, height).take_while(|_| !monitor.is_cancelled());
@@ -227,7 +227,7 @@ pub(super) fn render_tiles<Stack: Default>(
 struct RenderedPixel {
     /// Radiance \[W/(m² sr)].
     radiance: Rgb,
-    /// Differences of nested photon estimates; 0 unless [`FilmSampling::nests_estimates`] is true.
+    /// Differences of nested photon estimates; 0 unless [`FilmSampling::repeats_in_nested_discs`] is true.
     nested: NestedDifferences,
     /// Radiance by light group \[W/(m² sr)]; 0 unless [`FilmSampling::groups_light`] is true.
     light_groups: [Rgb; LightGroup::ALL.len()],
@@ -294,7 +294,7 @@ impl PixelSums {
         } else {
             task.counters.rejected_samples += 1;
         }
-        if sampling.nests_estimates {
+        if sampling.repeats_in_nested_discs {
             task.pixel.nested.finish_camera_ray(is_finite.then_some(weight));
         }
     }

@@ -57,7 +57,7 @@ struct NestedKernelSums {
     /// Number of dimensions in which the kernel spreads: 1 to 3.
     dimensions: u32,
     /// True if the kernels of smaller radii are summed too, to estimate the bias.
-    nests_estimates: bool,
+    repeats_in_nested_discs: bool,
     chosen: Option<ChosenPhoton>,
 }
 
@@ -73,10 +73,10 @@ struct ChosenPhoton {
 }
 
 impl NestedKernelSums {
-    /// Makes empty sums for a kernel in `dimensions` dimensions. If `nests_estimates` is true, the
+    /// Makes empty sums for a kernel in `dimensions` dimensions. If `repeats_in_nested_discs` is true, the
     /// kernels of smaller radii are summed too.
-    fn new(dimensions: u32, nests_estimates: bool) -> Self {
-        Self { sums: [Rgb::ZERO; NESTED_DISC_COUNT], dimensions, nests_estimates, chosen: None }
+    fn new(dimensions: u32, repeats_in_nested_discs: bool) -> Self {
+        Self { sums: [Rgb::ZERO; NESTED_DISC_COUNT], dimensions, repeats_in_nested_discs, chosen: None }
     }
 
     /// Adds `radiance`, that of one photon, times `weight`. `weight` is the phase function times
@@ -91,7 +91,7 @@ impl NestedKernelSums {
         if rng.random::<f32>() * self.sums[0].element_sum() < radiance.element_sum() {
             self.chosen = Some(ChosenPhoton { radiance, squared_relative_distance: x2, towards: towards() });
         }
-        if self.nests_estimates {
+        if self.repeats_in_nested_discs {
             let factors = kernel_ratios(self.dimensions, x2);
             self.sums[1..].iter_mut().zip(&factors[1..]).for_each(|(sum, factor)| *sum += radiance * *factor);
         }
@@ -177,27 +177,27 @@ impl BeamAndPointMaps {
             return Rgb::ZERO;
         }
         task.counters.density_estimates += 1;
-        let nests_estimates = task.pixel.nested.is_wanted;
+        let repeats_in_nested_discs = task.pixel.nested.is_wanted;
         let (count, curve) = (&mut task.counters.gathered_photons, &mut task.scratch.transmittance);
         let MediumSegment { ray, medium, .. } = path_segment.segment;
         let mut levels = [Rgb::ZERO; NESTED_DISC_COUNT];
         let mut add =
             |sums: [Rgb; NESTED_DISC_COUNT]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
         if medium.is_homogeneous() {
-            add(self.estimate_by_beams(scene, path_segment, rng, count, nests_estimates));
+            add(self.estimate_by_beams(scene, path_segment, rng, count, repeats_in_nested_discs));
         }
         if !self.points.is_empty() {
             add(match self.estimator {
                 VolumeEstimator::Points => {
-                    self.estimate_at_sampled_point(scene, path_segment, rng, count, nests_estimates)
+                    self.estimate_at_sampled_point(scene, path_segment, rng, count, repeats_in_nested_discs)
                 }
                 VolumeEstimator::Beams | VolumeEstimator::BeamRadiance => {
                     curve.sample(medium, ray, ray.t_max, rng);
-                    self.estimate_along_ray(scene, path_segment, (curve, rng), count, nests_estimates)
+                    self.estimate_along_ray(scene, path_segment, (curve, rng), count, repeats_in_nested_discs)
                 }
             });
         }
-        if nests_estimates {
+        if repeats_in_nested_discs {
             task.pixel.nested.add(path_segment.throughput * lookup_scale, levels);
         }
         levels[0]
@@ -211,11 +211,11 @@ impl BeamAndPointMaps {
         path_segment: &MediumPathSegment<'_, I>,
         rng: &mut impl Rng,
         count: &mut u64,
-        nests_estimates: bool,
+        repeats_in_nested_discs: bool,
     ) -> [Rgb; NESTED_DISC_COUNT] {
         let MediumSegment { ray, medium, medium_index: index, interior, .. } = path_segment.segment;
         let (own, extinction) = (interior.wavelength(), medium.extinction());
-        let mut sums = NestedKernelSums::new(1, nests_estimates);
+        let mut sums = NestedKernelSums::new(1, repeats_in_nested_discs);
         self.beams.visit_near_ray(ray, |beam, crossing| {
             if beam.medium != *index {
                 return;
@@ -240,11 +240,11 @@ impl BeamAndPointMaps {
         path_segment: &MediumPathSegment<'_, I>,
         (curve, rng): (&TransmittanceCurve, &mut impl Rng),
         count: &mut u64,
-        nests_estimates: bool,
+        repeats_in_nested_discs: bool,
     ) -> [Rgb; NESTED_DISC_COUNT] {
         let MediumSegment { ray, medium, medium_index: index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
-        let mut sums = NestedKernelSums::new(2, nests_estimates);
+        let mut sums = NestedKernelSums::new(2, repeats_in_nested_discs);
         self.points.visit_near_ray(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
                 return;
@@ -273,14 +273,14 @@ impl BeamAndPointMaps {
         path_segment: &MediumPathSegment<'_, I>,
         rng: &mut impl Rng,
         count: &mut u64,
-        nests_estimates: bool,
+        repeats_in_nested_discs: bool,
     ) -> [Rgb; NESTED_DISC_COUNT] {
         let MediumSegment { ray, medium, medium_index: index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
         let distance_sample = medium.distance_sample(ray, ray.t_max, path_segment.throughput, rng);
         let Some(t) = distance_sample.scattering_distance else { return [Rgb::ZERO; NESTED_DISC_COUNT] };
         let p = ray.at(t);
-        let mut sums = NestedKernelSums::new(3, nests_estimates);
+        let mut sums = NestedKernelSums::new(3, repeats_in_nested_discs);
         self.points.visit_near_point(p, |photon, weight, x2| {
             if photon.medium != *index {
                 return;

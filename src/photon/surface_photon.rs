@@ -6,8 +6,8 @@ use glam::{Vec2, Vec3};
 /// RGB flux \[W] in 8 bytes: the sum of the channels in f32, and the fractions of red and green in
 /// 16 bits each.
 ///
-/// Between 10⁻³⁷ and 10³⁸ W, the sum has relative precision 2⁻²⁴. Each channel is precise to
-/// 1.5·10⁻⁵ of the sum.
+/// Between 10⁻³⁷ and 10³⁸ W, the sum has relative precision 2⁻²⁴; 2⁻¹⁹ if it also holds a share.
+/// Each channel is precise to 1.5·10⁻⁵ of the sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(super) struct PackedFlux {
     channel_sum: f32,
@@ -124,7 +124,8 @@ const NORMAL_SCALE: f32 = 127.0;
 pub struct TangentPlane {
     /// Query point, divided by [`NORMAL_SCALE`].
     scaled_point: Vec3,
-    /// Unit normal, divided by [`NORMAL_SCALE`].
+    /// Unit normal, divided by [`NORMAL_SCALE`]. Its dot product with the stored normal of a photon
+    /// is a cosine.
     scaled_normal: Vec3,
 }
 

@@ -307,7 +307,7 @@ impl Material {
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         let mut visit = |bsdf: Bsdf| {
             visit(bsdf);
-            bsdf.separate_coat().into_iter().for_each(&mut visit);
+            bsdf.coat_if_separate().into_iter().for_each(&mut visit);
         };
         visit(self.mean_bsdf);
         self.mean_bsdf.base_under_clear_coat().into_iter().for_each(&mut visit);

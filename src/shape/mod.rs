@@ -2,6 +2,9 @@
 //!
 //! Intersections are computed in f64, except those of triangles. Every kind of bounded shape
 //! implements `BoundedShape` and is a variant of [`Shape`].
+//!
+//! A new shape needs four files: one here with its variant of [`Shape`] in this file, and one in
+//! `format/shapes/` with its line in `format/shapes/mod.rs`.
 
 mod bounded_shape;
 mod cuboid;

@@ -7,7 +7,7 @@ mod address;
 mod frame;
 mod guard;
 mod live_page;
-mod pace;
+mod publication_throttle;
 mod render_publisher;
 mod request;
 mod responses;

@@ -2,7 +2,7 @@
 
 use super::frame::LiveFrame;
 use super::live_page::{LivePage, LiveState};
-use super::pace::PublicationThrottle;
+use super::publication_throttle::PublicationThrottle;
 use super::status::{ErrorCurvePoint, ForecastReport, PlanReport, RenderStage};
 use crate::integrate::SurfaceAovs;
 use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria};

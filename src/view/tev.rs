@@ -4,7 +4,7 @@
 //! one byte for its kind. Numbers are little-endian, and texts end with a byte 0. Two kinds are
 //! sent: one creates an image with named channels, and one sets a window of its pixels.
 
-use super::pace::PublicationThrottle;
+use super::publication_throttle::PublicationThrottle;
 use crate::image::ExrLayer;
 use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -120,7 +120,7 @@ impl SenderState {
 #[derive(Debug)]
 pub struct TevClient {
     shared: Arc<SenderState>,
-    pace: PublicationThrottle,
+    throttle: PublicationThrottle,
     /// Receiver whose sender is dropped when the sending thread ends.
     ended: Receiver<()>,
 }
@@ -131,7 +131,7 @@ impl TevClient {
     pub fn start(address: TevAddress, report: impl FnOnce(io::Error) + Send + 'static) -> Self {
         let shared = Arc::new(SenderState::default());
         let (alive, ended) = channel();
-        let client = Self { shared: shared.clone(), pace: PublicationThrottle::default(), ended };
+        let client = Self { shared: shared.clone(), throttle: PublicationThrottle::default(), ended };
         thread::spawn(move || {
             if let Err(error) = send_images(&address, &shared) {
                 shared.change_waiting(|waiting| (waiting.has_failed, waiting.images) = (true, Vec::new()));
@@ -148,9 +148,9 @@ impl TevClient {
     /// Making the layers takes at most 1 % of the time of the render.
     pub fn queue_image_if_due(&mut self, name: &str, size: (u32, u32), layers: impl FnOnce() -> Vec<ExrLayer>) {
         let start = Instant::now();
-        if self.pace.is_due(start) {
+        if self.throttle.is_due(start) {
             self.queue_image(name, size, layers());
-            self.pace.record(start, Instant::now());
+            self.throttle.record(start, Instant::now());
         }
     }
 

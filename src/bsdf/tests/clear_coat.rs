@@ -13,7 +13,7 @@ const LATTICE_ERROR: f64 = 1.0 / 64.0;
 
 /// Mean weights of samples of the coat alone and of the surface under it.
 fn coat_and_base_albedos(bsdf: Bsdf, wo: Vec3) -> (f64, f64) {
-    (mean_sample_weights(&bsdf.separate_coat().unwrap(), wo).0, mean_sample_weights(&bsdf, wo).0)
+    (mean_sample_weights(&bsdf.coat_if_separate().unwrap(), wo).0, mean_sample_weights(&bsdf, wo).0)
 }
 
 /// Over a mirror, a smooth coat and its base together have albedo 1 at each angle.
@@ -86,8 +86,8 @@ fn selected_layers_add_up_to_coat_and_base() {
             }
             // Under the clear coat, a coat with a BSDF of its own is attenuated like its base.
             let base = bsdf.base_under_clear_coat().unwrap();
-            let inner = base.separate_coat().map_or(DVec3::ZERO, f) * (f(bsdf) / f(base));
-            let expected = f(bsdf) + inner + f(bsdf.separate_coat().unwrap());
+            let inner = base.coat_if_separate().map_or(DVec3::ZERO, f) * (f(bsdf) / f(base));
+            let expected = f(bsdf) + inner + f(bsdf.coat_if_separate().unwrap());
             // At each of two boundaries between layers, the values of `u` miss at most half a step.
             // The rest is for rounding to f32.
             let tolerance = largest / f64::from(n) + 1e-5 * expected.max_element();

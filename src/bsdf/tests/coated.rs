@@ -8,7 +8,7 @@ use rand::RngExt;
 ///
 /// Without a separate coat, the first is 0, and the second includes the coat.
 fn layer_albedos(bsdf: Bsdf, wo: Vec3) -> (f64, f64) {
-    let coat = bsdf.separate_coat().map_or(0.0, |coat| mean_sample_weights(&coat, wo).0);
+    let coat = bsdf.coat_if_separate().map_or(0.0, |coat| mean_sample_weights(&coat, wo).0);
     (coat, mean_sample_weights(&bsdf, wo).0)
 }
 
@@ -34,7 +34,7 @@ fn selected_layers_add_up_to_both() {
     let n = 4096;
     for (eta, alpha) in [(1.5, 0.0), (1.5, 0.2), (3.0, 0.05)] {
         let bsdf = Bsdf::coated_diffuse(Rgb::new(0.9, 0.4, 0.1), eta, alpha, true);
-        let coat = bsdf.separate_coat().unwrap();
+        let coat = bsdf.coat_if_separate().unwrap();
         for cos in [1.0, 0.4, 0.05] {
             let (wo, wi) = (direction_with_cos(cos), Vec3::new(-0.6, 0.1, 0.7).normalize());
             let f = |bsdf: Bsdf| bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, TransportMode::Radiance);
@@ -123,7 +123,7 @@ fn coats_split_at_the_storage_threshold() {
     for (alpha, separate, specular) in
         [(0.0, true, true), (0.1, true, false), (MIN_PHOTON_STORAGE_ALPHA, true, false), (0.31, false, false)]
     {
-        let coat = bsdf(alpha).separate_coat();
+        let coat = bsdf(alpha).coat_if_separate();
         assert_eq!((coat.is_some(), coat.is_some_and(|coat| coat.is_specular())), (separate, specular), "{alpha}");
         assert!(bsdf(alpha).stores_photons());
     }

@@ -72,7 +72,9 @@ fn clear_coated_bsdfs() -> Vec<(Bsdf, f64)> {
 
 /// Coats of α from 0 to 0.2, selected alone.
 fn coats() -> Vec<Bsdf> {
-    [0.0, MIN_ROUGH_ALPHA, 0.2].map(|a| Bsdf::coated_diffuse(Rgb::ZERO, 1.5, a, true).separate_coat().unwrap()).to_vec()
+    [0.0, MIN_ROUGH_ALPHA, 0.2]
+        .map(|a| Bsdf::coated_diffuse(Rgb::ZERO, 1.5, a, true).coat_if_separate().unwrap())
+        .to_vec()
 }
 
 /// One or more BSDFs of each kind that scatters light; rough ones have small, medium and large α.

@@ -60,7 +60,7 @@ fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32
         let &[a, b] = half_edges else { continue };
         let smooth = faces[a.triangle as usize].dot(faces[b.triangle as usize]) >= least;
         if a.is_forward != b.is_forward && smooth {
-            let ([a0, a1], [b0, b1]) = (a.corner_indices(), b.corner_indices());
+            let ([a0, a1], [b0, b1]) = (a.corners_in_position_order(), b.corners_in_position_order());
             union.union_sets(a0, b0, false);
             union.union_sets(a1, b1, false);
         }

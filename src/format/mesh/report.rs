@@ -209,7 +209,9 @@ impl TopologyCounts {
             }
             for half_edge in &half_edges[1..] {
                 surfaces.union_sets(half_edges[0].triangle as usize, half_edge.triangle as usize, false);
-                for (a, b) in half_edges[0].corner_indices().into_iter().zip(half_edge.corner_indices()) {
+                for (a, b) in
+                    half_edges[0].corners_in_position_order().into_iter().zip(half_edge.corners_in_position_order())
+                {
                     fans.union_sets(a, b, false);
                 }
             }

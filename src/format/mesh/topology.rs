@@ -20,7 +20,7 @@ impl HalfEdge {
     /// Returns the corner at `position_indices[0]` and the corner at `position_indices[1]`.
     ///
     /// Index 3t + k stands for corner k of triangle t.
-    pub fn corner_indices(&self) -> [usize; 2] {
+    pub fn corners_in_position_order(&self) -> [usize; 2] {
         let base = 3 * self.triangle as usize;
         let (start, end) = (base + self.corner as usize, base + (self.corner as usize + 1) % 3);
         if self.is_forward { [start, end] } else { [end, start] }

@@ -34,7 +34,7 @@ const METAL_NAMES: [(&str, &str); 14] = [
 ///
 /// `tint` is the reflectance of an ideal mirror. For any other metal, the mean of `tint` multiplies
 /// the reflectance at normal incidence.
-pub(super) fn conductor(
+pub(super) fn convert_conductor(
     context: &ImportContext<'_>,
     bsdf: &MitsubaObject,
     tint: MitsubaConvertedTexture,
@@ -58,7 +58,7 @@ pub(super) fn conductor(
             TexturedValue::Constant(0.0) => {
                 MaterialKindDescription::Mirror(MirrorDescription { reflectance: tint.into_color() })
             }
-            roughness => conductor_description(MetalDescription::Reflectance(tint.into_color()), roughness),
+            roughness => single_scattering_conductor(MetalDescription::Reflectance(tint.into_color()), roughness),
         });
     }
     let metal = if eta.is_some() || k.is_some() {
@@ -71,11 +71,11 @@ pub(super) fn conductor(
     };
     let mean = tint.mean();
     if mean == DVec3::ONE {
-        return Ok(conductor_description(metal, roughness));
+        return Ok(single_scattering_conductor(metal, roughness));
     }
     context.add_note("factors of metals change their reflectance at normal incidence", bsdf);
     let metal = MetalDescription::with_clamped_reflectance(mean * normal_reflectance(&metal));
-    Ok(conductor_description(metal, roughness))
+    Ok(single_scattering_conductor(metal, roughness))
 }
 
 /// Returns the metal with the index η + ik of the BSDF, relative to the index outside.
@@ -102,7 +102,7 @@ fn metal_from_index(
     Ok(MetalDescription::with_clamped_index(eta / outer, k / outer))
 }
 
-fn conductor_description(metal: MetalDescription, roughness: TexturedValue<f64>) -> MaterialKindDescription {
+fn single_scattering_conductor(metal: MetalDescription, roughness: TexturedValue<f64>) -> MaterialKindDescription {
     MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, has_multiple_scattering: false })
 }
 

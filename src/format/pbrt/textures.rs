@@ -244,7 +244,7 @@ impl PbrtTextures {
                 && parameter.kind != "blackbody"
                 && let SpectralValue::Rgb(rgb) = spectral_value(parameter, place, files)?
             {
-                // A color may be a factor above 1. The parameter of the material limits the product.
+                // A color may be a factor above 1. The material limits the product.
                 return Ok(PbrtTexture::Constant(rgb.max(DVec3::ZERO)));
             }
             let wanted = if is_color { ColorMeaning::Reflectance } else { ColorMeaning::Unbounded };

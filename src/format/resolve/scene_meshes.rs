@@ -38,7 +38,7 @@ impl SceneMeshes {
     }
 
     #[cfg(test)]
-    pub(in crate::format) fn only_part(&self) -> Arc<PreparedPart> {
+    pub(in crate::format) fn expect_single_part(&self) -> Arc<PreparedPart> {
         let mut parts = self.0.values().flat_map(|mesh| &mesh.parts);
         let part = parts.next().unwrap().clone();
         assert!(parts.next().is_none(), "the scene has several parts of meshes");

@@ -52,7 +52,7 @@ pub(super) struct NestedDifferenceMoments {
     pub d0_d1: f64,
     /// ‖D₁‖²: mean over the picture of the squared difference between half and quarter discs.
     pub d1_squared: f64,
-    /// Variance of D₀ in one pass, as a mean over the picture.
+    /// Mean over the picture of the variance that D₀ has in one pass.
     pub d0_variance: f64,
     /// Variance that the noise of the passes causes in the estimate `d0_squared`.
     pub d0_squared_variance: f64,

@@ -33,7 +33,7 @@ const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 
 /// Sums over pixels from which the noise of a picture is estimated.
 #[derive(Default)]
-struct NoiseSums {
+struct PictureNoiseSums {
     /// Sum of the squared relative noise c, which is clamped to 1.
     squared_noise: f64,
     /// Sum of c².
@@ -225,7 +225,7 @@ impl ErrorEstimator {
         let error_weights = self.error_weights(film);
         let pixels = self.variances.pixel_count();
         let fraction = 1.0 / error_weights.pixel_weights().len() as f64;
-        let add_pixel = |sums: &mut NoiseSums, i: usize| {
+        let add_pixel = |sums: &mut PictureNoiseSums, i: usize| {
             let spread = self.variances.spread(film, i);
             let square = error_weights.pixel_weights()[i] * spread.squared_deviations.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
@@ -236,9 +236,13 @@ impl ErrorEstimator {
             sums.fourth_power_noise += square * square;
             sums.kurtosis_weighted_noise += square * square * (spread.kurtosis.min(n) - 1.0);
         };
-        let sums = sum_over_pixels(pixels, add_pixel, NoiseSums::add_sums);
-        let NoiseSums { squared_noise: noise2, fourth_power_noise: fourth, kurtosis_weighted_noise: tails, fireflies } =
-            sums;
+        let sums = sum_over_pixels(pixels, add_pixel, PictureNoiseSums::add_sums);
+        let PictureNoiseSums {
+            squared_noise: noise2,
+            fourth_power_noise: fourth,
+            kurtosis_weighted_noise: tails,
+            fireflies,
+        } = sums;
         // Relative variance of the estimated noise variance, if pixels are independent.
         let independent = if noise2 > 0.0 { tails / (n * noise2 * noise2) } else { 0.0 };
         let noise2 = noise2 * fraction;
@@ -329,7 +333,7 @@ impl ErrorEstimator {
     }
 }
 
-impl NoiseSums {
+impl PictureNoiseSums {
     /// Adds the sums of other pixels.
     fn add_sums(&mut self, other: Self) {
         self.squared_noise += other.squared_noise;

@@ -82,8 +82,8 @@ fn render_without_error_estimates_makes_default_passes() {
 /// A render without limits ends once its noise is small, although bias keeps the error above the
 /// default.
 ///
-/// Bias of 20 % keeps the error at .2/√2 = 14 %. Noise is 3 % of the radiance without bias, which is
-/// 1, after 32 passes.
+/// Bias of 20 % keeps the error at .2/√2 = 14 %. After 32 passes, the noise is 3 % of the radiance
+/// without bias, which is 1.
 #[test]
 fn default_render_ends_when_only_bias_is_left() {
     let biased = NoisyIntegrator { sigma: 0.24, bias: 0.2, ..NOISY };

@@ -46,7 +46,7 @@ pub(super) fn cull_air_boundaries(
 }
 
 /// True if `material` bounds a dielectric body other than air. For a mix: true if a component
-/// bounds any dielectric body.
+/// bounds a dielectric body, even one of air.
 fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
     match material.mix_component_indices() {

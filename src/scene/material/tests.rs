@@ -54,7 +54,7 @@ fn materials_with_a_separate_coat_are_chosen_by_chance() {
     let mut coats = 0;
     for material in materials_of_all_kinds() {
         let mut has_separate_coat = false;
-        material.visit_bsdf_variants(&[], |bsdf| has_separate_coat |= bsdf.separate_coat().is_some());
+        material.visit_bsdf_variants(&[], |bsdf| has_separate_coat |= bsdf.coat_if_separate().is_some());
         coats += u32::from(has_separate_coat);
         assert!(material.chooses_bsdf_randomly() || !has_separate_coat, "{:?}", material.kind());
     }

@@ -63,7 +63,7 @@ struct SubdividedPatch {
     bounding_radius: f64,
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     point_error_bound: f64,
-    /// Upper bound of the memory that the patch takes \[bytes].
+    /// Estimated memory that the patch takes \[bytes].
     memory_bytes: u64,
 }
 
@@ -154,7 +154,7 @@ impl Patch {
         Ok(Self { subdivided: Arc::new(subdivided), to_world: Transform::IDENTITY.translated(center), area })
     }
 
-    /// Upper bound of the memory that the patch takes \[bytes].
+    /// Estimated memory that the patch takes \[bytes].
     pub(crate) fn memory_bytes(&self) -> u64 {
         self.subdivided.memory_bytes
     }

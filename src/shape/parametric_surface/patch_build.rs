@@ -127,8 +127,7 @@ impl PatchBuilder {
         Ok(())
     }
 
-    /// Upper bound on the memory of all leaves \[bytes]. A quarter is added for unused capacity of
-    /// lists.
+    /// Estimated memory of all leaves \[bytes]. A quarter is added for unused capacity of lists.
     pub fn memory_bytes(&self) -> u64 {
         let own =
             BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficient<4>>() * self.coefficients.len()) as u64;

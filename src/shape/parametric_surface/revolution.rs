@@ -155,9 +155,10 @@ impl Revolution {
         (base.length_squared() <= size * size).then(|| (CylindricalRay::new(base, direction), start, length))
     }
 
-    /// Azimuth θ/2π in \[0, 1] of the object-space point `p`, which lies on a leaf.
+    /// Azimuth θ/2π in \[0, 1] of the object-space point `p` on a leaf.
     ///
-    /// θ depends on the side of the axis on which the leaf's profile lies.
+    /// The point is (X cos θ, Y, X sin θ) for the profile point (X, Y). So θ differs by half a turn
+    /// from the polar angle of `p` where X < 0.
     fn angle_in_turns(&self, p: DVec3, leaf: usize) -> f64 {
         let side = self.profile.leaves[leaf].side_sign;
         let turn = atan2(side * p.z, side * p.x) / TAU;

@@ -28,7 +28,7 @@ pub struct ConvergenceCheckpoint {
     #[serde(rename = "squares")]
     pub relative_squared_errors: Vec<f64>,
     /// Relative squared noise: variance between the seeds' pictures, relative as in
-    /// `squared_errors`.
+    /// `relative_squared_errors`.
     #[serde(rename = "noise2")]
     pub squared_noise: f64,
     /// Estimates of the relative squared noise, one from each seed; their mean is `squared_noise`.
@@ -37,7 +37,7 @@ pub struct ConvergenceCheckpoint {
     /// seed's picture and the mean over seeds. The list is empty if only the mean is known.
     #[serde(rename = "noises")]
     pub squared_noises: Vec<f64>,
-    /// Relative squared bias: mean of `squared_errors` minus `squared_noise`. The estimate may be
+    /// Relative squared bias: mean of `relative_squared_errors` minus `squared_noise`. The estimate may be
     /// negative.
     #[serde(rename = "bias2")]
     pub squared_bias: f64,

@@ -25,9 +25,11 @@ const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
 
 /// Least Abbe number that is converted to dispersion.
 ///
-/// With this Abbe number and an index of at most [`MAX_DISPERSIVE_INDEX`], the refractive index
-/// stays above 0 from 380 to 720 nm.
+/// With this Abbe number and the index [`MAX_DISPERSIVE_INDEX`], the refractive index goes from 2.5
+/// at 720 nm to 5.1 at 380 nm.
 const MIN_ABBE_NUMBER: f64 = 2.0;
+
+/// Largest refractive index that is converted to dispersion.
 const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 
 /// Parameters of the metallic-roughness model that its metal part and its dielectric part share.

@@ -51,7 +51,7 @@ impl MaterialBlock for CoatedDiffuseDescription {
             .with_table(Self::FIELDS)
             .with_aliases(&["Plastic"])
             .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BODY: BoundedBody = BoundedBody::None;
+    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let reflectance = r.resolve_reflectance_parameter(&self.reflectance, requirements)?;

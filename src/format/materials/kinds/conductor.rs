@@ -35,7 +35,7 @@ impl MaterialBlock for ConductorDescription {
     const BLOCK: &'static BlockSchema = &block_schema("Conductor", "metal; opaque, reflects on both sides")
         .with_table(Self::FIELDS)
         .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BODY: BoundedBody = BoundedBody::None;
+    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let index = resolve_metal(r, &self.metal, requirements)?;

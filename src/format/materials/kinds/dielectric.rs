@@ -44,7 +44,7 @@ impl MaterialBlock for DielectricDescription {
         .with_table(Self::FIELDS)
         .with_own_fields(&[field_schema("medium", FieldKind::Name, "medium that fills the body").make_optional("none")])
         .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BODY: BoundedBody = BoundedBody::Dielectric;
+    const BOUNDED_BODY: BoundedBody = BoundedBody::Dielectric;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let roughness = r.resolve_fraction_parameter(&self.roughness, requirements)?;

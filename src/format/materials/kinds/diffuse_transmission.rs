@@ -43,7 +43,7 @@ impl MaterialBlock for DiffuseTransmissionDescription {
         &block_schema("DiffuseTransmission", "sheet that scatters light diffusely to both sides: paper, cloth, leaves")
             .with_table(Self::FIELDS)
             .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BODY: BoundedBody = BoundedBody::None;
+    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let reflectance = r.resolve_reflectance_parameter(&self.reflectance, requirements)?;

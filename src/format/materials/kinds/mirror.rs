@@ -31,7 +31,7 @@ impl MaterialBlock for MirrorDescription {
     const BLOCK: &'static BlockSchema = &block_schema("Mirror", "perfect mirror")
         .with_table(Self::FIELDS)
         .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BODY: BoundedBody = BoundedBody::None;
+    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         Ok(Material::mirror(r.resolve_reflectance_parameter(&self.reflectance, requirements)?))

@@ -42,7 +42,7 @@ impl MaterialBlock for MixDescription {
     const BLOCK: &'static BlockSchema = &block_schema("Mix", "one of two materials at each point, chosen at random")
         .with_table(Self::FIELDS)
         .with_shared_fields(&[EMISSION_FIELDS]);
-    const BODY: BoundedBody = BoundedBody::None;
+    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
 
     fn parse<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         let first = parse_mix_component(parser, f.require_field("first")?)?;

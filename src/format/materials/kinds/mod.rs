@@ -50,7 +50,7 @@ trait MaterialBlock: BlockCodec {
     const BLOCK: &'static BlockSchema;
 
     /// Body that a surface of this material bounds.
-    const BODY: BoundedBody;
+    const BOUNDED_BODY: BoundedBody;
 
     /// Converts the parsed fields of a block, without emission, normal perturbation and medium.
     ///
@@ -122,9 +122,9 @@ macro_rules! material_kinds {
                 }
             }
 
-            fn body(&self) -> BoundedBody {
+            fn bounded_body(&self) -> BoundedBody {
                 match self {
-                    $(Self::$kind(_) => $description::BODY,)*
+                    $(Self::$kind(_) => $description::BOUNDED_BODY,)*
                 }
             }
 
@@ -206,7 +206,7 @@ impl MaterialKindDescription {
     /// True if the material is the boundary of a dielectric body.
     #[must_use]
     pub fn is_dielectric(&self) -> bool {
-        self.body() == BoundedBody::Dielectric
+        self.bounded_body() == BoundedBody::Dielectric
     }
 
     /// True if the surface bounds a dielectric body, wholly or in part: a dielectric, or a
@@ -224,6 +224,6 @@ impl MaterialKindDescription {
     /// True if the material is a null interface, which neither reflects nor refracts light.
     #[must_use]
     pub fn is_null_interface(&self) -> bool {
-        self.body() == BoundedBody::NullInterface
+        self.bounded_body() == BoundedBody::NullInterface
     }
 }

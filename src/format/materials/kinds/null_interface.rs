@@ -43,7 +43,7 @@ impl MaterialBlock for NullInterfaceDescription {
                 PRIORITY_FIELD,
             ])
             .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BODY: BoundedBody = BoundedBody::NullInterface;
+    const BOUNDED_BODY: BoundedBody = BoundedBody::NullInterface;
 
     fn resolve(&self, _: &mut Resolver<'_>, _: &mut TextureRequirements) -> Result<Material, SceneError> {
         let body = Body { priority: self.priority, is_null_interface: true, ..Body::new(1.0) };

@@ -71,7 +71,7 @@ impl MaterialBlock for PhongDescription {
         .with_aliases(&["Material", "Phong"])
         .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS])
         .mark_as_mit_6837_syntax();
-    const BODY: BoundedBody = BoundedBody::None;
+    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let diffuse = r.resolve_phong_diffuse_parameter(&self.diffuse, self.texture.as_ref(), requirements)?;

@@ -83,7 +83,7 @@ impl MaterialBlock for PrincipledDescription {
         &block_schema("Principled", "mix of metal, glass and a coated diffuse base, as in glTF and Blender")
             .with_table(Self::FIELDS)
             .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BODY: BoundedBody = BoundedBody::None;
+    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let base_color = r.resolve_reflectance_parameter(&self.base_color, requirements)?;

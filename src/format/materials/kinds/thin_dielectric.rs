@@ -40,7 +40,7 @@ impl MaterialBlock for ThinDielectricDescription {
         &block_schema("Thin", "pane without thickness; the index is relative to the surroundings")
             .with_table(Self::FIELDS)
             .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BODY: BoundedBody = BoundedBody::None;
+    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let transmittance = r.resolve_reflectance_parameter(&self.transmittance, requirements)?;

@@ -225,14 +225,14 @@ impl PlyElement {
         self.properties.iter().map(one).sum()
     }
 
-    pub fn has_vertex_coordinate(&self, slot: usize) -> bool {
+    pub fn has_vertex_component(&self, slot: usize) -> bool {
         self.properties.iter().any(|p| p.role == PlyPropertyRole::VertexComponent(slot))
     }
 
     fn check_required_properties(&self) -> Result<(), HeaderError> {
         let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
         match self.kind {
-            PlyElementKind::Vertex if !(0..3).all(|slot| self.has_vertex_coordinate(slot)) => {
+            PlyElementKind::Vertex if !(0..3).all(|slot| self.has_vertex_component(slot)) => {
                 wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
             PlyElementKind::Face if !self.properties.iter().any(|p| p.role == PlyPropertyRole::VertexIndices) => {

@@ -189,8 +189,8 @@ impl PlyMeshReader<'_> {
         match element.kind {
             PlyElementKind::Vertex => {
                 mesh.positions.reserve_exact(n);
-                mesh.normals = (3..6).all(|slot| element.has_vertex_coordinate(slot)).then(|| Vec::with_capacity(n));
-                mesh.texcoords = (6..8).all(|slot| element.has_vertex_coordinate(slot)).then(|| Vec::with_capacity(n));
+                mesh.normals = (3..6).all(|slot| element.has_vertex_component(slot)).then(|| Vec::with_capacity(n));
+                mesh.texcoords = (6..8).all(|slot| element.has_vertex_component(slot)).then(|| Vec::with_capacity(n));
             }
             PlyElementKind::Face => mesh.triangles.reserve(n),
             PlyElementKind::Other => {}

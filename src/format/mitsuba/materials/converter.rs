@@ -9,7 +9,7 @@ use crate::format::description::{
 };
 use crate::format::imported_materials::mix_of;
 use crate::format::mitsuba::color::parse_numbers;
-use crate::format::mitsuba::conductors::conductor;
+use crate::format::mitsuba::conductors::convert_conductor;
 use crate::format::mitsuba::context::ImportContext;
 use crate::format::mitsuba::dielectrics::{is_index_matched, refractive_index};
 use crate::format::mitsuba::files::ReadResult;
@@ -94,7 +94,7 @@ impl MitsubaMaterialConverter<'_, '_> {
                 let roughness = if bsdf.plugin == "conductor" { 0.0.into() } else { self.roughness(bsdf)? };
                 let tint =
                     self.convert_texture_parameter(bsdf, "specular_reflectance", 1.0, MitsubaTextureUse::Color)?;
-                conductor(context, bsdf, tint, roughness)?.into()
+                convert_conductor(context, bsdf, tint, roughness)?.into()
             }
             "plastic" | "roughplastic" => self.convert_plastic(bsdf)?,
             "principled" | "principledthin" => self.convert_principled(bsdf)?,
@@ -343,9 +343,9 @@ impl MitsubaMaterialConverter<'_, '_> {
 
     /// Returns GGX α of a BSDF; 0.1 if the file gives none.
     ///
-    /// Any distribution but `ggx` counts as Beckmann. α of Beckmann is multiplied by √ln 2, so that GGX
-    /// has the same median slope. Different α along u and v become the geometric mean of their means
-    /// over the texture.
+    /// Any distribution but `ggx` counts as Beckmann. α of Beckmann is multiplied by √ln 2, so that
+    /// GGX has the same median slope. Different α along u and v become the geometric mean of their
+    /// means over the texture.
     fn roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<TexturedValue<f64>> {
         let factor = self.ggx_alpha_factor(bsdf);
         let _ = bsdf.boolean("sample_visible", true);

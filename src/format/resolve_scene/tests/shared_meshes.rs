@@ -117,7 +117,7 @@ fn embedded_meshes_are_compared_bit_by_bit() {
         file
     };
     let first = resolve_after(None, &file_with(mesh.clone())).0;
-    let only = |scene: &ResolvedScene| scene.meshes.only_part();
+    let only = |scene: &ResolvedScene| scene.meshes.expect_single_part();
     let same = resolve_after(Some(&first), &file_with(mesh.clone())).0;
     assert!(Arc::ptr_eq(&only(&same), &only(&first)) && only(&first).has_bvh());
     // Both zeros are equal as numbers.

@@ -33,7 +33,8 @@ impl CoaxialMap {
     /// Map from the object space of `from` to that of `to`.
     ///
     /// `None` if their axes differ, or if circles around the axis of one are ellipses in the other.
-    /// Also `None` if the condition number of a map to world space exceeds [`MAX_CONDITION_NUMBER`].
+    /// Also `None` if the condition number of a map to world space exceeds
+    /// [`MAX_CONDITION_NUMBER`].
     fn new(from: &Revolution, to: &Revolution) -> Option<Self> {
         let is_even = |surface: &Revolution| {
             let (forward, inverse) = (surface.to_world.forward().matrix3, surface.to_world.inverse().matrix3);

@@ -36,11 +36,11 @@ mod tests {
     fn publications_take_a_hundredth_of_the_time() {
         let start = Instant::now();
         let after = |milliseconds| start + Duration::from_millis(milliseconds);
-        let mut pace = PublicationThrottle::default();
-        assert!(pace.is_due(start));
-        pace.record(start, after(10));
-        assert!(!pace.is_due(after(1009)) && pace.is_due(after(1010)));
-        pace.record(start, start);
-        assert!(!pace.is_due(after(99)) && pace.is_due(after(100)));
+        let mut throttle = PublicationThrottle::default();
+        assert!(throttle.is_due(start));
+        throttle.record(start, after(10));
+        assert!(!throttle.is_due(after(1009)) && throttle.is_due(after(1010)));
+        throttle.record(start, start);
+        assert!(!throttle.is_due(after(99)) && throttle.is_due(after(100)));
     }
 }
