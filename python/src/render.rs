@@ -13,7 +13,7 @@ use caustica::photon::{Kernel, UnknownKernel};
 use caustica::plan::UnknownOverrideError;
 use caustica::render::error_estimate::{Confidence, ErrorForecast};
 use caustica::render::{
-    ErrorTarget, PassProgress, RenderLimits, RenderResult, RenderedLayers, StopCriteria, check_layered_picture_memory,
+    ErrorTarget, LayerSelection, PassProgress, RenderLimits, RenderResult, StopCriteria, check_layered_picture_memory,
     check_photon_memory, render,
 };
 use caustica::{Algorithm, ErrorEstimate, ProgressMonitor, Settings};
@@ -313,7 +313,7 @@ fn render_passes(
     let CameraPathSettings { estimate_error: estimates_error, groups_light, clamp, .. } = camera_paths;
     let (clamps_light, renders_aovs) = (clamp.is_some(), surface.is_some());
     let layers =
-        RenderedLayers { estimates_error, groups_light, clamps_light, renders_aovs, ..RenderedLayers::default() };
+        LayerSelection { estimates_error, groups_light, clamps_light, renders_aovs, ..LayerSelection::default() };
     let whole = size;
     let size = camera_paths.window(whole).size();
     let picture_bytes = check_layered_picture_memory(size, layers, free()).map_err(Failure::Memory)?;

@@ -85,7 +85,7 @@ impl NativeResult {
             _ => return Err(PyValueError::new_err(format!("exr_bits is {exr_bits}: give 16 or 32"))),
         };
         let tone = ToneMap { curve, exposure_stops: exposure };
-        Ok(WriteOptions { tone, depth, floats, metadata: metadata() })
+        Ok(WriteOptions { tone, bit_depth: depth, exr_precision: floats, metadata: metadata() })
     }
 }
 

@@ -39,7 +39,7 @@ pub fn load_file(
     memory: Option<u64>,
 ) -> PyResult<NativeScene> {
     let memory = memory.map_or(MemoryLimit::System, MemoryLimit::ProcessBytes);
-    let options = ImportOptions { memory, format_extension: format, allows_outside_files };
+    let options = ImportOptions { memory_limit: memory, format_extension: format, allows_outside_files };
     let read =
         || NativeScene::resolve(SceneFile::read_with_options(&path, &(), &options).map_err(Failure::Read)?, memory);
     py.detach(read).map_err(|failure| failure.into_exception(py))
