@@ -50,8 +50,8 @@ pub(super) fn trace_paths_through_film_points(
 /// Traces a camera path through each of `points`, and calls `result` with its radiance \[W/(m² sr)]
 /// and the task that traced it.
 ///
-/// Returns the values that `result` returned, and the ray counts of all paths. If `repeats_in_nested_discs`
-/// is true, each photon estimate is also made with smaller nested discs.
+/// Returns the values that `result` returned, and the ray counts of all paths. If
+/// `repeats_in_nested_discs` is true, each photon estimate is also made with smaller nested discs.
 pub(super) fn map_paths_through_film_points<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],

@@ -101,8 +101,8 @@ pub(super) struct PixelLampImage {
     pub aim_probability: f32,
 }
 
-/// Returns the pdf \[1/pixel²] of the film point `film`, for a ray from the lens point `on_lens` that
-/// is aimed at one of `images`.
+/// Returns the pdf \[1/pixel²] of the film point `film`, for a ray from the lens point `on_lens`
+/// that is aimed at one of `images`.
 pub(super) fn aimed_pdf(images: &[PixelLampImage], film: Vec2, on_lens: Vec2) -> f32 {
     images.iter().map(|target| target.aim_probability * target.image.pdf(film, on_lens)).sum()
 }

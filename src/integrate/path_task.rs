@@ -100,8 +100,8 @@ pub(super) struct MapSearchBuffers {
 }
 
 impl PathTask {
-    /// Returns a task that has traced no path. If `repeats_in_nested_discs`, its photon estimates are
-    /// repeated with smaller nested discs, to measure their bias. If `groups_light`, it divides
+    /// Returns a task that has traced no path. If `repeats_in_nested_discs`, its photon estimates
+    /// are repeated with smaller nested discs, to measure their bias. If `groups_light`, it divides
     /// light by [`LightGroup`](super::light_group::LightGroup).
     pub fn new(repeats_in_nested_discs: bool, groups_light: bool) -> Self {
         let nested = PixelNestedDifferenceSum::new(repeats_in_nested_discs);

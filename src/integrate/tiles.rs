@@ -78,8 +78,8 @@ struct Tile<'a> {
     index: u32,
     /// Parts of the picture's rows that lie in the tile, from the top.
     image: Vec<&'a mut [Rgb]>,
-    /// Rows of nested differences in the tile; empty unless [`FilmSampling::repeats_in_nested_discs`] is
-    /// true.
+    /// Rows of nested differences in the tile; empty unless
+    /// [`FilmSampling::repeats_in_nested_discs`] is true.
     nested: Vec<&'a mut [NestedDifferences]>,
     /// Rows of each light group in the tile; empty unless [`FilmSampling::groups_light`] is true.
     light_groups: Vec<Vec<&'a mut [Rgb]>>,
@@ -227,7 +227,8 @@ pub(super) fn render_tiles<Stack: Default>(
 struct RenderedPixel {
     /// Radiance \[W/(m² sr)].
     radiance: Rgb,
-    /// Differences of nested photon estimates; 0 unless [`FilmSampling::repeats_in_nested_discs`] is true.
+    /// Differences of nested photon estimates; 0 unless [`FilmSampling::repeats_in_nested_discs`]
+    /// is true.
     nested: NestedDifferences,
     /// Radiance by light group \[W/(m² sr)]; 0 unless [`FilmSampling::groups_light`] is true.
     light_groups: [Rgb; LightGroup::ALL.len()],

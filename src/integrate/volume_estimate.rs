@@ -73,8 +73,8 @@ struct ChosenPhoton {
 }
 
 impl NestedKernelSums {
-    /// Makes empty sums for a kernel in `dimensions` dimensions. If `repeats_in_nested_discs` is true, the
-    /// kernels of smaller radii are summed too.
+    /// Makes empty sums for a kernel in `dimensions` dimensions. If `repeats_in_nested_discs` is
+    /// true, the kernels of smaller radii are summed too.
     fn new(dimensions: u32, repeats_in_nested_discs: bool) -> Self {
         Self { sums: [Rgb::ZERO; NESTED_DISC_COUNT], dimensions, repeats_in_nested_discs, chosen: None }
     }

@@ -133,8 +133,8 @@ pub(super) struct CompactLightBounds {
     /// Cosine and sine of the half angle of the cone that contains all surface normals.
     normal_half_angle: CosSin,
     cos_spread: f64,
-    /// Approximate radiant intensity \[W/sr] of all lights together, in directions inside the cone of
-    /// normals. It is greatest there.
+    /// Approximate radiant intensity \[W/sr] of all lights together, in directions inside the cone
+    /// of normals. It is greatest there.
     intensity: f64,
 }
 

@@ -114,7 +114,7 @@ pub(super) struct AddedMaterial {
     pub emission: MaterialEmission,
     /// True if the material is a null interface.
     pub is_null_interface: bool,
-    /// What the material's textures need of a surface, such as texture coordinates.
+    /// Properties that the material's textures need of a surface, such as texture coordinates.
     pub texture_requirements: TextureRequirements,
 }
 

@@ -40,8 +40,8 @@ pub struct EmissionGuidingPilotSettings<'a> {
     pub max_bounces: u32,
     /// Surface points that the camera sees. Their density gives the importance of a photon.
     pub visible_points: &'a VisiblePointMap,
-    /// Number of photon paths of the pilot. [`EmissionGuidingPilotSettings::DEFAULT_PATHS`] suffices
-    /// for most scenes.
+    /// Number of photon paths of the pilot. [`EmissionGuidingPilotSettings::DEFAULT_PATHS`]
+    /// suffices for most scenes.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,

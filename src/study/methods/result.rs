@@ -37,8 +37,8 @@ pub struct ConvergenceCheckpoint {
     /// seed's picture and the mean over seeds. The list is empty if only the mean is known.
     #[serde(rename = "noises")]
     pub squared_noises: Vec<f64>,
-    /// Relative squared bias: mean of `relative_squared_errors` minus `squared_noise`. The estimate may be
-    /// negative.
+    /// Relative squared bias: mean of `relative_squared_errors` minus `squared_noise`. The estimate
+    /// may be negative.
     #[serde(rename = "bias2")]
     pub squared_bias: f64,
     /// Square of the relative error that the renderer itself estimates, for each seed with a finite
