@@ -40,8 +40,8 @@ const ROTATION: Mat3 = Mat3::from_cols(
     Vec3::new(0.394_739_8, -0.071_392_5, 0.916_015_1),
 );
 
-/// Largest number of photons at one position; if there are more, they are merged. The kd-tree must
-/// hold photons of one position in one leaf.
+/// Largest number of photons at one position that are not merged. The kd-tree holds all photons of
+/// one position in one leaf, which grows if there are more than the size of a bucket.
 const MAX_COINCIDENT: usize = BUCKET;
 
 /// Smallest number of runs of consecutive photons that one Rayon task tests for coincidence.
@@ -107,8 +107,7 @@ impl PhotonMap {
 /// Merges photons of equal position, normal, wavelength and share of density estimates, at each
 /// position with more than [`MAX_COINCIDENT`] photons.
 ///
-/// A merged photon has the sum of the fluxes and the mean direction, weighted by flux. Wavelength
-/// and density estimate share of the photons are lost.
+/// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {
     // Morton order makes photons at one position adjacent, unless other photons share their Morton
     // cell.

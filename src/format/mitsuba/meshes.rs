@@ -8,7 +8,7 @@ use crate::format::SceneError;
 use crate::format::import::SceneReadError;
 use crate::format::mesh::{self, LoadedMesh, TriangleMesh};
 use glam::{DVec2, DVec3};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -72,9 +72,13 @@ impl MitsubaMeshes {
             let decoded = serialized::decode(&bytes, index as usize, free);
             let damaged = |defect| shape.place.error(format!("`{name}`: {defect}"), "export the mesh again");
             let mut decoded = decoded.map_err(damaged)?;
-            let used: HashSet<u32> = decoded.mesh.triangles.iter().flatten().copied().collect();
+            let mut is_used = vec![false; decoded.mesh.positions.len()];
+            for vertex in decoded.mesh.triangles.iter().flatten() {
+                is_used.get_mut(*vertex as usize).into_iter().for_each(|used| *used = true);
+            }
+            let used = is_used.into_iter().filter(|used| *used).count();
             decoded.mesh.merge_equal_vertices();
-            let is_split = decoded.mesh.distinct_position_indices().1 < used.len();
+            let is_split = decoded.mesh.distinct_position_indices().1 < used;
             (decoded.mesh, decoded.uses_flat_faces, is_split)
         } else {
             let loaded = mesh::load_with_memory_limit(&file, context.files.monitor, context.files.free_memory());

@@ -206,18 +206,16 @@ fn texture_factors_may_be_above_one() {
     assert_eq!(reflectance, TexturedValue::Constant(DVec3::new(0.5, 1.0, 0.2)));
 }
 
-/// A material that is defined again has its new values on later shapes, and its old ones on earlier
-/// shapes.
+/// Roughness that differs by direction is the geometric mean, also where only its mean is used.
 #[test]
-fn redefined_materials_apply_to_later_shapes() {
-    let red = "MakeNamedMaterial \"m\" \"string type\" \"diffuse\" \"rgb reflectance\" [1 0 0]";
-    let shape = "NamedMaterial \"m\" Shape \"sphere\"";
-    let scene = import_text(&format!("WorldBegin {red} {shape} {} {shape}", red.replace("1 0 0", "0 1 0")));
-    let colors: Vec<_> = scene.description.materials.iter().map(|material| &material.kind).collect();
-    let [MaterialKindDescription::Diffuse(first), MaterialKindDescription::Diffuse(second)] = colors[..] else {
-        panic!("{colors:?}")
-    };
-    assert_eq!((&first.reflectance, &second.reflectance), (&DVec3::X.into(), &DVec3::Y.into()));
+fn uneven_roughness_is_the_geometric_mean() {
+    let kind = sphere_material(
+        "Material \"coateddiffuse\" \"float uroughness\" .04 \"float vroughness\" .16 \
+         \"bool remaproughness\" false",
+    );
+    let MaterialKindDescription::CoatedDiffuse(coated) = kind else { panic!("{kind:?}") };
+    let TexturedValue::Constant(roughness) = coated.roughness else { panic!("{coated:?}") };
+    assert!((roughness - 0.08).abs() < 1e-12, "{roughness}");
 }
 
 #[test]

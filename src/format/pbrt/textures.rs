@@ -227,8 +227,8 @@ impl PbrtTextures {
     /// Returns the value of a parameter, which is a number, a color, or a texture's name.
     ///
     /// `is_color` selects whether a name refers to a color texture or a number texture. If there is
-    /// no such texture, the other kind is used. If `is_color` is true and the parameter is no
-    /// texture, its value is clamped to \[0, 1].
+    /// no such texture, the other kind is used. Negative values of RGB colors become 0. Values
+    /// above 1 are kept, because they may be factors; the caller limits the value to its range.
     pub fn parameter_value(
         &self,
         parameter: &Parameter,
@@ -241,7 +241,7 @@ impl PbrtTextures {
                 return Ok(PbrtTexture::Constant(DVec3::splat(parameter.numbers[0])));
             }
             if is_color
-                && parameter.kind != "blackbody"
+                && matches!(&*parameter.kind, "rgb" | "color")
                 && let SpectralValue::Rgb(rgb) = spectral_value(parameter, place, files)?
             {
                 // A color may be a factor above 1. The material limits the product.

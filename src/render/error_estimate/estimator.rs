@@ -294,19 +294,25 @@ impl ErrorEstimator {
     /// there would seem too small. `film` must hold exactly the passes added so far.
     fn error_weights(&self, film: &Film) -> RelativeErrorWeights {
         let n = f64::from(self.passes.max(1));
-        let blurred = film.mean_picture();
-        let weights = RelativeErrorWeights::from_pixels(film.size(), &blurred);
+        let mut pixels = film.mean_picture();
+        let weights = RelativeErrorWeights::from_pixels(film.size(), &pixels);
         let Some(sums) = &self.nested_differences else { return weights };
         let moments = sums.nested_difference_moments(&weights, n);
-        // Noisy differences would make noisy weights.
+        // The factor is small where noise hides the differences in most of the picture.
         let factor = moments.measurement_weight() * BlurEstimate::from_differences(&moments).extrapolation_factor;
         if factor <= 0.0 {
             return weights;
         }
-        let pixels = blurred.par_iter().enumerate().with_min_len(MIN_PIXELS_PER_TASK);
-        let sharp =
-            pixels.map(|(i, pixel)| (*pixel - sums.scaled_difference_sum(i, factor / n)).max(pixel.min(Vec3::ZERO)));
-        RelativeErrorWeights::from_pixels(film.size(), &sharp.collect::<Vec<Vec3>>())
+        // Two lists of weights at a time would exceed the expected memory.
+        drop(weights);
+        pixels.par_iter_mut().enumerate().with_min_len(MIN_PIXELS_PER_TASK).for_each(|(i, pixel)| {
+            // Pixels that are not finite do not count in their neighbourhoods.
+            if pixel.is_finite() {
+                let darkest = pixel.min(Vec3::ZERO);
+                *pixel = (*pixel - sums.scaled_difference_sum(i, factor / n)).max(darkest);
+            }
+        });
+        RelativeErrorWeights::from_pixels(film.size(), &pixels)
     }
 
     /// Returns the forecast of the error after more passes than those of `estimate`; `None` before

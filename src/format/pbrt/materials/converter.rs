@@ -144,9 +144,10 @@ impl PbrtMaterialConverter<'_> {
             None => PbrtTexture::Constant(DVec3::splat(0.5)),
         };
         let (amount, _) = self.textured_scalar_and_mean(&amount, &|amount| amount.clamp(0.0, 1.0))?;
-        let [first, second] =
-            names.map(|name| self.convert_material(&MaterialReference::Named(name.into(), place.clone()), depth + 1));
-        self.push_material(mix_of(first?, second?, amount), None)
+        let [first, second] = names.map(|name| MaterialReference::Named(name.into(), place.clone()));
+        let first = self.convert_material(&first, depth + 1)?;
+        let second = self.convert_material(&second, depth + 1)?;
+        self.push_material(mix_of(first, second, amount), None)
     }
 
     /// Converts the reflection and transmission of the pbrt material `kind` with the parameters

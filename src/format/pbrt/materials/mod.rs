@@ -48,11 +48,7 @@ impl PbrtMaterials {
     /// name.
     pub fn add_named(&mut self, name: &str, parameters: Parameters) {
         let kind = parameters.text("type").unwrap_or("diffuse").to_owned();
-        let earlier = self.named.insert(name.to_owned(), FileMaterial { kind, parameters: Rc::new(parameters) });
-        if earlier.is_some() {
-            // Mixes may contain the earlier material, so nothing that was converted is used again.
-            self.converted_names.clear();
-        }
+        self.named.insert(name.to_owned(), FileMaterial { kind, parameters: Rc::new(parameters) });
     }
 
     /// Returns the name of a shape's material in the imported scene. Converts the material at its
