@@ -184,24 +184,24 @@ impl ImageSearch<'_> {
 
         // Find lamps near a few camera rays through each pixel. Leave out those with little noise,
         // first in each tile to save memory.
-        let first_candidates = |corner: &(u32, u32)| {
-            let mut candidates = self.search_starts_near_rays::<I>(&tile_pixels(corner), 0..MIN_RAYS_PER_PIXEL);
-            let least = least_searched_noise(&candidates, 0.5 * MAX_OMITTED_NOISE_FRACTION);
-            candidates.retain(|candidate| candidate.noise >= least);
-            candidates.shrink_to_fit();
-            candidates
+        let first_starts = |corner: &(u32, u32)| {
+            let mut search_starts = self.search_starts_near_rays::<I>(&tile_pixels(corner), 0..MIN_RAYS_PER_PIXEL);
+            let least = least_searched_noise(&search_starts, 0.5 * MAX_OMITTED_NOISE_FRACTION);
+            search_starts.retain(|search_start| search_start.noise >= least);
+            search_starts.shrink_to_fit();
+            search_starts
         };
-        let first: Vec<Vec<ImageSearchStart>> = corners.par_iter().map(first_candidates).collect();
+        let first: Vec<Vec<ImageSearchStart>> = corners.par_iter().map(first_starts).collect();
         let least = least_searched_noise(first.iter().flatten(), 0.5 * MAX_OMITTED_NOISE_FRACTION);
 
         // Find more lamps near the predicted images, and move to the images.
-        let images = |(corner, mut candidates): (&(u32, u32), Vec<ImageSearchStart>)| {
+        let images = |(corner, mut search_starts): (&(u32, u32), Vec<ImageSearchStart>)| {
             let tile = tile_pixels(corner);
-            candidates.retain(|candidate| candidate.noise >= least);
-            let near = pixels_near_images(&tile, &candidates);
+            search_starts.retain(|search_start| search_start.noise >= least);
+            let near = pixels_near_images(&tile, &search_starts);
             let more = self.search_starts_near_rays::<I>(&near, MIN_RAYS_PER_PIXEL..MAX_RAYS_PER_PIXEL);
-            candidates.extend(more.into_iter().filter(|candidate| candidate.noise >= least));
-            self.search_images::<I>(candidates, (MAX_SEARCHES_PER_PIXEL * tile.len() as f64) as u32)
+            search_starts.extend(more.into_iter().filter(|search_start| search_start.noise >= least));
+            self.search_images::<I>(search_starts, (MAX_SEARCHES_PER_PIXEL * tile.len() as f64) as u32)
         };
         let found: Vec<FoundLampImage> = corners.par_iter().zip(first).flat_map_iter(images).collect();
         let mut distinct = ImageSet::new(self.lens_radius() as f32);
@@ -220,33 +220,33 @@ impl ImageSearch<'_> {
     ) -> Vec<ImageSearchStart> {
         let camera = self.scene.camera();
         let has_lens = self.lens_radius() > 0.0;
-        let (mut candidates, mut stack) = (Vec::new(), Vec::new());
+        let (mut search_starts, mut stack) = (Vec::new(), Vec::new());
         for (index, &(x, y)) in indices.flat_map(|index| pixels.iter().map(move |pixel| (index, pixel))) {
             let sampler = Sampler::new(self.key.pixel_key(x, y), index, MAX_RAYS_PER_PIXEL);
             let point = CameraPoint {
                 film: Vec2::new(x as f32, y as f32) + sampler.get_2d(Dimension::Film),
                 on_lens: has_lens.then(|| camera.sample_lens(sampler.get_2d(Dimension::Lens))),
             };
-            self.push_search_starts::<I>(point, sampler, &mut candidates, &mut stack);
+            self.push_search_starts::<I>(point, sampler, &mut search_starts, &mut stack);
         }
-        candidates
+        search_starts
     }
 
-    /// Moves from `candidates` to the images near them, and from found images to their other parts.
-    /// Makes at most `searches` searches, for the noisiest candidates first. Returns the distinct
-    /// images.
+    /// Moves from `search_starts` to the images near them, and from found images to their other
+    /// parts. Makes at most `searches` searches, for the noisiest starts first. Returns the
+    /// distinct images.
     fn search_images<I: Interior>(
         &self,
-        mut candidates: Vec<ImageSearchStart>,
+        mut search_starts: Vec<ImageSearchStart>,
         mut searches: u32,
     ) -> Vec<FoundLampImage> {
-        candidates.sort_by(|a: &ImageSearchStart, b: &ImageSearchStart| b.noise.total_cmp(&a.noise));
+        search_starts.sort_by(|a: &ImageSearchStart, b: &ImageSearchStart| b.noise.total_cmp(&a.noise));
         let mut images = ImageSet::new(self.lens_radius() as f32);
         let mut parts = Vec::new();
-        for candidate in candidates {
-            parts.push(candidate);
-            while let Some(candidate) = parts.pop() {
-                let ImageSearchStart { point, to_image, lamp, chain, .. } = candidate;
+        for search_start in search_starts {
+            parts.push(search_start);
+            while let Some(search_start) = parts.pop() {
+                let ImageSearchStart { point, to_image, lamp, chain, .. } = search_start;
                 if images.covers(point.film + to_image, point.lens_point(), lamp.light, chain) {
                     continue;
                 }
@@ -254,11 +254,11 @@ impl ImageSearch<'_> {
                     return images.images;
                 }
                 searches -= 1;
-                let Some(image) = self.search_image::<I>(&candidate) else { continue };
+                let Some(image) = self.search_image::<I>(&search_start) else { continue };
                 if images.insert(image) {
                     parts.extend(image.ends().map(|film| {
                         let point = CameraPoint { film, ..image.point };
-                        ImageSearchStart { point, sampler: image.sampler, to_image: Vec2::ZERO, ..candidate }
+                        ImageSearchStart { point, sampler: image.sampler, to_image: Vec2::ZERO, ..search_start }
                     }));
                 }
             }
@@ -272,15 +272,15 @@ impl ImageSearch<'_> {
         lens.map_or(0.0, |lens| lens.radius)
     }
 
-    /// Adds to `candidates` the lamps near the camera ray through `point`, and near the rays into
-    /// which specular surfaces split it. Rays that carry a single wavelength are left out.
+    /// Adds to `search_starts` the lamps near the camera ray through `point`, and near the rays
+    /// into which specular surfaces split it. Rays that carry a single wavelength are left out.
     ///
     /// `stack` is empty before and after.
     fn push_search_starts<I: Interior>(
         &self,
         point: CameraPoint,
         sampler: Sampler,
-        candidates: &mut Vec<ImageSearchStart>,
+        search_starts: &mut Vec<ImageSearchStart>,
         stack: &mut Vec<RayBundle<I>>,
     ) {
         stack.push(RayBundle::from_camera(self.scene, self.effects, point, sampler));
@@ -303,7 +303,7 @@ impl ImageSearch<'_> {
                     let radiance = color::channel_mean(bundle.throughput) * self.lamp_radiance(lamp);
                     let noise = area * (f64::from(radiance) * f64::from(radiance));
                     let to_image = to_image.as_vec2();
-                    candidates.push(ImageSearchStart {
+                    search_starts.push(ImageSearchStart {
                         point,
                         sampler,
                         chain: bundle.chain,
@@ -325,12 +325,12 @@ impl ImageSearch<'_> {
         area.map_or(0.0, |area| color::channel_mean(area.radiance))
     }
 
-    /// Moves the film point of `candidate` to the image by Newton's method. Returns the image;
+    /// Moves the film point of `search_start` to the image by Newton's method. Returns the image;
     /// `None` if the search fails, if the lamp is hidden or black, or if the image is too large.
-    fn search_image<I: Interior>(&self, candidate: &ImageSearchStart) -> Option<FoundLampImage> {
-        let ImageSearchStart { point: start, sampler, chain, lamp, .. } = *candidate;
+    fn search_image<I: Interior>(&self, search_start: &ImageSearchStart) -> Option<FoundLampImage> {
+        let ImageSearchStart { point: start, sampler, chain, lamp, .. } = *search_start;
         let mut from = start.film;
-        let mut step = candidate.to_image;
+        let mut step = search_start.to_image;
         for _ in 0..MAX_STEPS {
             let point = CameraPoint { film: from + step, ..start };
             let bundle = RayBundle::<I>::follow(self.scene, self.effects, point, sampler, chain);
@@ -371,12 +371,15 @@ impl ImageSearch<'_> {
     }
 }
 
-/// Returns the least predicted noise at which the image of a candidate is searched.
+/// Returns the least predicted noise at which the image of a search start is searched.
 ///
 /// Candidates below it have together at most the fraction `omitted_fraction` of the predicted noise
-/// of all `candidates`.
-fn least_searched_noise<'a>(candidates: impl IntoIterator<Item = &'a ImageSearchStart>, omitted_fraction: f64) -> f64 {
-    let mut noises: Vec<f64> = candidates.into_iter().map(|candidate| candidate.noise).collect();
+/// of all `search_starts`.
+fn least_searched_noise<'a>(
+    search_starts: impl IntoIterator<Item = &'a ImageSearchStart>,
+    omitted_fraction: f64,
+) -> f64 {
+    let mut noises: Vec<f64> = search_starts.into_iter().map(|search_start| search_start.noise).collect();
     noises.sort_by(f64::total_cmp);
     let mut rest = omitted_fraction * noises.iter().sum::<f64>();
     let searched = noises.into_iter().find(|noise| {
@@ -387,13 +390,13 @@ fn least_searched_noise<'a>(candidates: impl IntoIterator<Item = &'a ImageSearch
 }
 
 /// Returns the pixels of `tile`, as columns and rows, that are at most one pixel from the pixel of
-/// an image that `candidates` predict.
-fn pixels_near_images(tile: &[(u32, u32)], candidates: &[ImageSearchStart]) -> Vec<(u32, u32)> {
-    let around = |candidate: &ImageSearchStart| {
-        let at = (candidate.point.film + candidate.to_image).floor().as_ivec2();
+/// an image that `search_starts` predicts.
+fn pixels_near_images(tile: &[(u32, u32)], search_starts: &[ImageSearchStart]) -> Vec<(u32, u32)> {
+    let around = |search_start: &ImageSearchStart| {
+        let at = (search_start.point.film + search_start.to_image).floor().as_ivec2();
         (at.y - 1..=at.y + 1).flat_map(move |y| (at.x - 1..=at.x + 1).map(move |x| (x, y)))
     };
-    let near: HashSet<(i32, i32)> = candidates.iter().flat_map(around).collect();
+    let near: HashSet<(i32, i32)> = search_starts.iter().flat_map(around).collect();
     tile.iter().copied().filter(|(x, y)| near.contains(&(*x as i32, *y as i32))).collect()
 }
 

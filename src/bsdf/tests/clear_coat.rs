@@ -7,8 +7,8 @@ use glam::DVec3;
 
 /// Largest error of the mean weight of samples of a diffuse surface under a coat.
 ///
-/// The weight is between 0 and 1, and never grows with the angle. The lattice of samples maps to
-/// 128 rings of directions, none of which has more than 1/64 of the samples.
+/// The weight is between 0 and 1, and never grows with the angle from the normal. The samples lie
+/// on 128 rings around the normal. A ring holds at most 1/64 of the samples.
 const LATTICE_ERROR: f64 = 1.0 / 64.0;
 
 /// Mean weights of samples of the coat alone and of the surface under it.

@@ -17,7 +17,8 @@ const MEMORY_PER_JSON_VALUE: u64 = 100;
 /// Estimated memory per byte of the JSON text \[bytes], mostly for strings.
 const MEMORY_PER_BYTE: u64 = 4;
 
-/// Extensions that a file may require, in addition to those that the crate `gltf` supports.
+/// Extensions that a glTF file may list as required although the crate `gltf` does not support
+/// them.
 ///
 /// A file may also require extensions that the importer ignores. Others are refused.
 const EXTRA_SUPPORTED_EXTENSIONS: [&str; 7] = [
