@@ -236,7 +236,7 @@ pub struct RenderArguments {
     pub confidence: Confidence,
 
     /// Write the picture and further layers as one .exr file: albedo, normal, depth, position,
-    /// object and material, and maps of the estimated error
+    /// object, material and motion, and maps of the estimated error
     #[arg(long, value_name = "FILE")]
     pub aov: Option<PathBuf>,
 

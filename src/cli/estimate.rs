@@ -43,7 +43,12 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
         for algorithm in &arguments.compare {
             if comparison.has_no_report_of(*algorithm) && !is_interrupted() {
                 let method = MethodArguments { integrator: *algorithm, ..arguments.method.clone() };
-                comparison.add_report(estimate_method_cost(arguments, &method, &scene, load_seconds, &progress)?);
+                match estimate_method_cost(arguments, &method, &scene, load_seconds, &progress) {
+                    Ok(report) => comparison.add_report(report),
+                    // The reports so far are printed.
+                    Err(failure) if failure.exit == Exit::Interrupted => break,
+                    Err(failure) => return Err(failure),
+                }
             }
         }
         let text = if arguments.json {

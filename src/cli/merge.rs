@@ -2,13 +2,14 @@
 
 use super::film::{FilmOfOtherRenderError, check_film_memory, read_film, write_film};
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
-use super::pictures::{PictureArguments, write_pictures};
+use super::pictures::{PictureArguments, default_tone_curve, write_pictures};
 use super::progress::{ProgressDisplay, print_message};
 use super::value_parsers::parse_bytes;
 use super::{CommandFailure, Exit, forecast_text};
 use crate::image::{self, Image, ToneCurve};
+use crate::integrate::Algorithm;
 use crate::render::error_estimate::MIN_ERROR_ESTIMATE_PASSES;
-use crate::render::{FilmFile, MergeError, PassSet};
+use crate::render::{FilmFile, FilmHeader, MergeError, PassSet};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -64,7 +65,8 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
     let FilmFile { header, rendered } = read_and_merge_films(&arguments.films, &progress)?;
 
     // Write the outputs.
-    let mut options = arguments.pictures.write_options(ToneCurve::Srgb);
+    let mut options =
+        arguments.pictures.write_options(film_algorithm(&header).map_or(ToneCurve::Srgb, default_tone_curve));
     let missing = header.missing_passes(&rendered.pass_numbers);
     if !missing.is_empty() {
         print_message(&format!("warning: passes {missing} are missing"));
@@ -87,6 +89,15 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
         progress.print_line(&format!("estimated error {}", forecast_text::error_text(&estimate)));
     }
     failures.into_result(Exit::Success)
+}
+
+/// Returns the algorithm that rendered the film with the given header; `None` if this program has
+/// no such algorithm.
+///
+/// The settings of a header begin with `--integrator` and the algorithm's name.
+fn film_algorithm(header: &FilmHeader) -> Option<Algorithm> {
+    let name = header.settings.get(1)?;
+    Algorithm::ALL.into_iter().find(|algorithm| algorithm.name() == name)
 }
 
 /// True if `path` has the extension of film files.

@@ -6,6 +6,7 @@ use super::value_parsers::{count_with_noun, parse_exposure_stops};
 use crate::image::{
     self, BitDepth, ClippedPixelReport, ExrPrecision, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions,
 };
+use crate::integrate::Algorithm;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -40,6 +41,20 @@ impl PictureArguments {
             exr_precision: self.exr_bits,
             metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
         }
+    }
+}
+
+/// Returns the tone curve of pictures by `algorithm`, if the user chooses none.
+pub(super) fn default_tone_curve(algorithm: Algorithm) -> ToneCurve {
+    match algorithm {
+        Algorithm::Raycast => ToneCurve::Legacy,
+        Algorithm::Hybrid
+        | Algorithm::Path
+        | Algorithm::Sppm
+        | Algorithm::Ppm
+        | Algorithm::Pm
+        | Algorithm::Distributed
+        | Algorithm::Whitted => ToneCurve::Srgb,
     }
 }
 

@@ -49,14 +49,17 @@ pub(super) fn simulated_effects_line(plan: &Plan) -> String {
     format!("plan: {}; without {}", names(|d| d.is_simulated), names(|d| !d.is_simulated))
 }
 
-/// Prints the plan and the work of a pass. Warns of needed effects that the plan omits, and of
-/// caustics that are found only by chance.
+/// Prints the plan and the work of a pass. Warns of needed effects that the plan omits, of caustics
+/// that are found only by chance, and of light from media that is omitted.
 pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay) {
     progress.print_line(&simulated_effects_line(integrator.plan()));
     pass_work_lines(integrator).iter().for_each(|line| progress.print_line(line));
     omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
     if finds_caustics_only_by_chance(integrator) {
         print_message(UNSAMPLED_CAUSTICS_WARNING);
+    }
+    if integrator.omits_light_from_media() {
+        print_message(OMITTED_MEDIUM_LIGHT_WARNING);
     }
 }
 
@@ -80,6 +83,10 @@ pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
 /// Warning for a scene with caustics and an algorithm without photons.
 const UNSAMPLED_CAUSTICS_WARNING: &str = "warning: this method finds caustics only by chance: of small lights rarely, of point lights never. \
     The estimated error does not include what it misses. hybrid and sppm find caustics by photons";
+
+/// Warning for a scene with emitting media and an algorithm that does not light surfaces with them.
+const OMITTED_MEDIUM_LIGHT_WARNING: &str = "warning: with this method, media that emit light are seen but light nothing. \
+    hybrid, path and pm with gather rays find their light";
 
 /// Returns a line with the numbers of camera rays and photon paths of a pass.
 fn pass_counts_line(balance: &RayPhotonBalance) -> String {

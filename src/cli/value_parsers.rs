@@ -15,8 +15,10 @@ pub(super) fn parse_count(text: &str) -> Result<u32, String> {
     };
     let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == '.');
     let value = digits.parse::<f64>().ok().filter(|_| plain).map(|x| x * scale);
+    // The product of a decimal fraction and its scale may lie beside a whole number by roundings.
+    let is_whole = |x: f64| (x - x.round()).abs() <= 1e-12 * x;
     match value {
-        Some(x) if x.fract() == 0.0 && x <= f64::from(u32::MAX) => Ok(x as u32),
+        Some(x) if is_whole(x) && x <= f64::from(u32::MAX) => Ok(x.round() as u32),
         Some(x) if x > f64::from(u32::MAX) => Err(format!("`{text}` is too large: the largest count is {}", u32::MAX)),
         _ => Err(format!("`{text}` is not a count: write a whole number such as 250000, 250k or 2.5M")),
     }

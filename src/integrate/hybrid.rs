@@ -11,9 +11,9 @@
 //!   the camera and store photons in the caustic map. At later receivers, store photons in the
 //!   indirect map. Trace unaimed photon paths, which start in all directions. Once a receiver has
 //!   reflected their photons, store them in the interreflection map. Then trace camera paths with
-//!   next-event estimation. One path of each pixel reads the photon maps at its first receiver, and
-//!   some paths continue there. Then trace prefix rays, which end at their first receiver, in the
-//!   pixels that need them.
+//!   next-event estimation. One path of each pixel, in each slice of the shutter interval, reads
+//!   the photon maps at its first receiver. Some paths continue there. Then trace prefix rays,
+//!   which end at their first receiver, in the pixels that need them.
 //!
 //! Photons carry caustics and the light that receivers reflect after a caustic. Camera paths ignore
 //! emission that they hit after a receiver and one or more casters. Of the other indirect light,

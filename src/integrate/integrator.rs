@@ -82,6 +82,14 @@ pub trait Integrator: Send + Sync {
         false
     }
 
+    /// True if media of the scene emit light with which the passes do not light surfaces.
+    ///
+    /// Only camera paths that continue from receivers find this light: media emit no photons, and
+    /// get no shadow rays.
+    fn omits_light_from_media(&self) -> bool {
+        false
+    }
+
     /// Returns the work and benefit of the pilot that guides shadow rays to the environment light;
     /// `None` if no such pilot ran.
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {

@@ -541,7 +541,7 @@ impl<'a> PhotonMapBuilder<'a> {
 }
 
 /// True if `effects` simulate media and the scene uses media that emit light.
-fn has_emitting_media(scene: &Scene, effects: Effects) -> bool {
+pub(super) fn has_emitting_media(scene: &Scene, effects: Effects) -> bool {
     effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.emits())
 }
 

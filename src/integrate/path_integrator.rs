@@ -9,11 +9,11 @@ use super::indirect_division::IndirectDivision;
 use super::indirect_pilot::divide_indirect_light;
 use super::integrator::Integrator;
 use super::light_group::LightGroup;
-use super::map_builder::MapBuildOptions;
+use super::map_builder::{MapBuildOptions, has_emitting_media};
 use super::nee::ShadowRayGuides;
 use super::pass::{ExpectedPhotons, PassResult, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
-use super::policy::{PathPolicy, PolicyFn};
+use super::policy::{PathContinuation, PathPolicy, PolicyFn};
 use super::prefix_pilot::find_prefix_ray_counts;
 use super::prefix_rays::PrefixRayAllocation;
 use super::radius_law::RadiusLaw;
@@ -180,6 +180,15 @@ impl Integrator for PathIntegrator<'_> {
 
     fn clamps_light(&self) -> bool {
         self.renderer.settings.camera_paths.clamp.is_some()
+    }
+
+    fn omits_light_from_media(&self) -> bool {
+        let PathPolicy { effects, continuation, .. } = self.renderer.policy;
+        let finds_it = match continuation {
+            PathContinuation::Always | PathContinuation::GatherRays => true,
+            PathContinuation::Never | PathContinuation::Glossy => false,
+        };
+        !finds_it && has_emitting_media(self.renderer.scene, effects)
     }
 
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {

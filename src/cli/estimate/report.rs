@@ -127,9 +127,12 @@ impl CostEstimateReport {
         if let Some((width, height)) = arguments.scene.size {
             words.extend(["--size".to_owned(), format!("{width}x{height}")]);
         }
+        words.extend(arguments.scene.import.repeated_flags());
         let words = words.join(" ");
         let estimate = |error: &f64| {
             let estimate = CostEstimate::new(*error, &forecast, (setup, pass_seconds, pass_photons));
+            // `render` takes an error of 1 or more only with a percent sign.
+            let error = if *error < 1.0 { error.to_string() } else { format!("{}%", 100.0 * error) };
             let flags = estimate.bias_floor.is_none().then(|| format!("{words} --target-error {error}"));
             CostEstimate { render_flags: flags, ..estimate }
         };

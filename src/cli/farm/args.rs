@@ -89,7 +89,8 @@ pub struct SlurmArguments {
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
 
-    /// Number of rounds of jobs without any new pass after which the farm gives up
+    /// Number of successive rounds of jobs without any new pass that the farm accepts before it
+    /// gives up
     #[arg(long, value_parser = parse_count, default_value = "3", value_name = "N")]
     pub retries: u32,
 

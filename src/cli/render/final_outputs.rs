@@ -4,13 +4,13 @@ use super::summary::print_render_summary;
 use crate::cli::diagnostics::{black_picture_note, no_photon_stored_note};
 use crate::cli::film::LockedFilmFile;
 use crate::cli::outputs::OutputFailures;
-use crate::cli::pictures::write_pictures;
+use crate::cli::pictures::{default_tone_curve, write_pictures};
 use crate::cli::progress::{ProgressDisplay, print_message, warn_of_rejected_samples};
 use crate::cli::report::{RenderReport, RenderSetup};
 use crate::cli::value_parsers::count_with_noun;
 use crate::cli::{CommandFailure, Exit, RenderArguments};
-use crate::image::{self, Image, ToneCurve, WriteOptions};
-use crate::integrate::{Algorithm, SurfaceAovs};
+use crate::image::{self, Image, WriteOptions};
+use crate::integrate::SurfaceAovs;
 use crate::render::error_estimate::MIN_ERROR_ESTIMATE_PASSES;
 use crate::render::{EndReason, RenderLimits, RenderResult, StopCriteria, picture_layers, surface_layers};
 use glam::Vec3;
@@ -95,14 +95,5 @@ impl RenderOutputs<'_> {
 
 /// Returns the options with which the files of `-o` and `--aov` are written.
 pub(super) fn write_options(arguments: &RenderArguments) -> WriteOptions {
-    arguments.pictures.write_options(match arguments.method.integrator {
-        Algorithm::Raycast => ToneCurve::Legacy,
-        Algorithm::Hybrid
-        | Algorithm::Path
-        | Algorithm::Sppm
-        | Algorithm::Ppm
-        | Algorithm::Pm
-        | Algorithm::Distributed
-        | Algorithm::Whitted => ToneCurve::Srgb,
-    })
+    arguments.pictures.write_options(default_tone_curve(arguments.method.integrator))
 }

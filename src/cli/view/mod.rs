@@ -92,7 +92,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<Exit, CommandFailure> {
         Box::new(move |request| requests.try_send(Event::Request(request))),
     );
     let server = server.map_err(|error| CommandFailure::usage_error(Report::new(error)))?;
-    listen_for_signals("the view ends after this pass");
+    listen_for_signals("the view ends");
     print_page_address(&server);
     Session::new(arguments, &page, &pool, queue).run(&events);
     server.finish();

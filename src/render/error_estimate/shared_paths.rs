@@ -77,18 +77,32 @@ impl SharedPathErrorSums {
         if self.pixel_indices.is_empty() {
             return (0.0, 0.0);
         }
-        let block = |at: u32| (at % columns / BLOCK_SIDE, at / columns / BLOCK_SIDE);
         let one = |(i, at): (usize, &u32)| {
             let (sum, [square]) = (DVec3::from_array(self.difference_sums.pixel_sums(i)), self.squares.pixel_sums(i));
             let product = (sum.length_squared() - square) / (n * (n - 1.0));
-            (block(*at), error_weights.clamped_relative_squared_error(*at as usize, product))
+            error_weights.clamped_relative_squared_error(*at as usize, product)
         };
-        let values: Vec<_> = self.pixel_indices.iter().enumerate().map(one).collect();
-        let mean = values.iter().map(|(_, value)| value).sum::<f64>() / values.len() as f64;
+        let values: Vec<f64> = self.pixel_indices.iter().enumerate().map(one).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
         // Blocks at the border have fewer pixels, so the variance is measured between sums instead
         // of means.
-        let blocks = values.chunk_by(|a, b| a.0 == b.0);
-        let sums: Vec<f64> = blocks.map(|block| block.iter().map(|(_, value)| value - mean).sum()).collect();
+        let mut sums = Vec::new();
+        let mut first_pixel = None;
+        for (at, value) in self.pixel_indices.iter().zip(&values) {
+            let (x, y) = (at % columns, at / columns);
+            let in_block = |(left, top): (u32, u32)| {
+                (left..left + BLOCK_SIDE).contains(&x) && (top..top + BLOCK_SIDE).contains(&y)
+            };
+            if !first_pixel.is_some_and(in_block) {
+                // Blocks have gaps of at least a block between them. So this is the first pixel of
+                // the next one, also where a crop window cuts it.
+                first_pixel = Some((x, y));
+                sums.push(0.0);
+            }
+            if let Some(sum) = sums.last_mut() {
+                *sum += value - mean;
+            }
+        }
         let count = sums.len() as f64;
         let variance = sums.iter().map(|sum| sum * sum).sum::<f64>() / (values.len() as f64 * values.len() as f64);
         let one_block = mean * mean;

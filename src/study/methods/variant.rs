@@ -46,20 +46,22 @@ pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> R
 /// Returns the global illumination algorithms that give different pictures of `scene`.
 ///
 /// Photon algorithms are left out if the scene has no light, or no surface or medium that stores
-/// photons. `hybrid` is also left out if no caustics are simulated, because it then equals `path`.
+/// photons. `hybrid` is also left out if neither caustics nor interreflection is simulated, because
+/// it then equals `path`.
 #[must_use]
 pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
     let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);
     let facts = &plan.features;
     let stores_photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
-    let has_caustics = plan.simulated_effects().has(Effect::Caustics);
+    let effects = plan.simulated_effects();
+    let hybrid_uses_photons = effects.has(Effect::Caustics) || effects.has(Effect::Interreflection);
     // Position in the list, or `None` for an algorithm that is left out.
     let position = |algorithm: Algorithm| match algorithm {
         Algorithm::Path => Some(0),
         Algorithm::Pm => stores_photons.then_some(1),
         Algorithm::Ppm => stores_photons.then_some(2),
         Algorithm::Sppm => stores_photons.then_some(3),
-        Algorithm::Hybrid => (stores_photons && has_caustics).then_some(4),
+        Algorithm::Hybrid => (stores_photons && hybrid_uses_photons).then_some(4),
         Algorithm::Distributed | Algorithm::Whitted | Algorithm::Raycast => None,
     };
     let mut applicable: Vec<(u8, Algorithm)> =
@@ -92,17 +94,21 @@ mod tests {
     }
 
     #[test]
-    fn applicable_methods_depend_on_caustics() {
+    fn hybrid_is_left_out_if_it_uses_no_photons() {
         use Algorithm::{Hybrid, Path, Pm, Ppm, Sppm};
-        assert_eq!(
-            applicable_methods(&glass_sphere_on_floor(4, 3), EffectOverrides::NO_OVERRIDES),
-            [Path, Pm, Ppm, Sppm, Hybrid]
-        );
-        assert_eq!(
-            applicable_methods(&diffuse_sphere_on_floor(4, 3), EffectOverrides::NO_OVERRIDES),
-            [Path, Pm, Ppm, Sppm]
-        );
-        let without = EffectOverrides::NO_OVERRIDES.with_forced_off(Effect::Caustics);
-        assert_eq!(applicable_methods(&glass_sphere_on_floor(4, 3), without), [Path, Pm, Ppm, Sppm]);
+        let all = EffectOverrides::NO_OVERRIDES;
+        let (caustics_off, interreflection_off) =
+            (all.with_forced_off(Effect::Caustics), all.with_forced_off(Effect::Interreflection));
+        let glass = glass_sphere_on_floor(4, 3);
+        for overrides in [all, caustics_off, interreflection_off] {
+            assert_eq!(applicable_methods(&glass, overrides), [Path, Pm, Ppm, Sppm, Hybrid]);
+        }
+        let diffuse = diffuse_sphere_on_floor(4, 3);
+        assert_eq!(applicable_methods(&diffuse, all), [Path, Pm, Ppm, Sppm, Hybrid]);
+        for (scene, overrides) in
+            [(&diffuse, interreflection_off), (&glass, interreflection_off.with_forced_off(Effect::Caustics))]
+        {
+            assert_eq!(applicable_methods(scene, overrides), [Path, Pm, Ppm, Sppm]);
+        }
     }
 }

@@ -4,7 +4,7 @@
 const cameraPosition = { yaw: 0, pitch: 0, zoom: 0 };
 const RADIANS_PER_PIXEL = 0.006;
 let isMoveDue = false;
-let lastMove = 0;
+let lastMove = -Infinity;
 
 /** Sends the position, at most twelve times a second. */
 function sendPosition() {

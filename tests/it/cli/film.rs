@@ -286,6 +286,22 @@ fn merging_many_films_takes_the_memory_of_two() {
     assert!(peaks[1] < peaks[0] + 5 * 334 * 40 * 30, "{peaks:?}");
 }
 
+/// The merged PNG of `raycast` has the tone curve of that algorithm.
+#[test]
+fn merged_picture_has_the_tone_of_its_algorithm() {
+    let sandbox = CliSandbox::new();
+    for part in 1..=2 {
+        let shard = format!("--integrator raycast --passes 2 --shard {part}/2 --film part{part}.film");
+        sandbox.render("box.txt", &shard).expect(0, &[]);
+    }
+    sandbox.render("box.txt", "--integrator raycast --passes 2 -o whole.png").expect(0, &[]);
+    sandbox.run(&["merge", "part1.film", "part2.film", "-o", "sum.png"]).expect(0, &["wrote sum.png"]);
+    let pixels = |name: &str| image::open(sandbox.path(name)).unwrap().to_rgb8();
+    assert_eq!(pixels("sum.png"), pixels("whole.png"));
+    sandbox.run(&["merge", "part1.film", "part2.film", "--tone", "srgb", "-o", "other.png"]).expect(0, &[]);
+    assert_ne!(pixels("other.png"), pixels("whole.png"));
+}
+
 /// The films of all parts of a render add up to the bits of one render, in any order.
 #[test]
 #[ignore = "long: many runs of the program"]

@@ -39,6 +39,37 @@ fn plan_lists_work_of_each_effect() {
 }
 
 #[test]
+fn light_from_media_that_photons_lack_is_warned_of() {
+    let sandbox = CliSandbox::new();
+    let scene = |emission: &str| {
+        format!(
+            "PerspectiveCamera {{ center 0 1 6 lookAt 0 1 0 angle 40 width 8 height 6 }}
+            Lights {{ PointLight {{ position 0 5 0 power 1 1 1 }} }}
+            Media {{ Medium flame {{ absorption 1 1 1 emission {emission} }} }}
+            Materials {{ Diffuse floor {{ reflectance .7 .7 .7 }} Clear inside {{ medium flame }} }}
+            Group {{
+                MaterialName floor Plane {{ normal 0 1 0 offset 0 }}
+                MaterialName inside Sphere {{ center 0 1 0 radius .5 }}
+            }}"
+        )
+    };
+    sandbox.put("flame.txt", scene("9 5 1"));
+    sandbox.put("smoke.txt", scene("0 0 0"));
+    let warning = "media that emit light are seen but light nothing";
+    let render = |name: &str, method: &str| {
+        let ended = sandbox.render(name, &format!("-o a.exr --photons 1k --passes 1 --integrator {method}"));
+        ended.expect(0, &[]);
+        ended.stderr.contains(warning)
+    };
+    for method in ["sppm", "ppm", "pm --final-gathering none", "whitted"] {
+        assert!(render("flame.txt", method) && !render("smoke.txt", method), "{method}");
+    }
+    for method in ["hybrid", "path", "pm"] {
+        assert!(!render("flame.txt", method), "{method}");
+    }
+}
+
+#[test]
 #[ignore = "long: many runs of the program"]
 fn effect_overrides_reach_every_command() {
     let sandbox = CliSandbox::new();
