@@ -1,9 +1,9 @@
 //! Table of estimated and true errors.
 
-use super::trace::{Trace, TracePoint, groups};
+use super::trace::{Trace, TracePoint, groups, last_estimate_up_to};
 
-/// Numbers of passes of the table's rows.
-const PASSES: [u32; 6] = [4, 8, 16, 31, 65, 128];
+/// Numbers of passes of the table's rows. A row shows the last estimate up to its number.
+const PASSES: [u32; 6] = [4, 8, 16, 32, 64, 128];
 
 /// Prints estimated over true error, and how many 90 % intervals contain the true error.
 pub fn print(traces: &[Trace]) {
@@ -11,7 +11,7 @@ pub fn print(traces: &[Trace]) {
     println!("|{}", " --- |".repeat(8));
     let (mut held_of_all, mut all, mut rows, mut good_rows) = (0, 0, 0, 0);
     for group in groups(traces) {
-        for passes in PASSES {
+        for passes in PASSES.map(last_estimate_up_to) {
             let points: Vec<&TracePoint> = group
                 .iter()
                 .filter_map(|trace| trace.points.iter().find(|point| point.estimate.passes == passes))

@@ -1,10 +1,10 @@
 //! Table of forecasts and real ends.
 
-use super::trace::{Trace, groups};
+use super::trace::{Trace, groups, last_estimate_up_to};
 use caustica::render::error_estimate::{PassRange, StopForecast};
 
-/// Numbers of passes after which forecasts are made.
-const PILOTS: [u32; 3] = [8, 16, 31];
+/// Numbers of passes of the forecasts. A forecast is made at the last estimate up to its number.
+const PILOTS: [u32; 3] = [8, 16, 32];
 
 /// A render that made this many times the passes of the forecast, or more, is compared with it.
 const LEAST_EXTRAPOLATION: f64 = 1.3;
@@ -52,15 +52,16 @@ impl Score {
 pub fn print(traces: &[Trace]) {
     println!("| scene | method | passes | cases | within 1.5 | in the range | cannot tell | steady |");
     println!("|{}", " --- |".repeat(8));
+    let pilots = PILOTS.map(last_estimate_up_to);
     let mut totals = [Score::default(); PILOTS.len()];
     for group in groups(traces) {
-        let scores = PILOTS.map(|pilot| score_of_pilot(group, pilot));
-        for ((score, pilot), total) in scores.iter().zip(PILOTS).zip(&mut totals) {
+        let scores = pilots.map(|pilot| score_of_pilot(group, pilot));
+        for ((score, pilot), total) in scores.iter().zip(pilots).zip(&mut totals) {
             total.add(score);
             println!("| {} | {} | {pilot} | {} |", group[0].scene, group[0].algorithm.name(), score.text());
         }
     }
-    for (score, pilot) in totals.iter().zip(PILOTS) {
+    for (score, pilot) in totals.iter().zip(pilots) {
         println!("| all | | {pilot} | {} |", score.text());
     }
 }

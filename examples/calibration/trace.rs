@@ -34,6 +34,11 @@ pub struct ReachedTarget<'a> {
     pub end: &'a TracePoint,
 }
 
+/// Returns the largest number of passes, up to `passes`, after which a render estimates its error.
+pub fn last_estimate_up_to(passes: u32) -> u32 {
+    EstimateSchedule::due_passes().take_while(|due| *due <= passes).last().unwrap_or(passes)
+}
+
 /// Returns an error target with the default confidence.
 pub fn target(error: f64) -> ErrorTarget {
     ErrorTarget { error, confidence: Confidence::default() }
