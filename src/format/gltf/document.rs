@@ -21,8 +21,10 @@ const MEMORY_PER_BYTE: u64 = 4;
 /// them.
 ///
 /// A file may also require extensions that the importer ignores. Others are refused.
-const EXTRA_SUPPORTED_EXTENSIONS: [&str; 7] = [
+const EXTRA_SUPPORTED_EXTENSIONS: [&str; 9] = [
     "EXT_mesh_gpu_instancing",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
     "KHR_materials_specular",
     "KHR_materials_variants",
@@ -34,10 +36,8 @@ const EXTRA_SUPPORTED_EXTENSIONS: [&str; 7] = [
 /// Material extensions that the importer ignores, each with the message about it.
 ///
 /// A file may require these extensions, because they only refine materials.
-pub(super) const IGNORED_MATERIAL_EXTENSIONS: [(&str, &str); 6] = [
+pub(super) const IGNORED_MATERIAL_EXTENSIONS: [(&str, &str); 4] = [
     ("KHR_materials_anisotropy", "anisotropy is ignored: highlights are round"),
-    ("KHR_materials_clearcoat", "clear coats are ignored"),
-    ("KHR_materials_diffuse_transmission", "diffuse transmission is ignored"),
     ("KHR_materials_iridescence", "iridescence is ignored"),
     ("KHR_materials_sheen", "sheen is ignored"),
     ("KHR_materials_subsurface", "subsurface scattering is ignored"),

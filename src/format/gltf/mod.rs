@@ -63,7 +63,7 @@ fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene
     let mut notes = ImportNotes::default();
     let GltfFile { document, blob } = parse_document(context, bytes, &mut notes)?;
     let buffers = GltfBuffers::new(context, document.buffers().len(), blob);
-    let mut materials = GltfMaterials::new(GltfTextures::new(context, &buffers));
+    let mut materials = GltfMaterials::new(GltfTextures::new(context, &document, &buffers));
     let content = read_scene(context, &buffers, &document, &mut materials, &mut notes)?;
     let mut lights = content.lights;
     if lights.is_empty() && !content.has_emissive_surfaces {

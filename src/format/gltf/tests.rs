@@ -179,17 +179,78 @@ fn transmission_makes_bodies_and_panes() {
     ));
 }
 
+/// Returns a plastic material whose extension `name` has the value `extension`.
+fn plastic_with(name: &str, extension: Value) -> Value {
+    json!({
+        "name": "p", "extensions": { name: extension },
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.5, 0.5, 0.25, 1], "metallicFactor": 0.5, "roughnessFactor": 0.5,
+        },
+    })
+}
+
+#[test]
+fn clear_coats_make_principled_surfaces() {
+    let coat = json!({
+        "clearcoatFactor": 0.5, "clearcoatTexture": { "index": 0 }, "clearcoatRoughnessFactor": 0.5,
+        "clearcoatRoughnessTexture": { "index": 0 }, "clearcoatNormalTexture": { "index": 0 },
+    });
+    let scene = import_json(&triangle_scene(plastic_with("KHR_materials_clearcoat", coat), json!({})));
+    let MaterialKindDescription::Principled(surface) = material_kind(&scene, "p") else { panic!() };
+    assert_eq!(surface.base_color, DVec3::new(0.5, 0.5, 0.25).into());
+    assert_eq!(
+        (&surface.metallic, &surface.roughness),
+        (&TexturedValue::Constant(0.5), &TexturedValue::Constant(0.25))
+    );
+    assert!((surface.eta - 1.5).abs() < 1e-12);
+    // The red channel of the texture, 255 and 0, times the factor.
+    let TexturedValue::Texture(amount) = &surface.clearcoat else { panic!("{:?}", surface.clearcoat) };
+    let texture = scene.description.textures.iter().find(|texture| texture.name == amount.value).unwrap();
+    let TextureKindDescription::Image { path, .. } = &texture.kind else { panic!() };
+    assert_eq!(scene.assets.pictures[&path.value].pixels().iter().map(|p| p.x).collect::<Vec<_>>(), [0.5, 0.0]);
+    // The green channel, 0 and 255: α is 0 and (0.5)².
+    assert!((surface.clearcoat_roughness - 0.125).abs() < 1e-6, "{}", surface.clearcoat_roughness);
+    let noted = |part: &str| scene.notes.iter().any(|note| note.message.contains(part));
+    assert!(noted("become their mean") && noted("normals of the surface below"), "{:?}", scene.notes);
+
+    let none = plastic_with("KHR_materials_clearcoat", json!({ "clearcoatRoughnessFactor": 0.5 }));
+    let scene = import_json(&triangle_scene(none, json!({})));
+    assert!(matches!(material_kind(&scene, "p"), MaterialKindDescription::Mix(_)), "the default factor is 0");
+    let broken = plastic_with("KHR_materials_clearcoat", json!({ "clearcoatTexture": { "index": 7 } }));
+    assert_import_error(&triangle_scene(broken, json!({})), "`clearcoatTexture` is no texture of this file");
+}
+
+#[test]
+fn diffuse_transmission_takes_its_share_of_diffuse_reflection() {
+    let transmission =
+        |factor: f64| json!({ "diffuseTransmissionFactor": factor, "diffuseTransmissionColorFactor": [1, 0.5, 0] });
+    let mut material = plastic_with("KHR_materials_diffuse_transmission", transmission(0.25));
+    material["pbrMetallicRoughness"]["metallicFactor"] = 0.into();
+    let scene = import_json(&triangle_scene(material.clone(), json!({})));
+    let MaterialKindDescription::Mix(mix) = material_kind(&scene, "p") else { panic!() };
+    assert_eq!(mix.second_probability, TexturedValue::Constant(0.25));
+    assert!(matches!(material_kind(&scene, &mix.first), MaterialKindDescription::CoatedDiffuse(_)));
+    let MaterialKindDescription::DiffuseTransmission(sheet) = material_kind(&scene, &mix.second) else { panic!() };
+    assert_eq!((&sheet.reflectance, &sheet.transmittance), (&DVec3::ZERO.into(), &DVec3::new(1.0, 0.5, 0.0).into()));
+
+    material["extensions"]["KHR_materials_diffuse_transmission"] = transmission(1.0);
+    let scene = import_json(&triangle_scene(material.clone(), json!({})));
+    assert!(matches!(material_kind(&scene, "p"), MaterialKindDescription::DiffuseTransmission(_)));
+    material["extensions"]["KHR_materials_diffuse_transmission"] = json!({});
+    let scene = import_json(&triangle_scene(material, json!({})));
+    assert!(matches!(material_kind(&scene, "p"), MaterialKindDescription::CoatedDiffuse(_)));
+}
+
 #[test]
 fn what_is_not_supported_is_noted_once() {
-    let material = json!({ "name": "a", "extensions": { "KHR_materials_sheen": {}, "KHR_materials_clearcoat": {} } });
+    let material = json!({ "name": "a", "extensions": { "KHR_materials_sheen": {}, "KHR_materials_iridescence": {} } });
     let mut scene = triangle_scene(material, json!({ "weights": [0.5] }));
     scene["animations"] = json!([{}, {}]);
     let notes = import_json(&scene).notes;
     let count = |part: &str| {
         notes.iter().filter(|note| note.message.contains(part) && note.concerns_unsupported_content).count()
     };
-    for part in ["sheen is ignored", "clear coats are ignored", "morph targets", "(2×: animations[0], animations[1])"]
-    {
+    for part in ["sheen is ignored", "iridescence is ignored", "morph targets", "(2×: animations[0], animations[1])"] {
         assert_eq!(count(part), 1, "{part}: {notes:?}");
     }
     assert_eq!(

@@ -11,6 +11,7 @@ use crate::image::{Image, QuantizedRgba, decode_quantized_rgba};
 use glam::{DVec2, DVec3, Vec3};
 use gltf::image::Source;
 use gltf::texture::{MagFilter, WrappingMode};
+use serde_json::Value;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -64,6 +65,7 @@ impl GltfConvertedTexture {
 /// Textures and embedded pictures of the imported scene so far.
 pub(super) struct GltfTextures<'a> {
     context: &'a FileContext<'a>,
+    document: &'a gltf::Document,
     buffers: &'a GltfBuffers<'a>,
     /// Decoded pictures by image index; `None` for an image in an unsupported format.
     decoded_pictures: HashMap<usize, Option<Rc<QuantizedRgba>>>,
@@ -79,9 +81,10 @@ pub(super) struct GltfTextures<'a> {
 
 impl<'a> GltfTextures<'a> {
     /// Returns an empty table of textures and pictures; decodes nothing yet.
-    pub fn new(context: &'a FileContext<'a>, buffers: &'a GltfBuffers<'a>) -> Self {
+    pub fn new(context: &'a FileContext<'a>, document: &'a gltf::Document, buffers: &'a GltfBuffers<'a>) -> Self {
         Self {
             context,
+            document,
             buffers,
             decoded_pictures: HashMap::new(),
             converted_pictures: HashMap::new(),
@@ -89,6 +92,12 @@ impl<'a> GltfTextures<'a> {
             textures: Vec::new(),
             pictures: BTreeMap::new(),
         }
+    }
+
+    /// Returns the texture to which the JSON object `info` of a material extension refers; `None`
+    /// if the file has no such texture.
+    pub fn texture_of_json(&self, info: &Value) -> Option<TextureReference<'a>> {
+        TextureReference::from_json(self.document.textures(), info)
     }
 
     /// Converts a texture for the use `wanted`; `None` if its picture has an unsupported format.
@@ -259,26 +268,38 @@ impl<'a> TextureReference<'a> {
     }
 
     /// Returns the texture of a normal map, with the extension KHR_texture_transform applied.
-    ///
-    /// The crate `gltf` gives this extension as raw JSON.
     pub fn from_normal_texture(normal: &gltf::material::NormalTexture<'a>) -> Self {
         let extension = normal.extension_value("KHR_texture_transform");
+        Self::with_raw_transform(normal.texture(), normal.tex_coord(), extension)
+    }
+
+    /// Returns the texture to which the JSON object `info` of a material extension refers, with the
+    /// extension KHR_texture_transform applied. `None` if `textures`, all textures of the file,
+    /// lack it.
+    pub fn from_json(mut textures: gltf::iter::Textures<'a>, info: &Value) -> Option<Self> {
+        let index = usize::try_from(info.get("index")?.as_u64()?).ok()?;
+        let texcoord_set = info.get("texCoord").and_then(Value::as_u64).unwrap_or(0);
+        let extension = info.get("extensions").and_then(|extensions| extensions.get("KHR_texture_transform"));
+        Some(Self::with_raw_transform(textures.nth(index)?, u32::try_from(texcoord_set).ok()?, extension))
+    }
+
+    /// Returns a reference to `texture`. `extension` is the JSON object of KHR_texture_transform:
+    /// the crate `gltf` does not parse it everywhere.
+    fn with_raw_transform(texture: gltf::Texture<'a>, texcoord_set: u32, extension: Option<&Value>) -> Self {
+        let Some(extension) = extension else {
+            return Self { texture, texcoord_set, transform: TexcoordTransformDescription::default() };
+        };
         let numbers = |key: &str, default: f64| -> [f64; 2] {
-            let number = |i: usize| extension?.get(key)?.get(i)?.as_f64();
+            let number = |i: usize| extension.get(key)?.get(i)?.as_f64();
             [0, 1].map(|i| number(i).unwrap_or(default))
         };
-        let number = |key: &str| extension?.get(key)?.as_f64();
-        let texcoord_set = number("texCoord").map_or(normal.tex_coord(), |set| set as u32);
-        let transform = if extension.is_some() {
-            texcoord_transform_description(
-                numbers("offset", 0.0),
-                number("rotation").unwrap_or(0.0),
-                numbers("scale", 1.0),
-            )
-        } else {
-            TexcoordTransformDescription::default()
-        };
-        Self { texture: normal.texture(), texcoord_set, transform }
+        let number = |key: &str| extension.get(key)?.as_f64();
+        let transform = texcoord_transform_description(
+            numbers("offset", 0.0),
+            number("rotation").unwrap_or(0.0),
+            numbers("scale", 1.0),
+        );
+        Self { texture, texcoord_set: number("texCoord").map_or(texcoord_set, |set| set as u32), transform }
     }
 
     /// True if all numbers of the transform are finite and no scale is 0.

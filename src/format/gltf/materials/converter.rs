@@ -33,14 +33,14 @@ const MIN_ABBE_NUMBER: f64 = 2.0;
 const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 
 /// Parameters of the metallic-roughness model that its metal part and its dielectric part share.
-struct MetallicRoughnessSurface<'a> {
+pub(super) struct MetallicRoughnessSurface<'a> {
     /// Base color in \[0, 1], which multiplies `base_texture`.
-    base_color: DVec3,
-    base_texture: Option<TextureReference<'a>>,
+    pub base_color: DVec3,
+    pub base_texture: Option<TextureReference<'a>>,
     /// Reflectance of the dielectric part at normal incidence, by color channel.
-    f0: DVec3,
+    pub f0: DVec3,
     /// GGX α as a constant or a texture, and its mean over all pixels.
-    ggx_alpha_and_mean: (TexturedValue<f64>, f64),
+    pub ggx_alpha_and_mean: (TexturedValue<f64>, f64),
 }
 
 /// Converter of one material, with the state of the conversion.
@@ -150,6 +150,9 @@ impl GltfMaterialConverter<'_, '_> {
             f0: self.dielectric_normal_reflectance(material, index),
             ggx_alpha_and_mean: alpha,
         };
+        if let Some(coat) = self.clear_coat(material)? {
+            return self.clear_coated_description(&surface, metallic, coat);
+        }
         if metallic == TexturedValue::Constant(1.0) {
             return self.metal_description(&surface);
         }
@@ -173,18 +176,20 @@ impl GltfMaterialConverter<'_, '_> {
         surface: &MetallicRoughnessSurface<'_>,
         index: f64,
     ) -> ReadResult<MaterialKindDescription> {
-        let Some(transmission) = material.transmission() else { return self.opaque_dielectric_description(surface) };
+        let Some(transmission) = material.transmission() else {
+            return self.sheet_or_opaque_description(material, surface);
+        };
         let factor = clamped_to_unit(transmission.transmission_factor());
         let texture = self.texture_reference(transmission.transmission_texture().as_ref());
         let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), GltfTextureUse::Channel(0, factor))?;
         if amount == TexturedValue::Constant(0.0) {
-            return self.opaque_dielectric_description(surface);
+            return self.sheet_or_opaque_description(material, surface);
         }
         let glass = self.glass_description(material, surface, index)?;
         if amount == TexturedValue::Constant(1.0) {
             return Ok(glass);
         }
-        let opaque_dielectric = self.opaque_dielectric_description(surface)?;
+        let opaque_dielectric = self.sheet_or_opaque_description(material, surface)?;
         let (first, second) =
             (self.add_mix_component("opaque", opaque_dielectric), self.add_mix_component("glass", glass));
         Ok(mix_of(first, second, amount))
@@ -197,7 +202,7 @@ impl GltfMaterialConverter<'_, '_> {
     /// - 0: a diffuse surface.
     /// - Gray, and at most that of a coat with the largest index: a diffuse base under a coat.
     /// - Otherwise: a diffuse surface with a Phong lobe for the gloss.
-    fn opaque_dielectric_description(
+    pub(super) fn opaque_dielectric_description(
         &mut self,
         surface: &MetallicRoughnessSurface<'_>,
     ) -> ReadResult<MaterialKindDescription> {
@@ -408,8 +413,15 @@ impl GltfMaterialConverter<'_, '_> {
     /// Returns the texture that a material refers to, with its coordinates.
     ///
     /// `None` if there is no texture, or if its transform is not valid.
-    fn texture_reference<'t>(&mut self, info: Option<&gltf::texture::Info<'t>>) -> Option<TextureReference<'t>> {
-        let reference = TextureReference::from_info(info?);
+    pub(super) fn texture_reference<'t>(
+        &mut self,
+        info: Option<&gltf::texture::Info<'t>>,
+    ) -> Option<TextureReference<'t>> {
+        self.with_valid_transform(TextureReference::from_info(info?))
+    }
+
+    /// Returns `reference`; `None` with a note if its transform is not valid.
+    pub(super) fn with_valid_transform<'t>(&mut self, reference: TextureReference<'t>) -> Option<TextureReference<'t>> {
         if reference.has_valid_transform() {
             return Some(reference);
         }
@@ -418,7 +430,7 @@ impl GltfMaterialConverter<'_, '_> {
     }
 
     /// Returns the color of a surface: `factor` times the texture, if there is one.
-    fn textured_color(
+    pub(super) fn textured_color(
         &mut self,
         texture: Option<&TextureReference<'_>>,
         factor: DVec3,
@@ -433,7 +445,7 @@ impl GltfMaterialConverter<'_, '_> {
     /// Returns a parameter in \[0, 1], as a constant or a texture, and its mean.
     ///
     /// `wanted` selects the conversion from the pixels of `texture` to the parameter.
-    fn textured_scalar_and_mean(
+    pub(super) fn textured_scalar_and_mean(
         &mut self,
         texture: Option<&TextureReference<'_>>,
         wanted: GltfTextureUse,
@@ -476,14 +488,14 @@ impl GltfMaterialConverter<'_, '_> {
     /// Adds one of the two materials of a mix, and returns the name of this material.
     ///
     /// The name is that of the whole material followed by `suffix`.
-    fn add_mix_component(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
+    pub(super) fn add_mix_component(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
         let name = self.materials.list.unique_name(&format!("{} {suffix}", self.name));
         let normal = if kind.mix_material_names().is_none() { self.normal.clone() } else { None };
         self.materials.list.push_surface(name.clone(), kind, normal);
         name
     }
 
-    fn add_note(&mut self, message: &str) {
+    pub(super) fn add_note(&mut self, message: &str) {
         self.notes.add_unsupported(message, format!("material `{}`", self.name));
     }
 }
@@ -491,13 +503,13 @@ impl GltfMaterialConverter<'_, '_> {
 /// Returns the refractive index of a coat with the reflectance `f0` at normal incidence.
 ///
 /// `None` if the channels differ, or if the index is not between 1 and [`MAX_COAT_INDEX`].
-fn coat_refractive_index(f0: DVec3) -> Option<f64> {
+pub(super) fn coat_refractive_index(f0: DVec3) -> Option<f64> {
     let root = f0.x.sqrt();
     let index = (1.0 + root) / (1.0 - root);
     (f0 == DVec3::splat(f0.x) && (1.0..=f64::from(MAX_COAT_INDEX)).contains(&index)).then_some(index)
 }
 
 /// Returns `factor` clamped to \[0, 1]; 0 for NaN.
-fn clamped_to_unit(factor: f32) -> f64 {
+pub(super) fn clamped_to_unit(factor: f32) -> f64 {
     if factor.is_nan() { 0.0 } else { f64::from(factor).clamp(0.0, 1.0) }
 }

@@ -1,6 +1,7 @@
 //! Materials of a scene that is imported from a glTF file, each converted at its first use.
 
 mod converter;
+mod layers;
 
 use super::context::{FileContext, ReadResult};
 use super::textures::GltfTextures;

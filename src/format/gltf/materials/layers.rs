@@ -1,0 +1,133 @@
+//! Converts the material extensions of glTF that add a layer: clear coats and diffuse transmission.
+
+use super::converter::{GltfMaterialConverter, MetallicRoughnessSurface, clamped_to_unit, coat_refractive_index};
+use crate::bsdf::MAX_COAT_INDEX;
+use crate::format::description::{
+    DielectricAbsorption, DiffuseTransmissionDescription, MaterialKindDescription, PrincipledDescription, TexturedValue,
+};
+use crate::format::gltf::context::ReadResult;
+use crate::format::gltf::textures::{GltfTextureUse, TextureReference};
+use crate::format::imported_materials::mix_of;
+use glam::DVec3;
+use serde_json::Value;
+
+/// Clear coat of a material (KHR_materials_clearcoat).
+pub(super) struct GltfClearCoat {
+    /// Share of the surface that the coat covers, in \[0, 1].
+    amount: TexturedValue<f64>,
+    /// GGX α of the coat.
+    ggx_alpha: f64,
+}
+
+impl<'a> GltfMaterialConverter<'_, 'a> {
+    /// Returns the clear coat of `material`; `None` without one, or if it is ignored with a note.
+    pub(super) fn clear_coat(&mut self, material: &gltf::Material<'_>) -> ReadResult<Option<GltfClearCoat>> {
+        let Some(extension) = material.extension_value("KHR_materials_clearcoat") else { return Ok(None) };
+        let texture = self.extension_texture(extension, "clearcoatTexture")?;
+        let wanted = GltfTextureUse::Channel(0, unit_number(extension, "clearcoatFactor", 0.0));
+        let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), wanted)?;
+        if amount == TexturedValue::Constant(0.0) {
+            return Ok(None);
+        }
+        if material.transmission().is_some_and(|transmission| transmission.transmission_factor() > 0.0) {
+            self.add_note("clear coats of glass are ignored");
+            return Ok(None);
+        }
+        if material.extension_value("KHR_materials_diffuse_transmission").is_some() {
+            self.add_note("diffuse transmission under a clear coat is ignored");
+        }
+        if extension.get("clearcoatNormalTexture").is_some() {
+            self.add_note("clear coats have the normals of the surface below");
+        }
+        let texture = self.extension_texture(extension, "clearcoatRoughnessTexture")?;
+        let wanted = GltfTextureUse::GgxAlpha(unit_number(extension, "clearcoatRoughnessFactor", 0.0));
+        let (alpha, ggx_alpha) = self.textured_scalar_and_mean(texture.as_ref(), wanted)?;
+        if matches!(alpha, TexturedValue::Texture(_)) {
+            self.add_note("textures of the roughness of clear coats become their mean");
+        }
+        Ok(Some(GltfClearCoat { amount, ggx_alpha }))
+    }
+
+    /// Converts an opaque surface under a clear coat. `metallic` is its share of metal.
+    pub(super) fn clear_coated_description(
+        &mut self,
+        surface: &MetallicRoughnessSurface<'_>,
+        metallic: TexturedValue<f64>,
+        coat: GltfClearCoat,
+    ) -> ReadResult<MaterialKindDescription> {
+        let MetallicRoughnessSurface { base_color, base_texture, f0, ggx_alpha_and_mean: (roughness, _) } = surface;
+        let eta = coat_refractive_index(*f0).unwrap_or_else(|| {
+            self.add_note("strong or colored gloss of non-metals under a clear coat is gray, and at most 36 %");
+            coat_refractive_index(DVec3::splat(f0.element_sum() / 3.0)).unwrap_or(MAX_COAT_INDEX.into())
+        });
+        Ok(MaterialKindDescription::Principled(PrincipledDescription {
+            base_color: self.textured_color(base_texture.as_ref(), *base_color)?,
+            metallic,
+            roughness: roughness.clone(),
+            eta,
+            transmission: TexturedValue::Constant(0.0),
+            absorption: DielectricAbsorption::None,
+            clearcoat: coat.amount,
+            clearcoat_roughness: coat.ggx_alpha,
+            has_multiple_scattering: true,
+        }))
+    }
+
+    /// Converts the part of the dielectric that is no glass: an opaque surface, or its mix with a
+    /// sheet that transmits light diffusely (KHR_materials_diffuse_transmission).
+    ///
+    /// As in the specification, the amount of diffuse transmission takes its share from the diffuse
+    /// reflection.
+    pub(super) fn sheet_or_opaque_description(
+        &mut self,
+        material: &gltf::Material<'_>,
+        surface: &MetallicRoughnessSurface<'_>,
+    ) -> ReadResult<MaterialKindDescription> {
+        let Some(extension) = material.extension_value("KHR_materials_diffuse_transmission") else {
+            return self.opaque_dielectric_description(surface);
+        };
+        let texture = self.extension_texture(extension, "diffuseTransmissionTexture")?;
+        let wanted = GltfTextureUse::Channel(3, unit_number(extension, "diffuseTransmissionFactor", 0.0));
+        let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), wanted)?;
+        if amount == TexturedValue::Constant(0.0) {
+            return self.opaque_dielectric_description(surface);
+        }
+        if surface.f0 != DVec3::ZERO {
+            self.add_note("surfaces with diffuse transmission have gloss on their reflecting share only");
+        }
+        let texture = self.extension_texture(extension, "diffuseTransmissionColorTexture")?;
+        let transmittance =
+            self.textured_color(texture.as_ref(), unit_color(extension, "diffuseTransmissionColorFactor"))?;
+        let sheet = MaterialKindDescription::DiffuseTransmission(DiffuseTransmissionDescription {
+            reflectance: DVec3::ZERO.into(),
+            transmittance,
+        });
+        if amount == TexturedValue::Constant(1.0) {
+            return Ok(sheet);
+        }
+        let opaque = self.opaque_dielectric_description(surface)?;
+        let (first, second) = (self.add_mix_component("reflecting", opaque), self.add_mix_component("sheet", sheet));
+        Ok(mix_of(first, second, amount))
+    }
+
+    /// Returns the texture `key` of a material extension; `None` without one, or if its transform
+    /// is not valid.
+    fn extension_texture(&mut self, extension: &Value, key: &str) -> ReadResult<Option<TextureReference<'a>>> {
+        let Some(info) = extension.get(key) else { return Ok(None) };
+        let Some(reference) = self.materials.textures.texture_of_json(info) else {
+            return Err(self.context.error(&self.name, format!("its `{key}` is no texture of this file")));
+        };
+        Ok(self.with_valid_transform(reference))
+    }
+}
+
+/// Returns the number `key` of a material extension, clamped to \[0, 1].
+fn unit_number(extension: &Value, key: &str, default: f32) -> f64 {
+    clamped_to_unit(extension.get(key).and_then(Value::as_f64).map_or(default, |number| number as f32))
+}
+
+/// Returns the color `key` of a material extension, clamped to \[0, 1]; white without one.
+fn unit_color(extension: &Value, key: &str) -> DVec3 {
+    let channel = |i: usize| extension.get(key)?.get(i)?.as_f64();
+    DVec3::from([0, 1, 2].map(|i| clamped_to_unit(channel(i).map_or(1.0, |value| value as f32))))
+}
