@@ -157,7 +157,8 @@ static PERSPECTIVE: BlockSchema = block_schema("PerspectiveCamera", "perspective
             .with_range(FieldRange::Positive)
             .make_optional("0.024: 24 mm if the unit is the metre"),
         field_schema("focusDistance", FieldKind::Number, "distance along the view of the plane in focus, 10⁻¹² … 10¹²")
-            .with_range(FieldRange::Positive),
+            .with_range(FieldRange::Positive)
+            .make_optional("none: a lens needs it with `direction` and without `focusAt`"),
         field_schema("focusAt", FieldKind::Point, "instead of `focusDistance`: a point of the plane in focus")
             .make_optional("the point of `lookAt`"),
         field_schema("blades", FieldKind::WholeNumber, "edges of the lens opening, visible in blurred highlights")

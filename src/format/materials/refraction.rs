@@ -41,8 +41,8 @@ pub const MIN_REFRACTIVE_INDEX: f64 = 0.001;
 /// within single precision.
 pub const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 
-/// Schema of the field `indexOfRefraction` of dielectrics and thin panes.
-pub(super) const REFRACTIVE_INDEX_FIELD: FieldSchema =
+/// Schema of the field `indexOfRefraction` of dielectrics.
+const REFRACTIVE_INDEX_FIELD: FieldSchema =
     field_schema("indexOfRefraction", FieldKind::Number, "absolute index of refraction")
         .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
         .with_default_numbers(&[1.5]);

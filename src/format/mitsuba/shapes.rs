@@ -296,6 +296,9 @@ impl MitsubaShapes {
                 (ShapeDescription::Disc(DiscDescription { center: DVec3::ZERO, normal, radius: 1.0 }), flat)
             }
             "cylinder" => {
+                if is_textured {
+                    context.add_note("textures lie on cylinders by our coordinates instead of Mitsuba's", shape);
+                }
                 if is_turned {
                     context.add_note("flipped normals of cylinders are ignored", shape);
                 }

@@ -181,7 +181,7 @@ impl MitsubaTextures {
         let bytes = context.files.read_file(&file)?;
         let free = context.files.free_memory().map(|free| free.saturating_sub(bytes.len() as u64));
         let failed = |error: ReadError| {
-            let help = "repair the picture or name another: PNG, JPEG, BMP, OpenEXR or Radiance HDR";
+            let help = "repair the picture or name another: PNG, JPEG, BMP, TGA, OpenEXR or Radiance HDR";
             let place = &object.place;
             let described =
                 SceneError::error_at_span(&place.source, place.span, error.to_string(), "this picture", help);

@@ -25,7 +25,8 @@ pub struct PrincipledDescription {
     pub metallic: TexturedValue<f64>,
     /// GGX α of metal, glass and coat, inside \[0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
-    /// Index of refraction of glass and coat relative to the surroundings, inside \[1, 4].
+    /// Index of refraction, inside \[1, 4]: of the coat relative to the surroundings, and of the
+    /// glass relative to vacuum.
     pub eta: f64,
     /// Share of glass in the part that is no metal, inside \[0, 1].
     pub transmission: TexturedValue<f64>,
@@ -54,9 +55,13 @@ field_table!(PrincipledDescription {
         .with_range(UNIT_RANGE)
         .with_default_numbers(&[0.0]),
     roughness: ROUGHNESS_FIELD,
-    eta: field_schema("indexOfRefraction", FieldKind::Number, "index of coat and glass, relative to the surroundings")
-        .with_range(FieldRange::ClosedInterval(1.0, MAX_COAT_INDEX as f64))
-        .with_default_numbers(&[1.5]),
+    eta: field_schema(
+        "indexOfRefraction",
+        FieldKind::Number,
+        "index of the coat relative to the surroundings, and absolute index of the glass"
+    )
+    .with_range(FieldRange::ClosedInterval(1.0, MAX_COAT_INDEX as f64))
+    .with_default_numbers(&[1.5]),
     transmission: field_schema(
         "transmission",
         FieldKind::NumberOrTexture,

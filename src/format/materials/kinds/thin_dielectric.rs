@@ -4,10 +4,10 @@ use super::fields::TRANSMITTANCE_RANGE;
 use super::{BoundedBody, MaterialBlock};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
-use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
+use crate::format::language::schema::{BlockSchema, FieldKind, FieldRange, block_schema, field_schema};
 use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
-use crate::format::materials::refraction::REFRACTIVE_INDEX_FIELD;
+use crate::format::materials::refraction::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX};
 use crate::format::resolve::Resolver;
 use crate::format::resolve::textures::TextureRequirements;
 use crate::format::span::Spanned;
@@ -25,7 +25,9 @@ pub struct ThinDielectricDescription {
 }
 
 field_table!(ThinDielectricDescription {
-    eta: REFRACTIVE_INDEX_FIELD,
+    eta: field_schema("indexOfRefraction", FieldKind::Number, "index of refraction relative to the surroundings")
+        .with_range(FieldRange::ClosedInterval(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
+        .with_default_numbers(&[1.5]),
     transmittance: field_schema(
         "transmittance",
         FieldKind::ColorOrTexture,
@@ -36,10 +38,9 @@ field_table!(ThinDielectricDescription {
 });
 
 impl MaterialBlock for ThinDielectricDescription {
-    const BLOCK: &'static BlockSchema =
-        &block_schema("Thin", "pane without thickness; the index is relative to the surroundings")
-            .with_table(Self::FIELDS)
-            .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
+    const BLOCK: &'static BlockSchema = &block_schema("Thin", "pane without thickness")
+        .with_table(Self::FIELDS)
+        .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
     const BOUNDED_BODY: BoundedBody = BoundedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
