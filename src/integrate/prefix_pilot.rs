@@ -123,7 +123,7 @@ struct PixelLightStatistics {
     up_to_receiver: RunningVariance,
     /// Photon estimate at the first receiver, as mean and variance.
     photon_estimate: RunningVariance,
-    /// Sum over whole camera paths of (`after_receiver` − its mean) times (`up_to_receiver` − its
+    /// Sum over whole camera paths of (`from_receiver` − its mean) times (`up_to_receiver` − its
     /// mean), from which their covariance follows.
     deviation_product_sum: f64,
 }
@@ -136,7 +136,7 @@ struct RelativePixelVariances {
     from_receiver: f64,
     /// Variance of the emission and direct light that the path finds up to its first receiver.
     ///
-    /// If the covariance of this light and the light of `after_receiver` is negative, twice the
+    /// If the covariance of this light and the light of `from_receiver` is negative, twice the
     /// covariance is added: a ray near an edge finds either one light or the other.
     up_to_receiver: f64,
     /// Variance of the photon estimate at the first receiver.
@@ -368,7 +368,7 @@ fn pixel_variances(
     let mut mean = values(|l| f64::from(l.from_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean));
     images.iter().for_each(|image| mean[image.pixel as usize] += image.pixel_radiance);
     let median = positive_median(mean.iter().copied())?;
-    let after_receiver = values(|l| l.from_receiver.variance());
+    let from_receiver = values(|l| l.from_receiver.variance());
     let up_to_receiver = values(|l| l.up_to_receiver.variance());
     let (products, photons) = (values(|l| l.deviation_product_sum), values(|l| l.photon_estimate.variance()));
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
@@ -382,7 +382,7 @@ fn pixel_variances(
         let covariance = smoothed(&products, i) / f64::from(WHOLE_PICTURES - 1);
         let photons = smoothed(&photons, i);
         RelativePixelVariances {
-            from_receiver: box_mean(&after_receiver, i, 1) * scale,
+            from_receiver: box_mean(&from_receiver, i, 1) * scale,
             up_to_receiver: (up_to_receiver + 2.0 * covariance.min(0.0)).max(0.0) * scale,
             photon_estimate: photons * scale,
             ..RelativePixelVariances::default()

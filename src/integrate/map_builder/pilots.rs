@@ -17,8 +17,14 @@ use crate::sampling::{Key, Purpose};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Largest number of photon paths of the pilot that divides caustics between photon estimates and
-/// light tracing.
+/// Number of aimed photon paths of a pass, divided by that of the pilot that divides caustics
+/// between photon estimates and light tracing.
+const SHARE_PILOT_PATH_DIVISOR: u32 = 4;
+
+/// Least number of photon paths of that pilot, unless a pass has fewer.
+const MIN_SHARE_PILOT_PATHS: u32 = 1 << 15;
+
+/// Largest number of photon paths of that pilot.
 const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 
 /// Number of photons that most gather discs of the indirect map should hold. In `hybrid`, it
@@ -185,7 +191,8 @@ impl<'a> PhotonMapBuilder<'a> {
             LightTracing::Off => return,
             LightTracing::Full => DensityEstimateShares::with_uniform_share(0, size),
             LightTracing::Weighted => {
-                let paths = self.counts.aimed.min(MAX_SHARE_PILOT_PATHS);
+                let fraction = self.counts.aimed / SHARE_PILOT_PATH_DIVISOR;
+                let paths = fraction.clamp(MIN_SHARE_PILOT_PATHS, MAX_SHARE_PILOT_PATHS).min(self.counts.aimed);
                 let photon_tracer = self.photon_tracer(source, StoreMask::CAUSTIC);
                 let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::DensityEstimateShares);
                 let light_tracer = LightTracer::new(self.scene, self.uses_lens(), None);
