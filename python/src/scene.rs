@@ -13,15 +13,15 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// A scene that was read and resolved.
 #[pyclass(frozen)]
 pub struct NativeScene {
     file: SceneFile,
     memory: MemoryLimit,
-    /// The scene as it was resolved last. Its camera has the picture size.
-    resolved: Mutex<Arc<Scene>>,
+    /// The scene with the picture size that the file describes.
+    resolved: Arc<Scene>,
 }
 
 /// Triangle mesh from Python: name, positions, triangles, normals and texture coordinates.
@@ -70,25 +70,25 @@ pub fn load_text(
 impl NativeScene {
     fn resolve(file: SceneFile, memory: MemoryLimit) -> Result<Self, Failure> {
         let scene = file.resolve_monitored(&(), memory).map_err(Failure::Scene)?;
-        Ok(Self { file, memory, resolved: Mutex::new(Arc::new(scene)) })
+        Ok(Self { file, memory, resolved: Arc::new(scene) })
     }
 
-    /// Returns the scene as it was resolved last.
-    fn resolved(&self) -> Arc<Scene> {
-        Arc::clone(&self.resolved.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Returns the scene with a picture of `size` (width, height), which it keeps for later calls.
+    /// Returns the scene with a picture of `size` (width, height).
+    ///
+    /// The files of the scene are read again only if the size is not the described one, and the
+    /// camera moves while the shutter is open.
     pub fn resolved_for_size(&self, size: (u32, u32)) -> Result<Arc<Scene>, Failure> {
-        let last = self.resolved();
-        if last.camera().size() == size {
-            return Ok(last);
+        if self.resolved.camera().size() == size {
+            return Ok(Arc::clone(&self.resolved));
         }
         let mut file = self.file.clone();
         (file.description.camera.value.width, file.description.camera.value.height) = size;
-        let scene = Arc::new(file.resolve_monitored(&(), self.memory).map_err(Failure::Scene)?);
-        *self.resolved.lock().unwrap_or_else(PoisonError::into_inner) = Arc::clone(&scene);
-        Ok(scene)
+        let scene = if file.description.camera.motion.is_empty() {
+            self.resolved.with_camera(&file.resolve_camera().map_err(Failure::Scene)?)
+        } else {
+            file.resolve_monitored(&(), self.memory).map_err(Failure::Scene)?
+        };
+        Ok(Arc::new(scene))
     }
 
     /// Returns the picture size (width, height) that the scene asks for.
@@ -111,7 +111,7 @@ impl NativeScene {
 
     /// Numbers of triangles, of other shapes and of lights.
     fn counts(&self) -> (usize, usize, usize) {
-        let scene = self.resolved();
+        let scene = &self.resolved;
         (scene.triangle_count(), scene.analytic_shape_count(), scene.lights().len())
     }
 
@@ -135,7 +135,7 @@ impl NativeScene {
         let algorithm = crate::render::algorithm_by_name(integrator)?;
         let overrides =
             effects.parse().map_err(|e: caustica::plan::UnknownOverrideError| PyValueError::new_err(e.to_string()))?;
-        let plan = py.detach(|| Plan::new(&self.resolved(), algorithm.supported_effects(), overrides));
+        let plan = py.detach(|| Plan::new(&self.resolved, algorithm.supported_effects(), overrides));
         let decisions = plan.decisions.iter();
         Ok(decisions.map(|d| (d.effect.name(), d.is_needed, d.is_simulated, d.reason.to_string())).collect())
     }

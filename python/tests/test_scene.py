@@ -50,6 +50,16 @@ def test_files_that_cannot_be_read_are_named(text, tmp_path):
         caustica.load_file(tmp_path / "bytes.txt")
 
 
+def test_another_size_reads_no_file_again(text, tmp_path):
+    (tmp_path / "triangle.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    mesh = text.replace("Plane {", "TriangleMesh { obj_file triangle.obj }  Plane {")
+    (tmp_path / "a.txt").write_text(mesh)
+    scene = caustica.load_file(tmp_path / "a.txt")
+    (tmp_path / "triangle.obj").unlink()
+    assert scene.render("path", passes=1, size=(8, 6)).image.shape == (6, 8, 3)
+    assert (scene.size, scene.triangles) == ((48, 32), 1)
+
+
 def test_scenes_beyond_the_memory_are_refused(text, tmp_path):
     (tmp_path / "a.txt").write_text(text + " " * 1000)
     with pytest.raises(MemoryError, match="memory"):

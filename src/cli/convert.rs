@@ -1,7 +1,8 @@
 //! `caustica convert`: writes any scene that can be read as scene text.
 
+use super::input_files::InputFileCollector;
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
-use super::progress::{InputFileCollector, print_message};
+use super::progress::print_message;
 use super::scene::{import_warnings, read_scene_file};
 use super::scene_args::ImportArguments;
 use super::{CommandFailure, Exit};

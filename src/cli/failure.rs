@@ -22,7 +22,7 @@ pub enum Exit {
     /// The engine of a farm is missing or refuses a job, or parts of the render failed on it.
     Farm = 5,
     /// A signal such as Ctrl-C interrupted the command. The first signal still writes the outputs;
-    /// a second one ends the program without them.
+    /// a later one ends the program without them.
     Interrupted = 130,
 }
 

@@ -1,10 +1,12 @@
 //! Locks of files against use by two processes.
 
+use crate::image::canonical_output_path;
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Lock of a file: a locked file beside it, whose name ends with `.lock`.
+/// Lock of a file: a locked file beside it, whose name ends with `.lock`. All symbolic links to the
+/// file share this lock.
 pub(super) struct FileLock {
     path: PathBuf,
     /// Open file that holds the lock. The system releases the lock when the process ends.
@@ -15,7 +17,7 @@ impl FileLock {
     /// Locks the file at `path`, which need not exist. Returns `None` if another process holds the
     /// lock.
     pub fn acquire(path: &Path) -> io::Result<Option<Self>> {
-        let mut name = path.as_os_str().to_owned();
+        let mut name = canonical_output_path(path).into_os_string();
         name.push(".lock");
         let lock = PathBuf::from(name);
         loop {
@@ -53,4 +55,21 @@ fn is_file_at(file: &File, path: &Path) -> bool {
 #[cfg(not(unix))]
 fn is_file_at(_: &File, path: &Path) -> bool {
     path.exists()
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symbolic_links_share_the_lock_of_their_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let [film, link] = ["a.film", "link.film"].map(|name| folder.path().join(name));
+        fs::write(&film, "").unwrap();
+        std::os::unix::fs::symlink(&film, &link).unwrap();
+        let lock = FileLock::acquire(&link).unwrap();
+        assert!(lock.is_some() && FileLock::acquire(&film).unwrap().is_none());
+        drop(lock);
+        assert!(FileLock::acquire(&film).unwrap().is_some());
+    }
 }

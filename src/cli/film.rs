@@ -2,6 +2,7 @@
 
 use super::args::MethodArguments;
 use super::file_lock::FileLock;
+use super::input_files::{InputFile, input_digests};
 use super::progress::print_message;
 use super::settings::method_flags;
 use super::value_parsers::{count_with_noun, parse_bytes};
@@ -13,11 +14,10 @@ use crate::plan::EffectOverrides;
 use crate::render::error_estimate::MIN_ERROR_ESTIMATE_PASSES;
 use crate::render::{
     FilmFile, FilmFileError, FilmHeader, InputDigest, LayerSelection, PassSet, RenderResult, check_films_memory,
-    read_film_header,
+    check_layered_picture_memory, read_film_header,
 };
 use crate::stats::MemoryLimit;
 use clap::Args;
-use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Write as _};
@@ -28,6 +28,10 @@ use std::time::{Duration, Instant};
 /// Smallest time between two saves, as a multiple of the time that a save takes. It keeps the time
 /// of saves below 1 % of a render.
 const MIN_INTERVAL_SAVE_RATIO: u32 = 100;
+
+/// Memory of `caustica merge` beside its films: the program, and buffers for reading and writing
+/// \[bytes].
+const MERGE_MEMORY_RESERVE: u64 = 64 << 20;
 
 /// Flag of a render whose film has no data for the error estimate.
 const NO_ERROR_ESTIMATE_FLAG: &str = "--no-error-estimate";
@@ -115,6 +119,14 @@ pub(super) fn check_film_memory(paths: &[PathBuf], count: usize, memory: Option<
         check_films_memory(count, size, film_layers(&header), free).map_err(CommandFailure::usage_error)?;
     }
     Ok(())
+}
+
+/// Returns a memory limit \[bytes] with which `caustica merge` can merge films with this header.
+pub(super) fn merge_memory(header: &FilmHeader) -> u64 {
+    let size = (header.width, header.height);
+    let film = check_layered_picture_memory(size, film_layers(header), None);
+    // A picture that is too large fails already when it is rendered.
+    2 * film.unwrap_or_default() + MERGE_MEMORY_RESERVE
 }
 
 /// Reads the header of a film file.
@@ -209,60 +221,33 @@ fn film_layers(header: &FilmHeader) -> LayerSelection {
 }
 
 /// Returns the header of the film of a render of `size` (width, height) pixels. The render may be a
-/// window of a picture of `whole` pixels. `inputs` are the files that the scene names.
+/// window of a picture of `whole` pixels. `scene` is the scene file, and `inputs` are the files
+/// that it names.
+///
+/// This must be called right after loading. It returns a failure if a file changed since it was
+/// read.
 pub(super) fn make_film_header(
     render: &FilmHeaderSettings<'_>,
     size: (u32, u32),
     whole: (u32, u32),
-    inputs: &[PathBuf],
+    scene: &InputFile,
+    inputs: &[InputFile],
 ) -> Result<FilmHeader, CommandFailure> {
     let mut settings = render.non_default_flags();
     if render.crop.is_some() {
         // A window at the same place of a picture of another size shows something else.
         settings.extend(["--size".to_owned(), format!("{}x{}", whole.0, whole.1)]);
     }
-    let digests = std::iter::once(render.scene).chain(inputs.iter().map(PathBuf::as_path)).map(|path| {
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        Ok(InputDigest { name, digest: file_digest(path)? })
-    });
-    let digests: io::Result<Vec<InputDigest>> = digests.collect();
-    let mut digests = digests.map_err(|error| CommandFailure::new(Exit::Input, miette::Report::from_err(error)))?;
-    digests.sort_by(|a, b| (&a.name, &a.digest).cmp(&(&b.name, &b.digest)));
-    digests.dedup();
     Ok(FilmHeader {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         scene: render.scene.display().to_string(),
-        inputs: digests,
+        inputs: input_digests(scene, inputs)?,
         width: size.0,
         height: size.1,
         settings,
         seed: render.method.seed,
         planned_passes: render.planned_passes,
     })
-}
-
-/// Returns the SHA-256 digest of a file in hexadecimal digits.
-fn file_digest(path: &Path) -> io::Result<String> {
-    let mut hasher = Sha256::new();
-    io::copy(&mut File::open(path)?, &mut HashWriter(&mut hasher))?;
-    Ok(hasher.finalize().iter().fold(String::new(), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
-    }))
-}
-
-/// Writer that adds all written bytes to a SHA-256 digest.
-struct HashWriter<'a>(&'a mut Sha256);
-
-impl io::Write for HashWriter<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.update(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
 }
 
 impl<'a> LockedFilmFile<'a> {

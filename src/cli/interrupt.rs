@@ -1,12 +1,18 @@
 //! Signals that interrupt a command.
 //!
 //! The first SIGINT, SIGTERM or SIGHUP ends the work after the current pass and writes the
-//! outputs. The second one ends the process at once. Both give the exit code
-//! [`Exit::Interrupted`].
+//! outputs. A signal that comes more than a second later ends the process at once. Both give the
+//! exit code [`Exit::Interrupted`].
 
 use super::Exit;
 use super::progress::{clear_progress_bar, print_message};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Time after the first signal in which further ones count as the same interruption.
+///
+/// When a terminal closes, both the shell and the system send SIGHUP.
+const SAME_INTERRUPTION_TIME: Duration = Duration::from_secs(1);
 
 /// True after the first interrupting signal, or after a stop request of the live page of
 /// `--listen`.
@@ -17,13 +23,52 @@ pub(super) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// `consequence` says what the command still does after the first signal, such as "the picture so
 /// far is written after this pass".
 pub(super) fn listen_for_signals(consequence: &'static str) {
-    spawn_signal_handler(move || {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+    let mut first = None;
+    spawn_signal_handler(move || match act_on_signal(&mut first, Instant::now()) {
+        SignalAction::FinishPass => {
+            INTERRUPTED.store(true, Ordering::Relaxed);
+            print_message(&format!("interrupted: {consequence}; interrupt again to stop at once"));
+        }
+        SignalAction::Ignore => {}
+        SignalAction::EndProcess => {
             clear_progress_bar();
             std::process::exit(i32::from(Exit::Interrupted as u8));
         }
-        print_message(&format!("interrupted: {consequence}; interrupt again to stop at once"));
     });
+}
+
+/// Ends the work after the current pass, as a user asked on the live page.
+///
+/// A signal that follows is a first one, because the user of the terminal may not know of the
+/// request. `consequence` is that of [`listen_for_signals`].
+#[cfg(feature = "view")]
+pub(super) fn stop_on_request(consequence: &str) {
+    if !INTERRUPTED.swap(true, Ordering::Relaxed) {
+        print_message(&format!("stopped on the live page: {consequence}"));
+    }
+}
+
+/// What a signal does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum SignalAction {
+    /// The work ends after the current pass.
+    FinishPass,
+    /// Nothing: the signal belongs to the same interruption as the first one.
+    Ignore,
+    /// The process ends, and nothing more is written.
+    EndProcess,
+}
+
+/// Returns what a signal at the time `now` does. Stores the time of the first signal in `first`.
+fn act_on_signal(first: &mut Option<Instant>, now: Instant) -> SignalAction {
+    match *first {
+        None => {
+            *first = Some(now);
+            SignalAction::FinishPass
+        }
+        Some(first) if now.duration_since(first) <= SAME_INTERRUPTION_TIME => SignalAction::Ignore,
+        Some(_) => SignalAction::EndProcess,
+    }
 }
 
 /// Starts a thread that calls `handle` for each interrupting signal.
@@ -32,7 +77,7 @@ pub(super) fn listen_for_signals(consequence: &'static str) {
 /// Where the system does not report which signals are ignored (all but Linux), SIGHUP keeps its
 /// default action. If no handler can be installed, a signal ends the process at once.
 #[cfg(unix)]
-fn spawn_signal_handler(handle: impl Fn() + Send + 'static) {
+fn spawn_signal_handler(mut handle: impl FnMut() + Send + 'static) {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let ignored = ignored_signals();
     let is_ignored = |signal: i32, unknown: bool| ignored.map_or(unknown, |mask| mask >> (signal - 1) & 1 == 1);
@@ -55,6 +100,21 @@ fn ignored_signals() -> Option<u64> {
 
 /// Starts a thread that calls `handle` for each Ctrl-C.
 #[cfg(not(unix))]
-fn spawn_signal_handler(handle: impl Fn() + Send + 'static) {
+fn spawn_signal_handler(handle: impl FnMut() + Send + 'static) {
     let _ = ctrlc::set_handler(handle);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_signals_after_a_second_end_the_process() {
+        let start = Instant::now();
+        let mut first = None;
+        let mut act = |seconds: f64| act_on_signal(&mut first, start + Duration::from_secs_f64(seconds));
+        assert_eq!(act(0.0), SignalAction::FinishPass);
+        assert_eq!((act(0.01), act(0.9)), (SignalAction::Ignore, SignalAction::Ignore));
+        assert_eq!(act(1.1), SignalAction::EndProcess);
+    }
 }

@@ -1,14 +1,14 @@
 //! The live page of `caustica render --listen`, and its reference picture.
 
-use super::interrupt::INTERRUPTED;
+use super::interrupt::stop_on_request;
 use super::progress::print_message;
+use super::render::STOP_CONSEQUENCE;
 use super::{CommandFailure, Exit, RenderArguments};
 use crate::image;
 use crate::view::{LiveFrame, LivePage, PageServer, RenderPublisher, Request};
 use miette::Report;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Error: the reference picture of the live page cannot be read.
@@ -64,14 +64,14 @@ impl LiveOutput {
     }
 }
 
-/// Handles a request of the live page. [`Request::Stop`] acts like the first Ctrl-C.
+/// Handles a request of the live page. [`Request::Stop`] ends the render like the first Ctrl-C.
 ///
 /// Returns false for other requests, because `caustica render` cannot resume a render or move its
 /// camera.
 fn handle_page_request(request: Request) -> bool {
     match request {
         Request::Stop => {
-            INTERRUPTED.store(true, Ordering::Relaxed);
+            stop_on_request(STOP_CONSEQUENCE);
             true
         }
         Request::Resume | Request::Orbit(_) => false,

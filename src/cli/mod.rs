@@ -13,6 +13,7 @@ mod file_lock;
 mod film;
 mod forecast_text;
 mod frames;
+mod input_files;
 mod interrupt;
 #[cfg(feature = "view")]
 mod live;

@@ -7,7 +7,7 @@ use crate::stats::Counters;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 use std::fmt;
 use std::io::{IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -231,41 +231,5 @@ impl MeshReadMonitor for ProgressDisplay {
         if let Self::Bar(bar, _) = self {
             bar.enable_steady_tick(Duration::from_millis(100));
         }
-    }
-}
-
-/// Monitor that collects the paths of all files that a scene names, and passes the progress of
-/// reading on to another monitor.
-pub(super) struct InputFileCollector<'a> {
-    progress: &'a dyn MeshReadMonitor,
-    files: Mutex<Vec<PathBuf>>,
-}
-
-impl<'a> InputFileCollector<'a> {
-    pub fn new(progress: &'a dyn MeshReadMonitor) -> Self {
-        Self { progress, files: Mutex::default() }
-    }
-
-    /// Returns the paths of all files that the scene names, in the order of reading.
-    pub fn into_input_paths(self) -> Vec<PathBuf> {
-        self.files.into_inner().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl MeshReadMonitor for InputFileCollector<'_> {
-    fn on_input_file_found(&self, path: &Path) {
-        self.files.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
-    }
-
-    fn on_read_start(&self, path: &Path, bytes: u64) {
-        self.progress.on_read_start(path, bytes);
-    }
-
-    fn on_bytes_parsed(&self, bytes: u64) {
-        self.progress.on_bytes_parsed(bytes);
-    }
-
-    fn on_read_end(&self, path: &Path, mesh: &TriangleMesh) {
-        self.progress.on_read_end(path, mesh);
     }
 }

@@ -3,26 +3,28 @@
 mod final_outputs;
 mod pass_loop;
 mod runs;
+mod series;
 mod stereo;
 mod summary;
 mod turntable;
 
 use self::final_outputs::{RenderOutputs, write_options};
 use self::pass_loop::render_passes;
-use self::runs::{arguments_of_renders, output_files};
+use self::runs::{arguments_of_renders, named_inputs, output_files};
 use self::stereo::render_stereo_pair;
 use self::summary::print_scene_summary;
 use self::turntable::render_frames;
 use super::check::quick_scene_warnings;
 use super::diagnostics::all_lights_are_black;
 use super::film::{FilmHeaderSettings, LockedFilmFile, make_film_header};
+use super::input_files::{InputFile, InputFileCollector};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 #[cfg(feature = "view")]
 use super::live::LiveOutput;
 use super::outputs::{FileWithRole, check_distinct_files};
 use super::picture_updates::PictureUpdater;
 use super::plan;
-use super::progress::{InputFileCollector, ProgressDisplay};
+use super::progress::ProgressDisplay;
 use super::report::RenderSetup;
 use super::scene::{load_scene_and_file, with_thread_pool};
 use super::settings::settings_from_arguments;
@@ -37,14 +39,17 @@ use crate::integrate::{
     render_surface_aovs,
 };
 use crate::render::{
-    LayerSelection, RenderLimits, RenderResult, StopCriteria, check_layered_picture_memory, check_photon_memory,
+    FilmHeader, LayerSelection, RenderLimits, RenderResult, StopCriteria, check_layered_picture_memory,
+    check_photon_memory,
 };
 use crate::scene::Scene;
 #[cfg(feature = "view")]
 use crate::view::{PlanReport, RenderPublisher, RenderStage};
 use std::ops::Range;
-use std::path::PathBuf;
 use std::time::Instant;
+
+/// What a render still does after the first interrupting signal, or after a stop on the live page.
+pub(super) const STOP_CONSEQUENCE: &str = "the picture so far is written after this pass";
 
 /// Number of rays of each pixel for surface AOVs of the live page.
 #[cfg(feature = "view")]
@@ -90,8 +95,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
             image::check_replaceable(path).map_err(CommandFailure::output_error)?;
         }
     }
-    check_distinct_files(&output_files(arguments)?, &[FileWithRole::new("the scene file", &arguments.scene.scene)])?;
-    listen_for_signals("the picture so far is written after this pass");
+    check_distinct_files(&output_files(arguments)?, &named_inputs(arguments))?;
+    listen_for_signals(STOP_CONSEQUENCE);
     let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || load_scene_and_render(arguments, &progress))
 }
@@ -135,26 +140,29 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let live_output = LiveOutput::start(arguments)?;
     #[cfg(feature = "view")]
     let live = live_output.as_ref().map(|output| output.begin_render(start));
+    let scene_file = InputFile::new(&arguments.scene.scene);
     let inputs = InputFileCollector::new(progress);
     let (file, scene) = load_scene_and_file(&arguments.scene, &inputs)?;
     progress.remove_progress_bar();
     quick_scene_warnings(&file, &scene, &arguments.scene).iter().for_each(|line| progress.print_line(line));
     let camera = file.description.camera.value.clone();
     drop(file);
-    let input_paths = inputs.into_input_paths();
-    let inputs: Vec<FileWithRole> = input_paths.iter().map(|path| FileWithRole::new("the input", path)).collect();
-    check_distinct_files(&output_files(arguments)?, &inputs)?;
+    let inputs = inputs.into_input_files();
+    let named: Vec<FileWithRole> = inputs.iter().map(|file| FileWithRole::new("the input", &file.path)).collect();
+    check_distinct_files(&output_files(arguments)?, &named)?;
+    // The files may change while pilots run; the film must not take them for those of the scene.
+    let film_header = requested_film_header(arguments, &scene, &scene_file, &inputs)?;
     print_scene_summary(&arguments.scene.scene.display().to_string(), &scene, progress);
     if let Some(range) = arguments.frames {
-        return render_frames(arguments, range, &scene, &camera, &input_paths, progress);
+        return render_frames(arguments, range, &scene, &camera, progress);
     }
     if let Some(distance) = arguments.stereo {
-        return render_stereo_pair(arguments, distance, &scene, &camera, &input_paths, progress);
+        return render_stereo_pair(arguments, distance, &scene, &camera, progress);
     }
     let exit = render_scene(
         arguments,
         &scene,
-        &input_paths,
+        film_header,
         start,
         progress,
         #[cfg(feature = "view")]
@@ -167,12 +175,13 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
 
 /// Renders `scene`, and writes all outputs.
 ///
-/// `inputs` are the files that the scene names. `--time` counts from `start`: the start of loading,
-/// or of this picture if there are several. `live` shows the render on a page.
+/// `film_header` is the header of the film of `--film`; `None` without this flag. `--time` counts
+/// from `start`: the start of loading, or of this picture if there are several. `live` shows the
+/// render on a page.
 fn render_scene(
     arguments: &RenderArguments,
     scene: &Scene,
-    inputs: &[PathBuf],
+    film_header: Option<FilmHeader>,
     start: Instant,
     progress: &ProgressDisplay,
     #[cfg(feature = "view")] mut live: Option<RenderPublisher<'_>>,
@@ -201,8 +210,8 @@ fn render_scene(
     settings.camera_paths.groups_light = arguments.light_groups;
     (settings.camera_paths.crop, settings.camera_paths.clamp) = (arguments.crop, arguments.clamp);
     let camera_paths = settings.camera_paths.clone();
-    let (memory, whole) = (arguments.scene.memory_limit(), scene.camera().size());
-    let size = rendered_picture_size(arguments.crop, whole)?;
+    let memory = arguments.scene.memory_limit();
+    let size = rendered_picture_size(arguments.crop, scene.camera().size())?;
     let layers = requested_layers(arguments, estimates_error);
     let picture_bytes = check_layered_picture_memory(size, layers, memory.available_bytes());
     let picture_bytes = picture_bytes.map_err(CommandFailure::usage_error)?;
@@ -223,8 +232,7 @@ fn render_scene(
     let (numbers, stop) = shard_passes_and_stop(arguments, stop)?;
     let mut film = None;
     let mut before = None;
-    if let Some(path) = &arguments.film {
-        let header = make_film_header(&film_header_settings(arguments), size, whole, inputs)?;
+    if let Some((path, header)) = arguments.film.as_ref().zip(film_header) {
         let (saved, rendered) = LockedFilmFile::open(path, header, arguments.save_every)?;
         if let Some(rendered) = rendered {
             if arguments.shard.is_some() {
@@ -309,6 +317,23 @@ fn shard_passes_and_stop<'a>(
     }
     let count = numbers.end - numbers.start;
     Ok((numbers, StopCriteria { max_passes: Some(count), ..stop }))
+}
+
+/// Returns the header of the film of `--film`; `None` without this flag.
+///
+/// `scene_file` is the file of `scene`, and `inputs` are the files that it names.
+fn requested_film_header(
+    arguments: &RenderArguments,
+    scene: &Scene,
+    scene_file: &InputFile,
+    inputs: &[InputFile],
+) -> Result<Option<FilmHeader>, CommandFailure> {
+    if arguments.film.is_none() {
+        return Ok(None);
+    }
+    let whole = scene.camera().size();
+    let size = rendered_picture_size(arguments.crop, whole)?;
+    make_film_header(&film_header_settings(arguments), size, whole, scene_file, inputs).map(Some)
 }
 
 /// Returns the scene and the settings that the header of the film file holds.

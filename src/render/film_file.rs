@@ -32,7 +32,8 @@ const SCRATCH: usize = 16;
 /// Name of an input file of a scene, and the SHA-256 digest of its content.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputDigest {
-    /// Name of the file without its folder.
+    /// Path of the file from the folder of the scene, with `/` between folders. A file outside of
+    /// that folder has its name alone.
     pub name: String,
     /// Digest in hexadecimal digits.
     pub digest: String,
@@ -111,11 +112,14 @@ impl FilmHeader {
             flags => format!("`{flags}`"),
         };
         compare("settings", &settings(self), &settings(other));
-        for input in self.inputs.iter().filter(|input| !other.inputs.contains(input)) {
+        let changed: Vec<_> = self.inputs.iter().filter(|input| !other.inputs.contains(input)).collect();
+        let is_listed = |name: &str| changed.iter().any(|input| input.name == name);
+        for input in &changed {
             lines.push(format!("file `{}` has another content or is new", input.name));
         }
         for input in &other.inputs {
-            if !self.inputs.iter().any(|own| own.name == input.name) {
+            // A changed file is listed above already.
+            if !self.inputs.contains(input) && !is_listed(&input.name) {
                 lines.push(format!("file `{}` is missing here", input.name));
             }
         }

@@ -11,10 +11,11 @@ mod work_folder;
 pub use args::{FarmArguments, FarmEngine, RefusedArguments, SlurmArguments};
 
 use super::film::make_film_header;
+use super::input_files::{InputFile, InputFileCollector};
 use super::interrupt::listen_for_signals;
 use super::merge::has_film_extension;
 use super::outputs::{FileWithRole, check_distinct_files};
-use super::progress::{InputFileCollector, ProgressDisplay};
+use super::progress::ProgressDisplay;
 use super::render::{check_raycast_flags, rendered_picture_size};
 use super::scene::{load_scene_and_file, with_thread_pool};
 use super::{CommandFailure, Exit};
@@ -51,9 +52,9 @@ fn run_slurm(arguments: &SlurmArguments) -> Result<Exit, CommandFailure> {
             .map_err(CommandFailure::output_error)?;
     }
     let folder = WorkFolder::new(&work_folder_path(arguments)).map_err(CommandFailure::output_error)?;
-    let scripts = JobScripts::new(arguments, &folder, division).map_err(CommandFailure::usage_error)?;
     let progress = ProgressDisplay::new(arguments.quiet);
     let header = with_thread_pool(&arguments.scene, || film_header_from_scene(arguments, &folder, &progress))?;
+    let scripts = JobScripts::new(arguments, &folder, &header, division).map_err(CommandFailure::usage_error)?;
     if arguments.dry_run {
         return print_scripts(&folder, &scripts, division);
     }
@@ -93,18 +94,19 @@ fn film_header_from_scene(
     folder: &WorkFolder,
     progress: &ProgressDisplay,
 ) -> Result<FilmHeader, CommandFailure> {
+    let scene_file = InputFile::new(&arguments.scene.scene);
     let inputs = InputFileCollector::new(progress);
     let (_, scene) = load_scene_and_file(&arguments.scene, &inputs)?;
     progress.remove_progress_bar();
-    let input_paths = inputs.into_input_paths();
+    let input_files = inputs.into_input_files();
     let mut outputs: Vec<FileWithRole> = arguments.output.iter().map(|path| FileWithRole::new("-o", path)).collect();
     outputs.push(FileWithRole::new("the film of --work-dir", &folder.file_path(MERGED_FILM_NAME)));
     let mut inputs = vec![FileWithRole::new("the scene file", &arguments.scene.scene)];
-    inputs.extend(input_paths.iter().map(|path| FileWithRole::new("the input", path)));
+    inputs.extend(input_files.iter().map(|file| FileWithRole::new("the input", &file.path)));
     check_distinct_files(&outputs, &inputs)?;
     let whole = scene.camera().size();
     let size = rendered_picture_size(arguments.crop, whole)?;
-    make_film_header(&arguments.film_header_settings(), size, whole, &input_paths)
+    make_film_header(&arguments.film_header_settings(), size, whole, &scene_file, &input_files)
 }
 
 /// Prints the scripts of the first round, and the commands that submit them.

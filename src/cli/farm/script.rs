@@ -3,7 +3,9 @@
 use super::args::SlurmArguments;
 use super::division::ShardDivision;
 use super::work_folder::{MERGE_MARK_NAME, MERGED_FILM_NAME, WorkFolder};
+use crate::cli::film::merge_memory;
 use crate::cli::pictures::picture_flags;
+use crate::render::FilmHeader;
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -42,8 +44,14 @@ pub(super) struct JobScripts {
 }
 
 impl JobScripts {
-    /// Returns the scripts of a render with `arguments` that is divided by `division`.
-    pub fn new(arguments: &SlurmArguments, folder: &WorkFolder, division: ShardDivision) -> Result<Self, ScriptError> {
+    /// Returns the scripts of a render with `arguments` that is divided by `division`. `header` is
+    /// that of its films.
+    pub fn new(
+        arguments: &SlurmArguments,
+        folder: &WorkFolder,
+        header: &FilmHeader,
+        division: ShardDivision,
+    ) -> Result<Self, ScriptError> {
         let program = match &arguments.program {
             Some(program) => absolute_text(program)?,
             None => absolute_text(&std::env::current_exe()?)?,
@@ -52,7 +60,7 @@ impl JobScripts {
         let enter = format!("cd {} || exit\n", quoted(&folder)?);
         Ok(Self {
             shard_script: shard_script(arguments, &program, &enter, division)?,
-            merge_script: merge_script(arguments, &program, &enter)?,
+            merge_script: merge_script(arguments, header, &program, &enter)?,
         })
     }
 }
@@ -84,7 +92,7 @@ fn shard_script(
     let switches = [("--strict", scene.import.strict), ("--allow-outside", scene.import.allow_outside)];
     words.extend(switches.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag.to_owned()));
     let command = shell_command_line(&words)?;
-    let head = script_head(arguments, "shards", shard_threads(arguments), "log/%A_%a.log")?;
+    let head = script_head(arguments, "shards", shard_threads(arguments), scene.memory, "log/%A_%a.log")?;
     Ok(format!(
         "{head}{enter}shard=$((${{1:-0}} + SLURM_ARRAY_TASK_ID))\n\
          echo \"shard $shard of {shards}, start ${{SLURM_RESTART_COUNT:-0}}\"\n\
@@ -93,25 +101,40 @@ fn shard_script(
 }
 
 /// Returns the script that merges the films of all shards.
-fn merge_script(arguments: &SlurmArguments, program: &str, enter: &str) -> Result<String, ScriptError> {
+fn merge_script(
+    arguments: &SlurmArguments,
+    header: &FilmHeader,
+    program: &str,
+    enter: &str,
+) -> Result<String, ScriptError> {
+    // The limit of a shard may be too low, because a merge holds two films.
+    let memory = arguments.scene.memory.map(|shard| shard.max(merge_memory(header)));
     let mut words = Vec::new();
     for path in &arguments.output {
         words.extend(["-o".to_owned(), absolute_text(path)?]);
     }
     words.extend(picture_flags(&arguments.pictures));
-    if let Some(memory) = arguments.scene.memory {
+    if let Some(memory) = memory {
         words.extend(["--memory".to_owned(), memory.to_string()]);
     }
     let (program, outputs) = (quoted(program)?, shell_command_line(&words)?);
-    let head = script_head(arguments, "merge", 1, "log/%j.log")?;
+    let head = script_head(arguments, "merge", 1, memory, "log/%j.log")?;
     Ok(format!(
         "{head}{enter}{program} merge shard-*.film -o {MERGED_FILM_NAME} {outputs} || exit\necho done >{MERGE_MARK_NAME}\n"
     ))
 }
 
-/// Returns the first lines of a script, with options for sbatch. `log` is the file for the script's
-/// output.
-fn script_head(arguments: &SlurmArguments, kind: &str, threads: u32, log: &str) -> Result<String, UnquotableWordError> {
+/// Returns the first lines of a script, with options for sbatch.
+///
+/// `memory` is the memory that the job asks for \[bytes]; `None` for that of the partition. `log`
+/// is the file for the script's output.
+fn script_head(
+    arguments: &SlurmArguments,
+    kind: &str,
+    threads: u32,
+    memory: Option<u64>,
+    log: &str,
+) -> Result<String, UnquotableWordError> {
     let scene = arguments.scene.scene.file_stem().unwrap_or_default().to_string_lossy();
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
     let scene = scene.replace(|c| !is_plain(c), "_");
@@ -124,7 +147,7 @@ fn script_head(arguments: &SlurmArguments, kind: &str, threads: u32, log: &str) 
         "--open-mode=append".to_owned(),
         format!("--output={log}"),
     ];
-    options.extend(arguments.scene.memory.map(|bytes| format!("--mem={}M", bytes.div_ceil(MEBIBYTE))));
+    options.extend(memory.map(|bytes| format!("--mem={}M", bytes.div_ceil(MEBIBYTE))));
     options.extend(arguments.partition.as_ref().map(|name| format!("--partition={name}")));
     options.extend(arguments.account.as_ref().map(|name| format!("--account={name}")));
     options.extend(arguments.time_limit.as_ref().map(|time| format!("--time={time}")));

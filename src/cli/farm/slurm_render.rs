@@ -183,8 +183,10 @@ impl<'a> SlurmRender<'a> {
             let jobs = jobs_text(&state.last_round_jobs);
             self.progress.print_line(&format!("following {jobs} of an earlier command"));
             match self.finish_round(state)? {
-                RoundEnd::Complete => return Ok(None),
-                RoundEnd::Incomplete(_) => {}
+                // The earlier command may have named other outputs, which its merge has written.
+                RoundEnd::Complete if self.has_current_merge_script(state.division)? => return Ok(None),
+                RoundEnd::Complete => {}
+                RoundEnd::Incomplete(tasks) => self.check_cancelled_jobs(&tasks, state.division)?,
                 RoundEnd::Interrupted => return Ok(Some(Exit::Interrupted)),
             }
         }
@@ -196,18 +198,8 @@ impl<'a> SlurmRender<'a> {
                 RoundEnd::Incomplete(tasks) => tasks,
                 RoundEnd::Interrupted => return Ok(Some(Exit::Interrupted)),
             };
+            self.check_cancelled_jobs(&known, state.division)?;
             let missing = self.incomplete_shards(state.division);
-            let cancelled = known.iter().filter(|task| task.state == "CANCELLED").count();
-            if cancelled > 0 {
-                return Err(CommandFailure::new(
-                    Exit::Farm,
-                    CancelledJobsError {
-                        jobs: count_with_noun(cancelled, "job was", "jobs were"),
-                        shards: number_list(&missing),
-                        folder: self.folder.path().to_owned(),
-                    },
-                ));
-            }
             failures = if self.completed_pass_count(state.division) > before { 0 } else { failures + 1 };
             if failures > self.arguments.retries {
                 return Err(self.no_progress_failure(&missing, failures, state, &known));
@@ -219,11 +211,35 @@ impl<'a> SlurmRender<'a> {
         }
     }
 
+    /// True if the merge script in the folder is the one that this command writes.
+    fn has_current_merge_script(&self, division: ShardDivision) -> Result<bool, CommandFailure> {
+        let scripts = self.scripts(division)?;
+        Ok(self.folder.has_file(MERGE_SCRIPT_NAME, scripts.merge_script.as_bytes()))
+    }
+
+    /// Returns the scripts of the jobs of `division`.
+    fn scripts(&self, division: ShardDivision) -> Result<JobScripts, CommandFailure> {
+        JobScripts::new(self.arguments, self.folder, &self.header, division).map_err(CommandFailure::usage_error)
+    }
+
+    /// Returns a failure if somebody cancelled one of `tasks`.
+    fn check_cancelled_jobs(&self, tasks: &[SlurmTaskStatus], division: ShardDivision) -> Result<(), CommandFailure> {
+        let cancelled = tasks.iter().filter(|task| task.state == "CANCELLED").count();
+        if cancelled == 0 {
+            return Ok(());
+        }
+        let error = CancelledJobsError {
+            jobs: count_with_noun(cancelled, "job was", "jobs were"),
+            shards: number_list(&self.incomplete_shards(division)),
+            folder: self.folder.path().to_owned(),
+        };
+        Err(CommandFailure::new(Exit::Farm, error))
+    }
+
     /// Submits the incomplete shards and the merge after them. If sbatch refuses one of the jobs,
     /// cancels the others.
     fn submit_round(&self, state: &mut FarmState, most_tasks: u32) -> Result<(), CommandFailure> {
-        let scripts =
-            JobScripts::new(self.arguments, self.folder, state.division).map_err(CommandFailure::usage_error)?;
+        let scripts = self.scripts(state.division)?;
         let folder = self.folder;
         state.last_round_jobs.clear();
         let written = folder

@@ -129,6 +129,11 @@ impl WorkFolder {
         replace_file(&self.file_path(name), bytes).map_err(|e| self.error(io::Error::other(e)))
     }
 
+    /// True if the folder has a file `name` with content `bytes`.
+    pub fn has_file(&self, name: &str, bytes: &[u8]) -> bool {
+        fs::read(self.file_path(name)).is_ok_and(|stored| stored == bytes)
+    }
+
     /// Removes the file that shows that an earlier merge has succeeded.
     pub fn remove_merge_mark(&self) -> Result<(), WorkFolderError> {
         match fs::remove_file(self.file_path(MERGE_MARK_NAME)) {

@@ -30,3 +30,13 @@ pub(super) fn output_files(arguments: &RenderArguments) -> Result<Vec<FileWithRo
     };
     Ok(arguments_of_renders(arguments)?.iter().flat_map(files).collect())
 }
+
+/// Returns all files that the command line names and that the command reads.
+pub(super) fn named_inputs(arguments: &RenderArguments) -> Vec<FileWithRole> {
+    let scene = FileWithRole::new("the scene file", &arguments.scene.scene);
+    #[cfg(feature = "view")]
+    let reference = arguments.reference.iter().map(|path| FileWithRole::new("--reference", path));
+    #[cfg(not(feature = "view"))]
+    let reference = std::iter::empty();
+    std::iter::once(scene).chain(reference).collect()
+}

@@ -1,6 +1,7 @@
 //! The two pictures of `--stereo`: their arguments, their cameras and their renders.
 
 use super::render_scene;
+use super::series::render_series;
 use crate::cli::progress::ProgressDisplay;
 use crate::cli::{CommandFailure, Exit, RenderArguments};
 use crate::format::description::CameraDescription;
@@ -25,16 +26,15 @@ struct MovingStereoCameraError;
 struct StereoProjectionError;
 
 /// Renders the pictures of the left and of the right eye, and writes all their outputs. Ends early
-/// if the left picture fails or is interrupted.
+/// if the left picture fails or is interrupted, but not if it cannot be written.
 ///
 /// The cameras are parallel and `distance` apart \[scene units]. `camera` is the camera between the
-/// eyes as the scene describes it. `inputs` are the files that the scene names.
+/// eyes as the scene describes it.
 pub(super) fn render_stereo_pair(
     arguments: &RenderArguments,
     distance: f32,
     scene: &Scene,
     camera: &CameraDescription,
-    inputs: &[PathBuf],
     progress: &ProgressDisplay,
 ) -> Result<Exit, CommandFailure> {
     if !camera.motion.is_empty() {
@@ -42,22 +42,19 @@ pub(super) fn render_stereo_pair(
     }
     let cameras = scene.camera_in_description().stereo_pair(distance.into());
     let cameras = cameras.ok_or_else(|| CommandFailure::usage_error(StereoProjectionError))?;
-    for ((eye, arguments), camera) in ["left", "right"].iter().zip(arguments_of_eyes(arguments)).zip(cameras) {
+    let eyes = ["left", "right"].iter().zip(arguments_of_eyes(arguments)).zip(cameras);
+    render_series(eyes, |((eye, arguments), camera)| {
         progress.print_line(&format!("picture of the {eye} eye"));
-        let exit = render_scene(
+        render_scene(
             &arguments,
             &scene.with_camera(&camera),
-            inputs,
+            None,
             Instant::now(),
             progress,
             #[cfg(feature = "view")]
             None,
-        )?;
-        if exit != Exit::Success {
-            return Ok(exit);
-        }
-    }
-    Ok(Exit::Success)
+        )
+    })
 }
 
 /// Returns the arguments of the left and of the right picture. Each has the names of its own files

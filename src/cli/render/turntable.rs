@@ -1,47 +1,41 @@
 //! Frames of a turntable: their arguments and their renders.
 
 use super::render_scene;
+use super::series::render_series;
 use crate::cli::frames::{FrameNameError, Turntable, frame_path};
 use crate::cli::progress::ProgressDisplay;
 use crate::cli::{CommandFailure, Exit, FrameRange, RenderArguments};
 use crate::format::description::CameraDescription;
 use crate::scene::Scene;
-use std::path::PathBuf;
 use std::time::Instant;
 
 /// Renders the frames `range` of the turntable around `scene`, and writes all their outputs. Ends
-/// early if a frame fails or is interrupted.
+/// early if a frame fails or is interrupted, but not if it cannot be written.
 ///
-/// `camera` is the camera of frame 0 as the scene describes it. `inputs` are the files that the
-/// scene names.
+/// `camera` is the camera of frame 0 as the scene describes it.
 pub(super) fn render_frames(
     arguments: &RenderArguments,
     range: FrameRange,
     scene: &Scene,
     camera: &CameraDescription,
-    inputs: &[PathBuf],
     progress: &ProgressDisplay,
 ) -> Result<Exit, CommandFailure> {
     let turntable = Turntable::new(scene, camera, arguments.turn.unwrap_or(range.end));
     let turntable = turntable.map_err(CommandFailure::usage_error)?;
-    for frame in range.numbers() {
+    render_series(range.numbers(), |frame| {
         progress.print_line(&format!("frame {frame} of {} to {}", range.first, range.end - 1));
         let arguments = frame_arguments(arguments, frame).map_err(CommandFailure::usage_error)?;
         let turned = turntable.camera(frame).map(|camera| scene.with_camera(&camera));
-        let exit = render_scene(
+        render_scene(
             &arguments,
             turned.as_ref().unwrap_or(scene),
-            inputs,
+            None,
             Instant::now(),
             progress,
             #[cfg(feature = "view")]
             None,
-        )?;
-        if exit != Exit::Success {
-            return Ok(exit);
-        }
-    }
-    Ok(Exit::Success)
+        )
+    })
 }
 
 /// Returns the arguments of one frame of `--frames`. The frame has the names of its own files, and

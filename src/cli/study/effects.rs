@@ -1,10 +1,11 @@
 //! `caustica study --effects`: the cost and the contribution of each effect.
 
 use super::output::{ReportFormatter, StudyOutputs, study_output_files};
+use crate::cli::input_files::InputFileCollector;
 use crate::cli::interrupt::{INTERRUPTED, listen_for_signals};
 use crate::cli::outputs::{FileWithRole, check_distinct_files};
 use crate::cli::plan::{self, EffectDecisionReport};
-use crate::cli::progress::{InputFileCollector, ProgressDisplay, print_message, warn_of_rejected_samples};
+use crate::cli::progress::{ProgressDisplay, print_message, warn_of_rejected_samples};
 use crate::cli::scene::{load_scene, with_thread_pool};
 use crate::cli::settings::settings_from_arguments;
 use crate::cli::{CommandFailure, Exit, StudyArguments};

@@ -29,6 +29,9 @@ const SETTLING_TIME: Duration = Duration::from_millis(300);
 /// Time between two looks for requests of surface AOVs while a render is paused.
 const AOV_POLL_INTERVAL: Duration = Duration::from_millis(100);
 
+/// Time between two attempts to send an event while the queue of the session is full.
+const EVENT_RETRY_INTERVAL: Duration = Duration::from_millis(10);
+
 /// Number of rays of each pixel for surface AOVs of the page.
 const AOV_PIXEL_RAYS: u32 = 4;
 
@@ -133,7 +136,14 @@ impl<'a> Job<'a> {
                 if self.is_cancelled() {
                     return;
                 }
-                events.try_send(Event::SceneRead { render: self.live.render_number(), files, loaded: loaded.clone() });
+                let render = self.live.render_number();
+                // The session waits for this event before it moves the camera.
+                while !events.try_send(Event::SceneRead { render, files: files.clone(), loaded: loaded.clone() }) {
+                    if self.is_cancelled() {
+                        return;
+                    }
+                    std::thread::sleep(EVENT_RETRY_INTERVAL);
+                }
                 let failed = loaded.is_none();
                 self.live.publish(|state, _| {
                     state.source = Arc::new(source);

@@ -32,6 +32,8 @@ struct SessionState {
     job: JobHandle,
     /// Number of the current job's render on the page, as [`Session::start_job`] returned it.
     render_number: u32,
+    /// True while the current job reads the scene file.
+    reading: bool,
     /// The scene that was read last without an error.
     loaded: Option<Arc<LoadedScene>>,
     watch: FileWatch,
@@ -57,8 +59,15 @@ impl<'a> Session<'a> {
             watch.set_files(WatchedFiles::new(&self.arguments.scene.scene));
             let orbit = Orbit::default();
             let (render, job) = self.start_job(scope, JobScene::File(None), orbit);
-            let mut state =
-                SessionState { job, render_number: render, loaded: None, watch, orbit, orbit_changed: false };
+            let mut state = SessionState {
+                job,
+                render_number: render,
+                reading: true,
+                loaded: None,
+                watch,
+                orbit,
+                orbit_changed: false,
+            };
             let mut next_look = Instant::now() + POLL_INTERVAL;
             while !INTERRUPTED.load(Ordering::Relaxed) {
                 let first = events.recv_timeout(next_look.saturating_duration_since(Instant::now()));
@@ -73,6 +82,7 @@ impl<'a> Session<'a> {
                 }
                 if let Some(scene) = next_scene {
                     state.orbit_changed = false;
+                    state.reading = matches!(scene, JobScene::File(_));
                     let (render, job) = self.start_job(scope, scene, state.orbit);
                     state.render_number = render;
                     std::mem::replace(&mut state.job, job).cancel();
@@ -91,15 +101,14 @@ impl<'a> Session<'a> {
     ) -> (u32, JobHandle) {
         let live = RenderPublisher::begin(self.page, Instant::now());
         let number = live.render_number();
-        let context = JobContext {
-            arguments: self.arguments,
-            pool: self.pool,
-            events: &self.queue,
-            render_lock: &self.render_lock,
-        };
-        let (handle, job) = Job::new(context, live, orbit);
+        let (handle, job) = Job::new(self.job_context(), live, orbit);
         scope.spawn(move || job.run(scene));
         (number, handle)
+    }
+
+    /// Returns the data that each job receives.
+    fn job_context(&self) -> JobContext<'_> {
+        JobContext { arguments: self.arguments, pool: self.pool, events: &self.queue, render_lock: &self.render_lock }
     }
 }
 
@@ -116,6 +125,7 @@ impl SessionState {
             }
             Event::SceneRead { render, files, loaded } => {
                 if render == self.render_number {
+                    self.reading = false;
                     self.watch.set_files(files);
                     self.loaded = loaded.or(self.loaded.take());
                 }
@@ -125,7 +135,50 @@ impl SessionState {
 
     /// Returns the scene to render with the moved camera; `None` if the camera has not moved, or no
     /// scene has been read.
+    ///
+    /// While the scene file is being read, the movement waits: a job with the earlier scene would
+    /// cancel the reading, and so lose the edit of the file.
     fn scene_for_moved_camera(&self) -> Option<JobScene> {
-        self.loaded.clone().filter(|_| self.orbit_changed).map(JobScene::Loaded)
+        self.loaded.clone().filter(|_| self.orbit_changed && !self.reading).map(JobScene::Loaded)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scene::read_scene;
+    use super::*;
+    use crate::cli::{Arguments, Command};
+    use clap::Parser;
+
+    const SCENE: &str = "\
+PerspectiveCamera { center 0 0 3 lookAt 0 0 0 angle 40 width 4 height 3 }
+Lights { PointLight { position 0 6 0  intensity 60 60 60 } }
+Group { }
+";
+
+    #[test]
+    fn camera_moves_wait_for_a_scene_being_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        std::fs::write(&path, SCENE).unwrap();
+        let parsed = Arguments::try_parse_from(["caustica", "view", path.to_str().unwrap()]).unwrap();
+        let Command::View(arguments) = parsed.command else { panic!("another command") };
+        let earlier = read_scene(&arguments, None);
+        let page = LivePage::new(String::new(), "hybrid", true, None);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let (queue, _events) = EventQueue::new();
+        let session = Session::new(&arguments, &page, &pool, queue);
+        let live = RenderPublisher::begin(&page, Instant::now());
+        let render_number = live.render_number();
+        let (job, _) = Job::new(session.job_context(), live, Orbit::default());
+        let (watch, orbit) = (FileWatch::default(), Orbit::default());
+        let loaded = earlier.loaded;
+        let mut state = SessionState { job, render_number, reading: true, loaded, watch, orbit, orbit_changed: true };
+        assert!(state.loaded.is_some() && state.scene_for_moved_camera().is_none());
+        let edited = read_scene(&arguments, None);
+        let loaded = edited.loaded.clone();
+        state.handle_event(Event::SceneRead { render: render_number, files: edited.files, loaded });
+        let Some(JobScene::Loaded(next)) = state.scene_for_moved_camera() else { panic!("no scene") };
+        assert!(Arc::ptr_eq(&next, &edited.loaded.unwrap()));
     }
 }

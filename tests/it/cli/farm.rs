@@ -48,10 +48,12 @@ fi
 echo "$job;cluster"
 "#;
 
-/// Stands for squeue: prints the states of the jobs that it is asked about.
+/// Stands for squeue: prints the states of the jobs that it is asked about. If there is a file
+/// `active`, it removes the file and says that a job runs.
 const SQUEUE: &str = r#"#!/bin/sh
 here=$(dirname "$0")
 for last; do :; done
+[ ! -e "$here/active" ] || { rm "$here/active"; echo "${last%%,*}|RUNNING|None"; exit; }
 found=
 for job in $(echo "$last" | tr , ' '); do
   grep -E "^$job(_|\|)" "$here/tasks" 2>/dev/null && found=yes
@@ -81,6 +83,15 @@ impl FakeSlurm {
     fn farm(&self, words: &str) -> ProgramRun {
         let path = format!("{}:{}", self.sandbox.path("bin").display(), std::env::var("PATH").unwrap());
         farm(&self.sandbox, &path, words)
+    }
+
+    /// Lets the last jobs seem to run until squeue was asked once more. Then they have the states
+    /// in the lines of `tasks`, or the true ones if it is empty.
+    fn let_jobs_end_later(&self, tasks: &str) {
+        if !tasks.is_empty() {
+            self.sandbox.put("bin/tasks", tasks);
+        }
+        self.sandbox.put("bin/active", "");
     }
 
     /// Returns the options of all calls of sbatch that begin with `start`, in their order.
@@ -152,6 +163,32 @@ fn failed_shards_are_submitted_again() {
     assert_eq!(slurm.calls("--array"), ["--array=1-4", "--array=2,4", "--array=4"]);
     sandbox.render("box.txt", "-o whole.exr --passes 8 --photons 1k").expect(0, &[]);
     assert_eq!(sandbox.bytes("out.exr"), sandbox.bytes("whole.exr"));
+}
+
+/// The same command with other outputs first follows the jobs that are still active, then merges
+/// into its own outputs.
+#[test]
+fn followed_jobs_are_merged_into_the_outputs_named_now() {
+    let slurm = FakeSlurm::new(1001);
+    let words = "--shards 2 --passes 4 --work-dir work";
+    slurm.farm(&format!("{words} -o a.exr")).expect(0, &["4 passes"]);
+    slurm.let_jobs_end_later("");
+    slurm.farm(&format!("{words} -o b.exr")).expect(0, &["following jobs 1, 2", "the merge as job 3", "wrote b.exr"]);
+    assert_eq!(slurm.sandbox.bytes("b.exr"), slurm.sandbox.bytes("a.exr"));
+    slurm.let_jobs_end_later("");
+    slurm.farm(&format!("{words} -o b.exr")).expect(0, &["following job 3", "4 passes"]);
+    assert_eq!(slurm.calls("--chdir").len(), 3);
+}
+
+#[test]
+fn cancelled_jobs_that_are_followed_end_the_farm() {
+    let slurm = FakeSlurm::new(1001);
+    slurm.sandbox.put("bin/failing", "1_2\n");
+    let words = "--shards 2 --passes 4 -o a.exr --retries 0";
+    slurm.farm(words).expect(5, &["there are incomplete shards (2)"]);
+    slurm.let_jobs_end_later("1_1|COMPLETED|None\n1_2|CANCELLED|None\n");
+    slurm.farm(words).expect(5, &["following jobs 1, 2", "1 job was cancelled; incomplete shards: 2"]);
+    assert_eq!(slurm.calls("--chdir").len(), 2);
 }
 
 /// A shard that fails again and again ends the command after `--retries` rounds without a new pass.
@@ -244,6 +281,24 @@ fn dry_runs_print_both_scripts() {
     }
     let checked = Command::new("sh").args(["-n", "-c", &run.stdout]).status().unwrap();
     assert!(checked.success());
+}
+
+/// The merge holds two films at a time, so its limit may exceed that of a shard.
+#[test]
+fn merges_ask_for_the_memory_of_two_films() {
+    let sandbox = CliSandbox::new();
+    // A film of this size takes 56 MB.
+    let words = "--shards 2 --passes 4 -o a.exr --size 400x300 --memory 75M --dry-run";
+    let run = farm(&sandbox, "/nonexistent", words);
+    run.expect(0, &[]);
+    let numbers = |before: &str, after: char| -> Vec<u64> {
+        let parts = run.stdout.split(before).skip(1);
+        parts.map(|part| part.split(after).next().unwrap().trim().parse().unwrap()).collect()
+    };
+    let (jobs, limits) = (numbers("#SBATCH --mem=", 'M'), numbers(" --memory ", ' '));
+    assert_eq!((jobs[0], limits[0], jobs.len(), limits.len()), (72, 75_000_000, 2, 2));
+    assert!(limits[1] > 130_000_000 && limits[1] < 200_000_000, "{limits:?}");
+    assert_eq!(jobs[1], limits[1].div_ceil(1 << 20));
 }
 
 /// A Slurm cluster of one node, which ends with this value.

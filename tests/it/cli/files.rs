@@ -26,6 +26,17 @@ fn inputs_of_the_scene_are_not_overwritten() {
     assert!(sandbox.bytes("sky.exr") == sky);
 }
 
+#[cfg(feature = "view")]
+#[test]
+fn reference_of_the_live_page_is_not_overwritten() {
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", "-o truth.exr").expect(0, &[]);
+    let truth = sandbox.bytes("truth.exr");
+    let flags = "--listen --reference truth.exr -o ./truth.exr";
+    sandbox.render("box.txt", flags).expect(2, &["-o `./truth.exr` and --reference `truth.exr` are the same file"]);
+    assert!(sandbox.bytes("truth.exr") == truth);
+}
+
 #[test]
 fn diff_and_mesh_keep_their_inputs() {
     let sandbox = CliSandbox::new();
@@ -57,6 +68,30 @@ fn one_failed_output_loses_no_other() {
     assert_eq!(child.wait().unwrap().code(), Some(3), "{said}");
     assert!(said.contains("wrote good.png") && said.contains("a folder or device of this name exists"), "{said}");
     assert_eq!(sandbox.names(), ["a.json", "bad.png", "box.txt", "good.png"]);
+}
+
+/// If a frame cannot be written, the later frames are still rendered and written.
+#[cfg(unix)]
+#[test]
+fn one_failed_frame_loses_no_later_one() {
+    use std::io::{BufRead, BufReader, Read};
+    let sandbox = CliSandbox::new();
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_caustica"))
+        .current_dir(sandbox.path("."))
+        .args("render box.txt -o %d.png --frames 0..3 --photons 1k --passes 8".split(' '))
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut words = BufReader::new(child.stderr.take().unwrap());
+    let mut said = String::new();
+    while !said.contains("pass 1/8") {
+        assert!(words.read_line(&mut said).unwrap() > 0, "{said}");
+    }
+    std::fs::create_dir(sandbox.path("0.png")).unwrap();
+    words.read_to_string(&mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(3), "{said}");
+    assert!(said.contains("wrote 2.png") && said.contains("a folder or device of this name exists"), "{said}");
+    assert_eq!(sandbox.names(), ["0.png", "1.png", "2.png", "box.txt"]);
 }
 
 #[cfg(unix)]

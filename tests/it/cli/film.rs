@@ -3,6 +3,7 @@
 use super::CliSandbox;
 #[cfg(target_os = "linux")]
 use caustica::render::{FilmFile, PassSet};
+use std::io::{BufRead, BufReader, Read};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -153,6 +154,59 @@ fn films_of_other_renders_are_refused() {
     sandbox.render("mesh.txt", &flags("b", 2, "--film c.film")).expect(1, &["it is no film"]);
     sandbox.run(&["film", "c.film"]).expect(1, &["it is no film"]);
     sandbox.render("mesh.txt", "--film mesh.txt -o b.exr").expect(2, &["are the same file"]);
+}
+
+/// A film knows which picture lies in which folder.
+#[test]
+fn pictures_swapped_between_folders_are_refused() {
+    let sandbox = CliSandbox::new();
+    let pictures = ["1", "2"].map(|seed| {
+        sandbox.render("box.txt", &format!("-o a.png --size 8x6 --seed {seed}")).expect(0, &[]);
+        sandbox.bytes("a.png")
+    });
+    let put = |order: [usize; 2]| {
+        for (folder, picture) in ["left", "right"].into_iter().zip(order) {
+            std::fs::create_dir_all(sandbox.path(folder)).unwrap();
+            sandbox.put(&format!("{folder}/wood.png"), &pictures[picture]);
+        }
+    };
+    let textures = "Textures { Image l { file left/wood.png }  Image r { file right/wood.png } }\n\
+                    Materials {\n    Diffuse left { reflectance l }  Diffuse right { reflectance r }";
+    let spheres = "MaterialName left  Sphere { center 0 1 0 radius .2 }\n\
+                   MaterialName right  Sphere { center 0 1.5 0 radius .2 }";
+    let scene = super::BOX.replacen("Materials {", textures, 1);
+    sandbox.put("two.txt", format!("{scene}\nGroup {{ {spheres} }}\n"));
+    put([0, 1]);
+    sandbox.render("two.txt", &flags("a", 1, "--film a.film")).expect(0, &[]);
+    put([1, 0]);
+    let parts = ["file `left/wood.png` has another content", "file `right/wood.png` has another content"];
+    sandbox.render("two.txt", &flags("a", 2, "--film a.film")).expect(2, &parts);
+    put([0, 1]);
+    // The same film belongs to the scene under its absolute path.
+    let absolute = sandbox.path("two.txt");
+    let rest = flags("a", 2, "--film a.film");
+    sandbox.render(absolute.to_str().unwrap(), &rest).expect(0, &["continuing a.film: 1 pass"]);
+}
+
+/// A scene file that changes while pilots run does not count as the scene of the film.
+#[test]
+fn scenes_edited_during_pilots_do_not_enter_the_film() {
+    let sandbox = CliSandbox::new();
+    let film = |name: &str| flags(name, 2, "--size 160x120 --film a.film");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
+    command.current_dir(sandbox.path(".")).args(["render", "box.txt"]).args(film("a").split_whitespace());
+    let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
+    let mut messages = BufReader::new(child.stderr.take().unwrap());
+    let mut text = String::new();
+    while !text.contains("box.txt:") {
+        assert!(messages.read_line(&mut text).unwrap() > 0, "{text}");
+    }
+    sandbox.put("box.txt", format!("{}\n", super::BOX));
+    messages.read_to_string(&mut text).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0), "{text}");
+    sandbox.render("box.txt", &film("b")).expect(2, &["file `box.txt` has another content"]);
+    sandbox.put("box.txt", super::BOX);
+    sandbox.render("box.txt", &film("b")).expect(0, &["continuing a.film: 2 passes"]);
 }
 
 #[cfg(unix)]

@@ -1,10 +1,11 @@
-//! Ctrl-C: the first one ends the render and writes the picture so far, the second one writes
-//! nothing.
+//! Ctrl-C: the first one ends the render and writes the picture so far, one that comes more than a
+//! second later writes nothing.
 #![cfg(unix)]
 
 use super::{CliSandbox, unframed_text};
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, ChildStderr, Command, Stdio};
+use std::time::Duration;
 
 /// A running render. It is killed when dropped, so that a failed test leaves no process.
 struct Render {
@@ -86,6 +87,7 @@ fn second_interrupt_stops_at_once_without_image() {
     render.wait_for("box.txt:");
     render.interrupt();
     render.wait_for("interrupt again to stop at once");
+    std::thread::sleep(Duration::from_millis(1200));
     render.interrupt();
     let (code, words) = render.end();
     assert_eq!((code, words.as_str()), (Some(130), ""));
@@ -93,6 +95,20 @@ fn second_interrupt_stops_at_once_without_image() {
         (sandbox.bytes("a.png"), sandbox.names()),
         (b"old".to_vec(), vec!["a.png".to_owned(), "box.txt".to_owned()])
     );
+}
+
+/// A closing terminal sends SIGHUP twice: by the shell and by the system.
+#[test]
+fn signals_in_quick_succession_still_write_the_image() {
+    let sandbox = CliSandbox::new();
+    let flags = "render box.txt -o a.exr --photons 1k --spp 64 --size 160x120 --passes 1M";
+    let mut render = Render::start(&sandbox, flags);
+    render.wait_for("pass 2/1000000");
+    render.interrupt();
+    render.interrupt();
+    let (code, words) = render.end();
+    assert_eq!(code, Some(130), "{words}");
+    assert!(words.contains("wrote a.exr") && words.matches("interrupted:").count() == 1, "{words}");
 }
 
 #[test]

@@ -1,0 +1,57 @@
+//! Renders of several pictures one after another, for `--frames` and `--stereo`.
+
+use crate::cli::interrupt::INTERRUPTED;
+use crate::cli::{CommandFailure, Exit};
+use std::sync::atomic::Ordering;
+
+/// Calls `render` for each of `pictures`, and returns the exit code of the command.
+///
+/// Ends early if a render fails or is interrupted. A picture that cannot be written does not end
+/// the series; its errors are returned at the end.
+pub(super) fn render_series<T>(
+    pictures: impl IntoIterator<Item = T>,
+    mut render: impl FnMut(T) -> Result<Exit, CommandFailure>,
+) -> Result<Exit, CommandFailure> {
+    let mut reports = Vec::new();
+    let mut end = Exit::Success;
+    for picture in pictures {
+        match render(picture) {
+            Ok(Exit::Success) => {}
+            Ok(exit) => {
+                end = exit;
+                break;
+            }
+            Err(failure) => {
+                reports.extend(failure.reports);
+                if failure.exit != Exit::Output || INTERRUPTED.load(Ordering::Relaxed) {
+                    return Err(CommandFailure { reports, exit: failure.exit });
+                }
+            }
+        }
+    }
+    if reports.is_empty() { Ok(end) } else { Err(CommandFailure { reports, exit: Exit::Output }) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns how a series ends whose renders end in the given ways, and how many were made.
+    fn made(ends: &[Result<Exit, Exit>]) -> (Result<Exit, (Exit, usize)>, usize) {
+        let mut count = 0;
+        let end = render_series(ends, |end| {
+            count += 1;
+            end.map_err(|exit| CommandFailure::new(exit, miette::miette!("failed")))
+        });
+        (end.map_err(|failure| (failure.exit, failure.reports.len())), count)
+    }
+
+    #[test]
+    fn unwritable_pictures_do_not_end_a_series() {
+        let (good, unwritable) = (Ok(Exit::Success), Err(Exit::Output));
+        assert_eq!(made(&[good, good]), (Ok(Exit::Success), 2));
+        assert_eq!(made(&[unwritable, good, unwritable, good]), (Err((Exit::Output, 2)), 4));
+        assert_eq!(made(&[unwritable, Err(Exit::Usage), good]), (Err((Exit::Usage, 2)), 2));
+        assert_eq!(made(&[good, Ok(Exit::Interrupted), good]), (Ok(Exit::Interrupted), 2));
+    }
+}
