@@ -12,6 +12,9 @@ use glam::{DAffine3, DVec3};
 /// Greatest width and height of a picture \[pixels].
 const MAX_FILM_SIDE: f64 = 65_536.0;
 
+/// Message about films whose values are radiance times an exposure.
+const EXPOSURE_NOTE: &str = "sensors and exposures of films are ignored: pixels are radiance";
+
 /// Size of a film and of the part of it that is rendered \[pixels].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct FilmSize {
@@ -52,9 +55,26 @@ pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportN
     let gain = parameters.number_or("iso", 100.0) / 100.0 * parameters.number_or("exposuretime", 1.0);
     let is_physical = parameters.text("sensor").is_some_and(|sensor| sensor != "cie1931");
     if is_physical || gain != 1.0 || parameters.number_or("scale", 1.0) != 1.0 {
-        notes.add_unsupported("sensors and exposures of films are ignored: pixels are radiance", place.position_text());
+        notes.add_unsupported(EXPOSURE_NOTE, place.position_text());
+    }
+    if parameters.number_or("whitebalance", 0.0) != 0.0 {
+        notes.add_unsupported("white balances of films are ignored", place.position_text());
     }
     Ok(FilmSize { whole: whole.map(|side| side as u32), crop: crop.unwrap_or(whole).map(|side| side as u32) })
+}
+
+/// Returns the times at which the shutter of a camera opens and closes.
+pub(super) fn shutter_times(parameters: &Parameters) -> [f64; 2] {
+    let [open, close] = [parameters.number_or("shutteropen", 0.0), parameters.number_or("shutterclose", 1.0)];
+    [open.min(close), open.max(close)]
+}
+
+/// Adds a message if a camera of pbrt-v4 exposes for another time than 1.
+pub(super) fn note_exposure_time(parameters: &Parameters, notes: &mut ImportNotes) {
+    let [open, close] = shutter_times(parameters);
+    if (close - open - 1.0).abs() > 1e-6 {
+        notes.add_unsupported(EXPOSURE_NOTE, parameters.place.position_text());
+    }
 }
 
 /// Returns the size of the crop window, or of the whole film if there is none \[pixels].

@@ -24,6 +24,36 @@ impl MovingTransform {
         Some(Self([inverse(self.0[0])?, inverse(self.0[1])?]))
     }
 
+    /// Returns the transforms at two times, where 0 is the time of the first and 1 that of the
+    /// second.
+    ///
+    /// Times outside of \[0, 1] count as 0 or 1. Translation and rotation have constant speed
+    /// between; a transform that also deforms is interpolated linearly. If the result is singular,
+    /// it is replaced by the first transform.
+    pub fn cut(&self, times: [f64; 2]) -> Self {
+        let Some(motion) = object_motion(self).filter(|_| times != [0.0, 1.0]) else { return *self };
+        let [start, end] = self.0;
+        let (center, target) = (DAffine3::from_translation(motion.rotation_center), end.translation);
+        Self(times.map(|time| time.clamp(0.0, 1.0)).map(|time| {
+            if time == 0.0 || time == 1.0 {
+                return self.0[time as usize];
+            }
+            if motion.omits_deformation {
+                let [from, to] = [start, end].map(|map| map.to_cols_array());
+                let map = DAffine3::from_cols_array(&std::array::from_fn(|i| from[i] + (to[i] - from[i]) * time));
+                return if Transform::new(map).is_ok() { map } else { start };
+            }
+            let moved = DAffine3::from_translation((target - start.translation) * time);
+            let turned = motion.steps.iter().find_map(|step| match step {
+                TransformStep::Rotate { axis, angle } => {
+                    Some(TransformStep::Rotate { axis: *axis, angle: angle * time }.matrix())
+                }
+                _ => None,
+            });
+            center * moved * turned.unwrap_or(DAffine3::IDENTITY) * center.inverse() * start
+        }))
+    }
+
     /// True if the transforms at shutter start and shutter end are equal.
     pub fn is_still(&self) -> bool {
         self.0[0] == self.0[1]
@@ -99,6 +129,8 @@ pub(super) struct GraphicsState {
     pub area_light: Option<AreaLightDirective>,
     /// Names of the media inside and outside of the shapes that follow; empty for vacuum.
     pub medium_interface: [Rc<str>; 2],
+    /// Number of definitions of material names before the block that this state was saved for.
+    pub named_definition_count: usize,
 }
 
 impl GraphicsState {
@@ -111,6 +143,7 @@ impl GraphicsState {
             material: MaterialReference::Numbered(0),
             area_light: None,
             medium_interface: ["".into(), "".into()],
+            named_definition_count: 0,
         }
     }
 
@@ -213,5 +246,19 @@ mod tests {
         let scaled = MovingTransform([start, start * DAffine3::from_scale(DVec3::splat(2.0))]);
         assert!(object_motion(&scaled).unwrap().omits_deformation);
         assert!(object_motion(&MovingTransform([start; 2])).is_none());
+    }
+
+    #[test]
+    fn cut_motions_have_constant_speed() {
+        let at = |time: f64| {
+            let turn = DAffine3::from_rotation_z((90.0 * time).to_radians());
+            DAffine3::from_translation(4.0 * time * DVec3::Y) * turn * DAffine3::from_scale(DVec3::new(1.0, 2.0, 3.0))
+        };
+        let cut = MovingTransform([at(0.0), at(1.0)]).cut([0.25, 0.75]);
+        assert!(cut.0[0].abs_diff_eq(at(0.25), 1e-12) && cut.0[1].abs_diff_eq(at(0.75), 1e-12), "{cut:?}");
+        // Objects rest before the first time and after the second.
+        let whole = MovingTransform([at(0.0), at(1.0)]);
+        assert_eq!(whole.cut([-1.0, 2.0]), whole);
+        assert!(whole.cut([1.0, 2.0]).is_still());
     }
 }

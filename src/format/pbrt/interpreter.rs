@@ -1,19 +1,19 @@
 //! Interprets the directives of a pbrt scene.
 
-use super::camera::{FilmSize, film_size, read_camera};
+mod shape_directive;
+
+use super::camera::{FilmSize, film_size, note_exposure_time, read_camera, shutter_times};
 use super::content::PbrtSceneContent;
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::graphics_state::{
     AreaLightDirective, GraphicsState, MaterialReference, MovingTransform, directive_transform,
 };
-use super::lights::{PbrtLights, PbrtShapeEmission};
+use super::lights::PbrtLights;
 use super::materials::PbrtMaterials;
 use super::media::PbrtMedia;
-use super::objects::{MEMORY_PER_OBJECT, PbrtObjects, PbrtPlacement};
-use super::parameters::{Parameters, parse_number};
+use super::objects::{PbrtObjects, PbrtPlacement};
+use super::parameters::{Parameters, read_numbers, read_quoted};
 use super::settings::SuggestedFlags;
-use super::shape_properties::{back_side_shape, is_sheet, world_area};
-use super::shapes::read_shape;
 use super::textures::PbrtTextures;
 use super::tokens::{PbrtToken, TokenKind, Tokenizer};
 use crate::format::SourceText;
@@ -42,11 +42,10 @@ const MEMORY_PER_STATE: u64 = 600;
 
 /// Directives that do not change the imported scene: they concern how pbrt samples or stores
 /// pictures. Some of them become suggested flags.
-const RENDER_SETTING_DIRECTIVES: [&str; 9] = [
+const RENDER_SETTING_DIRECTIVES: [&str; 8] = [
     "Accelerator",
     "ColorSpace",
     "Integrator",
-    "Option",
     "PixelFilter",
     "Renderer",
     "Sampler",
@@ -75,6 +74,10 @@ pub(super) struct Interpreter<'a> {
     ///
     /// The camera is made at `WorldBegin`, because it needs the film.
     camera_directive: Option<(Rc<Parameters>, String, MovingTransform)>,
+    /// Times of the two transforms of each moving object.
+    transform_times: [f64; 2],
+    /// Times at which the shutter opens and closes.
+    shutter_times: [f64; 2],
     objects: PbrtObjects,
     include_count: usize,
     shape_count: usize,
@@ -104,6 +107,8 @@ impl<'a> Interpreter<'a> {
             ambient_medium: "".into(),
             mirror: DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)),
             camera_directive: None,
+            transform_times: [0.0, 1.0],
+            shutter_times: [0.0, 1.0],
             objects: PbrtObjects::default(),
             include_count: 0,
             shape_count: 0,
@@ -212,7 +217,17 @@ impl<'a> Interpreter<'a> {
                 self.state.set_transform(MovingTransform::IDENTITY);
                 Ok(())
             }
-            "TransformTimes" => read_numbers(tokens, 2, &place).map(|_| ()),
+            "TransformTimes" => {
+                let times = read_numbers(tokens, 2, &place)?;
+                self.transform_times = [times[0], times[1]];
+                Ok(())
+            }
+            "Option" => {
+                // The value is one word or text.
+                read_quoted(tokens, &place)?;
+                tokens.next_token()?;
+                Ok(())
+            }
             "CoordinateSystem" => {
                 let name = read_quoted(tokens, &place)?;
                 self.files.reserve_memory(MEMORY_PER_STATE)?;
@@ -252,6 +267,7 @@ impl<'a> Interpreter<'a> {
                     place.error(format!("`{directive}` without a begin"), "remove it, or add the begin")
                 })?;
                 if directive == "AttributeEnd" {
+                    self.content.materials.restore_names(saved.named_definition_count);
                     self.state = saved;
                 } else {
                     (self.state.transform, self.state.is_transform_active) =
@@ -279,11 +295,12 @@ impl<'a> Interpreter<'a> {
                 let without = || place.error("`ObjectEnd` without `ObjectBegin`", "remove it");
                 self.objects.end_definition().ok_or_else(without)?;
                 self.state = self.saved.pop().ok_or_else(without)?;
+                self.content.materials.restore_names(self.state.named_definition_count);
                 Ok(())
             }
             "ObjectInstance" => {
                 let name = read_quoted(tokens, &place)?;
-                let placement = PbrtPlacement { mirror: self.mirror, transform: self.state.transform, place: &place };
+                let placement = PbrtPlacement { mirror: self.mirror, transform: self.open_transform(), place: &place };
                 self.objects.add_instance(&name, &placement, self.files, &mut self.content.notes)
             }
             "Include" | "Import" => {
@@ -301,16 +318,16 @@ impl<'a> Interpreter<'a> {
             }
             "NamedMaterial" => {
                 let name = read_quoted(tokens, &place)?;
-                self.state.material = MaterialReference::Named(name.into(), place);
+                self.state.material = self.content.materials.reference(name, place);
                 Ok(())
             }
             "Texture" => {
                 let (name, value_kind, class) =
                     (read_quoted(tokens, &place)?, read_quoted(tokens, &place)?, read_quoted(tokens, &place)?);
                 let parameters = Parameters::read(tokens, place, self.files)?;
-                let PbrtSceneContent { textures, notes, .. } = &mut self.content;
+                let PbrtSceneContent { textures, notes, is_v3, .. } = &mut self.content;
                 let is_color = value_kind != "float";
-                textures.define_texture((&name, &class, is_color), &parameters, self.files, notes)
+                textures.define_texture((&name, &class, is_color), &parameters, *is_v3, self.files, notes)
             }
             _ => {
                 let known = RENDER_SETTING_DIRECTIVES.contains(&directive)
@@ -352,6 +369,7 @@ impl<'a> Interpreter<'a> {
                     to_world.ok_or_else(|| place.error("the camera's transform is singular", "scale less"))?;
                 self.coordinate_systems.insert("camera".to_owned(), to_world);
                 self.ambient_medium = Rc::clone(&self.state.medium_interface[1]);
+                self.shutter_times = shutter_times(&parameters);
                 self.camera_directive = Some((Rc::new(parameters), name.to_owned(), to_world));
                 Ok(())
             }
@@ -365,16 +383,13 @@ impl<'a> Interpreter<'a> {
                 self.state.material = MaterialReference::Numbered(number);
                 Ok(())
             }
-            "MakeNamedMaterial" => {
-                self.content.materials.add_named(name, parameters);
-                Ok(())
-            }
+            "MakeNamedMaterial" => self.content.materials.add_named(name, parameters, self.content.is_v3),
             "MakeNamedMedium" => {
-                let (to_world, notes) = (self.state.transform.0[0], &mut self.content.notes);
+                let (to_world, notes) = (self.open_transform().0[0], &mut self.content.notes);
                 self.media.add_medium(name, &parameters, to_world, self.files, notes)
             }
             "LightSource" => {
-                let transform = self.state.transform;
+                let transform = self.open_transform();
                 if !transform.is_still() {
                     let message = "lights that move stay where they are when the shutter opens";
                     self.content.notes.add_unsupported(message, place.position_text());
@@ -391,6 +406,11 @@ impl<'a> Interpreter<'a> {
                 Ok(())
             }
             "Shape" => self.add_shape(name, &parameters),
+            "ColorSpace" if !name.eq_ignore_ascii_case("srgb") => {
+                let message = "colors of other color spaces count as sRGB";
+                self.content.notes.add_unsupported(message, place.position_text());
+                Ok(())
+            }
             // Directives that change only how pbrt samples or stores a picture.
             _ => {
                 self.settings.add_directive(directive, name, &parameters);
@@ -404,8 +424,21 @@ impl<'a> Interpreter<'a> {
             return Err(place.error("attribute blocks nest too deep", "close the blocks: `AttributeEnd`"));
         }
         self.files.reserve_memory(MEMORY_PER_STATE)?;
-        self.saved.push(self.state.clone());
+        let named_definition_count = self.content.materials.named_definition_count();
+        self.saved.push(GraphicsState { named_definition_count, ..self.state.clone() });
         Ok(())
+    }
+
+    /// Returns the times at which the shutter opens and closes, relative to the two transforms of a
+    /// moving object: 0 is the time of the first, and 1 that of the second.
+    fn open_times(&self) -> [f64; 2] {
+        let [start, end] = self.transform_times;
+        if start < end { self.shutter_times.map(|time| (time - start) / (end - start)) } else { [0.0, 1.0] }
+    }
+
+    /// Returns the current transforms when the shutter opens and when it closes.
+    fn open_transform(&self) -> MovingTransform {
+        self.state.transform.cut(self.open_times())
     }
 
     /// Makes the camera from the pending `Camera` directive, and sets the scene's reflection
@@ -415,6 +448,10 @@ impl<'a> Interpreter<'a> {
     fn place_camera(&mut self) -> ReadResult<()> {
         let Some((parameters, name, to_world)) = self.camera_directive.take() else { return Ok(()) };
         let size = self.film_size.unwrap_or(FilmSize::DEFAULT);
+        let to_world = to_world.cut(self.open_times());
+        if !self.content.is_v3 {
+            note_exposure_time(&parameters, &mut self.content.notes);
+        }
         let (camera, mirror) = read_camera(&name, &parameters, to_world, size, &mut self.content.notes)?;
         self.camera = Some(camera);
         self.mirror = mirror;
@@ -444,78 +481,7 @@ impl<'a> Interpreter<'a> {
         }
         Ok(())
     }
-
-    fn add_shape(&mut self, kind: &str, parameters: &Parameters) -> ReadResult<()> {
-        let place = &parameters.place;
-        self.files.reserve_memory(MEMORY_PER_OBJECT)?;
-        let name = format!("shape{}", self.shape_count);
-        self.shape_count += 1;
-        let is_reversed = self.state.is_reversed;
-        let shape = read_shape((kind, &name), parameters, is_reversed, &mut self.content, self.files)?;
-        let Some(shape) = shape else { return Ok(()) };
-        let inside = Rc::clone(&self.state.medium_interface[0]);
-        let medium = (!inside.is_empty() && inside != self.state.medium_interface[1])
-            .then(|| self.media.contains(&inside).then_some(&*inside))
-            .flatten();
-        let emission = match (&self.state.area_light, self.objects.has_open_definition()) {
-            (Some(_), true) => {
-                let message = "shapes of object instances emit no light";
-                self.content.notes.add_unsupported(message, place.position_text());
-                None
-            }
-            (Some(light), false) => {
-                Some(PbrtShapeEmission::from_parameters(&light.parameters, self.files, &mut self.content)?)
-            }
-            (None, _) => None,
-        };
-        let alpha = parameters.find("alpha");
-        let PbrtSceneContent { meshes, textures, materials, notes, .. } = &mut self.content;
-        let material =
-            materials.imported_material_name(&self.state.material, (medium, alpha), textures, self.files, notes)?;
-        let separates_media = inside != self.state.medium_interface[1];
-        if separates_media && !materials.can_contain_medium(&material) && is_sheet(&shape, meshes) {
-            // pbrt lets light that leaves the back of a sheet travel through the inner medium.
-            let message = "sheets do not separate media: the medium around is on both sides";
-            notes.add_unsupported(message, place.position_text());
-        }
-        let transform = self.state.transform;
-        let mut shapes = vec![shape];
-        if emission.is_some_and(|emission| emission.is_two_sided) {
-            shapes.extend(back_side_shape(&shapes[0], &name, meshes, self.files)?);
-        }
-        let emission = emission.map(|emission| emission.radiance(|| world_area(&shapes[0], meshes, transform.0[0])));
-        self.lights.has_emissive_surfaces |= emission.is_some_and(|radiance| radiance != DVec3::ZERO);
-        let placement = PbrtPlacement { mirror: self.mirror, transform, place };
-        self.objects.add_shapes(material, shapes, emission, &placement, notes);
-        Ok(())
-    }
 }
 
-/// Reads a text in quotes, and returns it without the quotes; an error if the next token is no such
-/// text.
-fn read_quoted(tokens: &mut Tokenizer<'_>, place: &PbrtSourceLocation) -> ReadResult<String> {
-    match tokens.next_token()? {
-        Some(PbrtToken { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),
-        _ => {
-            Err(place.error("a name in quotes is missing", "write the name after the directive, as `Shape \"sphere\"`"))
-        }
-    }
-}
-
-/// Reads exactly `count` numbers, with or without brackets around them.
-fn read_numbers(tokens: &mut Tokenizer<'_>, count: usize, place: &PbrtSourceLocation) -> ReadResult<Vec<f64>> {
-    let mut numbers = Vec::with_capacity(count);
-    let missing = || place.error(format!("the directive needs {count} numbers"), "add the missing numbers");
-    let mut is_open = false;
-    while numbers.len() < count {
-        match tokens.next_token()?.ok_or_else(missing)?.kind {
-            TokenKind::OpenBracket if numbers.is_empty() && !is_open => is_open = true,
-            TokenKind::Unquoted(word) => numbers.push(parse_number(word, place)?),
-            TokenKind::OpenBracket | TokenKind::CloseBracket | TokenKind::Quoted(_) => return Err(missing()),
-        }
-    }
-    if is_open && !matches!(tokens.next_token()?, Some(PbrtToken { kind: TokenKind::CloseBracket, .. })) {
-        return Err(place.error("a bracket is not closed", "close it with `]`"));
-    }
-    Ok(numbers)
-}
+#[cfg(test)]
+mod tests;

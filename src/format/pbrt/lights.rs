@@ -4,14 +4,14 @@ use super::content::PbrtSceneContent;
 use super::environment::{MapLayout, to_equirectangular};
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::parameters::{Parameter, Parameters};
+use super::pictures::{LevelCurve, read_picture};
 use super::spectra::{ColorMeaning, linear_rgb};
-use super::textures::read_picture;
 use crate::format::description::{
     DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength, EnvironmentRadiance,
     GoniometricLightDescription, IntensityDistribution, LightDescription, LightPose, PointLightDescription,
     PointLightStrength, ProjectorLightDescription, Span, Spanned, SpotLightDescription,
 };
-use crate::image::{Image, PixelMeaning};
+use crate::image::{Image, PictureSizeError};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -19,6 +19,9 @@ use std::f64::consts::PI;
 ///
 /// Caustica's maps without rotation show −z at their center.
 const LEFT_EDGE_ROTATION_DEGREES: f64 = 180.0;
+
+/// Number of rows of the intensity map of a spotlight, over 180 degrees: 8 per degree.
+const SPOT_MAP_ROWS: u32 = 1_440;
 
 /// Lights of the imported scene so far. All infinite lights are merged into one.
 #[derive(Default)]
@@ -75,17 +78,29 @@ impl PbrtLights {
                     return Err(degenerate("the spotlight has no direction"));
                 }
                 let cone = parameters.number_or("coneangle", 30.0);
-                let rim = parameters.number_or("conedeltaangle", 5.0);
+                let rim = parameters.number_or("conedeltaangle", 5.0).clamp(0.0, cone.max(0.0));
                 if !(cone > 0.0 && cone <= 180.0) {
                     return Err(place.error("the cone's angle is not between 0° and 180°", "correct `coneangle`"));
                 }
-                LightDescription::Spot(SpotLightDescription {
-                    position: from,
-                    aim: DirectionOrTarget::Target(to),
-                    full_cone_angle_degrees: 2.0 * cone,
-                    penumbra_degrees: rim.clamp(0.0, cone),
-                    strength: strength(color_of("I")?),
-                })
+                let strength = strength(color_of("I")?);
+                if is_v3 {
+                    let map = v3_spot_map(cone, rim).map_err(|e| place.error(e, "use another light"))?;
+                    let path = Spanned::new(content.textures.embed_picture(map, files)?, Span::default());
+                    // The map is symmetric about its up direction, which is the light's axis.
+                    let axis = (to - from).normalize();
+                    let aim = DirectionOrTarget::Direction(axis.any_orthonormal_vector());
+                    let pose = LightPose { position: from, aim, up: Some(axis) };
+                    let distribution = IntensityDistribution::MapFile(path);
+                    GoniometricLightDescription { pose, distribution, strength }.into()
+                } else {
+                    LightDescription::Spot(SpotLightDescription {
+                        position: from,
+                        aim: DirectionOrTarget::Target(to),
+                        full_cone_angle_degrees: 2.0 * cone,
+                        penumbra_degrees: rim,
+                        strength,
+                    })
+                }
             }
             "distant" => {
                 let direction = position("to", DVec3::Z) - position("from", DVec3::ZERO);
@@ -119,7 +134,7 @@ impl PbrtLights {
                 }
             }
             "projection" => {
-                let (picture, angle) = projected_picture(parameters, to_world.matrix3, files)?;
+                let (picture, angle) = projected_picture(parameters, to_world.matrix3, is_v3, files)?;
                 let path = Spanned::new(content.textures.embed_picture(picture, files)?, Span::default());
                 let pose = LightPose {
                     position: to_world.translation,
@@ -219,7 +234,7 @@ fn read_spherical_map(
     files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<(Image, MapLayout)> {
     let name = parameter.texts.first().map(String::as_str).unwrap_or_default();
-    let image = read_picture(name, PixelMeaning::Color, place, files)?;
+    let image = read_picture(name, LevelCurve::of_lights(content.is_v3), place, files)?.image;
     let layout = match (image.width() == image.height(), &*parameter.name) {
         (true, "filename") => MapLayout::Octahedral,
         (true, _) | (false, "mapname") => MapLayout::LatitudeLongitude,
@@ -261,27 +276,57 @@ fn goniometric_map(
 /// Returns the picture of a projection light, and its full vertical field of view \[degrees].
 ///
 /// `axes` maps the light's space to world space. If these axes are right-handed, the picture is
-/// flipped left to right. Negative channels become 0, and pixels that are not finite become black.
-fn projected_picture(parameters: &Parameters, axes: DMat3, files: &PbrtSceneFiles<'_>) -> ReadResult<(Image, f64)> {
+/// flipped left to right. In pbrt-v3, pictures are upside down. Negative channels become 0, and
+/// pixels that are not finite become black.
+fn projected_picture(
+    parameters: &Parameters,
+    axes: DMat3,
+    is_v3: bool,
+    files: &PbrtSceneFiles<'_>,
+) -> ReadResult<(Image, f64)> {
     let place = &parameters.place;
-    let fov = parameters.number_or("fov", 90.0);
+    let fov = parameters.number_or("fov", if is_v3 { 45.0 } else { 90.0 });
     if !(fov > 0.0 && fov < 180.0) {
         return Err(place.error("the field of view is not between 0° and 180°", "correct `fov`"));
     }
     let parameter = parameters.find_any(&["filename", "mapname"]);
     let name = parameter.and_then(|parameter| parameter.texts.first());
     let name = name.ok_or_else(|| place.error("the projection light has no picture", "give its `filename`"))?;
-    let mut image = read_picture(name, PixelMeaning::Color, place, files)?;
+    let mut image = read_picture(name, LevelCurve::of_lights(is_v3), place, files)?.image;
     image.pixels_mut().iter_mut().for_each(|pixel| *pixel = nonnegative_finite_pixel(*pixel));
+    let width = image.width() as usize;
+    if is_v3 {
+        // The order of all pixels, and then that in each row.
+        image.pixels_mut().reverse();
+        image.pixels_mut().chunks_mut(width).for_each(<[Vec3]>::reverse);
+    }
     // Seen from the light, +x is to the right if the axes are left-handed.
     if axes.determinant() > 0.0 {
-        let width = image.width() as usize;
         image.pixels_mut().chunks_mut(width).for_each(<[Vec3]>::reverse);
     }
     // The field of view is that of the shorter side.
     let half_height =
         libm::tan((0.5 * fov).to_radians()) * (f64::from(image.height()) / f64::from(image.width())).max(1.0);
     Ok((image, 2.0 * libm::atan(half_height).to_degrees()))
+}
+
+/// Returns the intensity map of a spotlight of pbrt-v3, by the angle to its axis.
+///
+/// `cone` is the half angle of the cone, and `rim` the width of the falloff inside it \[degrees].
+/// The falloff is the fourth power of a linear function of the cosine.
+fn v3_spot_map(cone: f64, rim: f64) -> Result<Image, PictureSizeError> {
+    let [least, most] = [cone, cone - rim].map(|degrees| libm::cos(degrees.to_radians()));
+    let falloff = |row: u32| {
+        let cosine = libm::cos((f64::from(row) + 0.5) * PI / f64::from(SPOT_MAP_ROWS));
+        if cosine >= most {
+            1.0
+        } else {
+            let delta = ((cosine - least) / (most - least)).max(0.0);
+            delta * delta * delta * delta
+        }
+    };
+    let pixels = (0..SPOT_MAP_ROWS).map(|row| Vec3::splat(falloff(row) as f32)).collect();
+    Image::from_pixels(1, SPOT_MAP_ROWS, pixels)
 }
 
 /// Returns a pixel with negative channels set to 0; black if a channel is infinite or NaN.
@@ -310,7 +355,7 @@ pub(super) struct PbrtShapeEmission {
 enum EmissionStrength {
     /// Radiance \[W/(m² sr)].
     Radiance(DVec3),
-    /// Flux of the whole shape \[W].
+    /// Flux of the whole shape, or of each triangle of a mesh \[W].
     Flux(DVec3),
 }
 
@@ -341,10 +386,15 @@ impl PbrtShapeEmission {
         Ok(Self { strength, is_two_sided })
     }
 
+    /// True if the file states a flux instead of a radiance.
+    pub fn is_flux(&self) -> bool {
+        matches!(self.strength, EmissionStrength::Flux(_))
+    }
+
     /// Returns the radiance of a shape \[W/(m² sr)].
     ///
-    /// A flux is divided by π, the shape's area and the number of sides that emit. `area` computes
-    /// the world-space area; it is called only if the file states a flux.
+    /// A flux is divided by π, the lamp's area and the number of sides that emit. `area` computes
+    /// the world-space area of one lamp; it is called only if the file states a flux.
     pub fn radiance(&self, area: impl FnOnce() -> f64) -> DVec3 {
         let sides = if self.is_two_sided { 2.0 } else { 1.0 };
         match self.strength {

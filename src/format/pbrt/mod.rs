@@ -11,6 +11,7 @@ mod materials;
 mod media;
 mod objects;
 mod parameters;
+mod pictures;
 mod quadrics;
 mod settings;
 mod shape_properties;

@@ -1,7 +1,7 @@
-//! Parameter lists of pbrt directives: `"type name" [values]`.
+//! Values of pbrt directives: names, numbers, and parameter lists `"type name" [values]`.
 
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
-use super::tokens::{TokenKind, Tokenizer};
+use super::tokens::{PbrtToken, TokenKind, Tokenizer};
 use glam::DVec3;
 
 /// Estimated memory of each parameter \[bytes].
@@ -164,4 +164,37 @@ pub(super) fn parse_number(word: &str, place: &PbrtSourceLocation) -> ReadResult
         Ok(_) => Err(place.error(format!("the number {word} is too large"), "use numbers up to 1e30")),
         Err(_) => Err(place.error(format!("`{word}` is not a number"), VALUE_HELP)),
     }
+}
+
+/// Reads a text in quotes, and returns it without the quotes; an error if the next token is no such
+/// text.
+pub(super) fn read_quoted(tokens: &mut Tokenizer<'_>, place: &PbrtSourceLocation) -> ReadResult<String> {
+    match tokens.next_token()? {
+        Some(PbrtToken { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),
+        _ => {
+            Err(place.error("a name in quotes is missing", "write the name after the directive, as `Shape \"sphere\"`"))
+        }
+    }
+}
+
+/// Reads exactly `count` numbers, with or without brackets around them.
+pub(super) fn read_numbers(
+    tokens: &mut Tokenizer<'_>,
+    count: usize,
+    place: &PbrtSourceLocation,
+) -> ReadResult<Vec<f64>> {
+    let mut numbers = Vec::with_capacity(count);
+    let missing = || place.error(format!("the directive needs {count} numbers"), "add the missing numbers");
+    let mut is_open = false;
+    while numbers.len() < count {
+        match tokens.next_token()?.ok_or_else(missing)?.kind {
+            TokenKind::OpenBracket if numbers.is_empty() && !is_open => is_open = true,
+            TokenKind::Unquoted(word) => numbers.push(parse_number(word, place)?),
+            TokenKind::OpenBracket | TokenKind::CloseBracket | TokenKind::Quoted(_) => return Err(missing()),
+        }
+    }
+    if is_open && !matches!(tokens.next_token()?, Some(PbrtToken { kind: TokenKind::CloseBracket, .. })) {
+        return Err(place.error("a bracket is not closed", "close it with `]`"));
+    }
+    Ok(numbers)
 }

@@ -1,13 +1,14 @@
-//! Properties of shapes that area lights and media need: area, back side, and whether a shape is a
-//! sheet without inside.
+//! Properties of shapes that area lights, media and textures need: area, back side, number of
+//! lamps, whether a shape is a sheet without inside, and whether it has pbrt's texture coordinates.
 
 use super::files::{PbrtSceneFiles, ReadResult};
+use super::parameters::Parameters;
 use crate::format::description::{
     CylinderDescription, DiscDescription, MeshDescription, MeshOptions, ShapeDescription, Span, Spanned,
     SphereDescription,
 };
 use crate::format::mesh::{SolidDefect, TriangleMesh};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -16,6 +17,9 @@ use std::sync::Arc;
 ///
 /// It is relative to the radius of a disc, or to the diagonal of a mesh's bounds.
 const RELATIVE_BACK_DISTANCE: f64 = 1e-4;
+
+/// Greatest relative difference between areas that count as equal.
+const AREA_TOLERANCE: f64 = 1e-3;
 
 /// Bytes of memory for each vertex and each triangle of a copied mesh.
 const MEMORY_PER_MESH_ELEMENT: u64 = 100;
@@ -102,4 +106,54 @@ pub(super) fn world_area(
     } else {
         f64::INFINITY
     }
+}
+
+/// Returns the number of lamps that pbrt makes of an area light of type `kind`: one for each
+/// triangle or patch of a mesh.
+pub(super) fn lamp_count(
+    (kind, parameters): (&str, &Parameters),
+    shape: &ShapeDescription,
+    meshes: &BTreeMap<String, Arc<TriangleMesh>>,
+) -> usize {
+    match (kind, shape) {
+        ("bilinearmesh", _) => (parameters.numbers("indices").len() / 4).max(1),
+        ("trianglemesh" | "plymesh" | "loopsubdiv", ShapeDescription::Mesh(mesh)) => {
+            meshes.get(&mesh.path.value).map_or(1, |mesh| mesh.triangles.len().max(1))
+        }
+        _ => 1,
+    }
+}
+
+/// True if the triangles of a mesh of type `kind` have equal areas under `to_world`.
+///
+/// It is false for any mesh of bilinear patches.
+pub(super) fn lamps_have_equal_areas(
+    kind: &str,
+    shape: &ShapeDescription,
+    meshes: &BTreeMap<String, Arc<TriangleMesh>>,
+    to_world: DAffine3,
+) -> bool {
+    let ShapeDescription::Mesh(MeshDescription { path, .. }) = shape else { return true };
+    let Some(mesh) = meshes.get(&path.value).filter(|_| kind != "bilinearmesh") else { return false };
+    let area = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|i| to_world.transform_point3(mesh.positions[i as usize]));
+        (b - a).cross(c - a).length()
+    };
+    let bounds = |(least, most): (f64, f64), area: f64| (least.min(area), most.max(area));
+    let (least, most) = mesh.triangles.iter().map(area).fold((f64::INFINITY, 0.0), bounds);
+    most - least <= AREA_TOLERANCE * most
+}
+
+/// True if the shape has pbrt's texture coordinates: it is a mesh that stores them.
+pub(super) fn has_texcoords_of_pbrt(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<TriangleMesh>>) -> bool {
+    let ShapeDescription::Mesh(MeshDescription { path, .. }) = shape else { return false };
+    meshes.get(&path.value).is_some_and(|mesh| mesh.texcoords.is_some())
+}
+
+/// Returns the rotation of a sphere that gives it pbrt's texture coordinates.
+///
+/// pbrt has u = 0 at +x, u = ¼ at +y, and v = 0 at −z. Caustica has u = 0 at −z, u = ¼ at −x, and
+/// v = 0 at −y.
+pub(super) fn textured_sphere_rotation() -> DAffine3 {
+    DAffine3::from_mat3(DMat3::from_cols(DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y).transpose())
 }

@@ -30,11 +30,11 @@ const PATCH_SEGMENTS: u32 = 16;
 ///
 /// `None`, with a message, for curves and for meshes without triangles. `kind` is the shape's type
 /// in pbrt. A mesh is embedded under the path `name`. If `is_reversed`, the shape is turned inside
-/// out.
+/// out. If `needs_texcoords`, the shape has pbrt's texture coordinates; only a sphere does not.
 pub(super) fn read_shape(
     (kind, name): (&str, &str),
     parameters: &Parameters,
-    is_reversed: bool,
+    (is_reversed, needs_texcoords): (bool, bool),
     content: &mut PbrtSceneContent,
     files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<Option<ShapeDescription>> {
@@ -53,12 +53,12 @@ pub(super) fn read_shape(
                 radius: radius(parameters)?,
             })));
         }
-        "disk" if !is_cut => {
+        "disk" if !(is_cut || needs_texcoords) => {
             let center = DVec3::Z * parameters.number_or("height", 0.0);
             let normal = if is_reversed { DVec3::NEG_Z } else { DVec3::Z };
             return Ok(Some(ShapeDescription::Disc(DiscDescription { center, normal, radius: radius(parameters)? })));
         }
-        "cylinder" if !(is_cut || is_reversed) => {
+        "cylinder" if !(is_cut || is_reversed || needs_texcoords) => {
             let ends = [parameters.number_or("zmin", -1.0), parameters.number_or("zmax", 1.0)];
             if ends[0] == ends[1] {
                 return Err(place.error("the cylinder has no height", "give different `zmin` and `zmax`"));
@@ -71,7 +71,11 @@ pub(super) fn read_shape(
             })));
         }
         "sphere" | "disk" | "cylinder" | "cone" | "paraboloid" | "hyperboloid" => {
-            let message = "parts of spheres, cylinders and disks, and other quadrics, are meshes of facets";
+            let message = if needs_texcoords && !is_cut && matches!(kind, "disk" | "cylinder") {
+                "disks and cylinders with textures are meshes of facets"
+            } else {
+                "parts of spheres, cylinders and disks, and other quadrics, are meshes of facets"
+            };
             notes.add_unsupported(message, place.position_text());
             files.reserve_memory(MAX_QUADRIC_CORNERS * MEMORY_PER_CORNER)?;
             quadric_mesh(kind, parameters)?.unwrap_or_default()
@@ -114,6 +118,13 @@ pub(super) fn read_shape(
         }
     };
     let mut mesh = mesh;
+    if needs_texcoords && mesh.texcoords.is_none() {
+        files.reserve_memory(MEMORY_PER_CORNER * 3 * mesh.triangles.len() as u64)?;
+        give_default_texcoords(&mut mesh);
+    }
+    if kind == "trianglemesh" {
+        orient_along_normals(&mut mesh);
+    }
     if is_reversed {
         mesh.reverse_orientation();
     }
@@ -187,8 +198,19 @@ fn triangle_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadRes
         return Err(parameters.place.error(message, "give three `indices` for each triangle"));
     }
     mesh.triangles = corners.as_chunks().0.to_vec();
-    orient_along_normals(&mut mesh);
     Ok(mesh)
+}
+
+/// Gives each triangle the texture coordinates that pbrt has where a mesh states none: (0, 0),
+/// (1, 0) and (1, 1). Triangles share no vertices then.
+fn give_default_texcoords(mesh: &mut TriangleMesh) {
+    let corners: Vec<usize> = mesh.triangles.iter().flatten().map(|i| *i as usize).collect();
+    mesh.positions = corners.iter().map(|i| mesh.positions[*i]).collect();
+    mesh.normals = mesh.normals.as_ref().map(|normals| corners.iter().map(|i| normals[*i]).collect());
+    mesh.texcoords = Some([DVec2::ZERO, DVec2::X, DVec2::ONE].repeat(mesh.triangles.len()));
+    for (i, triangle) in mesh.triangles.iter_mut().enumerate() {
+        *triangle = [0, 1, 2].map(|k| 3 * i as u32 + k);
+    }
 }
 
 /// Flips each triangle whose winding opposes its vertex normals, because vertex normals orient
@@ -254,3 +276,6 @@ fn bilinear_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadRes
     orient_along_normals(&mut mesh);
     Ok(mesh)
 }
+
+#[cfg(test)]
+mod tests;

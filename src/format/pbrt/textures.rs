@@ -2,19 +2,17 @@
 
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::parameters::{Parameter, Parameters};
+use super::pictures::{LevelCurve, PbrtPicture, read_picture};
 use super::spectra::{ColorMeaning, SpectralValue, linear_rgb, spectral_value};
 use crate::format::description::{
     PictureEncoding, SolidPatternDescription, Span, Spanned, TexcoordTransformDescription, TextureDescription,
     TextureKindDescription, TexturedValue, WrapMode,
 };
 use crate::format::import_notes::ImportNotes;
-use crate::image::{Image, PixelMeaning, decode, decode_quantized_rgba};
+use crate::image::Image;
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
-
-/// First bytes of a JPEG file.
-const JPEG_SIGNATURE: [u8; 2] = [0xff, 0xd8];
 
 /// A texture that the pbrt file defines, or a constant in place of one.
 #[derive(Clone, Debug)]
@@ -73,7 +71,7 @@ impl PbrtTexture {
 
     /// Returns the mean of the values: over all pixels of a picture, or over both colors of a
     /// pattern.
-    fn mean(&self) -> DVec3 {
+    pub fn mean(&self) -> DVec3 {
         match self {
             Self::Constant(value) => *value,
             Self::Picture { image, factor, .. } => {
@@ -109,11 +107,12 @@ impl PbrtTextures {
     /// Adds a texture that the pbrt file defines.
     ///
     /// `class` is its type, such as `imagemap`. `is_color` is true for colors, and false for
-    /// numbers.
+    /// numbers. `is_v3` is true for a scene of pbrt-v3.
     pub fn define_texture(
         &mut self,
         (name, class, is_color): (&str, &str, bool),
         parameters: &Parameters,
+        is_v3: bool,
         files: &PbrtSceneFiles<'_>,
         notes: &mut ImportNotes,
     ) -> ReadResult<()> {
@@ -140,7 +139,12 @@ impl PbrtTextures {
             }
             "mix" | "directionmix" => {
                 let (first, second) = (value(&["tex1"], 0.0)?, value(&["tex2"], 1.0)?);
-                let amount = value(&["amount"], 0.5)?;
+                let amount = if class == "directionmix" {
+                    notes.add_unsupported("mixes by direction are half and half", place.position_text());
+                    PbrtTexture::Constant(DVec3::splat(0.5))
+                } else {
+                    value(&["amount"], 0.5)?
+                };
                 match (&first, &second, &amount) {
                     (PbrtTexture::Constant(a), PbrtTexture::Constant(b), amount) => {
                         let (a, b) = (*a, *b);
@@ -155,44 +159,17 @@ impl PbrtTextures {
                 }
             }
             "checkerboard" => {
-                let colors = [value(&["tex1"], 1.0)?.mean(), value(&["tex2"], 0.0)?.mean()];
+                let squares = [value(&["tex1"], 1.0)?, value(&["tex2"], 0.0)?];
+                if squares.iter().any(|square| !matches!(square, PbrtTexture::Constant(_))) {
+                    notes.add_unsupported("textures inside a checkerboard become their mean", place.position_text());
+                }
+                let colors = squares.map(|square| square.mean());
                 if parameters.number_or("dimension", 2.0) != 2.0 {
                     notes.add_unsupported("checkerboards of three dimensions have two", place.position_text());
                 }
                 PbrtTexture::Checker { colors, coordinates: texcoord_transform_description(parameters, notes) }
             }
-            "imagemap" => {
-                let name = parameters.text("filename").unwrap_or_default();
-                let is_linear = !is_color
-                    || parameters.text("encoding") == Some("linear")
-                    || parameters.flag("gamma") == Some(false);
-                let meaning = if is_linear { PixelMeaning::NonColor } else { PixelMeaning::Color };
-                let mut image = read_picture(name, meaning, place, files)?;
-                let inverts = parameters.flag("invert") == Some(true);
-                for pixel in image.pixels_mut() {
-                    let value = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
-                    let value = if is_color { value } else { Vec3::splat(value.element_sum() / 3.0) };
-                    *pixel = if inverts { (1.0 - value).max(Vec3::ZERO) } else { value };
-                }
-                let wrap = match parameters.text("wrap") {
-                    Some("clamp") => WrapMode::Clamp,
-                    Some("black") => {
-                        notes.add_unsupported(
-                            "textures that are black beyond their edges repeat",
-                            place.position_text(),
-                        );
-                        WrapMode::Repeat
-                    }
-                    _ => WrapMode::Repeat,
-                };
-                let factor = DVec3::splat(parameters.number_or("scale", 1.0).max(0.0));
-                PbrtTexture::Picture {
-                    image: image.into(),
-                    factor,
-                    wrap,
-                    coordinates: texcoord_transform_description(parameters, notes),
-                }
-            }
+            "imagemap" => image_map(parameters, (is_color, is_v3), files, notes)?,
             "fbm" | "wrinkled" | "windy" | "marble" => {
                 notes.add_unsupported("procedural textures have Caustica's noise, not pbrt's", place.position_text());
                 let (pattern, colors) = match class {
@@ -303,6 +280,12 @@ impl PbrtTextures {
         Ok((TexturedValue::Texture(Spanned::new(name, Span::default())), mean))
     }
 
+    /// True if the texture `name` of the imported scene is a function of texture coordinates.
+    pub fn needs_texcoords(&self, name: &str) -> bool {
+        let texture = self.descriptions.iter().rev().find(|texture| texture.name == name);
+        texture.is_some_and(|texture| !matches!(texture.kind, TextureKindDescription::Solid { .. }))
+    }
+
     /// Embeds a picture in the imported scene, and returns its path there.
     pub fn embed_picture(&mut self, image: Image, files: &PbrtSceneFiles<'_>) -> ReadResult<String> {
         files.reserve_memory(12 * image.pixels().len() as u64)?;
@@ -310,6 +293,48 @@ impl PbrtTextures {
         self.pictures.insert(path.clone(), image.into());
         Ok(path)
     }
+}
+
+/// Returns the texture of a picture file.
+///
+/// Numbers are the mean of the channels. In pbrt-v4, they are the fourth channel of a picture that
+/// has one, unless it is 1 everywhere.
+fn image_map(
+    parameters: &Parameters,
+    (is_color, is_v3): (bool, bool),
+    files: &PbrtSceneFiles<'_>,
+    notes: &mut ImportNotes,
+) -> ReadResult<PbrtTexture> {
+    let place = &parameters.place;
+    let name = parameters.text("filename").unwrap_or_default();
+    let PbrtPicture { mut image, alpha } = read_picture(name, LevelCurve::from_parameters(parameters)?, place, files)?;
+    let factor = parameters.number_or("scale", 1.0).max(0.0);
+    let inverts = parameters.flag("invert") == Some(true);
+    let numbers = alpha.filter(|_| !(is_color || is_v3));
+    for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
+        let color = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
+        let value = match &numbers {
+            Some(numbers) => Vec3::splat(numbers.get(i).copied().unwrap_or_default()),
+            None if is_color => color,
+            None => Vec3::splat(color.element_sum() / 3.0),
+        };
+        // pbrt inverts the scaled value.
+        *pixel = if inverts { (1.0 - value * factor as f32).max(Vec3::ZERO) } else { value };
+    }
+    let wrap = match parameters.text("wrap") {
+        Some("clamp") => WrapMode::Clamp,
+        Some("black") => {
+            notes.add_unsupported("textures that are black beyond their edges repeat", place.position_text());
+            WrapMode::Repeat
+        }
+        _ => WrapMode::Repeat,
+    };
+    Ok(PbrtTexture::Picture {
+        image: image.into(),
+        factor: if inverts { DVec3::ONE } else { DVec3::splat(factor) },
+        wrap,
+        coordinates: texcoord_transform_description(parameters, notes),
+    })
 }
 
 /// Returns the transform of texture coordinates that a texture's parameters give.
@@ -328,33 +353,5 @@ fn texcoord_transform_description(parameters: &Parameters, notes: &mut ImportNot
     TexcoordTransformDescription { scale, rotation_degrees: 0.0, offset: pair("udelta", "vdelta", 0.0) }
 }
 
-/// Reads the picture file that the scene calls `name`: PNG, OpenEXR, Radiance HDR, JPEG or TGA.
-///
-/// `meaning` is what the pixels stand for.
-pub(super) fn read_picture(
-    name: &str,
-    meaning: PixelMeaning,
-    place: &PbrtSourceLocation,
-    files: &PbrtSceneFiles<'_>,
-) -> ReadResult<Image> {
-    let path = files.resolve_path(place, name)?;
-    let bytes = files.read_file(&path)?;
-    let failed = |e: &dyn std::fmt::Display| place.error(e, "convert the picture to PNG or OpenEXR");
-    let is_tga = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tga"));
-    if (is_tga || bytes.starts_with(&JPEG_SIGNATURE))
-        && let Some(levels) = decode_quantized_rgba(&path, &bytes, files.free_memory()).map_err(|e| failed(&e))?
-    {
-        let (table, greatest) = (levels.srgb_table(), f32::from(levels.max_level));
-        let value = |level: u16| match meaning {
-            PixelMeaning::Color => table.get(usize::from(level)).copied().unwrap_or_default(),
-            PixelMeaning::NonColor => f32::from(level) / greatest,
-        };
-        let pixels = levels.pixels.iter().map(|p| Vec3::new(value(p[0]), value(p[1]), value(p[2]))).collect();
-        let image = Image::from_pixels(levels.width, levels.height, pixels).map_err(|e| failed(&e))?;
-        files.reserve_memory(12 * image.pixels().len() as u64)?;
-        return Ok(image);
-    }
-    let (image, _) = decode(&path, &bytes, meaning, files.free_memory()).map_err(|e| failed(&e))?;
-    files.reserve_memory(12 * image.pixels().len() as u64)?;
-    Ok(image)
-}
+#[cfg(test)]
+mod tests;

@@ -7,8 +7,8 @@ use crate::format::description::{
 };
 use crate::format::import::{ImportOptions, ImportedScene};
 use crate::format::pbrt::decode;
-use crate::format::pbrt::tests::import_text;
-use crate::image::{Image, WriteOptions, write};
+use crate::format::pbrt::tests::{import_text, note_messages};
+use crate::image::{Image, WriteOptions, srgb_decode, write};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -132,4 +132,90 @@ fn two_sided_lamps_emit_on_their_back() {
         (b - a).cross(c - a)
     };
     assert!(normal(0).dot(normal(1)) < -0.99 && meshes[0].positions != meshes[1].positions);
+}
+
+#[test]
+fn projectors_of_v3_are_narrower_and_upside_down() {
+    let text = "Film \"image\" WorldBegin LightSource \"projection\" \"string mapname\" \"a.exr\"";
+    let scene = import_with_picture((2, 2), &[1.0, 2.0, 3.0, 4.0], text);
+    let LightDescription::Projector(ProjectorLightDescription { vertical_fov_degrees: angle, path, .. }) =
+        &scene.description.lights[0].value
+    else {
+        panic!()
+    };
+    assert!((angle - 45.0).abs() < 1e-9, "{angle}");
+    let values: Vec<f32> = scene.assets.pictures[&path.value].pixels().iter().map(|pixel| pixel.x).collect();
+    assert_eq!(values, [3.0, 4.0, 1.0, 2.0]);
+}
+
+#[test]
+fn spotlights_of_v3_fall_off_by_the_fourth_power() {
+    let scene = import_text("Film \"image\" WorldBegin LightSource \"spot\" \"rgb I\" [1 2 3]");
+    let LightDescription::Goniometric(GoniometricLightDescription {
+        pose,
+        distribution: IntensityDistribution::MapFile(path),
+        strength,
+    }) = &scene.description.lights[0].value
+    else {
+        panic!()
+    };
+    // pbrt's +z is our −z.
+    assert_eq!((pose.up, *strength), (Some(DVec3::NEG_Z), PointLightStrength::Intensity(DVec3::new(1.0, 2.0, 3.0))));
+    let map = &scene.assets.pictures[&path.value];
+    let cos = |degrees: f64| libm::cos(degrees.to_radians());
+    let delta = (cos(27.0625) - cos(30.0)) / (cos(25.0) - cos(30.0));
+    for (row, expected) in [(0, 1.0), (199, 1.0), (216, delta.powi(4)), (240, 0.0)] {
+        assert!((f64::from(map.pixels()[row].x) - expected).abs() < 1e-6, "{row}");
+    }
+}
+
+/// Each triangle of a mesh is a lamp of its own in pbrt, and has the whole power.
+#[test]
+fn power_counts_for_each_triangle_of_a_mesh() {
+    let lamp = |shape: &str| {
+        let text = format!("WorldBegin AreaLightSource \"diffuse\" \"float power\" 12 Shape {shape}");
+        let scene = import_text(&text);
+        (PI * emitting_shapes(&scene)[0].0.x, note_messages(&scene).contains("even over their area"))
+    };
+    let mesh = |points: &str| {
+        lamp(&format!("\"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [0 0 0 {points} 0 1 0]"))
+    };
+    // The triangles have the areas ½ and ½, and then ½ and 1.
+    for (points, expected, is_noted) in [("1 0 0 1 1 0", 24.0, false), ("1 0 0 2 1 0", 16.0, true)] {
+        let (emittance, has_note) = mesh(points);
+        assert!((emittance - expected).abs() < 1e-9 && has_note == is_noted, "{emittance} {has_note}");
+    }
+    let (emittance, has_note) = lamp("\"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 0 1 0 2 1 0]");
+    assert!((emittance - 6.0).abs() < 1e-9 && !has_note, "{emittance}");
+}
+
+#[test]
+fn opacity_of_v4_lamps_dims_their_light() {
+    let lamp = |head: &str, alpha: &str| {
+        let scene = import_text(&format!(
+            "{head} WorldBegin Texture \"t\" \"float\" \"checkerboard\" AreaLightSource \"diffuse\" \
+             \"rgb L\" [4 4 4] Shape \"disk\" {alpha}"
+        ));
+        (emitting_shapes(&scene)[0].0.x, note_messages(&scene))
+    };
+    assert_eq!(lamp("", "\"float alpha\" .25").0, 1.0);
+    assert_eq!(lamp("Film \"image\"", "\"float alpha\" .25").0, 4.0);
+    let (radiance, notes) = lamp("", "\"float alpha\" 0");
+    assert!(radiance == 4.0 && notes.contains("lamps with opacity 0"), "{radiance} {notes}");
+    let (radiance, notes) = lamp("", "\"texture alpha\" \"t\"");
+    assert!(radiance == 2.0 && notes.contains("texture of opacity"), "{radiance} {notes}");
+}
+
+#[test]
+fn pictures_of_v3_lights_are_not_decoded() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = ::image::RgbImage::from_raw(1, 1, vec![51, 51, 51]).unwrap();
+    image.save(folder.path().join("a.png")).unwrap();
+    let value = |text: &str| {
+        let scene = decode(&folder.path().join("a.pbrt"), text.as_bytes(), &ImportOptions::default()).unwrap();
+        f64::from(scene.assets.pictures.values().next().unwrap().pixels()[0].x)
+    };
+    let old = value("Film \"image\" WorldBegin LightSource \"projection\" \"string mapname\" \"a.png\"");
+    let new = value("WorldBegin LightSource \"projection\" \"string filename\" \"a.png\"");
+    assert!((old - 0.2).abs() < 1e-6 && (new - srgb_decode(0.2)).abs() < 1e-6, "{old} {new}");
 }

@@ -1,8 +1,9 @@
 //! Converts one material of pbrt to a material of the scene language.
 
-use super::{FileMaterial, PbrtMaterials};
+use super::glasses::{glass_description, glass_name, index_of_glass};
+use super::{FileMaterial, PbrtMaterials, mix_part_names};
 use crate::bsdf::{LossyCoat, MAX_COAT_INDEX, metal_refractive_index};
-use crate::color::{conductor_refractive_index, glass_by_name};
+use crate::color::conductor_refractive_index;
 use crate::format::description::{
     CoatedDiffuseDescription, ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription,
     DiffuseTransmissionDescription, MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription,
@@ -13,9 +14,10 @@ use crate::format::import_notes::ImportNotes;
 use crate::format::imported_materials::mix_of;
 use crate::format::pbrt::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use crate::format::pbrt::graphics_state::MaterialReference;
-use crate::format::pbrt::parameters::Parameters;
+use crate::format::pbrt::parameters::{Parameter, Parameters};
+use crate::format::pbrt::pictures::{LevelCurve, read_picture};
 use crate::format::pbrt::spectra::{SpectralValue, spectral_value};
-use crate::format::pbrt::textures::{PbrtTexture, PbrtTextures, read_picture};
+use crate::format::pbrt::textures::{PbrtTexture, PbrtTextures};
 use glam::DVec3;
 
 /// Greatest nesting depth of mix materials.
@@ -33,15 +35,6 @@ const DEFAULT_COAT_THICKNESS: f64 = 0.01;
 
 /// Estimated memory of each material \[bytes].
 const MEMORY_PER_MATERIAL: u64 = 2_000;
-
-/// Glasses of pbrt without a dispersion formula in Caustica: name, index at 587.56 nm, Abbe number.
-const GLASSES_BY_ABBE_NUMBER: [(&str, f64, f64); 5] = [
-    ("BAF10", 1.6700, 47.11),
-    ("F5", 1.6034, 38.03),
-    ("FK51A", 1.4866, 84.47),
-    ("LASF9", 1.8503, 32.17),
-    ("SF5", 1.6727, 32.25),
-];
 
 /// Converter of one pbrt material for a shape, with the state of the conversion.
 pub(super) struct PbrtMaterialConverter<'m> {
@@ -68,16 +61,9 @@ impl PbrtMaterialConverter<'_> {
     ///
     /// `depth` is the number of mixes around this material.
     pub(super) fn convert_material(&mut self, material: &MaterialReference, depth: usize) -> ReadResult<String> {
-        let missing = |name: &str, place: &PbrtSourceLocation| {
-            place.error(format!("no material is called `{name}`"), "define it with `MakeNamedMaterial`")
-        };
-        let found = match material {
-            MaterialReference::Numbered(number) => self.materials.numbered.get(*number).cloned().flatten(),
-            MaterialReference::Named(name, place) => {
-                Some(self.materials.named.get(&**name).cloned().ok_or_else(|| missing(name, place))?)
-            }
-        };
-        let Some(FileMaterial { kind, parameters }) = found else {
+        let number = self.materials.number(material)?;
+        let found = self.materials.numbered.get(number).cloned().flatten();
+        let Some(FileMaterial { kind, parameters, mix_parts }) = found else {
             return self.push_material(
                 MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: DVec3::splat(0.5).into() }),
                 None,
@@ -85,7 +71,7 @@ impl PbrtMaterialConverter<'_> {
         };
         let place = &parameters.place;
         if kind == "mix" {
-            return self.convert_mix(&parameters, depth);
+            return self.convert_mix(&parameters, mix_parts, depth);
         }
         let surface = self.surface_description(&kind, &parameters)?;
         let normal = self.normal_perturbation(&parameters)?;
@@ -125,26 +111,26 @@ impl PbrtMaterialConverter<'_> {
 
     /// Converts a mix of two named materials, adds it, and returns its name.
     ///
+    /// `parts` are the numbers of the two materials, if they were known where the mix is defined.
     /// `depth` is the number of mixes around this one.
-    fn convert_mix(&mut self, parameters: &Parameters, depth: usize) -> ReadResult<String> {
+    fn convert_mix(&mut self, parameters: &Parameters, parts: [Option<usize>; 2], depth: usize) -> ReadResult<String> {
         let place = &parameters.place;
         if depth >= MAX_MIX_DEPTH {
             return Err(place.error("mixes of materials nest too deep", "let no mix contain itself"));
         }
-        let listed = parameters.find("materials").map_or(&[][..], |list| &list.texts);
-        let names = match (listed, parameters.text("namedmaterial1"), parameters.text("namedmaterial2")) {
-            ([first, second, ..], _, _) => [first.clone(), second.clone()],
-            // In pbrt-v3, the amount is the share of the first material; here it is that of the
-            // second.
-            (_, Some(first), Some(second)) => [second.to_owned(), first.to_owned()],
-            _ => return Err(place.error("a mix has no two materials", "name two materials: `\"string materials\"`")),
-        };
+        let names = mix_part_names(parameters)
+            .ok_or_else(|| place.error("a mix has no two materials", "name two materials: `\"string materials\"`"))?;
         let amount = match parameters.find("amount") {
             Some(parameter) => self.textures.parameter_value(parameter, false, place, self.files)?,
             None => PbrtTexture::Constant(DVec3::splat(0.5)),
         };
         let (amount, _) = self.textured_scalar_and_mean(&amount, &|amount| amount.clamp(0.0, 1.0))?;
-        let [first, second] = names.map(|name| MaterialReference::Named(name.into(), place.clone()));
+        let reference = |number: Option<usize>, name: String| match number {
+            Some(number) => MaterialReference::Numbered(number),
+            None => MaterialReference::Named(name.into(), place.clone()),
+        };
+        let [first_name, second_name] = names;
+        let (first, second) = (reference(parts[0], first_name), reference(parts[1], second_name));
         let first = self.convert_material(&first, depth + 1)?;
         let second = self.convert_material(&second, depth + 1)?;
         self.push_material(mix_of(first, second, amount), None)
@@ -206,7 +192,8 @@ impl PbrtMaterialConverter<'_> {
             }),
             "glass" | "dielectric" => {
                 let is_v3 = kind == "glass";
-                if p.find_any(&["Kr", "Kt"]).is_some_and(|color| color.numbers.iter().any(|c| *c != 1.0)) {
+                let is_one = |color: &Parameter| color.texts.is_empty() && color.numbers.iter().all(|c| *c == 1.0);
+                if ["Kr", "Kt"].iter().any(|name| p.find(name).is_some_and(|color| !is_one(color))) {
                     self.add_note("colors of glass (Kr, Kt) are ignored", place);
                 }
                 let roughness = self.roughness(p, 0.0, is_v3)?;
@@ -365,14 +352,8 @@ impl PbrtMaterialConverter<'_> {
     /// It is a glass that Caustica knows by name, an index with an Abbe number, or a constant
     /// index.
     fn refractive_index_description(&mut self, p: &Parameters) -> ReadResult<RefractiveIndexDescription> {
-        let glass = p.find("eta").filter(|eta| eta.kind == "spectrum").and_then(|eta| eta.texts.first());
-        if let Some(name) = glass.and_then(|name| name.strip_prefix("glass-")) {
-            if glass_by_name(name).is_some() {
-                return Ok(RefractiveIndexDescription::NamedGlass(Spanned::new(name.to_owned(), Span::default())));
-            }
-            if let Some((_, index, abbe)) = GLASSES_BY_ABBE_NUMBER.iter().find(|glass| glass.0 == name) {
-                return Ok(RefractiveIndexDescription::Abbe { index: *index, abbe: *abbe });
-            }
+        if let Some(glass) = p.find("eta").and_then(glass_name).and_then(glass_description) {
+            return Ok(glass);
         }
         self.refractive_index(p, &["eta", "index"]).map(RefractiveIndexDescription::Constant)
     }
@@ -380,7 +361,8 @@ impl PbrtMaterialConverter<'_> {
     /// Returns the refractive index from the first parameter with one of `names`; 1.5 if there is
     /// none.
     ///
-    /// A spectrum gives its green channel. A texture gives 1.5, with a message.
+    /// A glass gives its index at 587.56 nm, and any other spectrum its green channel. A texture
+    /// gives 1.5, with a message.
     fn refractive_index(&mut self, p: &Parameters, names: &[&str]) -> ReadResult<f64> {
         let place = &p.place;
         let index = match p.find_any(names) {
@@ -388,6 +370,10 @@ impl PbrtMaterialConverter<'_> {
             Some(parameter) if parameter.kind == "texture" => {
                 self.add_note("textures of the index of refraction are 1.5", place);
                 DEFAULT_REFRACTIVE_INDEX
+            }
+            Some(parameter) if let Some(index) = glass_name(parameter).and_then(index_of_glass) => {
+                self.add_note("panes and coats of glass have one index for all wavelengths", place);
+                index
             }
             Some(parameter) => spectral_value(parameter, place, self.files)?.mean_rgb().y,
         };
@@ -487,8 +473,7 @@ impl PbrtMaterialConverter<'_> {
     /// Returns the bump map or normal map of a material; `None` if it has neither.
     fn normal_perturbation(&mut self, p: &Parameters) -> ReadResult<Option<NormalPerturbationDescription>> {
         if let Some(name) = p.text("normalmap") {
-            let meaning = crate::image::PixelMeaning::NonColor;
-            let image = read_picture(name, meaning, &p.place, self.files)?;
+            let image = read_picture(name, LevelCurve::Linear, &p.place, self.files)?.image;
             let coordinates = Default::default();
             let value = PbrtTexture::Picture {
                 image: image.into(),

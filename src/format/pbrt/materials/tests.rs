@@ -1,0 +1,92 @@
+//! Tests of materials of pbrt: names, colors of glass, and errors.
+
+use crate::format::description::{
+    CoatedDiffuseDescription, DiffuseDescription, GroupItem, MaterialKindDescription, TexturedValue,
+    ThinDielectricDescription,
+};
+use crate::format::import::ImportedScene;
+use crate::format::pbrt::tests::{import_text, note_messages, try_import_text};
+
+/// Returns the red reflectance of the diffuse material of each shape, in order.
+fn diffuse_reds(scene: &ImportedScene) -> Vec<f64> {
+    let red = |item: &GroupItem| {
+        let GroupItem::MaterialName(name) = item else { return None };
+        let materials = &scene.description.materials;
+        let material = materials.iter().find(|material| material.name.as_ref() == Some(&name.value)).unwrap();
+        match &material.kind {
+            MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: TexturedValue::Constant(color) }) => {
+                Some(color.x)
+            }
+            other => panic!("{other:?}"),
+        }
+    };
+    scene.description.root.items.iter().filter_map(red).collect()
+}
+
+/// Returns directives that define the diffuse material `m` and use it for a sphere.
+fn defined_and_used(red: &str) -> String {
+    format!(
+        "MakeNamedMaterial \"m\" \"string type\" \"matte\" \"rgb Kd\" [{red} 0 0] NamedMaterial \"m\" \
+         Shape \"sphere\" "
+    )
+}
+
+#[test]
+fn names_of_v3_materials_end_with_their_block() {
+    let scene = import_text(&format!(
+        "Film \"image\" WorldBegin {} AttributeBegin {} AttributeEnd NamedMaterial \"m\" Shape \"sphere\" {}",
+        defined_and_used(".1"),
+        defined_and_used(".2"),
+        defined_and_used(".3"),
+    ));
+    assert_eq!(diffuse_reds(&scene), [0.1, 0.2, 0.1, 0.3]);
+    let ended = format!("Film \"image\" AttributeBegin {} AttributeEnd\nNamedMaterial \"m\" Shape \"sphere\"", {
+        defined_and_used(".1")
+    });
+    assert!(try_import_text(&ended).unwrap_err().to_string().contains("line 2"));
+}
+
+#[test]
+fn second_definitions_of_v4_materials_are_refused() {
+    let text = format!("{}\n{}", defined_and_used(".1"), defined_and_used(".2"));
+    let error = try_import_text(&text).unwrap_err().to_string();
+    assert!(error.contains("line 2") && error.contains("defined twice"), "{error}");
+}
+
+#[test]
+fn missing_textures_of_opacity_are_reported_with_their_line() {
+    let error = try_import_text("WorldBegin\nShape \"sphere\" \"texture alpha\" \"missing\"").unwrap_err().to_string();
+    assert!(error.contains("line 2") && error.contains("missing"), "{error}");
+}
+
+#[test]
+fn colors_of_glass_have_a_note() {
+    let has_note = |colors: &str| {
+        let text = format!(
+            "Film \"image\" WorldBegin Texture \"t\" \"spectrum\" \"constant\" Material \"glass\" {colors} \
+             Shape \"sphere\""
+        );
+        note_messages(&import_text(&text)).contains("colors of glass")
+    };
+    assert!(has_note("\"rgb Kr\" [1 1 1] \"rgb Kt\" [.2 .9 .2]"));
+    assert!(has_note("\"texture Kt\" \"t\"") && has_note("\"rgb Kr\" [.5 1 1]"));
+    assert!(!has_note("") && !has_note("\"rgb Kr\" [1 1 1] \"rgb Kt\" [1 1 1]"));
+}
+
+#[test]
+fn panes_and_coats_take_the_index_of_named_glasses() {
+    let scene = import_text("WorldBegin Material \"thindielectric\" \"spectrum eta\" \"glass-BK7\" Shape \"sphere\"");
+    assert!(note_messages(&scene).contains("one index for all wavelengths"));
+    let MaterialKindDescription::Thin(ThinDielectricDescription { eta, .. }) = scene.description.materials[0].kind
+    else {
+        panic!()
+    };
+    assert!((eta - 1.5168).abs() < 1e-3, "{eta}");
+    let scene = import_text("WorldBegin Material \"coateddiffuse\" \"spectrum eta\" \"glass-SF5\" Shape \"sphere\"");
+    let MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription { eta, .. }) =
+        scene.description.materials[0].kind
+    else {
+        panic!()
+    };
+    assert_eq!(eta, 1.6727);
+}
