@@ -16,6 +16,7 @@ use std::error::Error;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Folder of the images, as the page and its commands name it.
 const FOLDER: &str = "docs/images/gallery";
@@ -28,8 +29,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(unknown) = names.iter().find(|name| ENTRIES.iter().all(|entry| entry.name != **name)) {
         return Err(format!("no picture is called `{unknown}`").into());
     }
-    for entry in ENTRIES.iter().filter(|entry| names.is_empty() || names.iter().any(|name| name == entry.name)) {
-        render(entry)?;
+    let chosen: Vec<&Entry> =
+        ENTRIES.iter().filter(|entry| names.is_empty() || names.iter().any(|name| name == entry.name)).collect();
+    match chosen[..] {
+        [entry] => render(entry)?,
+        // A process of its own for each image: the statistics hold the time of the whole process.
+        _ => chosen.into_iter().try_for_each(render_in_process)?,
     }
     let page = page()?;
     fs::write("docs/gallery.md", page)?;
@@ -57,6 +62,12 @@ fn render(entry: &Entry) -> Result<(), Box<dyn Error>> {
     eprintln!("\n{command}");
     let arguments = Arguments::try_parse_from(command.split_whitespace())?;
     cli::run(arguments).map(drop).map_err(|failure| format!("{:?}", failure.reports).into())
+}
+
+/// Renders `entry` in another process of this program.
+fn render_in_process(entry: &Entry) -> Result<(), Box<dyn Error>> {
+    let status = Command::new(std::env::current_exe()?).arg(entry.name).status()?;
+    if status.success() { Ok(()) } else { Err(format!("`{}` was not rendered: {status}", entry.name).into()) }
 }
 
 /// Returns the page, made of the existing images and statistics.
