@@ -14,6 +14,10 @@ use std::time::{Duration, Instant};
 /// When a terminal closes, both the shell and the system send SIGHUP.
 const SAME_INTERRUPTION_TIME: Duration = Duration::from_secs(1);
 
+/// Message about the work that a render still does after the first interrupting signal, or after a
+/// stop on the live page.
+pub(super) const STOP_CONSEQUENCE: &str = "the picture so far is written after this pass";
+
 /// True after the first interrupting signal, or after a stop request of the live page of
 /// `--listen`.
 pub(super) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -48,7 +52,7 @@ pub(super) fn stop_on_request(consequence: &str) {
     }
 }
 
-/// What a signal does.
+/// Effect of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SignalAction {
     /// The work ends after the current pass.

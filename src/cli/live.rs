@@ -1,8 +1,7 @@
 //! The live page of `caustica render --listen`, and its reference picture.
 
-use super::interrupt::stop_on_request;
+use super::interrupt::{STOP_CONSEQUENCE, stop_on_request};
 use super::progress::print_message;
-use super::render::STOP_CONSEQUENCE;
 use super::{CommandFailure, Exit, RenderArguments};
 use crate::image;
 use crate::view::{LiveFrame, LivePage, PageServer, RenderPublisher, Request};

@@ -18,7 +18,7 @@ use super::check::quick_scene_warnings;
 use super::diagnostics::all_lights_are_black;
 use super::film::{FilmHeaderSettings, LockedFilmFile, make_film_header};
 use super::input_files::{InputFile, InputFileCollector};
-use super::interrupt::{INTERRUPTED, listen_for_signals};
+use super::interrupt::{INTERRUPTED, STOP_CONSEQUENCE, listen_for_signals};
 #[cfg(feature = "view")]
 use super::live::LiveOutput;
 use super::outputs::{FileWithRole, check_distinct_files};
@@ -47,9 +47,6 @@ use crate::scene::Scene;
 use crate::view::{PlanReport, RenderPublisher, RenderStage};
 use std::ops::Range;
 use std::time::Instant;
-
-/// What a render still does after the first interrupting signal, or after a stop on the live page.
-pub(super) const STOP_CONSEQUENCE: &str = "the picture so far is written after this pass";
 
 /// Number of rays of each pixel for surface AOVs of the live page.
 #[cfg(feature = "view")]
