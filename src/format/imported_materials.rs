@@ -4,9 +4,49 @@ use super::description::{
     GroupItem, MaterialDescription, MaterialKindDescription, MixDescription, NormalPerturbationDescription,
     ObjectGroup, Span, Spanned, ThinDielectricDescription,
 };
+use super::language::scope::MixConstraints;
 use super::textured_value::TexturedValue;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
+
+/// Reason why the scene language forbids a mix of two materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MixDefect {
+    /// One of the materials is a mix that nests as deep as mixes may.
+    TooDeep,
+    /// The materials bound two different dielectric bodies, wholly or in part.
+    TwoDielectrics,
+}
+
+/// Properties of an importer's named materials that limit their use in mixes.
+#[derive(Default)]
+pub(super) struct ImportedMixLimits {
+    constraints: HashMap<String, MixConstraints>,
+}
+
+impl ImportedMixLimits {
+    /// Adds a material, whose name no other has. The materials of a mix must be added before it.
+    pub fn add(&mut self, material: &MaterialDescription) {
+        let Some(name) = &material.name else { return };
+        let constraints = MixConstraints::of_material(&material.kind, self.constraints.len(), |part| self.find(part));
+        self.constraints.insert(name.clone(), constraints);
+    }
+
+    /// Returns why the scene language forbids a mix of the materials with these names; `None` if it
+    /// allows the mix.
+    pub fn mix_defect(&self, first: &str, second: &str) -> Option<MixDefect> {
+        let (first, second) = (self.find(first), self.find(second));
+        if first.is_deepest_mix() || second.is_deepest_mix() {
+            Some(MixDefect::TooDeep)
+        } else {
+            first.has_other_dielectric_than(second).then_some(MixDefect::TwoDielectrics)
+        }
+    }
+
+    fn find(&self, name: &str) -> MixConstraints {
+        self.constraints.get(name).copied().unwrap_or_default()
+    }
+}
 
 /// Materials that an importer has converted so far, each with a unique name.
 #[derive(Default)]
@@ -15,6 +55,7 @@ pub(super) struct ImportedMaterials {
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     /// Names in use. Each maps to the next number to try for a material that wants the same name.
     next_numbers: HashMap<String, u32>,
+    mix_limits: ImportedMixLimits,
     transparent_material_name: Option<String>,
 }
 
@@ -50,7 +91,14 @@ impl ImportedMaterials {
 
     /// Adds a material.
     pub fn push(&mut self, material: MaterialDescription) {
+        self.mix_limits.add(&material);
         self.descriptions.push(Spanned::new(material, Span::default()));
+    }
+
+    /// Returns why the scene language forbids a mix of the materials with these names; `None` if it
+    /// allows the mix.
+    pub fn mix_defect(&self, first: &str, second: &str) -> Option<MixDefect> {
+        self.mix_limits.mix_defect(first, second)
     }
 
     /// Returns the name of a material that transmits all light unchanged. Adds it at its first use.

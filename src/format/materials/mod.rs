@@ -132,19 +132,8 @@ pub(super) fn parse_materials_block<'a>(
 /// The caller must append the entry to the materials of `scope`.
 fn defined_material(scope: &ParserScope<'_>, material: &MaterialDescription) -> DefinedMaterial {
     let kind = &material.kind;
-    let mix_constraints = match kind.mix_material_names() {
-        Some(components) => {
-            let [a, b] = components.map(|name| scope.mix_constraints(name));
-            MixConstraints {
-                dielectric_material_index: a.dielectric_material_index.or(b.dielectric_material_index),
-                mix_depth: a.mix_depth.max(b.mix_depth) + 1,
-            }
-        }
-        None => {
-            let bounds_body = kind.is_dielectric() || kind.has_dielectric_component();
-            MixConstraints { dielectric_material_index: bounds_body.then_some(scope.materials.len()), mix_depth: 0 }
-        }
-    };
+    let mix_constraints =
+        MixConstraints::of_material(kind, scope.materials.len(), |component| scope.mix_constraints(component));
     DefinedMaterial { name: material.name.clone(), is_null_interface: kind.is_null_interface(), mix_constraints }
 }
 

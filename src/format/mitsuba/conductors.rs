@@ -32,6 +32,9 @@ const METAL_NAMES: [(&str, &str); 14] = [
 
 /// Converts a conductor. An unknown metal becomes chromium, with a message.
 ///
+/// A conductor without a metal is copper before version 1 of the format, and a perfect mirror since
+/// version 2.
+///
 /// `tint` is the reflectance of an ideal mirror. For any other metal, the mean of `tint` multiplies
 /// the reflectance at normal incidence.
 pub(super) fn convert_conductor(
@@ -42,10 +45,8 @@ pub(super) fn convert_conductor(
 ) -> ReadResult<MaterialKindDescription> {
     let eta = context.color_value(bsdf, "eta")?;
     let k = context.color_value(bsdf, "k")?;
-    // Mitsuba 2 and 3 default to a perfect mirror. Older versions default to copper, which is
-    // ignored here.
-    let named = bsdf.text("material");
-    let name = named.unwrap_or("none");
+    let default = if context.tree.has_version_zero { "Cu" } else { "none" };
+    let name = bsdf.text("material").unwrap_or(default);
     let is_ideal = match (&eta, &k) {
         (None, None) => name == "none",
         (_, Some(k)) => {

@@ -48,6 +48,7 @@ pub(super) fn read_tree(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadRe
         include_count: 0,
         total_bytes: 0,
         element_count: 0,
+        has_version_zero: false,
     };
     let mut root = ObjectContents::default();
     reader.read_xml(files.path, bytes, None, &mut root)?;
@@ -61,7 +62,7 @@ pub(super) fn read_tree(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadRe
         line: 1,
     };
     let root = root.into_object(ObjectClass::Scene, "scene", None, place);
-    Ok(ObjectTree { root: Rc::new(root), by_id: reader.by_id })
+    Ok(ObjectTree { root: Rc::new(root), by_id: reader.by_id, has_version_zero: reader.has_version_zero })
 }
 
 /// Returns an error: the element at `place` refers to `id`, but no object has this identifier.
@@ -83,6 +84,8 @@ struct TreeReader<'r, 'a> {
     include_count: usize,
     total_bytes: u64,
     element_count: u64,
+    /// True if the scene file, which is read first, states a version before 1.
+    has_version_zero: bool,
 }
 
 /// Values and nested objects of one object, collected while the object is read.
@@ -170,6 +173,10 @@ impl TreeReader<'_, '_> {
         let root = document.root_element();
         let place = file.element_place(&root);
         self.include_stack.push(path.canonicalize().unwrap_or_else(|_| path.to_owned()));
+        if includer.is_none() {
+            let version = root.attribute("version").unwrap_or_default();
+            self.has_version_zero = version.trim().split('.').next() == Some("0");
+        }
         if root.tag_name().name() == "scene" {
             for child in root.children().filter(Node::is_element) {
                 self.read_element(&file, child, 1, contents)?;

@@ -201,12 +201,7 @@ fn read_volume(context: &ImportContext<'_>, volume: &MitsubaObject) -> ReadResul
             let damaged = |defect| volume.place.error(format!("`{name}`: {defect}"), "export the volume again");
             let grid = volume::decode(&bytes).map_err(damaged)?;
             let mut to_world = volume.transform("to_world").unwrap_or(DMat4::IDENTITY);
-            // Before version 2, the values fill the box that the file states.
-            let is_old = volume.values.contains_key("send_data") || volume.values.contains_key("min");
-            if volume.boolean("use_grid_bbox", is_old) {
-                let [low, high] = grid.bounds.map(|corner| DVec3::from(corner.map(f64::from)));
-                to_world *= DMat4::from_translation(low) * DMat4::from_scale(high - low);
-            }
+            to_world *= grid_to_volume(context, volume, &grid);
             if volume.text("filter_type") == Some("nearest") {
                 context.add_note("volumes are interpolated instead of showing cells", volume);
             }
@@ -220,6 +215,27 @@ fn read_volume(context: &ImportContext<'_>, volume: &MitsubaObject) -> ReadResul
             Err(volume.place.error(message, "use a `gridvolume` or `constvolume`"))
         }
     }
+}
+
+/// Returns the map from the unit cube that the cells of a `gridvolume` fill to the space of the
+/// volume.
+///
+/// Before version 2 of the format, the values fill the box that the file states, and the outermost
+/// values lie on its sides. The cells then reach half a cell beyond the box, with a message.
+fn grid_to_volume(context: &ImportContext<'_>, volume: &MitsubaObject, grid: &VolumeGrid) -> DMat4 {
+    let is_old = context.tree.has_version_zero || ["send_data", "min"].iter().any(|k| volume.values.contains_key(*k));
+    if !volume.boolean("use_grid_bbox", is_old) {
+        return DMat4::IDENTITY;
+    }
+    let [low, high] = grid.bounds.map(|corner| DVec3::from(corner.map(f64::from)));
+    let mut margin = DVec3::ZERO;
+    if is_old {
+        context.add_note("grids of volumes reach half a cell beyond their box", volume);
+        for axis in (0..3).filter(|axis| grid.size[*axis] > 1) {
+            margin[axis] = 0.5 * (high[axis] - low[axis]) / f64::from(grid.size[axis] - 1);
+        }
+    }
+    DMat4::from_translation(low - margin) * DMat4::from_scale(high - low + 2.0 * margin)
 }
 
 fn singular_transform_error(volume: &MitsubaObject) -> SceneReadError {

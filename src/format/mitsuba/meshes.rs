@@ -2,14 +2,15 @@
 
 use super::context::ImportContext;
 use super::files::ReadResult;
+use super::names::snake_case;
 use super::serialized;
 use super::tree::MitsubaObject;
 use crate::format::SceneError;
 use crate::format::import::SceneReadError;
-use crate::format::mesh::{self, LoadedMesh, TriangleMesh};
+use crate::format::mesh::{self, LoadedMesh, NO_MATERIAL, TriangleMesh};
 use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, HashMap};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Relation between a shape's texture coordinates in Caustica and in Mitsuba.
@@ -26,14 +27,40 @@ pub(super) enum TexcoordConvention {
 /// Distance between a thin wall and its inner copy, relative to the diagonal of the mesh's bounds.
 const RELATIVE_INNER_DISTANCE: f64 = 1e-4;
 
+/// Memory that a triangle takes when its vertices are split from those of others \[bytes].
+const MEMORY_PER_SPLIT_TRIANGLE: u64 = 3 * 64;
+
+/// A mesh as its file states it, or a part of it.
+pub(super) struct MitsubaFileMesh {
+    /// Vertices and triangles, without changes by the shape's parameters.
+    triangles: TriangleMesh,
+    /// True if the file asks for flat faces.
+    is_flat: bool,
+    /// True if the file repeats vertices, which separates faces.
+    is_split: bool,
+}
+
+/// Properties on which the embedded mesh of a file depends.
+#[derive(PartialEq, Eq, Hash)]
+struct FileMeshKey {
+    file: PathBuf,
+    /// Number of the mesh in the file, from 0.
+    index: usize,
+    /// Flags of the shape: see [`orientation_flags`].
+    flags: [bool; 2],
+    /// Convention of the texture coordinates that the mesh must have; `None` if it needs none.
+    texcoords: Option<TexcoordConvention>,
+}
+
 /// Embedded meshes of the imported scene so far.
 ///
-/// Each mesh of a file is read once for each combination of `face_normals` and `flip_normals`.
+/// Each mesh of a file is read once for each combination of `face_normals`, `flip_normals` and the
+/// texture coordinates that it has to get.
 #[derive(Default)]
 pub(super) struct MitsubaMeshes {
     /// Embedded meshes by path.
     pub embedded: BTreeMap<String, Arc<TriangleMesh>>,
-    file_mesh_paths: HashMap<(PathBuf, usize, [bool; 2]), String>,
+    file_mesh_paths: HashMap<FileMeshKey, String>,
     shrunken_copy_paths: HashMap<String, String>,
     cube_path: Option<String>,
     inward_sphere_path: Option<String>,
@@ -42,69 +69,66 @@ pub(super) struct MitsubaMeshes {
 impl MitsubaMeshes {
     /// Reads the mesh file of a shape and embeds the mesh, unless this was done before.
     ///
-    /// Returns the path of the embedded mesh, and the convention for its texture coordinates. A
-    /// mesh without normals gets smooth ones, unless it asks for flat faces or repeats vertices.
+    /// Returns the path of the embedded mesh. `texcoords` is the convention of a shape that needs
+    /// texture coordinates, and `None` for other shapes.
     pub fn embed_mesh_file(
         &mut self,
         context: &ImportContext<'_>,
         shape: &MitsubaObject,
-    ) -> ReadResult<(String, TexcoordConvention)> {
-        let Some(name) = shape.text("filename") else {
-            return Err(shape.place.error("this mesh has no file", "give it a `filename`"));
-        };
-        // Mitsuba flips v of OBJ files by default, because v grows upwards in OBJ.
-        let is_obj = shape.plugin == "obj";
-        let turns = shape.boolean("flip_tex_coords", is_obj);
-        let convention = if turns { TexcoordConvention::FlippedV } else { TexcoordConvention::Same };
-        let file = context.files.find_file(name, &shape.place)?;
-        let index = shape.number("shape_index").unwrap_or(0.0);
-        if !(0.0..1e9).contains(&index) {
-            return Err(shape.place.error("the number of the mesh is negative or too large", "correct `shape_index`"));
+        texcoords: Option<TexcoordConvention>,
+    ) -> ReadResult<String> {
+        let (file, index) = mesh_file(context, shape)?;
+        let key = |texcoords| FileMeshKey { file: file.clone(), index, flags: orientation_flags(shape), texcoords };
+        if let Some(path) = self.file_mesh_paths.get(&key(texcoords)) {
+            return Ok(path.clone());
         }
-        let flags = [shape.boolean("face_normals", false), shape.boolean("flip_normals", false)];
-        let key = (file.clone(), index as usize, flags);
-        if let Some(path) = self.file_mesh_paths.get(&key) {
-            return Ok((path.clone(), convention));
-        }
-        let (mut triangles, is_flat, is_split) = if shape.plugin == "serialized" {
-            let bytes = context.files.read_file(&file)?;
-            let free = context.files.free_memory().map(|free| free.saturating_sub(bytes.len() as u64));
-            let decoded = serialized::decode(&bytes, index as usize, free);
-            let damaged = |defect| shape.place.error(format!("`{name}`: {defect}"), "export the mesh again");
-            let mut decoded = decoded.map_err(damaged)?;
-            let mut is_used = vec![false; decoded.mesh.positions.len()];
-            for vertex in decoded.mesh.triangles.iter().flatten() {
-                is_used.get_mut(*vertex as usize).into_iter().for_each(|used| *used = true);
-            }
-            let used = is_used.into_iter().filter(|used| *used).count();
-            decoded.mesh.merge_equal_vertices();
-            let is_split = decoded.mesh.distinct_position_indices().1 < used;
-            (decoded.mesh, decoded.uses_flat_faces, is_split)
+        let mesh = read_mesh_file(context, shape, &file, index)?;
+        let has_own_texcoords = mesh.triangles.texcoords.is_some();
+        let path = self.embed_mesh_part(context, shape, mesh, texcoords)?;
+        if has_own_texcoords {
+            let needs = [None, Some(TexcoordConvention::Same), Some(TexcoordConvention::FlippedV)];
+            self.file_mesh_paths.extend(needs.map(|texcoords| (key(texcoords), path.clone())));
         } else {
-            let loaded = mesh::load_with_memory_limit(&file, context.files.monitor, context.files.free_memory());
-            let loaded: LoadedMesh = loaded.map_err(|error| mesh_error(shape, &error))?;
-            let is_split = loaded.repeated_vertex_count() > 0;
-            (loaded.mesh, false, is_split)
-        };
+            self.file_mesh_paths.insert(key(texcoords), path.clone());
+        }
+        Ok(path)
+    }
+
+    /// Embeds a mesh from the file of a shape, or a part of it, and returns its path.
+    ///
+    /// A mesh without normals gets smooth ones, unless it asks for flat faces or repeats vertices.
+    /// A mesh without texture coordinates gets Mitsuba's if `texcoords` states a convention.
+    pub fn embed_mesh_part(
+        &mut self,
+        context: &ImportContext<'_>,
+        shape: &MitsubaObject,
+        mesh: MitsubaFileMesh,
+        texcoords: Option<TexcoordConvention>,
+    ) -> ReadResult<String> {
+        let MitsubaFileMesh { mut triangles, is_flat, is_split } = mesh;
         if shape.number("max_smooth_angle").is_some() {
             context.add_note("`max_smooth_angle` is ignored: normals are those of the file", shape);
         }
+        let [has_flat_faces, is_turned] = orientation_flags(shape);
         // For a mesh without normals, Mitsuba computes smooth ones across all faces that share a
         // vertex.
         match triangles.normals {
-            _ if flags[0] || is_flat => triangles.normals = None,
+            _ if has_flat_faces || is_flat => triangles.normals = None,
             None if !is_split => triangles.compute_missing_smooth_normals(180.0),
             None => context.add_note("meshes without normals that repeat vertices have flat faces", shape),
             Some(_) => {}
         }
-        if flags[1] {
+        if let Some(convention) = texcoords.filter(|_| triangles.texcoords.is_none()) {
+            let needed = MEMORY_PER_SPLIT_TRIANGLE * triangles.triangles.len() as u64;
+            context.files.check_memory(context.files.path, needed)?;
+            add_barycentric_texcoords(&mut triangles, convention);
+        }
+        if is_turned {
             triangles.reverse_orientation();
         }
         triangles.materials.clear();
         triangles.triangle_materials.clear();
-        let path = self.embed_mesh(triangles);
-        self.file_mesh_paths.insert(key, path.clone());
-        Ok((path, convention))
+        Ok(self.embed_mesh(triangles))
     }
 
     /// Returns the path of an embedded mesh of the cube \[−1, 1]³. Embeds it at its first use.
@@ -134,9 +158,10 @@ impl MitsubaMeshes {
         path
     }
 
-    /// Returns the path of an embedded mesh of the unit sphere with inward normals.
+    /// Returns the path of an embedded mesh of the unit sphere with inward normals. Embeds it at
+    /// its first use.
     ///
-    /// Embeds it at its first use.
+    /// Its texture coordinates are longitude over 2π, and 1 minus the angle from the z axis over π.
     pub fn inward_sphere_path(&mut self) -> String {
         const STACKS: u32 = 128;
         const SLICES: u32 = 2 * STACKS;
@@ -144,17 +169,22 @@ impl MitsubaMeshes {
             return path.clone();
         }
         let mut sphere = TriangleMesh::default();
+        let mut texcoords = Vec::new();
         for stack in 0..=STACKS {
             let theta = std::f64::consts::PI * f64::from(stack) / f64::from(STACKS);
-            for slice in 0..SLICES {
-                let phi = std::f64::consts::TAU * f64::from(slice) / f64::from(SLICES);
+            for slice in 0..=SLICES {
+                let phi = std::f64::consts::TAU * f64::from(slice % SLICES) / f64::from(SLICES);
                 let ring = if stack % STACKS == 0 { 0.0 } else { libm::sin(theta) };
                 sphere.positions.push(DVec3::new(ring * libm::cos(phi), ring * libm::sin(phi), libm::cos(theta)));
+                // A pole has one vertex for each triangle, at the middle of its other two.
+                let shift = [(0, 0.5), (STACKS, -0.5)].iter().find(|(row, _)| *row == stack).map_or(0.0, |row| row.1);
+                let u = (f64::from(slice) + shift) / f64::from(SLICES);
+                texcoords.push(DVec2::new(u, 1.0 - f64::from(stack) / f64::from(STACKS)));
             }
         }
         for stack in 0..STACKS {
             for slice in 0..SLICES {
-                let at = |row: u32, column: u32| row * SLICES + column % SLICES;
+                let at = |row: u32, column: u32| row * (SLICES + 1) + column;
                 let [a, b] = [at(stack, slice), at(stack, slice + 1)];
                 let [c, d] = [at(stack + 1, slice), at(stack + 1, slice + 1)];
                 // The rings at both poles are single points, so one triangle of each quad there has
@@ -167,6 +197,7 @@ impl MitsubaMeshes {
                 }
             }
         }
+        sphere.texcoords = Some(texcoords);
         sphere.normals = Some(sphere.positions.iter().map(|p| -p.normalize()).collect());
         sphere.merge_equal_vertices();
         let path = self.embed_mesh(sphere);
@@ -206,6 +237,105 @@ impl MitsubaMeshes {
         self.embedded.insert(path.clone(), Arc::new(mesh));
         path
     }
+}
+
+/// Returns the convention for the texture coordinates of a shape from a mesh file.
+pub(super) fn file_texcoord_convention(shape: &MitsubaObject) -> TexcoordConvention {
+    // Mitsuba flips v of OBJ files by default, because v grows upwards in OBJ.
+    let is_flipped = shape.boolean("flip_tex_coords", shape.plugin == "obj");
+    if is_flipped { TexcoordConvention::FlippedV } else { TexcoordConvention::Same }
+}
+
+/// Reads the OBJ file of a shape with several BSDFs, and splits it by BSDF.
+///
+/// `bsdf_names` are their names. A BSDF belongs to the faces whose material has its name, and a
+/// BSDF without a name to all other faces. Each part has the index of its BSDF; `None` for faces
+/// without a BSDF.
+pub(super) fn read_obj_parts(
+    context: &ImportContext<'_>,
+    shape: &MitsubaObject,
+    bsdf_names: &[&str],
+) -> ReadResult<Vec<(Option<usize>, MitsubaFileMesh)>> {
+    let (file, index) = mesh_file(context, shape)?;
+    let MitsubaFileMesh { triangles: mut whole, is_flat, is_split } = read_mesh_file(context, shape, &file, index)?;
+    let bsdf_called = |name: &str| bsdf_names.iter().position(|own| *own == name);
+    let others = bsdf_called("").map_or(NO_MATERIAL, |bsdf| bsdf as u32);
+    // Names of objects are in snake case.
+    let own = |material: &String| bsdf_called(&snake_case(material)).map_or(others, |bsdf| bsdf as u32);
+    let bsdfs: Vec<u32> = whole.materials.iter().map(own).collect();
+    let bsdf_of_triangle = |t: usize| {
+        let material = whole.triangle_materials.get(t).copied().unwrap_or(NO_MATERIAL);
+        bsdfs.get(material as usize).copied().unwrap_or(others)
+    };
+    whole.triangle_materials = (0..whole.triangles.len()).map(bsdf_of_triangle).collect();
+    let parts = whole.split_by_material().into_iter().map(|(bsdf, triangles)| {
+        let bsdf = (bsdf != NO_MATERIAL).then_some(bsdf as usize);
+        (bsdf, MitsubaFileMesh { triangles, is_flat, is_split })
+    });
+    Ok(parts.collect())
+}
+
+/// Returns the file of a shape's mesh, and the number of the mesh in it, from 0.
+fn mesh_file(context: &ImportContext<'_>, shape: &MitsubaObject) -> ReadResult<(PathBuf, usize)> {
+    let Some(name) = shape.text("filename") else {
+        return Err(shape.place.error("this mesh has no file", "give it a `filename`"));
+    };
+    let file = context.files.find_file(name, &shape.place)?;
+    let index = shape.number("shape_index").unwrap_or(0.0);
+    if !(0.0..1e9).contains(&index) {
+        return Err(shape.place.error("the number of the mesh is negative or too large", "correct `shape_index`"));
+    }
+    Ok((file, index as usize))
+}
+
+/// Returns whether the shape's mesh has flat faces, and whether its orientation is reversed.
+fn orientation_flags(shape: &MitsubaObject) -> [bool; 2] {
+    ["face_normals", "flip_normals"].map(|name| shape.boolean(name, false))
+}
+
+/// Reads the mesh of number `index` in a file, with the memory that is free.
+fn read_mesh_file(
+    context: &ImportContext<'_>,
+    shape: &MitsubaObject,
+    file: &Path,
+    index: usize,
+) -> ReadResult<MitsubaFileMesh> {
+    if shape.plugin != "serialized" {
+        let loaded = mesh::load_with_memory_limit(file, context.files.monitor, context.files.free_memory());
+        let loaded: LoadedMesh = loaded.map_err(|error| mesh_error(shape, &error))?;
+        let is_split = loaded.repeated_vertex_count() > 0;
+        return Ok(MitsubaFileMesh { triangles: loaded.mesh, is_flat: false, is_split });
+    }
+    let bytes = context.files.read_file(file)?;
+    let free = context.files.free_memory().map(|free| free.saturating_sub(bytes.len() as u64));
+    let name = shape.text("filename").unwrap_or_default();
+    let damaged = |defect| shape.place.error(format!("`{name}`: {defect}"), "export the mesh again");
+    let mut decoded = serialized::decode(&bytes, index, free).map_err(damaged)?;
+    let mut is_used = vec![false; decoded.mesh.positions.len()];
+    for vertex in decoded.mesh.triangles.iter().flatten() {
+        is_used.get_mut(*vertex as usize).into_iter().for_each(|used| *used = true);
+    }
+    let used = is_used.into_iter().filter(|used| *used).count();
+    decoded.mesh.merge_equal_vertices();
+    let is_split = decoded.mesh.distinct_position_indices().1 < used;
+    Ok(MitsubaFileMesh { triangles: decoded.mesh, is_flat: decoded.uses_flat_faces, is_split })
+}
+
+/// Gives each triangle the texture coordinates (0, 0), (1, 0) and (0, 1) of Mitsuba.
+///
+/// Mitsuba uses them for meshes that have none. Vertices of several triangles are split.
+fn add_barycentric_texcoords(mesh: &mut TriangleMesh, convention: TexcoordConvention) {
+    let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
+    mesh.positions = corners.iter().map(|v| mesh.positions[*v as usize]).collect();
+    mesh.normals = mesh.normals.take().map(|normals| corners.iter().map(|v| normals[*v as usize]).collect());
+    let unflipped = [DVec2::ZERO, DVec2::X, DVec2::Y];
+    let texcoords = match convention {
+        TexcoordConvention::Same => unflipped,
+        TexcoordConvention::FlippedV => unflipped.map(|uv| DVec2::new(uv.x, 1.0 - uv.y)),
+    };
+    mesh.texcoords = Some(texcoords.iter().copied().cycle().take(corners.len()).collect());
+    mesh.triangles = (0..corners.len() as u32).step_by(3).map(|v| [v, v + 1, v + 2]).collect();
+    mesh.merge_equal_vertices();
 }
 
 /// Converts the error of a mesh file to an error at the shape that names the file.

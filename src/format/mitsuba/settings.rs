@@ -26,6 +26,9 @@ const INTEGRATOR_NAMES: [(&str, &str); 13] = [
 const FILTER_NAMES: [(&str, &str); 5] =
     [("box", "box"), ("tent", "tent"), ("gaussian", "gaussian"), ("mitchell", "mitchell"), ("catmullrom", "mitchell")];
 
+/// Greatest nesting depth of integrators.
+const MAX_INTEGRATOR_DEPTH: u32 = 16;
+
 /// Returns flags of `caustica render` for the integrator and the pixel filter of the scene.
 ///
 /// The text is empty if no flag corresponds to them.
@@ -33,16 +36,7 @@ pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<Mi
     let mut flags = Vec::new();
     let integrators = context.children_of_class(&context.tree.root, ObjectClass::Integrator)?;
     if let Some((_, integrator)) = integrators.first() {
-        integrator.mark_as_read();
-        let mut inner = Rc::clone(integrator);
-        // Integrators such as `moment` and `aov` wrap another integrator.
-        while let Some((_, nested)) = context.children_of_class(&inner, ObjectClass::Integrator)?.into_iter().next() {
-            nested.mark_as_read();
-            if Rc::ptr_eq(&nested, &inner) {
-                break;
-            }
-            inner = nested;
-        }
+        let inner = innermost_integrator(context, integrator)?;
         if let Some((_, algorithm)) = INTEGRATOR_NAMES.iter().find(|(theirs, _)| *theirs == inner.plugin) {
             flags.push(format!("--integrator {algorithm}"));
         }
@@ -66,4 +60,21 @@ pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<Mi
         sampler.mark_as_read();
     }
     Ok(flags.join(" "))
+}
+
+/// Returns the integrator that `outer` wraps, or `outer` itself if it wraps none.
+///
+/// Integrators such as `moment` and `aov` wrap another integrator, which may wrap a further one.
+/// Marks the values of all of them as read.
+fn innermost_integrator(context: &ImportContext<'_>, outer: &Rc<MitsubaObject>) -> ReadResult<Rc<MitsubaObject>> {
+    let mut inner = Rc::clone(outer);
+    for _ in 0..=MAX_INTEGRATOR_DEPTH {
+        inner.mark_as_read();
+        match context.children_of_class(&inner, ObjectClass::Integrator)?.into_iter().next() {
+            Some((_, nested)) => inner = nested,
+            None => return Ok(inner),
+        }
+    }
+    let message = "integrators are nested too deep, or contain themselves";
+    Err(outer.place.error(message, "nest them less deep"))
 }

@@ -1,11 +1,10 @@
 //! Converts shapes of Mitsuba to objects of the scene language.
 
-use super::color::ColorMeaning;
 use super::context::ImportContext;
 use super::files::ReadResult;
 use super::materials::{MaterialBoundary, MitsubaMaterials, ShapeMaterialInputs};
 use super::media::MitsubaMedia;
-use super::meshes::{MitsubaMeshes, TexcoordConvention};
+use super::meshes::{MitsubaFileMesh, MitsubaMeshes, TexcoordConvention, file_texcoord_convention, read_obj_parts};
 use super::textures::{MitsubaConvertedTexture, MitsubaTextureUse, MitsubaTextures};
 use super::tree::{MitsubaObject, ObjectClass};
 use crate::format::description::{
@@ -52,6 +51,14 @@ struct PlacedShape {
     to_world: DAffine3,
     /// Lower and upper corner of the shape's bounds in its own space, before `to_world`.
     local_bounds: (DVec3, DVec3),
+}
+
+/// Mesh of a shape that is not built in.
+enum ShapeMesh {
+    /// The whole mesh of the shape's file.
+    File,
+    /// A part of this mesh.
+    Part(MitsubaFileMesh),
 }
 
 /// Geometry of a shape in the imported scene, with its transform.
@@ -135,36 +142,83 @@ impl MitsubaShapes {
         Ok(members)
     }
 
-    /// Converts one shape. A thin wall around a medium becomes two shapes: the wall, and a null
-    /// interface inside it.
-    ///
-    /// Returns an empty list if the kind of shape is not supported, or if a null interface neither
-    /// emits nor contains a medium.
+    /// Converts one shape, and each part of an OBJ file with its own BSDF.
     fn convert_single_shape(
         &mut self,
         context: &ImportContext<'_>,
         textures: &mut MitsubaTextures,
         shape: &Rc<MitsubaObject>,
     ) -> ReadResult<Vec<PlacedShape>> {
-        let bsdf = context.children_of_class(shape, ObjectClass::Bsdf)?.into_iter().next().map(|(_, bsdf)| bsdf);
+        if !context.children_of_class(shape, ObjectClass::Subsurface)?.is_empty() {
+            context.add_note("subsurface scattering is ignored", shape);
+        }
+        let bsdfs = context.children_of_class(shape, ObjectClass::Bsdf)?;
+        if bsdfs.len() > 1 && shape.plugin == "obj" {
+            return self.convert_obj_parts(context, textures, shape, &bsdfs);
+        }
+        if bsdfs.len() > 1 {
+            context.add_note("BSDFs of a shape after the first one are ignored", shape);
+        }
+        let is_mesh = matches!(shape.plugin.as_str(), "obj" | "ply" | "serialized");
+        let mesh = is_mesh.then_some(ShapeMesh::File);
+        self.convert_surface(context, textures, shape, bsdfs.first().map(|(_, bsdf)| bsdf), mesh)
+    }
+
+    /// Converts an OBJ file whose shape has several BSDFs, each for the faces of one material.
+    fn convert_obj_parts(
+        &mut self,
+        context: &ImportContext<'_>,
+        textures: &mut MitsubaTextures,
+        shape: &Rc<MitsubaObject>,
+        bsdfs: &[(String, Rc<MitsubaObject>)],
+    ) -> ReadResult<Vec<PlacedShape>> {
+        let names: Vec<&str> = bsdfs.iter().map(|(name, _)| name.as_str()).collect();
+        let parts = read_obj_parts(context, shape, &names)?;
+        if (0..bsdfs.len()).any(|bsdf| parts.iter().all(|(own, _)| *own != Some(bsdf))) {
+            context.add_note("BSDFs without faces of their name are ignored", shape);
+        }
+        let mut placed = Vec::new();
+        for (bsdf, mesh) in parts {
+            let bsdf = bsdf.and_then(|bsdf| bsdfs.get(bsdf)).map(|(_, bsdf)| bsdf);
+            if bsdf.is_none() {
+                context.add_note("faces without a BSDF of their name become diffuse gray", shape);
+            }
+            placed.extend(self.convert_surface(context, textures, shape, bsdf, Some(ShapeMesh::Part(mesh)))?);
+        }
+        Ok(placed)
+    }
+
+    /// Converts a shape with one BSDF. A thin wall around a medium becomes two shapes: the wall,
+    /// and a null interface inside it.
+    ///
+    /// Returns an empty list if the kind of shape is not supported, or if a null interface neither
+    /// emits nor contains a medium.
+    fn convert_surface(
+        &mut self,
+        context: &ImportContext<'_>,
+        textures: &mut MitsubaTextures,
+        shape: &Rc<MitsubaObject>,
+        bsdf: Option<&Rc<MitsubaObject>>,
+        mesh: Option<ShapeMesh>,
+    ) -> ReadResult<Vec<PlacedShape>> {
         let medium = match context.named_child(shape, ObjectClass::Medium, "interior")? {
             Some(medium) => Some(self.media.medium_name(context, &medium)?.value),
             None => None,
         };
-        if !context.children_of_class(shape, ObjectClass::Subsurface)?.is_empty() {
-            context.add_note("subsurface scattering is ignored", shape);
-        }
-        let is_mesh = matches!(shape.plugin.as_str(), "obj" | "ply" | "serialized");
-        let (mesh, convention) = if is_mesh {
-            let (path, convention) = self.meshes.embed_mesh_file(context, shape)?;
-            (Some(path), convention)
-        } else {
-            (None, if shape.plugin == "sphere" { TexcoordConvention::FlippedV } else { TexcoordConvention::Same })
+        let convention = match &mesh {
+            Some(_) => file_texcoord_convention(shape),
+            None => built_in_texcoord_convention(shape),
         };
         let emission = self.shape_emission(context, textures, shape, convention)?;
         let inputs =
             ShapeMaterialInputs { medium: medium.clone(), emission_texture: emission.texture.clone(), convention };
-        let material = self.materials.imported_material(context, textures, bsdf.as_ref(), &inputs)?;
+        let material = self.materials.imported_material(context, textures, bsdf, &inputs)?;
+        let texcoords = material.may_be_textured.then_some(convention);
+        let mesh = match mesh {
+            Some(ShapeMesh::File) => Some(self.meshes.embed_mesh_file(context, shape, texcoords)?),
+            Some(ShapeMesh::Part(part)) => Some(self.meshes.embed_mesh_part(context, shape, part, texcoords)?),
+            None => None,
+        };
         let Some(ShapeGeometry { surface, to_world, local_bounds: bounds }) =
             self.shape_geometry(context, shape, mesh.as_deref(), material.may_be_textured, material.boundary)?
         else {
@@ -212,8 +266,7 @@ impl MitsubaShapes {
         }
         let wanted = (MitsubaTextureUse::Radiance, convention);
         Ok(match textures.convert_texture_parameter(context, emitter, ("radiance", 1.0), wanted, 1.0)? {
-            MitsubaConvertedTexture::Constant(_) => {
-                let radiance = context.linear_rgb(emitter, "radiance", ColorMeaning::Emission, 1.0)?;
+            MitsubaConvertedTexture::Constant(radiance) => {
                 let radiance = Some(radiance).filter(|radiance| *radiance != DVec3::ZERO);
                 self.has_emissive_surfaces |= radiance.is_some();
                 MitsubaShapeEmission { radiance, texture: None }
@@ -277,16 +330,11 @@ impl MitsubaShapes {
                 }
             }
             "rectangle" => {
-                let (edge0, edge1) = (DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0));
-                let (edge0, edge1) = if is_turned { (edge1, edge0) } else { (edge0, edge1) };
-                (
-                    ShapeDescription::Rectangle(RectangleDescription {
-                        corner: DVec3::new(-1.0, -1.0, 0.0),
-                        edge0,
-                        edge1,
-                    }),
-                    flat,
-                )
+                // A turned rectangle has u along the same edge, and v in the other direction.
+                let side = if is_turned { -1.0 } else { 1.0 };
+                let (corner, edge0) = (DVec3::new(-1.0, -side, 0.0), DVec3::new(2.0, 0.0, 0.0));
+                let edge1 = DVec3::new(0.0, 2.0 * side, 0.0);
+                (ShapeDescription::Rectangle(RectangleDescription { corner, edge0, edge1 }), flat)
             }
             "disk" => {
                 if is_textured {
@@ -377,6 +425,15 @@ impl MitsubaShapes {
         self.root.items.push(GroupItem::MaterialName(Spanned::new(material, Span::default())));
         self.root.items.push(GroupItem::Object(Spanned::new(object, Span::default())));
         Ok(())
+    }
+}
+
+/// Returns the convention for the texture coordinates of a shape that is no mesh from a file.
+fn built_in_texcoord_convention(shape: &MitsubaObject) -> TexcoordConvention {
+    match shape.plugin.as_str() {
+        "sphere" => TexcoordConvention::FlippedV,
+        "rectangle" if shape.boolean("flip_normals", false) => TexcoordConvention::FlippedV,
+        _ => TexcoordConvention::Same,
     }
 }
 

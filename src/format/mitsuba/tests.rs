@@ -1,14 +1,17 @@
 //! Tests of reading Mitsuba scenes.
 
+mod materials;
+mod shapes;
+mod versions;
+
 use super::decode;
 use crate::format::description::{
     ConductorDescription, DensityDescription, DielectricDescription, DiffuseDescription, DirectionOrTarget,
     DirectionalLightDescription, EmissionDescription, EnvironmentRadiance, GoniometricLightDescription, GroupItem,
     IntensityDistribution, LightDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients,
     MetalDescription, MirrorDescription, MixDescription, NormalPerturbationDescription, ObjectDescription,
-    PointLightDescription, PointLightStrength, PrincipledDescription, ProjectionDescription,
-    RefractiveIndexDescription, ShapeDescription, SphereDescription, TextureKindDescription, TexturedValue,
-    ThinDielectricDescription,
+    PointLightDescription, PointLightStrength, ProjectionDescription, RefractiveIndexDescription, ShapeDescription,
+    SphereDescription, TextureKindDescription, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::import::{ImportOptions, ImportedScene};
 use crate::stats::MemoryLimit;
@@ -473,20 +476,8 @@ fn settings_of_the_file_become_suggested_flags() {
 }
 
 #[test]
-fn principled_has_the_parameters_of_the_file() {
-    let found = sphere_material(
-        r#"<bsdf type="principled"><rgb name="base_color" value=".1 .2 .3"/><float name="metallic" value=".25"/>
-        <float name="roughness" value=".5"/><float name="specular" value=".5"/><float name="spec_trans" value=".75"/>
-        <float name="clearcoat" value=".8"/><float name="clearcoat_gloss" value="1"/></bsdf>"#,
-    );
-    let MaterialKindDescription::Principled(principled) = found.kind else { panic!() };
-    let PrincipledDescription { base_color, metallic, roughness, eta, transmission, clearcoat, .. } = principled;
-    assert_eq!(base_color, DVec3::new(0.1, 0.2, 0.3).into());
-    assert_eq!([metallic, roughness, transmission], [0.25, 0.25, 0.75].map(TexturedValue::Constant));
-    // The reflectance along the normal is 0.04.
-    assert!((eta - 1.5).abs() < 1e-12, "{eta}");
-    assert_eq!(clearcoat, TexturedValue::Constant(0.2));
-    assert!((principled.clearcoat_roughness - 0.001).abs() < 1e-12);
-    let glass = sphere_material(r#"<bsdf type="principled"><float name="spec_trans" value="1"/></bsdf>"#).kind;
-    assert!(matches!(glass, MaterialKindDescription::Dielectric(_)), "{glass:?}");
+fn integrators_that_wrap_each_other_are_an_error() {
+    let circle = r#"<integrator type="aov" id="a"><ref id="b"/></integrator>
+        <integrator type="aov" id="b"><ref id="a"/></integrator>"#;
+    assert_import_error(circle, "integrators are nested too deep, or contain themselves");
 }

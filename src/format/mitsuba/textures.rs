@@ -147,7 +147,7 @@ impl MitsubaTextures {
             "bitmap" => self.convert_bitmap(context, texture, (wanted, convention), factor),
             "checkerboard" => self.convert_checkerboard(context, texture, (wanted, convention), factor, depth),
             "scale" => {
-                let own = factor * texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0);
+                let own = factor * scale_factor(texture);
                 match context.children_of_class(texture, ObjectClass::Texture)?.first() {
                     Some((_, inner)) => self.convert_texture(context, inner, (wanted, convention), own, depth + 1),
                     None => Ok(MitsubaConvertedTexture::Constant(clamped_to_range(DVec3::splat(own), wanted))),
@@ -332,6 +332,29 @@ impl MitsubaTextures {
         }
         Spanned::new(name, Span::default())
     }
+}
+
+/// Returns −1 if the product of the factors of nested `scale` textures is negative, else 1.
+pub(super) fn sign_of_scales(context: &ImportContext<'_>, texture: &Rc<MitsubaObject>) -> ReadResult<f64> {
+    let (mut sign, mut texture) = (1.0, Rc::clone(texture));
+    for _ in 0..=MAX_TEXTURE_DEPTH {
+        if texture.plugin != "scale" {
+            break;
+        }
+        if scale_factor(&texture) < 0.0 {
+            sign = -sign;
+        }
+        let Some((_, inner)) = context.children_of_class(&texture, ObjectClass::Texture)?.into_iter().next() else {
+            break;
+        };
+        texture = inner;
+    }
+    Ok(sign)
+}
+
+/// Returns the factor of a `scale` texture.
+fn scale_factor(texture: &MitsubaObject) -> f64 {
+    texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0)
 }
 
 /// Returns a color clamped to the range of the quantity `wanted`.

@@ -118,6 +118,9 @@ pub(super) struct ObjectTree {
     pub root: Rc<MitsubaObject>,
     /// Objects by identifier.
     pub by_id: HashMap<String, Rc<MitsubaObject>>,
+    /// True if the file states a version before 1, whose plugins have other defaults than later
+    /// ones.
+    pub has_version_zero: bool,
 }
 
 impl ObjectTree {

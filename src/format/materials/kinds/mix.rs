@@ -1,12 +1,13 @@
 //! The block `Mix`.
 
 use super::fields::UNIT_RANGE;
-use super::{BoundedBody, MaterialBlock};
+use super::{BoundedBody, MaterialBlock, MaterialKindDescription};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::fields::{BlockFields, ParsedField};
 use crate::format::language::parser::Parser;
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
+use crate::format::language::scope::MixConstraints;
 use crate::format::language::text::clip_for_message;
 use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::references::material_index;
@@ -17,7 +18,7 @@ use crate::format::textured_value::TexturedValue;
 use crate::scene::Material;
 
 /// Largest accepted nesting depth of mixes. Each level can double the number of materials in a mix.
-const MAX_MIX_DEPTH: u8 = 8;
+pub(in crate::format) const MAX_MIX_DEPTH: u8 = 8;
 
 /// Stochastic mix: one of two materials, chosen at random at each point.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +63,42 @@ impl MaterialBlock for MixDescription {
     }
 }
 
+impl MixConstraints {
+    /// Returns the constraints of a material that has the given kind and index.
+    ///
+    /// `constraints_by_name` returns those of each material of a mix.
+    pub(in crate::format) fn of_material(
+        kind: &MaterialKindDescription,
+        index: usize,
+        constraints_by_name: impl Fn(&str) -> Self,
+    ) -> Self {
+        let Some(components) = kind.mix_material_names() else {
+            return Self { dielectric_material_index: kind.bounds_dielectric().then_some(index), mix_depth: 0 };
+        };
+        let [a, b] = components.map(|name| constraints_by_name(&name.value));
+        Self {
+            dielectric_material_index: a.dielectric_material_index.or(b.dielectric_material_index),
+            mix_depth: a.mix_depth.max(b.mix_depth) + 1,
+        }
+    }
+
+    /// True if the material cannot be part of a mix, because it is a mix of the greatest depth.
+    pub(in crate::format) fn is_deepest_mix(self) -> bool {
+        self.mix_depth >= MAX_MIX_DEPTH
+    }
+
+    /// True if this material and the other one bound two different dielectric bodies.
+    ///
+    /// They cannot form a mix: a path could enter one dielectric and leave the other, and the first
+    /// would stay on the path's stack of bodies.
+    pub(in crate::format) fn has_other_dielectric_than(self, other: Self) -> bool {
+        match (self.dielectric_material_index, other.dielectric_material_index) {
+            (Some(a), Some(b)) => a != b,
+            _ => false,
+        }
+    }
+}
+
 /// Returns the name of a material that a `Mix` refers to in `field`. Fails unless the text defines
 /// this material before the mix.
 fn parse_mix_component<'a>(parser: &Parser<'a>, field: ParsedField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
@@ -85,7 +122,7 @@ fn check_mix_components<'a>(
 ) -> Result<(), SceneError> {
     let scope = &parser.scope;
     for component in [&first, &second] {
-        if scope.mix_constraints(component).mix_depth == MAX_MIX_DEPTH {
+        if scope.mix_constraints(component).is_deepest_mix() {
             let message = format!("mixes nest more than {MAX_MIX_DEPTH} deep");
             let help = "mix fewer materials, or materials that are no mixes".to_owned();
             return Err(f.error_at(component.span, message, "the deepest that may be", help));
@@ -96,13 +133,7 @@ fn check_mix_components<'a>(
             return Err(f.error_at(component.span, message, "no surface", help));
         }
     }
-    // Otherwise, a path could enter one dielectric and leave the other. The first would stay on the
-    // path's stack of bodies.
-    if let (Some(a), Some(b)) = (
-        scope.mix_constraints(first).dielectric_material_index,
-        scope.mix_constraints(second).dielectric_material_index,
-    ) && a != b
-    {
+    if scope.mix_constraints(first).has_other_dielectric_than(scope.mix_constraints(second)) {
         let message = "a mix cannot be two different Dielectrics".to_owned();
         let help = "mix a Dielectric with an opaque material, or with itself".to_owned();
         return Err(f.error_at(second.span, message, "the second body", help));

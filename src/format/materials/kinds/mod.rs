@@ -23,6 +23,7 @@ pub use dielectric::DielectricDescription;
 pub use diffuse::DiffuseDescription;
 pub use diffuse_transmission::DiffuseTransmissionDescription;
 pub use mirror::MirrorDescription;
+pub(in crate::format) use mix::MAX_MIX_DEPTH;
 pub use mix::MixDescription;
 pub use null_interface::NullInterfaceDescription;
 pub use phong::PhongDescription;

@@ -7,14 +7,12 @@ use crate::format::description::{
     DiffuseTransmissionDescription, MaterialKindDescription, NormalPerturbationDescription, NullInterfaceDescription,
     PhongDescription, PrincipledDescription, TexturedValue, ThinDielectricDescription,
 };
-use crate::format::imported_materials::mix_of;
-use crate::format::mitsuba::color::parse_numbers;
 use crate::format::mitsuba::conductors::convert_conductor;
 use crate::format::mitsuba::context::ImportContext;
 use crate::format::mitsuba::dielectrics::{is_index_matched, refractive_index};
 use crate::format::mitsuba::files::ReadResult;
 use crate::format::mitsuba::meshes::TexcoordConvention;
-use crate::format::mitsuba::textures::{MitsubaConvertedTexture, MitsubaTextureUse, MitsubaTextures};
+use crate::format::mitsuba::textures::{MitsubaConvertedTexture, MitsubaTextureUse, MitsubaTextures, sign_of_scales};
 use crate::format::mitsuba::tree::{MitsubaObject, ObjectClass};
 use glam::DVec3;
 use std::rc::Rc;
@@ -23,6 +21,7 @@ use std::rc::Rc;
 const MAX_BSDF_DEPTH: u32 = 24;
 
 /// Result of the conversion of a BSDF: reflection and transmission, and a bump map or normal map.
+#[derive(Clone)]
 pub(super) struct ConvertedBsdf {
     /// Reflection and transmission.
     pub kind: MaterialKindDescription,
@@ -41,6 +40,16 @@ pub(super) fn diffuse_description(reflectance: DVec3) -> MaterialKindDescription
     MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: reflectance.into() })
 }
 
+/// Returns the first of the BSDFs `sides` that are nested in `bsdf`; an error if there is none.
+pub(super) fn first_nested<'s>(
+    bsdf: &MitsubaObject,
+    sides: &'s [(String, Rc<MitsubaObject>)],
+) -> ReadResult<&'s Rc<MitsubaObject>> {
+    let message = || format!("`{}` has no nested BSDF", bsdf.plugin);
+    let missing = || bsdf.place.error(message(), "nest a `bsdf` in it, or refer to one");
+    sides.first().map(|(_, inner)| inner).ok_or_else(missing)
+}
+
 /// Converter of one BSDF to a material, with the state of the conversion.
 pub(super) struct MitsubaMaterialConverter<'c, 'a> {
     /// Materials of the imported scene so far; receives the two materials of each mix.
@@ -56,13 +65,25 @@ pub(super) struct MitsubaMaterialConverter<'c, 'a> {
 }
 
 impl MitsubaMaterialConverter<'_, '_> {
-    /// Converts a BSDF; one of unknown kind becomes diffuse gray, with a message.
+    /// Converts a BSDF, unless it was converted for the same convention before.
     ///
     /// `depth` is the number of BSDFs that contain this one.
     pub(super) fn convert_bsdf(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
+        // Without this table, blends that name the next one twice would take exponential time.
+        let key = (Rc::as_ptr(bsdf), self.convention);
+        if let Some(known) = self.materials.surfaces.get(&key) {
+            return Ok(known.clone());
+        }
         if depth > MAX_BSDF_DEPTH {
             return Err(bsdf.place.error("BSDFs are nested too deep, or contain themselves", "nest them less deep"));
         }
+        let surface = self.convert_new_bsdf(bsdf, depth)?;
+        self.materials.surfaces.insert(key, surface.clone());
+        Ok(surface)
+    }
+
+    /// Converts a BSDF; one of unknown kind becomes diffuse gray, with a message.
+    fn convert_new_bsdf(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let context = self.context;
         Ok(match bsdf.plugin.as_str() {
             "diffuse" | "lambertian" => {
@@ -106,29 +127,9 @@ impl MitsubaMaterialConverter<'_, '_> {
                 }
                 self.convert_first_nested(bsdf, &sides, depth)?
             }
-            "mask" => {
-                let opacity =
-                    self.convert_texture_parameter(bsdf, "opacity", 0.5, MitsubaTextureUse::Fraction)?.into_number();
-                let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
-                let solid = self.convert_first_nested(bsdf, &sides, depth)?;
-                self.mix_with_transparent(solid, opacity)
-            }
+            "mask" => self.convert_mask(bsdf, depth)?,
             "blendbsdf" | "mixturebsdf" => self.convert_blend(bsdf, depth)?,
-            "bumpmap" | "bump" => {
-                let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
-                let mut surface = self.convert_first_nested(bsdf, &sides, depth)?;
-                let scale = bsdf.number("scale").unwrap_or(1.0);
-                let heights = context.children_of_class(bsdf, ObjectClass::Texture)?;
-                if let Some((_, texture)) = heights.first() {
-                    let wanted = (MitsubaTextureUse::Height, self.convention);
-                    if let MitsubaConvertedTexture::Texture(texture, _) =
-                        self.textures.convert_texture(context, texture, wanted, 1.0, 0)?
-                    {
-                        surface.normal = Some(NormalPerturbationDescription::Bump { texture, height: scale });
-                    }
-                }
-                self.without_mix_perturbation(bsdf, surface)
-            }
+            "bumpmap" | "bump" => self.convert_bump_map(bsdf, depth)?,
             "normalmap" => {
                 let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
                 let mut surface = self.convert_first_nested(bsdf, &sides, depth)?;
@@ -168,11 +169,27 @@ impl MitsubaMaterialConverter<'_, '_> {
         sides: &[(String, Rc<MitsubaObject>)],
         depth: u32,
     ) -> ReadResult<ConvertedBsdf> {
-        let Some((_, inner)) = sides.first() else {
-            let message = format!("`{}` has no nested BSDF", bsdf.plugin);
-            return Err(bsdf.place.error(message, "nest a `bsdf` in it, or refer to one"));
-        };
-        self.convert_bsdf(inner, depth + 1)
+        self.convert_bsdf(first_nested(bsdf, sides)?, depth + 1)
+    }
+
+    fn convert_bump_map(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
+        let context = self.context;
+        let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
+        let mut surface = self.convert_first_nested(bsdf, &sides, depth)?;
+        let scale = bsdf.number("scale").unwrap_or(1.0);
+        if let Some((_, texture)) = context.children_of_class(bsdf, ObjectClass::Texture)?.first() {
+            let wanted = (MitsubaTextureUse::Height, self.convention);
+            // Values of textures are at least 0, so a negative factor of the texture moves to the
+            // height.
+            let sign = sign_of_scales(context, texture)?;
+            if let MitsubaConvertedTexture::Texture(texture, _) =
+                self.textures.convert_texture(context, texture, wanted, sign, 0)?
+            {
+                let height = sign * scale;
+                surface.normal = Some(NormalPerturbationDescription::Bump { texture, height });
+            }
+        }
+        Ok(self.without_mix_perturbation(bsdf, surface))
     }
 
     fn convert_dielectric(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
@@ -283,64 +300,6 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(MaterialKindDescription::Phong(PhongDescription::with_lobe_reflectance(diffuse, specular, shininess)).into())
     }
 
-    fn convert_blend(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
-        let weight = if bsdf.plugin == "mixturebsdf" {
-            let weights = bsdf.text("weights").and_then(parse_numbers).unwrap_or_default();
-            match weights[..] {
-                [a, b] if a >= 0.0 && b >= 0.0 && a + b > 0.0 => {
-                    if (a + b - 1.0).abs() > 1e-6 {
-                        self.context.add_note("weights of mixtures are scaled to the sum 1", bsdf);
-                    }
-                    (b / (a + b)).into()
-                }
-                _ => return Err(bsdf.place.error("this mixture has not two weights", "give `weights` of two BSDFs")),
-            }
-        } else {
-            self.convert_texture_parameter(bsdf, "weight", 0.5, MitsubaTextureUse::Fraction)?.into_number()
-        };
-        let parts = self.context.children_of_class(bsdf, ObjectClass::Bsdf)?;
-        let [(_, first), (_, second)] = &parts[..] else {
-            return Err(bsdf.place.error("a blend needs two BSDFs", "nest two `bsdf` elements in it"));
-        };
-        let (first, second) = (self.convert_bsdf(first, depth + 1)?, self.convert_bsdf(second, depth + 1)?);
-        let (first, second) = (self.add_mix_component("first", first), self.add_mix_component("second", second));
-        Ok(mix_of(first, second, weight).into())
-    }
-
-    /// Returns a mix of `solid`, with the weight `opacity`, and a fully transparent material.
-    ///
-    /// If `opacity` is 1, returns `solid`.
-    fn mix_with_transparent(&mut self, solid: ConvertedBsdf, opacity: TexturedValue<f64>) -> ConvertedBsdf {
-        if opacity == TexturedValue::Constant(1.0) {
-            return solid;
-        }
-        let clear = self.materials.list.transparent_material_name();
-        mix_of(clear, self.add_mix_component("solid", solid), opacity).into()
-    }
-
-    /// Returns `surface`; if it is a mix, without its own bump map or normal map.
-    ///
-    /// Only the two materials of a mix can have such maps. Adds a message if a map is removed.
-    fn without_mix_perturbation(&mut self, bsdf: &MitsubaObject, surface: ConvertedBsdf) -> ConvertedBsdf {
-        if surface.kind.mix_material_names().is_some() && surface.normal.is_some() {
-            self.context.add_note("bump maps and normal maps of mixes are ignored", bsdf);
-            return surface.kind.into();
-        }
-        surface
-    }
-
-    /// Adds one of the two materials of a mix, and returns its name.
-    ///
-    /// For a null interface, returns the name of the fully transparent material instead.
-    fn add_mix_component(&mut self, suffix: &str, surface: ConvertedBsdf) -> String {
-        if surface.kind.is_null_interface() {
-            return self.materials.list.transparent_material_name();
-        }
-        let name = self.materials.list.unique_name(&format!("{} {suffix}", self.name));
-        self.materials.list.push_surface(name.clone(), surface.kind, surface.normal);
-        name
-    }
-
     /// Returns GGX α of a BSDF; 0.1 if the file gives none.
     ///
     /// Any distribution but `ggx` counts as Beckmann. α of Beckmann is multiplied by √ln 2, so that
@@ -380,7 +339,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         self.textures.convert_texture_parameter(self.context, bsdf, ("alpha", 0.1), wanted, factor)
     }
 
-    fn convert_texture_parameter(
+    pub(super) fn convert_texture_parameter(
         &mut self,
         bsdf: &MitsubaObject,
         name: &str,

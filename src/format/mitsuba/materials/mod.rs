@@ -1,6 +1,7 @@
 //! Materials of a scene that is imported from Mitsuba, each converted at its first use.
 
 mod converter;
+mod mixes;
 
 use super::context::ImportContext;
 use super::files::ReadResult;
@@ -15,6 +16,9 @@ use converter::{ConvertedBsdf, MitsubaMaterialConverter, diffuse_description};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::rc::Rc;
+
+/// Estimated memory of each material: its description and its share of the built scene \[bytes].
+const MEMORY_PER_MATERIAL: u64 = 2_000;
 
 /// Kind of boundary that a material makes. It decides which surfaces a shape needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +64,10 @@ pub(super) struct ShapeMaterialInputs {
 pub(super) struct MitsubaMaterials {
     /// Materials of the imported scene.
     pub list: ImportedMaterials,
+    /// Converted BSDFs by object and convention for texture coordinates.
+    surfaces: HashMap<(*const MitsubaObject, TexcoordConvention), ConvertedBsdf>,
+    /// Names of the materials of BSDFs that are parts of mixes.
+    mix_component_names: HashMap<(*const MitsubaObject, TexcoordConvention), String>,
     converted: HashMap<(Option<*const MitsubaObject>, String), MitsubaImportedMaterial>,
     black_material_name: Option<String>,
     null_interface_names: HashMap<String, String>,
@@ -111,6 +119,7 @@ impl MitsubaMaterials {
             MaterialDescription { name: Some(name.clone()), kind, emission, normal_perturbation: normal, medium };
         let is_textured = !description.texture_names().is_empty() || description.kind.mix_material_names().is_some();
         self.list.push(description);
+        context.files.check_total_memory(MEMORY_PER_MATERIAL * self.list.descriptions.len() as u64)?;
         let imported = MitsubaImportedMaterial { name, boundary, may_be_textured: is_textured };
         if !imported.may_be_textured {
             // Without textures, the convention for texture coordinates makes no difference.

@@ -11,7 +11,7 @@ use crate::format::description::{
     RefractiveIndexDescription, Span, Spanned, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::import_notes::ImportNotes;
-use crate::format::imported_materials::mix_of;
+use crate::format::imported_materials::{MixDefect, mix_of};
 use crate::format::pbrt::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use crate::format::pbrt::graphics_state::MaterialReference;
 use crate::format::pbrt::parameters::{Parameter, Parameters};
@@ -96,6 +96,7 @@ impl PbrtMaterialConverter<'_> {
         let medium = self.medium.filter(|_| has_body).map(|name| Spanned::new(name.to_owned(), Span::default()));
         let material =
             MaterialDescription { name: Some(name.clone()), kind, emission: None, normal_perturbation, medium };
+        self.materials.mix_limits.add(&material);
         self.materials.descriptions.push(Spanned::new(material, Span::default()));
         Ok(name)
     }
@@ -124,7 +125,7 @@ impl PbrtMaterialConverter<'_> {
             Some(parameter) => self.textures.parameter_value(parameter, false, place, self.files)?,
             None => PbrtTexture::Constant(DVec3::splat(0.5)),
         };
-        let (amount, _) = self.textured_scalar_and_mean(&amount, &|amount| amount.clamp(0.0, 1.0))?;
+        let (amount, mean) = self.textured_scalar_and_mean(&amount, &|amount| amount.clamp(0.0, 1.0))?;
         let reference = |number: Option<usize>, name: String| match number {
             Some(number) => MaterialReference::Numbered(number),
             None => MaterialReference::Named(name.into(), place.clone()),
@@ -133,7 +134,14 @@ impl PbrtMaterialConverter<'_> {
         let (first, second) = (reference(parts[0], first_name), reference(parts[1], second_name));
         let first = self.convert_material(&first, depth + 1)?;
         let second = self.convert_material(&second, depth + 1)?;
-        self.push_material(mix_of(first, second, amount), None)
+        match self.materials.mix_limits.mix_defect(&first, &second) {
+            Some(MixDefect::TooDeep) => Err(place.error("mixes of materials nest too deep", "nest at most 8 mixes")),
+            Some(MixDefect::TwoDielectrics) => {
+                self.add_note("mixes of two dielectrics become the one with the larger weight", place);
+                Ok(if mean > 0.5 { second } else { first })
+            }
+            None => self.push_material(mix_of(first, second, amount), None),
+        }
     }
 
     /// Converts the reflection and transmission of the pbrt material `kind` with the parameters

@@ -9,6 +9,7 @@ use super::parameters::{Parameter, Parameters};
 use super::textures::PbrtTextures;
 use crate::format::description::{MaterialDescription, Spanned, TexturedValue};
 use crate::format::import_notes::ImportNotes;
+use crate::format::imported_materials::ImportedMixLimits;
 use converter::PbrtMaterialConverter;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -45,6 +46,8 @@ pub(super) struct PbrtMaterials {
     converted: HashMap<String, PbrtImportedMaterial>,
     /// Materials of the imported scene.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
+    /// Properties of these materials that limit their use in mixes.
+    mix_limits: ImportedMixLimits,
 }
 
 /// Conditions of a shape under which its material is converted.
@@ -68,6 +71,7 @@ impl PbrtMaterials {
             replaced_names: Vec::new(),
             converted: HashMap::new(),
             descriptions: Vec::new(),
+            mix_limits: ImportedMixLimits::default(),
         }
     }
 

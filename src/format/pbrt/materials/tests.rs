@@ -90,3 +90,37 @@ fn panes_and_coats_take_the_index_of_named_glasses() {
     };
     assert_eq!(eta, 1.6727);
 }
+
+#[test]
+fn mixes_of_two_dielectrics_become_the_heavier_one() {
+    let glass = |name: &str, index: f64| {
+        format!("MakeNamedMaterial \"{name}\" \"string type\" \"dielectric\" \"float eta\" {index} ")
+    };
+    let scene = import_text(&format!(
+        "WorldBegin {}{}Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .7 Shape \"sphere\"",
+        glass("a", 1.3),
+        glass("b", 1.5)
+    ));
+    let [material] = &scene.description.materials[..] else { panic!("{:?}", scene.description.materials) };
+    let MaterialKindDescription::Dielectric(glass) = &material.kind else { panic!("{material:?}") };
+    assert_eq!(glass.refraction, 1.5.into());
+    assert!(note_messages(&scene).contains("mixes of two dielectrics"));
+}
+
+#[test]
+fn mixes_that_nest_deeper_than_our_language_allows_are_errors() {
+    let mix = |level: u32| {
+        format!(
+            "MakeNamedMaterial \"m{level}\" \"string type\" \"mix\" \"string materials\" [\"m{}\" \"leaf\"]\n",
+            level - 1
+        )
+    };
+    let leaf = "MakeNamedMaterial \"leaf\" \"string type\" \"diffuse\" ";
+    let chain = |depth: u32| {
+        let first = "MakeNamedMaterial \"m0\" \"string type\" \"diffuse\" \"float reflectance\" .2\n";
+        let mixes: String = (1..=depth).map(mix).collect();
+        format!("WorldBegin {leaf}{first}{mixes}NamedMaterial \"m{depth}\" Shape \"sphere\"")
+    };
+    assert!(try_import_text(&chain(8)).is_ok());
+    assert!(try_import_text(&chain(9)).unwrap_err().to_string().contains("nest too deep"));
+}
