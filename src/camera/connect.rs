@@ -117,6 +117,36 @@ impl Camera {
         turned(self).film_displacement(direction, &turned(later), direction)
     }
 
+    /// Calls `visit` with each other film position that has the same camera ray as `position`, at
+    /// most `margin` \[pixels] outside the film.
+    ///
+    /// Only panoramas have such positions. Their columns go on across the seam, and their rows go
+    /// on over a pole, half a turn away. `position` must lie on the film.
+    pub fn for_each_other_film_position(&self, position: Vec2, margin: f32, mut visit: impl FnMut(Vec2)) {
+        if self.projection != CameraProjection::Panorama {
+            return;
+        }
+        let size = Vec2::new(self.width as f32, self.height as f32);
+        let reach = (margin / size).ceil().as_ivec2() + 1;
+        let is_near = |x: f32, extent: f32| x >= -margin && x <= extent + margin;
+        for poles in -reach.y..=reach.y {
+            let (y, shift) = if poles % 2 == 0 {
+                (position.y + poles as f32 * size.y, 0.0)
+            } else {
+                ((poles + 1) as f32 * size.y - position.y, 0.5 * size.x)
+            };
+            if !is_near(y, size.y) {
+                continue;
+            }
+            for turns in -reach.x..=reach.x {
+                let x = position.x + shift + turns as f32 * size.x;
+                if is_near(x, size.x) && (poles, turns) != (0, 0) {
+                    visit(Vec2::new(x, y));
+                }
+            }
+        }
+    }
+
     /// Film position of a ray, relative to the film's center \[pixels right and up].
     ///
     /// `v` leads from the camera center to a point of the ray: for a perspective camera to the

@@ -154,7 +154,7 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
         return Rgb::ONE;
     }
     let Some(light) = scene.environment_light_index() else { return Rgb::ZERO };
-    if !scene.bodies().any(|body| body.is_null_interface) {
+    if !scene.has_null_interfaces() {
         return Rgb::ZERO;
     }
     with_interior_type!(effects, <I> {

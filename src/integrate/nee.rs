@@ -118,7 +118,7 @@ impl<'a> NextEventEstimator<'a> {
         } else {
             None
         };
-        let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
+        let has_null_interfaces = scene.has_null_interfaces();
         guides.environment = guides.environment.filter(|_| !aims_at_centers && effects.has(Effect::Shadows));
         Self {
             scene,

@@ -23,7 +23,7 @@ use super::settings::{CameraPathSettings, IndirectPhotons, Settings};
 use super::shutter::{ShutterSlice, SlicedCameras};
 use super::tiles::render_tiles;
 use super::work_pilot::{estimate_pass_counters, find_ray_photon_balance};
-use crate::photon::add_splats;
+use crate::photon::{add_splats, add_splats_across_seams};
 use crate::plan::Plan;
 use crate::sampling::{Key, Purpose};
 use crate::scene::{Effect, Effects, Scene, with_interior_type};
@@ -109,6 +109,7 @@ impl Integrator for PathIntegrator<'_> {
 
         // Add the light that photons sent to the camera.
         if !splats.is_empty() {
+            add_splats_across_seams(&mut splats, renderer.scene.camera(), &settings.filter);
             // Moving by whole pixels is exact for all splats that reach the window.
             let corner = Vec2::new(window.left as f32, window.top as f32);
             splats.par_iter_mut().for_each(|splat| splat.film_position -= corner);
@@ -271,9 +272,10 @@ impl<'a> PathIntegrator<'a> {
             renderer.prefix_rays = run_pilot(&renderer, needed_policy(), find_prefix_ray_counts);
         }
 
-        // Distribute camera rays over the pixels.
-        renderer.relative_ray_counts =
-            if settings.camera_paths.adaptive { find_relative_ray_counts(&renderer) } else { None };
+        // Distribute camera rays over the pixels. If passes share their camera paths, a pilot would
+        // measure these paths themselves, and its choice would bias the picture.
+        let adapts = settings.camera_paths.adaptive && !policy.passes_share_paths;
+        renderer.relative_ray_counts = if adapts { find_relative_ray_counts(&renderer) } else { None };
 
         // Divide the shutter interval.
         let slices = run_pilot(&renderer, needed_policy(), PassRenderer::find_slice_count);

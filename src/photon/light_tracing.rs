@@ -118,7 +118,7 @@ impl<'a> LightTracer<'a> {
     /// `shares` is `None`, density estimates and splats each get the whole flux.
     #[must_use]
     pub fn new(scene: &'a Scene, samples_lens: bool, shares: Option<&'a DensityEstimateShares>) -> Self {
-        let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
+        let has_null_interfaces = scene.has_null_interfaces();
         Self { scene, camera: scene.camera(), samples_lens, has_null_interfaces, shares }
     }
 
@@ -215,6 +215,23 @@ impl<'a> LightTracer<'a> {
         let unit = Ray { t_max: distance, ..Ray::new(surface.point.p, connection.direction_to_camera) };
         self.scene.interior_transmittance(&unit, &leaving.interior, key)
     }
+}
+
+/// Adds a copy of each splat at each other film position with the same camera ray from which
+/// `filter` still reaches the film.
+///
+/// Camera rays of a panorama also see points across the seam and over a pole. There, density
+/// estimates give only their share of caustic flux, so splats must give the rest.
+pub fn add_splats_across_seams(splats: &mut Vec<Splat>, camera: &Camera, filter: &Filter) {
+    // The centers of the outermost pixels lie half a pixel inside the film.
+    let margin = filter.radius() - 0.5;
+    let mut copies = Vec::new();
+    for splat in &*splats {
+        camera.for_each_other_film_position(splat.film_position, margin, |film_position| {
+            copies.push(Splat { film_position, ..*splat });
+        });
+    }
+    splats.append(&mut copies);
 }
 
 /// Filters `splats` with the pixel filter, and adds their radiance \[W/(m² sr)] to the pixels of

@@ -31,6 +31,8 @@
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
 //! | vertex | `Sampler::shadow_ray_sampler` | pass · 2³² | other dimensions than the next vertex |
 //! | vertex, sample | `Key::medium_tracking_key` | 2⁶³ + pass | above all words of vertices |
+//! | vertex, sample | `Key::coincident_face_key` | 2⁶² + boundary · 2³² + group | below 2⁶³ |
+//! | vertex, sample | `Key::nth_mix_choice_key` | 2⁶¹ + choice | below 2⁶²; choice 0 is parent |
 //! | shadow rays | `Sampler::nth_shadow_ray_sampler` | light or ray | lights or chosen rays |
 //! | shadow ray | `Key::shadow_ray_scatter_point_key` | 1 | transmittance uses the parent itself |
 //! | film sample of a pilot | `Sampler::pilot_bounce_sampler` | bounce | one per vertex |
@@ -150,6 +152,12 @@ pub struct Key(u64);
 /// Bit that distinguishes keys of medium tracking from keys of path vertices and shadow rays.
 const MEDIUM_TRACKING_BIT: u64 = 1 << 63;
 
+/// Bit that distinguishes keys of coincident faces from keys of path vertices and shadow rays.
+const COINCIDENT_FACE_BIT: u64 = 1 << 62;
+
+/// Bit that distinguishes keys of mix choices from keys of path vertices and shadow rays.
+const MIX_CHOICE_BIT: u64 = 1 << 61;
+
 /// Bit that distinguishes keys of shutter slices from keys of photon paths.
 const SHUTTER_SLICE_BIT: u64 = 1 << 32;
 
@@ -236,6 +244,25 @@ impl Key {
     #[must_use]
     pub fn medium_tracking_key(self, pass: u32) -> Self {
         self.child_key(MEDIUM_TRACKING_BIT | u64::from(pass))
+    }
+
+    /// Key of choice `n` of a mix component along the path segment to a path vertex.
+    ///
+    /// It derives from the key of the vertex, and is this key itself for choice 0. The path makes
+    /// further choices if it crosses mixes that do not scatter it.
+    #[inline]
+    #[must_use]
+    pub fn nth_mix_choice_key(self, n: u32) -> Self {
+        if n == 0 { self } else { self.child_key(MIX_CHOICE_BIT | u64::from(n)) }
+    }
+
+    /// Key of the choice of a mix component at the faces of coincidence group `group` that coincide
+    /// with boundary number `boundary` of a path segment.
+    ///
+    /// It derives from the key of the path vertex that ends the segment.
+    #[must_use]
+    pub fn coincident_face_key(self, boundary: u32, group: u32) -> Self {
+        self.child_key(COINCIDENT_FACE_BIT | u64::from(boundary) << 32 | u64::from(group))
     }
 
     /// Key of the random numbers that choose the scattering point in a medium from which a shadow

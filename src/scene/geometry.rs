@@ -87,6 +87,11 @@ impl CoincidenceGroup {
     pub const fn group_of_single_object(index: u32) -> Self {
         Self(index)
     }
+
+    /// Number that distinguishes this group from all others.
+    pub const fn index(self) -> u32 {
+        self.0
+    }
 }
 
 /// The primitives of a scene: triangles, shapes and unbounded planes.

@@ -30,7 +30,8 @@ pub use film_motion::FilmMotionMeter;
 pub use geometry::Hit;
 pub(crate) use interiors::with_interior_type;
 pub use interiors::{
-    Body, BoundaryEvent, CurrentMedium, Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior,
+    Body, BoundaryContext, BoundaryEvent, CurrentMedium, Interior, InteriorKind, InteriorStack, NoInterior,
+    SpectralInterior,
 };
 pub use material::{ConductorIndex, Material, MaterialKind, PhongAppearance};
 pub use motion_length::max_motion_in_pixels;
@@ -71,6 +72,8 @@ pub struct Scene {
     glasses: Vec<DispersionFormula>,
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
+    /// True if an object has a null interface, or a mix that may resolve to one.
+    has_null_interfaces: bool,
     textures: Vec<Arc<Texture>>,
     /// Texture mappings, by index. Objects that define none use the first one.
     mappings: Vec<TextureMapping>,

@@ -109,6 +109,12 @@ impl Scene {
         self.materials.iter().filter_map(Material::bounded_body)
     }
 
+    /// True if some objects are null interfaces, which shadow rays pass.
+    #[must_use]
+    pub fn has_null_interfaces(&self) -> bool {
+        self.has_null_interfaces
+    }
+
     /// Returns the indices of the object and of the material at `hit`. The material may be a mix.
     ///
     /// Objects are numbered in this order: shapes at rest, moving shapes, meshes, planes.
@@ -201,14 +207,15 @@ impl Scene {
         RayCone::from_pixel_footprint(self.camera.pixel_footprint_and_growth(), effects)
     }
 
-    /// Returns the first ray of a light path: `ray`, with the interior around light `light`.
-    /// Textures are not filtered.
+    /// Returns the first ray of a light path: `ray`, with the interior around its origin on light
+    /// `light`. Textures are not filtered.
     ///
     /// The path simulates `effects`.
     #[inline]
     #[must_use]
     pub fn start_light_path<I: Interior>(&self, light: usize, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, interior: I::interior_at_light(self, light, effects), cone: RayCone::zero_width_cone(effects) }
+        let interior = I::interior_at_light(self, light, &ray, effects);
+        PathRay { ray, interior, cone: RayCone::zero_width_cone(effects) }
     }
 
     /// Returns `ray` with its origin moved back beyond all unbounded planes behind it.

@@ -52,6 +52,32 @@ fn camera_importance_is_the_film_jacobian() {
     }
 }
 
+/// Only a panorama has several film positions of a ray: near the edges of the film, and more near a
+/// corner.
+#[test]
+fn other_film_positions_have_the_same_ray() {
+    for camera in cameras_of_all_kinds() {
+        for (x, y, count) in [
+            (32.0, 24.0, 0),
+            (0.25, 30.0, 1),
+            (63.0, 9.0, 1),
+            (9.0, 0.5, 1),
+            (9.0, 47.5, 1),
+            (0.25, 0.5, 2),
+            (31.5, 47.5, 2),
+        ] {
+            let ray = camera.generate_ray(Vec2::new(x, y), None);
+            let mut found = 0;
+            camera.for_each_other_film_position(Vec2::new(x, y), 1.5, |other| {
+                found += 1;
+                let direction = camera.generate_ray(other, None).direction;
+                assert!((direction - ray.direction).length() < 1e-5, "{x}, {y}: {other}");
+            });
+            assert_eq!(found, if camera.projection == CameraProjection::Panorama { count } else { 0 }, "{x}, {y}");
+        }
+    }
+}
+
 #[test]
 fn points_behind_the_camera_do_not_connect() {
     let [pinhole, lens, orthographic, panorama] = cameras_of_all_kinds();

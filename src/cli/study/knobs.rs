@@ -119,7 +119,7 @@ fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) ->
     {
         add(format!("--spp {samples}"), &|method| method.spp = Some(samples));
     }
-    if !base.adaptive {
+    if !base.adaptive && algorithm != Algorithm::Ppm {
         add("--adaptive".to_owned(), &|method| method.adaptive = true);
     }
     if algorithm == Algorithm::Pm {

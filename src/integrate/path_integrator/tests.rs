@@ -85,3 +85,23 @@ fn indirect_light_weights_in_fog_sum_to_one() {
     assert!(5.0 * error < 0.01, "too blunt: {error}");
     assert!((mean - 1.0).abs() < 5.0 * error + 0.005, "{mean} ± {error}");
 }
+
+/// Passes of `ppm` share their camera paths, so adaptive sampling has no effect on them.
+#[test]
+fn adaptive_sampling_changes_no_bit_of_ppm() {
+    let mut builder = SceneBuilder::new();
+    let white = builder.add_material(Material::diffuse(Rgb::splat(0.5)));
+    builder.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.3)), white, Rgb::ZERO);
+    builder.add_shape(Shape::Sphere(Sphere::new(DVec3::new(2.0, 1.0, 2.0), 0.5)), white, Rgb::splat(5.0));
+    let camera = Camera::orthographic(DVec3::Z * 5.0, DVec3::NEG_Z, DVec3::Y, 1.0, 16, 16).unwrap();
+    let scene = builder.build(camera).unwrap();
+    let image = |adaptive: bool| {
+        let camera_paths = CameraPathSettings { samples_per_pixel: Some(4), adaptive, ..Default::default() };
+        let settings =
+            Settings { camera_paths, unaimed_paths: 1000, initial_gather_radius: Some(0.1), ..Settings::default() };
+        Algorithm::Ppm.prepare(&scene, settings).render_pass(0, &SilentMonitor).image
+    };
+    let plain = image(false);
+    assert!(plain.iter().any(|radiance| *radiance != Rgb::ZERO));
+    assert_eq!(plain, image(true));
+}

@@ -45,6 +45,26 @@ fn splats_outside_the_film_are_clipped() {
     }
 }
 
+/// Filter weights of a splat of a panorama sum to the same value at the seam, at the poles and in
+/// their corners as in the middle.
+#[test]
+fn panorama_splats_keep_their_light_at_seam_and_poles() {
+    let camera = Camera::panorama(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, SIZE.0, SIZE.1).unwrap();
+    for kind in [FilterKind::Box, FilterKind::Tent, FilterKind::BlackmanHarris, FilterKind::Mitchell] {
+        let filter = Filter::new(kind);
+        let sum_at = |x: f32, y: f32| {
+            let mut splats = vec![splat_at(x, y)];
+            add_splats_across_seams(&mut splats, &camera, &filter);
+            splat_image(&splats, &filter).into_iter().sum::<DVec3>()
+        };
+        let middle = sum_at(5.25, 4.375);
+        let at_edges = [(0.25, 4.375), (11.25, 4.375), (3.25, 0.375), (3.25, 7.375), (0.25, 0.375), (11.25, 7.375)];
+        for (x, y) in at_edges {
+            assert!((sum_at(x, y) - middle).length() < 1e-5, "{kind:?} at {x}, {y}");
+        }
+    }
+}
+
 /// With ten photons per pixel, density estimates and splats get equal shares. With few photons,
 /// density estimates get all flux; with many, splats do.
 #[test]

@@ -54,6 +54,8 @@ fn named_keys_match_the_key_map() {
     assert_eq!(key.pixel_key(3, 7), key.child_key(7 << 32 | 3));
     assert_eq!(key.film_point_key(1, 9), key.child_key(1 << 32 | 9));
     assert_eq!(key.medium_tracking_key(4), key.child_key(1 << 63 | 4));
+    assert_eq!(key.coincident_face_key(4, 2), key.child_key(1 << 62 | 4 << 32 | 2));
+    assert_eq!((key.nth_mix_choice_key(0), key.nth_mix_choice_key(3)), (key, key.child_key(1 << 61 | 3)));
     assert_eq!((key.shared_camera_paths_key(), key.unshared_camera_paths_key(0)), (key.child_key(0), key.child_key(1)));
     let sampler = Sampler::new(key, 2, 8);
     assert_eq!(sampler.next_vertex_sampler(3, true), sampler.child_sampler(7));

@@ -1,6 +1,7 @@
 //! Quantities derived from object placement.
 
 use super::light_contact_distance::light_contact_distance;
+use super::lights_across_boundaries::find_lights_across_boundaries;
 use crate::light::Light;
 use crate::math::{BoundingSphere, Bounds};
 use crate::scene::Scene;
@@ -26,8 +27,12 @@ pub(in crate::scene) struct DerivedSceneData {
     pub ambient_medium_sphere: BoundingSphere,
     /// The dielectric bodies that contain the camera.
     pub camera_interior: InteriorStack,
-    /// The dielectric bodies that contain each light, by light index.
+    /// The dielectric bodies that contain each light, by light index. Only one point of the light
+    /// is tested.
     pub light_interiors: Vec<InteriorStack>,
+    /// True if a light may lie partly inside a dielectric body, by light index. Its points may then
+    /// differ in the bodies that contain them.
+    pub lights_across_boundaries: Vec<bool>,
     /// Distance \[length] below which a surface point counts as touching a light, by light index:
     /// see [`Scene::light_contact_distance`].
     pub light_contact_distances: Vec<f32>,
@@ -41,6 +46,7 @@ impl Default for DerivedSceneData {
             ambient_medium_sphere: nowhere,
             camera_interior: InteriorStack::EMPTY,
             light_interiors: Vec::new(),
+            lights_across_boundaries: Vec::new(),
             light_contact_distances: Vec::new(),
         }
     }
@@ -55,17 +61,20 @@ pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
     let farthest = positions.map(|p| p.distance(domain.center)).fold(domain.radius, f32::max);
     let (mut camera_interior, mut light_interiors) =
         (InteriorStack::EMPTY, vec![InteriorStack::EMPTY; scene.lights.len()]);
+    let mut lights_across_boundaries = vec![false; scene.lights.len()];
     if scene.bodies().next().is_some() {
         camera_interior = interior_stack_at(scene, camera);
         let start =
             |light: &Light| light.representative_point().map_or(InteriorStack::EMPTY, |p| interior_stack_at(scene, p));
         light_interiors = scene.lights.iter().map(start).collect();
+        lights_across_boundaries = find_lights_across_boundaries(scene);
     }
     DerivedSceneData {
         photon_domain: domain,
         ambient_medium_sphere: BoundingSphere { center: domain.center, radius: farthest * AMBIENT_RADIUS_FACTOR },
         camera_interior,
         light_interiors,
+        lights_across_boundaries,
         light_contact_distances: scene
             .lights
             .iter()

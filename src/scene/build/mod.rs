@@ -4,6 +4,7 @@ mod cull_air_boundaries;
 mod derived;
 mod light_contact_distance;
 mod lights;
+mod lights_across_boundaries;
 mod media;
 mod object;
 mod place;
@@ -22,7 +23,7 @@ use crate::math::Motion;
 use crate::medium::Medium;
 use crate::shape::{Plane, Shape, TextureMappingKind, TriangleIndices};
 use crate::texture::Texture;
-use cull_air_boundaries::{cull_air_boundaries, may_bound_body};
+use cull_air_boundaries::{cull_air_boundaries, may_bound_body, may_bound_body_with};
 use glam::{DVec2, DVec3, Vec3};
 use lights::{CollectedLights, DeltaLight, collect_lights};
 use media::place_media;
@@ -244,6 +245,9 @@ impl SceneBuilder {
         let media = place_media(&self.media, &objects, &self.materials, origin, &mut animation);
         let geometry =
             geometry.build_hierarchies(&objects, &mappings, &of_object, earlier.map(|scene| &scene.geometry));
+        let is_null_interface =
+            |material| may_bound_body_with(&self.materials, material, |body| body.is_null_interface);
+        let has_null_interfaces = geometry.objects.iter().any(|object| is_null_interface(object.material));
         let mut scene = Scene {
             camera,
             background: self.background,
@@ -252,6 +256,7 @@ impl SceneBuilder {
             glasses: self.glasses,
             media,
             ambient_medium: self.ambient_medium,
+            has_null_interfaces,
             textures: self.textures,
             mappings: mappings.texture_mappings,
             mean_emission_lights: mean_emission_lights(&lights),

@@ -1,6 +1,7 @@
 //! Tests of the scene builder.
 
 use super::*;
+use crate::scene::Body;
 use crate::shape::Sphere as Ball;
 
 fn perspective_camera() -> Camera {
@@ -116,4 +117,32 @@ fn equal_geometry_shares_its_hierarchy() {
     assert!(!shares(&moved) && !shares(&grown));
     assert_ne!(moved.geometry.mesh.corners(0), first.geometry.mesh.corners(0));
     assert_eq!(grown.geometry.mesh.corners(0), first.geometry.mesh.corners(0));
+}
+
+#[test]
+fn only_null_interfaces_of_objects_count() {
+    let has_null_interfaces = |object: u32| {
+        let mut builder = SceneBuilder::new();
+        builder.add_material(Material::smooth_boundary(Body { is_null_interface: true, ..Body::new(1.0) }));
+        builder.add_material(Material::diffuse(Rgb::ONE));
+        builder.add_material(Material::mix(0, 1, 0.5));
+        builder.add_shape(Shape::Sphere(Ball::new(DVec3::ZERO, 1.0)), object, Rgb::ZERO);
+        builder.build(perspective_camera()).unwrap().has_null_interfaces()
+    };
+    assert_eq!([0, 1, 2].map(has_null_interfaces), [true, false, true]);
+}
+
+#[test]
+fn lamps_are_flagged_only_where_boundaries_cross_them() {
+    let is_flagged = |height: f64, ball_radius: f64| {
+        let mut builder = SceneBuilder::new();
+        let glass = builder.add_material(Material::dielectric(1.5, Rgb::ZERO));
+        builder.add_shape(Shape::Sphere(Ball::new(DVec3::ZERO, ball_radius)), glass, Rgb::ZERO);
+        let corners = [DVec3::new(-9.0, height, -9.0), DVec3::new(0.0, height, 9.0), DVec3::new(9.0, height, -9.0)];
+        builder.add_mesh(&corners, &[], &[[0, 1, 2]], glass, Rgb::ZERO);
+        add_emissive_sphere(&mut builder, DVec3::ZERO, Rgb::ONE);
+        builder.build(perspective_camera()).unwrap().derived.lights_across_boundaries == [true]
+    };
+    // The box of the lamp has the half diagonal √3.
+    assert_eq!([is_flagged(2.0, 1.8), is_flagged(2.0, 1.5), is_flagged(0.5, 1.8)], [false, true, true]);
 }

@@ -2,7 +2,7 @@
 
 use super::{CoincidentFace, InteriorStack, coincident_faces_at};
 use crate::math::Ray;
-use crate::scene::{Effects, RayCone, Scene};
+use crate::scene::{Effects, Hit, Material, RayCone, Scene};
 use glam::Vec3;
 
 /// Returns the dielectric bodies that contain point `p`, by tracing a ray from `p` out of the
@@ -16,10 +16,15 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
     let mut entered: Vec<u32> = Vec::new();
     let (mut left, mut crossed): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
     while let Some(hit) = scene.intersect(&ray) {
-        let surface = scene.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::NONE), || 0.0);
-        if surface.material.bounded_body().is_some() {
+        let mut surface = scene.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::NONE), || 0.0);
+        let material_of = |hit: &Hit| scene.geometry.object_attributes(hit.primitive).material;
+        if let Some(leaf) = leaf_with_body(&scene.materials, material_of(&hit)) {
+            (surface.material_index, surface.material) = (leaf, &scene.materials[leaf as usize]);
             let own = CoincidentFace::from_surface(&surface, surface.is_entering());
-            let coincident = coincident_faces_at(scene, &surface);
+            let coincident = coincident_faces_at(scene, &surface, &|hit, _, _| {
+                let material = material_of(hit);
+                leaf_with_body(&scene.materials, material).unwrap_or(material)
+            });
             let count = |material| entered.iter().filter(|m| **m == material).count();
             // Entries and exits are handled as in `InteriorStack::stack_after_crossing`, with one
             // difference. An exit without an entry means that the body contains the start of the
@@ -48,4 +53,48 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
     // The body that the ray leaves first was entered last.
     left.iter().rev().for_each(|material| stack.push_body(*material));
     stack
+}
+
+/// Returns the index of a leaf with a dielectric body to which material `index` can resolve; `None`
+/// if there is none.
+///
+/// A point is inside a body even if only some paths meet its boundary as such. The choice does not
+/// depend on the order of the parts of a mix.
+fn leaf_with_body(materials: &[Material], index: u32) -> Option<u32> {
+    let material = &materials[index as usize];
+    let Some(([first, second], amount)) = material.kind().as_mix() else {
+        return material.bounded_body().map(|_| index);
+    };
+    let amount = amount.mean();
+    let parts = [(first, amount < 1.0), (second, amount > 0.0)].into_iter().filter(|(_, is_chosen)| *is_chosen);
+    parts.filter_map(|(part, _)| leaf_with_body(materials, part)).min()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::color::Rgb;
+    use crate::scene::SceneBuilder;
+    use crate::shape::{Shape, Sphere};
+    use glam::DVec3;
+
+    #[test]
+    fn swapped_parts_of_a_mix_keep_the_interior() {
+        let interior = |glass_first: bool, amount: f32| {
+            let mut builder = SceneBuilder::new();
+            let glass = builder.add_material(Material::dielectric(1.5, Rgb::ZERO));
+            let black = builder.add_material(Material::black());
+            let (first, second) = if glass_first { (glass, black) } else { (black, glass) };
+            let mix = builder.add_material(Material::mix(first, second, amount));
+            builder.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), mix, Rgb::ZERO);
+            let camera = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
+            builder.build(camera).unwrap().derived.camera_interior.body_materials().to_vec()
+        };
+        for amount in [0.25, 0.75] {
+            assert_eq!((interior(true, amount), interior(false, amount)), (vec![0], vec![0]), "{amount}");
+        }
+        // With amount 1, no hit resolves to the first part.
+        assert_eq!((interior(true, 1.0), interior(false, 1.0)), (vec![], vec![0]));
+    }
 }

@@ -1,6 +1,7 @@
 //! Nested dielectrics: the bodies and media around a point of a path.
 
 mod body;
+mod boundary_context;
 mod coincident;
 mod locate;
 mod spectral;
@@ -8,6 +9,7 @@ mod stack;
 mod with_interior_type;
 
 pub use body::Body;
+pub use boundary_context::BoundaryContext;
 pub(super) use coincident::{
     CoincidentFace, CoincidentFaces, CoincidentFlags, coincident_faces_at, flag_coincident_primitives,
 };
@@ -21,7 +23,6 @@ use super::{Effects, Scene, SurfaceInteraction};
 use crate::bsdf::Bsdf;
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
-use crate::sampling::Key;
 use coincident::{BoundarySides, boundary_sides};
 use glam::Vec3;
 
@@ -68,8 +69,8 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// The interior at the start of a camera path along `ray`.
     fn interior_at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
 
-    /// The interior at the start of a light path from light `light`.
-    fn interior_at_light(scene: &Scene, light: usize, effects: Effects) -> Self;
+    /// The interior at the start of a light path along `ray`, from light `light`.
+    fn interior_at_light(scene: &Scene, light: usize, ray: &Ray, effects: Effects) -> Self;
 
     /// Sets the uniform number in \[0, 1) that determines the path's first wavelength.
     ///
@@ -110,8 +111,13 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// Returns the event for a path that meets `surface`.
     ///
     /// If `surface` bounds a dielectric body and is no null interface, the method also sets its
-    /// BSDF for the refractive indices on both sides. `key` is the random key of the path vertex.
-    fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
+    /// BSDF for the refractive indices on both sides.
+    fn resolve_boundary(
+        &mut self,
+        scene: &Scene,
+        surface: &mut SurfaceInteraction<'_>,
+        context: &BoundaryContext,
+    ) -> BoundaryEvent;
 
     /// Updates the interior for a path that crosses `surface` in unit `direction`: enters or leaves
     /// the dielectric body that `surface` bounds, if any.
@@ -155,7 +161,7 @@ impl Interior for NoInterior {
         Self
     }
 
-    fn interior_at_light(_: &Scene, _: usize, _: Effects) -> Self {
+    fn interior_at_light(_: &Scene, _: usize, _: &Ray, _: Effects) -> Self {
         Self
     }
 
@@ -168,7 +174,7 @@ impl Interior for NoInterior {
     fn infer_starting_body(&mut self, _: &SurfaceInteraction<'_>) {}
 
     #[inline]
-    fn resolve_boundary(&mut self, _: &Scene, _: &mut SurfaceInteraction<'_>, _: Key) -> BoundaryEvent {
+    fn resolve_boundary(&mut self, _: &Scene, _: &mut SurfaceInteraction<'_>, _: &BoundaryContext) -> BoundaryEvent {
         BoundaryEvent::Surface
     }
 
@@ -187,8 +193,12 @@ impl Interior for InteriorStack {
         }
     }
 
-    fn interior_at_light(scene: &Scene, light: usize, _: Effects) -> Self {
-        scene.derived.light_interiors[light]
+    fn interior_at_light(scene: &Scene, light: usize, ray: &Ray, _: Effects) -> Self {
+        if scene.derived.lights_across_boundaries[light] {
+            interior_stack_at(scene, ray.origin)
+        } else {
+            scene.derived.light_interiors[light]
+        }
     }
 
     #[inline]
@@ -208,9 +218,14 @@ impl Interior for InteriorStack {
     }
 
     #[inline]
-    fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, _: Key) -> BoundaryEvent {
+    fn resolve_boundary(
+        &mut self,
+        scene: &Scene,
+        surface: &mut SurfaceInteraction<'_>,
+        context: &BoundaryContext,
+    ) -> BoundaryEvent {
         let Some(body) = surface.material.bounded_body() else { return BoundaryEvent::Surface };
-        let (event, body, interface) = resolve_interface(self, scene, surface, *body);
+        let (event, body, interface) = resolve_interface(self, scene, surface, *body, context);
         if event != BoundaryEvent::NullInterface {
             let eta = interface.relative_eta(&body, |body| body.eta);
             surface.bsdf =
@@ -245,8 +260,12 @@ fn resolve_interface(
     scene: &Scene,
     surface: &mut SurfaceInteraction<'_>,
     body: Body,
+    context: &BoundaryContext,
 ) -> (BoundaryEvent, Body, BodyInterface) {
-    surface.coincident = coincident_faces_at(scene, surface);
+    let wo = surface.wo;
+    surface.coincident = coincident_faces_at(scene, surface, &|hit, point, group| {
+        context.leaf_material_at(scene, hit, (point, wo), group)
+    });
     let entering = surface.is_entering();
     if !surface.coincident.is_empty() {
         let BoundarySides { near, far, is_null_interface, roughness } =

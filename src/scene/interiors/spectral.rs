@@ -1,10 +1,10 @@
 //! The [`Interior`] of paths in media and of paths with a wavelength.
 
-use super::{Body, BoundaryEvent, CurrentMedium, Interior, InteriorStack, resolve_interface};
+use super::{Body, BoundaryContext, BoundaryEvent, CurrentMedium, Interior, InteriorStack, resolve_interface};
 use crate::bsdf::{Bsdf, Dielectric, TransportMode};
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
-use crate::sampling::{Dimension, Key};
+use crate::sampling::Dimension;
 use crate::scene::{Effect, Effects, Scene, SurfaceInteraction};
 use glam::Vec3;
 
@@ -50,8 +50,8 @@ impl Interior for SpectralInterior {
         Self::new(InteriorStack::interior_at_camera(scene, ray, effects), effects)
     }
 
-    fn interior_at_light(scene: &Scene, light: usize, effects: Effects) -> Self {
-        Self::new(InteriorStack::interior_at_light(scene, light, effects), effects)
+    fn interior_at_light(scene: &Scene, light: usize, ray: &Ray, effects: Effects) -> Self {
+        Self::new(InteriorStack::interior_at_light(scene, light, ray, effects), effects)
     }
 
     #[inline]
@@ -89,20 +89,25 @@ impl Interior for SpectralInterior {
     }
 
     #[inline]
-    fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent {
+    fn resolve_boundary(
+        &mut self,
+        scene: &Scene,
+        surface: &mut SurfaceInteraction<'_>,
+        context: &BoundaryContext,
+    ) -> BoundaryEvent {
         let (Some(body), true) =
             (surface.material.bounded_body(), self.effects.has(Effect::Dispersion) && !scene.glasses.is_empty())
         else {
-            return self.stack.resolve_boundary(scene, surface, key);
+            return self.stack.resolve_boundary(scene, surface, context);
         };
-        let (event, body, interface) = resolve_interface(&self.stack, scene, surface, *body);
+        let (event, body, interface) = resolve_interface(&self.stack, scene, surface, *body, context);
         if event == BoundaryEvent::NullInterface {
             return event;
         }
         let disperses = body.glass.is_some() || interface.outside.is_some_and(|body| body.glass.is_some());
         if disperses && !interface.is_hidden && self.wavelength.is_none() {
             // `take`: a second wavelength of this path needs a new random number.
-            let u = self.wavelength_sample.take().unwrap_or_else(|| key.uniform_1d(Dimension::Wavelength));
+            let u = self.wavelength_sample.take().unwrap_or_else(|| context.key.uniform_1d(Dimension::Wavelength));
             self.wavelength = Some(Wavelength::sample(u));
             self.wavelength_sampling_dielectric =
                 Some(Dielectric { eta: interface.relative_eta(&body, |body| body.eta) });

@@ -2,9 +2,9 @@
 //! effects.
 
 use crate::support::*;
-use caustica::photon::StoreMask;
-use caustica::scene::{Material, Scene, SceneBuilder};
-use caustica::shape::{Rectangle, Shape};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
+use caustica::scene::{Body, Material, Scene, SceneBuilder};
+use caustica::shape::{Plane, Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -107,4 +107,31 @@ fn view_average(f: impl Fn(f64) -> f64) -> f64 {
     let half = libm::tan(15f64.to_radians());
     let row = |y: f64| midpoint_integral(-half, half, 200, |x| f(1.0 / (1.0 + x * x + y * y).sqrt()));
     midpoint_integral(-half, half, 200, row) / (4.0 * half * half)
+}
+
+/// A lamp lies half in black water, inside of a large dome. Three eighths of its flux reach the
+/// dome.
+///
+/// Let μ be the cosine of the angle between the normal and the vertical. Only the upper half sends
+/// light to the dome: the fraction (1 + μ)/2 of its flux, with the mean 3/4, leaves upwards. At the
+/// edge of the water, the lower half sends less than 10⁻⁴ of the flux through it, because the
+/// optical depth of the water is 10⁴ over the radius of the lamp.
+#[test]
+fn a_lamp_half_under_water_shines_above_it() {
+    let mut b = SceneBuilder::new();
+    let black = b.add_material(Material::black());
+    let dome = b.add_material(Material::diffuse(Vec3::ZERO));
+    let water = Body { absorption: Vec3::splat(1e4), is_null_interface: true, ..Body::new(1.0) };
+    let water = b.add_material(Material::smooth_boundary(water));
+    b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), water, Vec3::ZERO);
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), black, Vec3::ONE);
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 10.0)), dome, Vec3::ZERO);
+    let scene = b.build(square_camera(DVec3::Y * 5.0, DVec3::ZERO, 30.0, 4)).unwrap();
+    let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
+    let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
+    let fraction = |i| {
+        let audit = tracer.trace(test_key(70).child_key(i), 1 << 11, &|_| {}).audit;
+        audit.stopped[0] / audit.emitted[0]
+    };
+    assert_mean("flux above water", &(0..16).map(fraction).collect::<Vec<_>>(), 0.375, 1e-4, 0.01);
 }

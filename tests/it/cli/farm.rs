@@ -165,7 +165,7 @@ fn failed_shards_are_submitted_again() {
     assert_eq!(sandbox.bytes("out.exr"), sandbox.bytes("whole.exr"));
 }
 
-/// The same command with other outputs first follows the jobs that are still active, then merges
+/// A command with other outputs first follows the jobs that are still active, then merges
 /// into its own outputs.
 #[test]
 fn followed_jobs_are_merged_into_the_outputs_named_now() {

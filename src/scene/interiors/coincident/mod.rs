@@ -12,7 +12,8 @@ pub(in crate::scene) use search::{CoincidentFlags, flag_coincident_primitives};
 use super::{Body, InteriorStack};
 use crate::math::{Ray, offset_ray_origin};
 use crate::scene::geometry::CoincidenceGroup;
-use crate::scene::{Scene, SurfaceInteraction};
+use crate::scene::{Hit, Scene, SurfaceInteraction};
+use crate::shape::SurfacePoint;
 
 /// Maximum number of boundaries that may coincide with the one that a ray hits. Any more are
 /// ignored.
@@ -132,13 +133,27 @@ pub(super) fn boundary_sides<'a>(
 
 /// Returns the boundaries of other dielectric bodies that coincide with `surface`: those within its
 /// position error.
+///
+/// `leaf_at` returns the index of the material at a hit. For a mix, it chooses a leaf.
 #[inline]
-pub(in crate::scene) fn coincident_faces_at(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
-    if surface.coincidence_group.is_some() { find_coincident_faces(scene, surface) } else { CoincidentFaces::NONE }
+pub(in crate::scene) fn coincident_faces_at(
+    scene: &Scene,
+    surface: &SurfaceInteraction<'_>,
+    leaf_at: &dyn Fn(&Hit, &SurfacePoint, CoincidenceGroup) -> u32,
+) -> CoincidentFaces {
+    if surface.coincidence_group.is_some() {
+        find_coincident_faces(scene, surface, leaf_at)
+    } else {
+        CoincidentFaces::NONE
+    }
 }
 
 #[inline(never)]
-fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
+fn find_coincident_faces(
+    scene: &Scene,
+    surface: &SurfaceInteraction<'_>,
+    leaf_at: &dyn Fn(&Hit, &SurfacePoint, CoincidenceGroup) -> u32,
+) -> CoincidentFaces {
     let (point, wo) = (&surface.point, surface.wo);
     let [near, far] = [wo, -wo].map(|w| offset_ray_origin(point.p, point.position_error, point.ng, w));
     let length = (far - near).length();
@@ -152,8 +167,9 @@ fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> Coi
     geometry.for_each_hit(&across, |hit| {
         let point = geometry.surface_point(&across, &hit);
         let entering = across.direction.dot(point.ng) < 0.0;
-        let material = geometry.object_attributes(hit.primitive).material;
-        let face = CoincidentFace { material, entering, group: geometry.coincidence_group(hit.primitive) };
+        let group = geometry.coincidence_group(hit.primitive);
+        let material = leaf_at(&hit, &point, group);
+        let face = CoincidentFace { material, entering, group };
         if face != own && scene.materials[material as usize].bounded_body().is_some() {
             faces.insert_if_room(face);
         }

@@ -1,0 +1,42 @@
+//! The random choices at a boundary that a path meets.
+
+use crate::sampling::{Dimension, Key};
+use crate::scene::geometry::CoincidenceGroup;
+use crate::scene::{Hit, RayCone, Scene};
+use crate::shape::SurfacePoint;
+use glam::Vec3;
+
+/// Data on which random choices and texture lookups at a boundary depend.
+#[derive(Clone, Copy, Debug)]
+pub struct BoundaryContext {
+    /// Random key of the path vertex that ends the path segment.
+    pub key: Key,
+    /// Number of boundaries that the path has crossed since its last vertex.
+    pub crossed_boundary_count: u32,
+    /// The ray cone over which textures are filtered, at the boundary.
+    pub cone: RayCone,
+}
+
+impl BoundaryContext {
+    /// Returns the material at `hit`, on the surface at `point` of coincidence group `group`: a
+    /// random leaf if it is a mix. `wo` is the direction from which the path arrives.
+    ///
+    /// All faces of one group make the same choice, because a path through a common edge can hit
+    /// two faces of one object. The choice is independent of that at the boundary that the ray hit.
+    pub(super) fn leaf_material_at(
+        &self,
+        scene: &Scene,
+        hit: &Hit,
+        (point, wo): (&SurfacePoint, Vec3),
+        group: CoincidenceGroup,
+    ) -> u32 {
+        let material = scene.geometry.object_attributes(hit.primitive).material;
+        if scene.materials[material as usize].mix_component_indices().is_none() {
+            return material;
+        }
+        let key = self.key.coincident_face_key(self.crossed_boundary_count, group.index());
+        let context = || scene.texture_context(hit, point, wo, &self.cone);
+        let u = key.uniform_1d(Dimension::Mix);
+        scene.resolve_mix_to_leaf(material, u, self.cone.effects, &context).0
+    }
+}
