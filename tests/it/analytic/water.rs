@@ -113,9 +113,11 @@ fn view_average(f: impl Fn(f64) -> f64) -> f64 {
 /// dome.
 ///
 /// Let μ be the cosine of the angle between the normal and the vertical. Only the upper half sends
-/// light to the dome: the fraction (1 + μ)/2 of its flux, with the mean 3/4, leaves upwards. At the
-/// edge of the water, the lower half sends less than 10⁻⁴ of the flux through it, because the
-/// optical depth of the water is 10⁴ over the radius of the lamp.
+/// light to the dome: the fraction (1 + μ)/2 of its flux, with the mean 3/4, leaves upwards. Flat
+/// rays that fall can reach the dome before the water. The dome has 10⁴ times the radius of the
+/// lamp, so they carry about 10⁻⁵ of the flux. At the edge of the water, the lower half sends less
+/// than 10⁻⁴ of the flux through it, because the optical depth of the water is 10⁴ over the radius
+/// of the lamp.
 #[test]
 fn a_lamp_half_under_water_shines_above_it() {
     let mut b = SceneBuilder::new();
@@ -125,7 +127,7 @@ fn a_lamp_half_under_water_shines_above_it() {
     let water = b.add_material(Material::smooth_boundary(water));
     b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), water, Vec3::ZERO);
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), black, Vec3::ONE);
-    b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 10.0)), dome, Vec3::ZERO);
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1e4)), dome, Vec3::ZERO);
     let scene = b.build(square_camera(DVec3::Y * 5.0, DVec3::ZERO, 30.0, 4)).unwrap();
     let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };

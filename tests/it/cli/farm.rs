@@ -183,12 +183,12 @@ fn followed_jobs_are_merged_into_the_outputs_named_now() {
 #[test]
 fn cancelled_jobs_that_are_followed_end_the_farm() {
     let slurm = FakeSlurm::new(1001);
-    slurm.sandbox.put("bin/failing", "1_2\n");
+    slurm.sandbox.put("bin/failing", "1_2\n3_2\n");
     let words = "--shards 2 --passes 4 -o a.exr --retries 0";
     slurm.farm(words).expect(5, &["there are incomplete shards (2)"]);
-    slurm.let_jobs_end_later("1_1|COMPLETED|None\n1_2|CANCELLED|None\n");
-    slurm.farm(words).expect(5, &["following jobs 1, 2", "1 job was cancelled; incomplete shards: 2"]);
-    assert_eq!(slurm.calls("--chdir").len(), 2);
+    slurm.let_jobs_end_later("3_2|CANCELLED|None\n");
+    slurm.farm(words).expect(5, &["following jobs 3, 4", "1 job was cancelled; incomplete shards: 2"]);
+    assert_eq!(slurm.calls("--chdir").len(), 4);
 }
 
 /// A shard that fails again and again ends the command after `--retries` rounds without a new pass.

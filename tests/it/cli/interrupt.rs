@@ -90,7 +90,7 @@ fn second_interrupt_stops_at_once_without_image() {
     std::thread::sleep(Duration::from_millis(1200));
     render.interrupt();
     let (code, words) = render.end();
-    assert_eq!((code, words.as_str()), (Some(130), ""));
+    assert!(code == Some(130) && !words.contains("wrote"), "{words}");
     assert_eq!(
         (sandbox.bytes("a.png"), sandbox.names()),
         (b"old".to_vec(), vec!["a.png".to_owned(), "box.txt".to_owned()])
@@ -108,7 +108,7 @@ fn signals_in_quick_succession_still_write_the_image() {
     render.interrupt();
     let (code, words) = render.end();
     assert_eq!(code, Some(130), "{words}");
-    assert!(words.contains("wrote a.exr") && words.matches("interrupted:").count() == 1, "{words}");
+    assert!(words.contains("wrote a.exr") && words.matches("interrupted: the picture").count() == 1, "{words}");
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn light_from_media_that_photons_lack_is_warned_of() {
         ended.expect(0, &[]);
         ended.stderr.contains(warning)
     };
-    for method in ["sppm", "ppm", "pm --final-gathering none", "whitted"] {
+    for method in ["sppm", "ppm", "pm --final-gathering none"] {
         assert!(render("flame.txt", method) && !render("smoke.txt", method), "{method}");
     }
     for method in ["hybrid", "path", "pm"] {

@@ -101,8 +101,14 @@ fn mixes_of_two_dielectrics_become_the_heavier_one() {
         glass("a", 1.3),
         glass("b", 1.5)
     ));
-    let [material] = &scene.description.materials[..] else { panic!("{:?}", scene.description.materials) };
-    let MaterialKindDescription::Dielectric(glass) = &material.kind else { panic!("{material:?}") };
+    let (items, materials) = (&scene.description.root.items, &scene.description.materials);
+    let used = materials.iter().filter(|material| {
+        items
+            .iter()
+            .any(|item| matches!(item, GroupItem::MaterialName(name) if Some(&name.value) == material.name.as_ref()))
+    });
+    let kinds: Vec<_> = used.map(|material| &material.kind).collect();
+    let [MaterialKindDescription::Dielectric(glass)] = kinds[..] else { panic!("{kinds:?}") };
     assert_eq!(glass.refraction, 1.5.into());
     assert!(note_messages(&scene).contains("mixes of two dielectrics"));
 }
