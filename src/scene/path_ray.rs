@@ -317,7 +317,8 @@ mod tests {
             }
         };
         let share = (0..COUNT).filter(passes).count() as f64 / COUNT as f64;
-        let expected = (1.0 - f64::from(absorption_probability)).powi(2);
+        let pass_probability = 1.0 - f64::from(absorption_probability);
+        let expected = pass_probability * pass_probability;
         assert!((share - expected).abs() < 0.043, "{share}");
     }
 }

@@ -100,7 +100,7 @@ fn files_of_equal_names_are_compared_one_by_one() {
     let input = |name: &str, digest: &str| InputDigest { name: name.to_owned(), digest: digest.to_owned() };
     let header = |inputs: &[InputDigest]| FilmHeader { inputs: inputs.to_vec(), ..header() };
     let (one, two) = (input("wood.png", "12ab"), input("wood.png", "34cd"));
-    let (first, both) = (header(&[one.clone()]), header(&[one.clone(), two.clone()]));
+    let (first, both) = (header(std::slice::from_ref(&one)), header(&[one.clone(), two.clone()]));
     assert_eq!(first.differences(&both), ["file `wood.png` is missing here"]);
     assert_eq!(both.differences(&first), ["file `wood.png` has another content or is new"]);
     assert_eq!(header(&[one]).differences(&header(&[two])), ["file `wood.png` has another content or is new"]);
