@@ -73,10 +73,12 @@ fn render_in_process(entry: &Entry) -> Result<(), Box<dyn Error>> {
 /// Returns the page, made of the existing images and statistics.
 fn page() -> Result<String, Box<dyn Error>> {
     let mut page = String::from(
-        "# Gallery\n\nOne picture for each effect, then compositions of many. Each has its scene and the command that makes it. Renders end at an \
-         estimated error of 3 % or after five minutes. Below each picture are its passes, its estimated error, the photons stored in all passes, and the time \
-         on the wall and of the processor, on two cores that other work shared. The page is written, and all pictures are \
-         rendered, by\n\n```sh\ncargo run --release --example gallery\n```\n",
+        "# Gallery\n\nThis page has one picture for each effect, then compositions of many. Below each picture are the command\n\
+         that makes it, the passes, the estimated error, the photons stored in all passes, and the time on the wall\n\
+         and of the processor, on two cores that other work shared. A render ends at an estimated error of 3 %, or\n\
+         after five minutes. The error is relative to the median of the picture in dark pixels, so dark scenes have\n\
+         large ones. This command renders all pictures and writes the page:\n\n```sh\n\
+         cargo run --release --example gallery\n```\n",
     );
     let mut part = "";
     for entry in ENTRIES {
