@@ -373,7 +373,7 @@ impl ImageSearch<'_> {
 
 /// Returns the least predicted noise at which the image of a search start is searched.
 ///
-/// Candidates below it have together at most the fraction `omitted_fraction` of the predicted noise
+/// Starts below it have together at most the fraction `omitted_fraction` of the predicted noise
 /// of all `search_starts`.
 fn least_searched_noise<'a>(
     search_starts: impl IntoIterator<Item = &'a ImageSearchStart>,
