@@ -6,6 +6,8 @@ fn counts_take_suffixes() {
     assert_eq!(parse_count("250k"), Ok(250_000));
     assert_eq!(parse_count("2.5M"), Ok(2_500_000));
     assert_eq!(parse_count("0"), Ok(0));
+    // These products lie beside whole numbers by roundings.
+    assert_eq!((parse_count("4.1M"), parse_count("2.01k")), (Ok(4_100_000), Ok(2_010)));
     for bad in ["", "k", "-1", "1.5", "0.0001k", "1e3", "5000M", "inf", "NaN", "é"] {
         assert!(parse_count(bad).is_err(), "{bad}");
     }
