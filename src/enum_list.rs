@@ -1,7 +1,7 @@
 //! Enums that list their own variants.
 
-/// Defines an enum without data, and the constant `ALL` with its variants in the order of
-/// definition. So the list cannot lack a variant.
+/// Defines an enum without data, and its constant `ALL`: an array of all variants in the order of
+/// definition. So `ALL` is always complete.
 macro_rules! enum_with_all {
     (
         $(#[$attribute:meta])*

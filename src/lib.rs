@@ -1,7 +1,7 @@
 //! Caustica is a photon-mapping renderer that estimates the error of its pictures.
 //!
-//! This page lists the types that a user of the library starts from. All other modules are hidden
-//! from this documentation. They are public for the tests and benches of this package, and their
+//! This page lists the types that a user of the library starts from. The modules are hidden from
+//! this documentation: they are public for the tests and benches of this package, and their
 //! interfaces may change in any version.
 //!
 //! | task | start from |
@@ -10,13 +10,13 @@
 //! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
 //! | choose an algorithm | [`Algorithm`], [`Settings`] |
 //! | render with progress | [`render()`], [`RenderResult::without_passes`], [`ProgressMonitor`] |
-//! | say when a render ends | [`RenderLimits`], [`StopCriteria`] |
+//! | choose when a render ends | [`RenderLimits`], [`StopCriteria`] |
 //! | read the estimated error | [`RenderResult`], [`ErrorEstimator`], [`ErrorEstimate`] |
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
-//! Feature `cli` (on by default) builds the `caustica` program. A library user can turn it off
-//! with `default-features = false` to build no argument parser and no progress bars. Feature `view`
-//! (on by default) adds the live page, and with it a web server.
+//! Two features are on by default. `cli` builds the `caustica` program. `view` adds the live page,
+//! and with it a web server. A library user can turn both off with `default-features = false`, and
+//! then builds no argument parser, no progress bars and no web server.
 //!
 //! # A scene in code
 //!
@@ -48,62 +48,62 @@
 //!
 //! # From a render to a pass
 //!
-//! [`render()`] calls [`Integrator::render_pass`](integrate::Integrator::render_pass) until a stop
-//! criterion holds, and averages the passes. `PathIntegrator` implements this method for all
-//! algorithms except `raycast`. A pass traces its photons first, and then its camera paths.
+//! A *pass* is one estimate of the whole picture. [`render()`] calls
+//! [`Integrator::render_pass`](integrate::Integrator::render_pass) until a stop criterion holds,
+//! and averages the passes. `PathIntegrator` implements this method for all algorithms except
+//! `raycast`. A pass traces its photons first, and then its camera paths.
 //!
 //! # The path of one photon
 //!
 //! 1. `PhotonMapBuilder::build` in [`integrate`] traces the photons of a pass, for example by
-//!    `trace_aimed_photons`, and then builds its maps. For the photons of a map, `trace_photons`
-//!    calls [`PhotonTracer::trace_and_connect`](photon::PhotonTracer::trace_and_connect). This
-//!    emits photon paths in parallel by `PhotonSource::emit_photon_path`, and follows each of them
-//!    by `PhotonTracer::follow_photon_path`.
+//!    `trace_aimed_photons`, and then builds the photon maps. `trace_photons` traces the photons of
+//!    one map by [`PhotonTracer::trace_and_connect`](photon::PhotonTracer::trace_and_connect). This
+//!    function emits photon paths in parallel by `PhotonSource::emit_photon_path`, and follows each
+//!    of them by `PhotonTracer::follow_photon_path`.
 //! 2. Photon path `i` has the random-number [`Key`](sampling::Key)
-//!    `pass_key.photon_path_key(i)`. Every random decision is a function of a key and the name of
-//!    the decision.
+//!    `pass_key.photon_path_key(i)`. Every random decision is a deterministic function of a key and
+//!    a [`Dimension`](sampling::Dimension), which names the decision.
 //! 3. [`PhotonSource::emit_photon_path`](photon::PhotonSource::emit_photon_path) samples a light
 //!    and a ray that leaves it. The sampling pdf follows the power of the lights, the solid angle
-//!    of casters, or the emission that a pilot found useful. The ray carries flux / (pdf · number
-//!    of paths).
+//!    of casters (mirrors, glass and clear coats), or the emission that a pilot found useful. The
+//!    ray carries the flux Φ = Lₑ·cos θ/(pdf · number of paths).
 //! 4. [`PathRay::next_vertex`](scene::PathRay::next_vertex) finds the next surface by
-//!    `Geometry::intersect`, applies absorption, and samples a scattering event in a
-//!    [`Medium`](medium::Medium).
+//!    `Geometry::intersect` and applies absorption. In a [`Medium`](medium::Medium), it may sample
+//!    a scattering event before that surface.
 //! 5. At a surface that stores photons, `Deposits::store_deposit` adds a
 //!    [`Photon`](photon::Photon) to the [`Deposits`](photon::Deposits) of the pass.
 //!    `LightTracer::splat_and_return_share` also sends caustic photons to the pixel that sees them.
 //! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then may
-//!    end the path; the probability is the relative decrease of its throughput.
+//!    end the path. It survives with the ratio of its flux after and before the scattering.
 //! 7. `PhotonMapBuilder::index_photons` calls [`PhotonMap::build`](photon::PhotonMap::build) for
-//!    each photon map that the algorithm reads: the caustic map, the indirect map, the
-//!    interreflection map of `hybrid`, or the map that guides gather rays.
+//!    each photon map that the algorithm reads: the caustic map, the indirect map (Jensen's global
+//!    map), and in `hybrid` the interreflection map.
 //!
 //! # The path of one camera ray
 //!
 //! 1. After the photons are traced, [`Integrator::render_pass`](integrate::Integrator::render_pass)
-//!    calls `render_tiles`. This renders the tiles of the picture in parallel, pixel by pixel. For
+//!    calls `render_tiles`, which renders the tiles of the picture in parallel, pixel by pixel. For
 //!    each sample of a pixel, `FilmSampling::generate_pixel_ray` chooses a film point by the
 //!    reconstruction filter. [`Camera::generate_ray`] makes a ray through it.
 //! 2. `camera_path::trace_camera_path` returns the radiance along this ray. It calls
 //!    [`PathRay::next_vertex`](scene::PathRay::next_vertex) for each vertex of the path.
-//!    `next_vertex` asks `Geometry::intersect` for the nearest surface. This calls
-//!    [`Bvh::closest_hit`](accel::Bvh::closest_hit), whose loop tests the boxes of a
-//!    node by `Boxes8::intersect_boxes`, and the triangles of a leaf.
+//!    `Geometry::intersect` finds the nearest surface by
+//!    [`Bvh::closest_hit`](accel::Bvh::closest_hit). Its loop tests the eight boxes of a node by
+//!    `Boxes8::intersect_boxes`, and the triangles of a leaf.
 //! 3. At casters, for example glass and mirrors
 //!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)), `scatter_at_caster` continues the
 //!    path. Smooth glass splits the path while both branches carry enough light.
 //! 4. At a surface that stores photons, `NextEventEstimator::estimate_direct_light` adds direct
 //!    light, and `PhotonMaps::radiance` adds the estimates from the photon maps
 //!    ([`PhotonMap::estimate_radiance`](photon::PhotonMap::estimate_radiance)). In
-//!    [`Algorithm::Hybrid`], only a few paths of a pixel read the maps, each at the first surface
-//!    on the path that stores photons.
+//!    [`Algorithm::Hybrid`], only a few paths of each pixel read the maps.
 //! 5. `continue_path` samples the next direction and applies Russian roulette.
 //!
 //! In all photon algorithms except `pm`, gather radii shrink from pass to pass. So the mean of the
-//! passes converges to the true radiance.
-
+//! passes of `hybrid` and `sppm` converges to the true radiance. `ppm` keeps the error of its
+//! camera paths, because all passes trace the same ones.
 //!
-//! # Where a new kind goes
+//! # Where to add a light, BSDF, format or shape
 //!
 //! A new light: see the head of `light/mod.rs`. A new BSDF with its material: see the head of
 //! `bsdf/mod.rs`. A new scene format: see `SceneImporter` in `format/import.rs`. A new shape: see

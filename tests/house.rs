@@ -7,7 +7,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Rooms (folders of `src/`) by storey. A room uses only rooms of lower storeys.
+/// Rooms (top-level modules, the folders of `src/`) by storey (dependency layer), lowest first.
+///
+/// A room uses only rooms of lower storeys.
 const STOREYS: [&[&str]; 11] = [
     &["stats"],
     &["math", "sampling", "color", "image"],
@@ -479,8 +481,9 @@ fn source_has_no_todo() {
     assert_at_most(0, "nothing is left for later", &offences);
 }
 
-/// Files that may read the wall clock, which can go backwards: the ages of temporary files, and the
-/// stamps of files. All else measures time by the monotonic clock.
+/// Files that may read the wall clock, for the ages of temporary files and the stamps of files.
+///
+/// The wall clock can go backwards, so all other files use the monotonic clock.
 const WALL_CLOCK: [&str; 3] = ["image/replace.rs", "image/replace/tests.rs", "format/file_stamp.rs"];
 
 #[test]

@@ -6,14 +6,14 @@ use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, Ray, morton_order};
 use rayon::prelude::*;
 
-/// Hierarchy of boxes that finds every box that a ray crosses.
+/// Hierarchy of axis-aligned boxes. Its query finds every box that a ray crosses.
 ///
-/// Rounding never loses a box. A box may be reported although the ray misses it narrowly: by up to
-/// about 2·10⁻⁶ of the distance from the ray's origin. Coordinates must be below 10¹⁸ in magnitude.
+/// Rounding never loses a box. A box may be reported although the ray misses it by up to about
+/// 2·10⁻⁶ of the distance from the ray's origin. Coordinates must be below 10¹⁸ in magnitude.
 ///
 /// Boxes are sorted along a Morton curve, and each node holds eight consecutive boxes or nodes.
-/// This build is several times faster than one by the surface area heuristic. A better tree gains
-/// little, since queries return most of the boxes that they visit.
+/// This build is several times faster than a build by the surface area heuristic. A better tree
+/// would gain little, because most boxes that a query visits are in its result.
 pub struct BoxTree {
     /// Box indices in Morton order.
     sorted_box_indices: Vec<u32>,
@@ -25,20 +25,22 @@ pub struct BoxTree {
 }
 
 /// Largest number of levels of a [`BoxTree`], enough for 8¹⁰ = 2³⁰ boxes.
-const MOST_LEVELS: usize = 10;
+const MAX_LEVELS: usize = 10;
 /// Bits of a stack entry that hold the index of a node in its level; the bits above hold the level.
 const NODE_INDEX_BITS: u32 = 28;
 /// Entries of the traversal stack: each level leaves up to seven nodes on it.
-const MAX_STACK_ENTRIES: usize = (ARITY - 1) * MOST_LEVELS + 1;
+const MAX_STACK_ENTRIES: usize = (ARITY - 1) * MAX_LEVELS + 1;
 
 /// Padding of all boxes of a [`BoxTree`] on each side, relative to the largest coordinate.
 ///
-/// A ray along an axis has infinite reciprocals, which are clamped to the largest f32. The padding
-/// lets such a ray cross a flat box at distances up to 10¹⁹ times the largest coordinate.
+/// A ray along an axis has infinite reciprocals of direction components, which are clamped to the
+/// largest f32. The padding lets such a ray cross a flat box at distances up to 10¹⁹ times the
+/// largest coordinate.
 const RELATIVE_PADDING: f32 = 1.0 / (1u64 << 63) as f32;
 
 impl BoxTree {
-    /// Builds a tree over at most 2³⁰ boxes; empty boxes are left out.
+    /// Builds a tree over at most 2³⁰ boxes. Queries report indices into `boxes`; empty boxes are
+    /// never reported.
     ///
     /// The tree does not depend on the number of threads.
     #[must_use]
@@ -100,7 +102,8 @@ fn boxes8_from_bounds(run: &[Bounds]) -> Boxes8 {
     boxes
 }
 
-/// The box `b` with each side moved outwards by `margin`, and then on to the next f32.
+/// Returns the box `b` with each side moved outwards by `margin`, and then to the next f32
+/// outwards.
 fn padded_box(b: &Bounds, margin: f32) -> Bounds {
     let wider = b.expanded(margin);
     let down = wider.min.to_array().map(f32::next_down);

@@ -1,6 +1,6 @@
-//! Build of a binary hierarchy by the surface area heuristic over binned centroids.
+//! Build of a binary BVH by the surface area heuristic over binned centroids.
 //!
-//! The build also decides which binary nodes become children of one wide node, which has up to
+//! The build also decides which binary nodes become the children of one wide node, which has up to
 //! eight children.
 
 use super::packet::LANES;
@@ -9,12 +9,13 @@ use glam::Vec3A;
 /// Number of child slots of a wide node: a node of the final tree.
 pub(super) const ARITY: usize = 8;
 
-/// Bit of a primitive's code: set for primitives other than triangles.
+/// Bit of a primitive code: set for primitives other than triangles.
 ///
-/// The other bits are the index of the triangle or of the other primitive.
+/// The other bits are the index among the triangles, or among the other primitives.
 pub(super) const OTHER_PRIMITIVE_BIT: u32 = 1 << 31;
 
-/// Depth from which nodes are split at the median instead of by the surface area heuristic.
+/// Depth of the binary tree from which nodes are split at the median instead of by the surface area
+/// heuristic.
 ///
 /// Median splits bound the depth of the tree by [`MAX_DEPTH`].
 const MEDIAN_SPLIT_DEPTH: u32 = 40;
@@ -23,18 +24,18 @@ pub(super) const MAX_DEPTH: u32 = MEDIAN_SPLIT_DEPTH + 31;
 
 /// Largest number of bins, along each axis, for the centroids of primitives.
 const MAX_BINS: usize = 32;
-/// Largest number of primitives of a node whose subtrees are built one after the other; those of
-/// larger nodes are built in parallel.
+/// Largest number of primitives of a node whose two subtrees are built by one thread, one after the
+/// other. Subtrees of larger nodes are built in parallel.
 const MAX_SERIAL_BUILD_PRIMITIVES: usize = 4096;
 
 /// Cost of intersecting a packet of triangles, relative to the cost of visiting a node.
 ///
-/// Half or twice this value makes renders no faster.
+/// The value is tuned: neither half nor twice this value makes renders faster.
 const PACKET_COST: f32 = 0.7;
 /// Cost of intersecting one primitive other than a triangle, relative to visiting a node.
 const OTHER_PRIMITIVE_COST: f32 = 1.0;
 
-/// Primitive during the build: its padded box, and its code.
+/// A primitive during the build: its padded box, and its code.
 ///
 /// The code is a triangle's index, or another primitive's index with the bit
 /// [`OTHER_PRIMITIVE_BIT`] set.
@@ -68,7 +69,7 @@ impl SimdBox {
         e.x * e.y + e.y * e.z + e.z * e.x
     }
 
-    /// Twice the centre of the box.
+    /// Twice the center of the box.
     #[inline]
     fn doubled_center(self) -> Vec3A {
         self.min + self.max
@@ -86,20 +87,19 @@ pub(super) struct BinaryNode {
     pub primitive_count: u32,
     /// Number of primitives in the left subtree; 0 for a single primitive.
     pub left_primitive_count: u32,
-    /// Number of child slots that the left subtree gets, if this node becomes a part of a wide
-    /// node.
+    /// Number of child slots of a wide node that go to the left subtree, by the number of slots
+    /// that this subtree fills.
     ///
-    /// If this subtree fills n slots of the wide node, with n from 2 to [`ARITY`], the left subtree
-    /// gets `left_slots[n]` of them. The right subtree gets the others. This division has the least
-    /// traversal cost. If `left_slots[n]` is 0, the subtree fills only n − 1 slots or fewer, at no
-    /// higher cost.
+    /// If this subtree fills n slots (2 ≤ n ≤ [`ARITY`]), the left subtree gets `left_slots[n]` and
+    /// the right subtree gets the others. This division has the least traversal cost. If
+    /// `left_slots[n]` is 0, fewer than n slots cost less, and the entry of n − 1 applies.
     pub left_slots: [u8; ARITY + 1],
     /// True if all primitives of this node become one leaf.
     pub is_leaf: bool,
 }
 
 impl BinaryNode {
-    /// Placeholder of a node that is not built yet.
+    /// Placeholder for a node that is not built yet.
     pub const VACANT: Self = Self {
         bounds: SimdBox::EMPTY,
         primitive_count: 0,
@@ -148,15 +148,15 @@ struct SubtreeSummary {
 
 /// Builds the binary tree over n `primitives` into `tree`, which must have 2 n − 1 nodes.
 ///
-/// It reorders the primitives so that those of each node are consecutive.
+/// The primitives are reordered, so that those of each node are consecutive.
 pub(super) fn build_tree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode]) {
     if !primitives.is_empty() {
         build_subtree(primitives, tree, 0);
     }
 }
 
-/// Builds the subtree over `primitives`, which are not empty, into `tree`; its root has depth
-/// `depth`.
+/// Builds the subtree over the non-empty slice `primitives` into `tree`. Its root has depth `depth`
+/// in the whole tree.
 fn build_subtree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u32) -> SubtreeSummary {
     let size = primitives.len();
     let Some((root, rest)) = tree.split_first_mut().filter(|_| size > 1) else {
@@ -184,8 +184,8 @@ fn build_subtree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth
 /// Sets box, leaf flag and [`left_slots`](BinaryNode::left_slots) of `root`, whose subtrees are `a`
 /// and `b`.
 ///
-/// Returns the summary of the subtree below `root`. These slot counts minimize the traversal cost
-/// of the tree with eight children per node (after Ylitie, Karras and Laine 2017, section 3.1).
+/// Returns the summary of the subtree of `root`. The slot counts minimize the traversal cost of the
+/// tree with eight children per node (after Ylitie, Karras and Laine 2017, section 3.1).
 fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSummary) -> SubtreeSummary {
     let bounds = a.bounds.union(b.bounds);
     let mut count = a.count;
@@ -219,13 +219,14 @@ fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSumma
     SubtreeSummary { bounds, count, min_cost_by_slots: cost }
 }
 
-/// Reorders the primitives into two non-empty parts and returns the size of the first.
+/// Splits a node: reorders its primitives into two non-empty parts and returns the size of the
+/// first.
 ///
-/// It splits by the surface area heuristic or, from [`MEDIAN_SPLIT_DEPTH`] on, at the median.
+/// The split is by the surface area heuristic or, from [`MEDIAN_SPLIT_DEPTH`] on, at the median.
 fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
     let size = primitives.len();
-    let centers = primitives.iter().fold(SimdBox::EMPTY, |s, f| {
-        s.union(SimdBox { min: f.bounds.doubled_center(), max: f.bounds.doubled_center() })
+    let centers = primitives.iter().fold(SimdBox::EMPTY, |s, primitive| {
+        s.union(SimdBox { min: primitive.bounds.doubled_center(), max: primitive.bounds.doubled_center() })
     });
     let extent = centers.max - centers.min;
     if depth < MEDIAN_SPLIT_DEPTH
@@ -233,7 +234,7 @@ fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
         && let Some((axis, edge)) = best_split_axis_and_bin(primitives, centers)
     {
         let bins = CentroidBinning::new(centers, size);
-        return partition_primitives(primitives, |f| bins.bin_indices(f)[axis] <= edge);
+        return partition_primitives(primitives, |primitive| bins.bin_indices(primitive)[axis] <= edge);
     }
     let axis = extent.max_position();
     let by_center = |a: &BvhPrimitive, b: &BvhPrimitive| {
@@ -245,7 +246,7 @@ fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
     size / 2
 }
 
-/// Map from the centres of primitives to bin numbers along each axis.
+/// Map from the centers of primitives to bin numbers along each axis.
 ///
 /// Coordinates are doubled, as in [`SimdBox::doubled_center`].
 struct CentroidBinning {
@@ -256,34 +257,37 @@ struct CentroidBinning {
 }
 
 impl CentroidBinning {
-    /// Binning for `size` primitives whose doubled centres lie in the box `centers`.
+    /// Binning for `size` primitives whose doubled centers lie in the box `centers`.
     fn new(centers: SimdBox, size: usize) -> Self {
         let bins = MAX_BINS.min(4 + size / 8);
-        // Just below the number of bins, so that the largest centre falls into the last bin.
+        // The factor is just below the number of bins, so that the largest center falls into the
+        // last bin.
         let scale = Vec3A::splat(bins as f32 * 0.999_99) / (centers.max - centers.min);
         Self { origin: centers.min, scale, last_bin: Vec3A::splat((bins - 1) as f32), bin_count: bins }
     }
 
-    /// Bin of primitive `f` along each axis.
+    /// Bin of primitive `primitive` along each axis.
     #[inline]
-    fn bin_indices(&self, f: &BvhPrimitive) -> [usize; 3] {
-        let at = ((f.bounds.doubled_center() - self.origin) * self.scale).min(self.last_bin);
+    fn bin_indices(&self, primitive: &BvhPrimitive) -> [usize; 3] {
+        let at = ((primitive.bounds.doubled_center() - self.origin) * self.scale).min(self.last_bin);
         [at.x as u32 as usize, at.y as u32 as usize, at.z as u32 as usize]
     }
 }
 
-/// Axis of the cheapest split by the surface area heuristic, and the last bin of its lower part.
+/// Returns the axis of the cheapest split by the surface area heuristic, and the last bin of its
+/// lower part.
 ///
-/// `None` if all centres coincide or the costs overflow. `centers` is the box of the doubled
-/// centres.
+/// `None` if all centers coincide or the costs overflow. `centers` is the box of the doubled
+/// centers.
 fn best_split_axis_and_bin(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(usize, usize)> {
     let binning = CentroidBinning::new(centers, primitives.len());
     let mut bins = [[(SimdBox::EMPTY, PrimitiveCounts::default()); MAX_BINS]; 3];
-    for f in primitives {
-        let (at, count) = (binning.bin_indices(f), PrimitiveCounts::from_primitive_code(f.primitive_code));
+    for primitive in primitives {
+        let (at, count) =
+            (binning.bin_indices(primitive), PrimitiveCounts::from_primitive_code(primitive.primitive_code));
         for axis in 0..3 {
             let bin = &mut bins[axis][at[axis].min(MAX_BINS - 1)];
-            bin.0 = bin.0.union(f.bounds);
+            bin.0 = bin.0.union(primitive.bounds);
             bin.1.add(count);
         }
     }

@@ -15,7 +15,7 @@ const PACKET_BIT: u32 = 1 << 30;
 /// Child reference of the root.
 pub(super) const ROOT: u32 = 0;
 
-/// Padding of a primitive's box on each side, relative to the box's longest edge.
+/// Padding of a primitive's box on each side, as a fraction of the box's longest edge.
 ///
 /// Let γ(n) be [`rounding_error_bound`], the relative error of n operations. The triangle test errs
 /// by up to γ(9) of the distance along the ray, plus γ(9) of the triangle's size. The box test errs
@@ -37,7 +37,8 @@ pub(super) struct Boxes8([[f32x8; 2]; 3]);
 #[repr(C, align(64))]
 struct Node8 {
     boxes: Boxes8,
-    /// Child references, which [`PACKET_BIT`] describes.
+    /// Child references: a node index, or a leaf marked by [`PACKET_BIT`] or
+    /// [`OTHER_PRIMITIVE_BIT`].
     children: [u32; ARITY],
 }
 
@@ -50,7 +51,7 @@ pub(super) struct Bvh8 {
 impl Bvh8 {
     /// Builds the hierarchy over triangles, given by corners, and other primitives, given by boxes.
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
-        // Triangles without area are left out. Rounding could produce hits of them, but they have
+        // Triangles without area are left out. Rounding could produce hits on them, but they have
         // no normal.
         let boxes =
             triangles.iter().map(|t| if has_area(t) { Bounds::from_points(*t) } else { Bounds::EMPTY }).zip(0..);
@@ -71,7 +72,7 @@ impl Bvh8 {
         bvh
     }
 
-    /// Appends the node with up to eight children for the binary node `at`, and all nodes below it.
+    /// Appends the wide node for the binary node with index `at`, and all wide nodes below it.
     ///
     /// `start` is the index of the first primitive of the binary node.
     fn append_wide_subtree(&mut self, source: &WideNodeInput, at: usize, start: usize) {
@@ -116,22 +117,22 @@ impl Bvh8 {
         child >= PACKET_BIT
     }
 
-    /// Boxes and child references of the node to which the child reference `node` refers.
+    /// Boxes and child references of the inner node that the child reference `node` names.
     #[inline]
     pub fn node(&self, node: u32) -> (&Boxes8, &[u32; ARITY]) {
         let node = &self.nodes[node as usize];
         (&node.boxes, &node.children)
     }
 
-    /// Packet of triangles to which the child reference `leaf` refers.
+    /// Packet of triangles that the child reference `leaf` names.
     #[inline]
     pub fn packet_of_leaf(&self, leaf: u32) -> &TrianglePacket {
         &self.packets[(leaf ^ PACKET_BIT) as usize]
     }
 }
 
-/// Origin and reciprocal direction of a ray, repeated for slab tests of eight boxes at a time
-/// (SIMD).
+/// Origin and reciprocal direction of a ray, repeated in each SIMD lane for slab tests of eight
+/// boxes at a time.
 ///
 /// The fields are those of [`RayPrecalc`].
 pub(super) struct SlabTestRay {
@@ -220,14 +221,14 @@ impl WideNodeInput<'_> {
 
 /// True if the triangle has an area above zero, computed in f64.
 fn has_area(corners: &[Vec3; 3]) -> bool {
-    // In f64, these differences and products are exact, or they are so different that they cannot
-    // cancel.
+    // In f64, these differences and products are exact, or their magnitudes differ so much that
+    // they cannot cancel.
     let [a, b, c] = corners.map(|v| v.as_dvec3());
     (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// Build primitive for a box and its code; the box is padded by [`RELATIVE_PADDING`] of its longest
-/// edge.
+/// Returns the build primitive for a box and its code. The box is padded by [`RELATIVE_PADDING`] of
+/// its longest edge.
 fn padded_primitive((bounds, primitive_code): (Bounds, u32)) -> BvhPrimitive {
     let margin = Vec3::splat(bounds.extent().max_element() * RELATIVE_PADDING);
     let (min, max) = (bounds.min - margin, bounds.max + margin);

@@ -7,17 +7,18 @@ use wide::f32x8;
 
 /// Largest number of leaves of a [`LeafList`].
 ///
-/// Above about this number, a traversal for each ray is faster than a test of all leaves.
+/// With more leaves than this, a BVH traversal per ray is faster than a test of all leaves.
 const MAX_LEAVES: usize = 6;
 
-/// Capacity of the stack of a search for leaves: nodes that are still to be visited.
+/// Capacity of the stack of nodes to visit, in the search for leaves.
 ///
-/// A box that needs more entries overlaps too many leaves in any case.
+/// A query box that needs more entries overlaps more than [`MAX_LEAVES`] leaves anyway.
 const MAX_STACK_ENTRIES: usize = 4 * ARITY;
 
 /// The leaves of a [`Bvh`](super::Bvh) whose boxes overlap one query box.
 ///
-/// A ray inside the query box hits no primitive of other leaves.
+/// A ray segment inside the query box can hit only primitives of these leaves. So many short rays
+/// can skip the traversal of the hierarchy.
 #[derive(Clone, Copy, Debug)]
 pub struct LeafList {
     /// Child references of the leaves; only the first `count` are valid.
@@ -26,9 +27,9 @@ pub struct LeafList {
 }
 
 impl LeafList {
-    /// Leaves of `bvh` whose boxes overlap `bounds`.
+    /// Finds the leaves of `bvh` whose boxes overlap `bounds`.
     ///
-    /// `None` if there are more than [`MAX_LEAVES`], or if the search for them needs more than
+    /// Returns `None` if there are more than [`MAX_LEAVES`], or if the search needs more than
     /// [`MAX_STACK_ENTRIES`].
     pub(super) fn new(bvh: &Bvh8, bounds: &Bounds) -> Option<Self> {
         let mut list = Self { leaves: [0; MAX_LEAVES], count: 0 };
@@ -61,9 +62,10 @@ impl LeafList {
         self.count == 0
     }
 
-    /// Index of the only primitive near the query box, if it is not a triangle.
+    /// Index of the only primitive whose leaf overlaps the query box, if this primitive is not a
+    /// triangle.
     ///
-    /// `None` if the list does not consist of one leaf, or if that leaf holds triangles.
+    /// Returns `None` if the list does not consist of one leaf, or if its leaf holds triangles.
     #[must_use]
     pub fn single_other_primitive(&self) -> Option<u32> {
         match self.leaves() {
@@ -72,21 +74,21 @@ impl LeafList {
         }
     }
 
-    /// References to the leaves of this list, as nodes store them for their children.
+    /// Child references of the leaves in this list.
     #[inline]
     pub(super) fn leaves(&self) -> &[u32] {
         &self.leaves[..self.count]
     }
 }
 
-/// A box, prepared for overlap tests with eight boxes at a time (SIMD).
+/// A box, repeated in each SIMD lane for overlap tests with eight boxes at a time.
 struct OverlapTest {
     min: [f32x8; 3],
     max: [f32x8; 3],
 }
 
 impl OverlapTest {
-    /// Repeats `bounds` for eight boxes.
+    /// Repeats `bounds` in each SIMD lane.
     fn new(bounds: &Bounds) -> Self {
         Self { min: bounds.min.to_array().map(f32x8::splat), max: bounds.max.to_array().map(f32x8::splat) }
     }

@@ -5,7 +5,7 @@
 //!
 //! A leaf is a packet of up to eight triangles, or one other primitive. The hit of a triangle
 //! depends only on the ray and on its corners, and box tests never lose a hit. So the shape of the
-//! tree affects the order in which hits are found, but not the hits.
+//! tree affects only the order in which hits are found, not the hits themselves.
 
 mod box_tree;
 mod build;
@@ -69,12 +69,12 @@ pub struct ShapeHit {
 
 /// Bounding volume hierarchy over triangles and other primitives.
 ///
-/// It intersects triangles itself. For each other primitive it stores a box, and the caller
-/// intersects the primitive in a closure.
+/// The hierarchy intersects triangles itself. For each other primitive, it stores a box, and a
+/// closure of the caller intersects the primitive.
 ///
 /// The triangle test is watertight: a ray cannot pass between two triangles that share an edge or a
 /// corner. This holds at any scale and distance (Woop, Benthin and Wald 2013), since boxes are
-/// padded by the rounding errors of the test. Coordinates must be finite and below 10¹⁸ in
+/// padded to cover the rounding errors of the test. Coordinates must be finite and below 10¹⁸ in
 /// magnitude. Memory is about 72 bytes per triangle of a mesh, and 180 more during the build.
 pub struct Bvh {
     bvh: Bvh8,
@@ -84,10 +84,10 @@ pub struct Bvh {
 impl Bvh {
     /// Builds a hierarchy over `triangles`, given by their corners, and `others`, given by boxes.
     ///
-    /// Each box encloses one primitive that the caller's closures intersect. A hit of this
-    /// primitive must lie in the box, or outside by at most 10⁻⁶ of the box's size. There may be at
-    /// most 2³⁰ triangles and 2³⁰ boxes. Corners must be finite. Triangles without area and empty
-    /// boxes are never hit.
+    /// Each box of `others` encloses one primitive that the caller's closures intersect. A hit on
+    /// this primitive must lie in the box, or outside by at most 10⁻⁶ of the box's size. There may
+    /// be at most 2³⁰ triangles and 2³⁰ boxes. Corners must be finite. Triangles without area and
+    /// empty boxes are never hit.
     #[must_use]
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         let bounds = Bounds::from_points(triangles.iter().flatten().copied());
@@ -101,9 +101,10 @@ impl Bvh {
         self.bounds
     }
 
-    /// Nearest hit of `ray` with a ray parameter in (0, `ray.t_max`); `None` if there is none.
+    /// Returns the nearest hit of `ray` with a ray parameter in (0, `ray.t_max`); `None` if there
+    /// is none.
     ///
-    /// Among hits of equal t, triangles win against other primitives, then the lowest index wins.
+    /// Among hits of equal t, triangles win over other primitives, then the lowest index wins.
     ///
     /// `other(i, r)` intersects `r` with the primitive in box `i`, where `r` is `ray` cut off at
     /// the nearest hit so far.
@@ -137,8 +138,8 @@ impl Bvh {
         best.to_primitive_hit(ray, &precalc)
     }
 
-    /// Nearest hit of a ray that stays in the box for which
-    /// [`Bvh::leaves_overlapping_bounds`] found `leaves`.
+    /// Returns the nearest hit of a ray segment inside the box for which
+    /// [`Bvh::leaves_overlapping_bounds`] returned `leaves`.
     ///
     /// The other arguments and the result are as in [`Bvh::closest_hit`].
     #[inline]
@@ -157,9 +158,9 @@ impl Bvh {
         best.to_primitive_hit(ray, &precalc)
     }
 
-    /// Leaves whose boxes overlap `bounds`, for [`Bvh::closest_hit_in_leaves`].
+    /// Returns the leaves whose boxes overlap `bounds`, for [`Bvh::closest_hit_in_leaves`].
     ///
-    /// `None` if there are so many that [`Bvh::closest_hit`] is faster.
+    /// Returns `None` if there are so many leaves that [`Bvh::closest_hit`] is faster.
     #[must_use]
     pub fn leaves_overlapping_bounds(&self, bounds: &Bounds) -> Option<LeafList> {
         LeafList::new(&self.bvh, bounds)
@@ -217,8 +218,10 @@ impl Bvh {
         blocked.is_break()
     }
 
-    /// Calls `visit` with the child reference of each leaf whose box the ray enters below its
-    /// `t_max`, in no particular order. Ends when `visit` returns [`ControlFlow::Break`].
+    /// Calls `visit` with the child reference of each leaf whose box the ray enters before its
+    /// `t_max`, in no particular order.
+    ///
+    /// The traversal ends early if `visit` returns [`ControlFlow::Break`].
     #[inline]
     fn visit_leaves(&self, precalc: &RayPrecalc, mut visit: impl FnMut(u32) -> ControlFlow<()>) -> ControlFlow<()> {
         let slabs = SlabTestRay::new(precalc);
@@ -242,7 +245,7 @@ impl Bvh {
 
 /// Nearest hit that a traversal has found so far, and the code of its primitive.
 ///
-/// Among hits of equal t, the one with the lowest code is kept; [`OTHER_PRIMITIVE_BIT`] describes
+/// Among hits of equal t, the hit with the lowest code is kept; see [`OTHER_PRIMITIVE_BIT`] for
 /// codes. The ray parameter t refers to the scaled direction of [`RayPrecalc`].
 struct NearestHit {
     primitive_code: u32,
@@ -250,7 +253,8 @@ struct NearestHit {
 }
 
 impl NearestHit {
-    /// Start of a traversal: t is `t_max` and the code is 0, so no hit at `t_max` replaces it.
+    /// State at the start of a traversal. t is `t_max` and the code is 0, so a hit at `t_max` does
+    /// not replace it.
     #[inline]
     fn before_any_hit(precalc: &RayPrecalc) -> Self {
         Self { primitive_code: 0, hit: LeafHit { t: precalc.t_max, unnormalized_weights: [0.0; 2], weight_sum: 1.0 } }
@@ -271,7 +275,7 @@ impl NearestHit {
         if leaf & OTHER_PRIMITIVE_BIT == 0 {
             bvh.packet_of_leaf(leaf).for_each_line_hit(precalc, |triangle, hit| self.keep_nearer_hit(triangle, hit));
         } else {
-            // `t_max` is exclusive, but this primitive wins ties against a higher code.
+            // `t_max` is exclusive, but this primitive wins a tie with a kept hit of higher code.
             let t_max = if leaf < self.primitive_code { self.hit.t.next_up() } else { self.hit.t };
             let shrunk = Ray { t_max: t_max * precalc.direction_scale, ..*ray };
             if let Some(hit) = other(leaf ^ OTHER_PRIMITIVE_BIT, &shrunk) {
@@ -280,8 +284,8 @@ impl NearestHit {
         }
     }
 
-    /// Replaces the kept hit by `hit` if t > 0 and `hit` is nearer, or equally near with a lower
-    /// code.
+    /// Replaces the kept hit by `hit` if `hit.t` > 0 and `hit` is nearer, or equally near with a
+    /// lower code.
     #[inline]
     fn keep_nearer_hit(&mut self, primitive_code: u32, hit: LeafHit) {
         let (t, least) = (hit.t, self.hit.t);

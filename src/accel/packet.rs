@@ -8,7 +8,7 @@ use wide::f32x8;
 /// Number of triangles in a packet: one in each SIMD lane.
 pub(super) const LANES: usize = 8;
 
-/// Up to [`LANES`] triangles, which a ray tests together by SIMD instructions.
+/// Up to [`LANES`] triangles, which are tested against a ray together by SIMD instructions.
 ///
 /// Unused lanes hold NaN, which fails every comparison.
 #[repr(C)]
@@ -19,22 +19,22 @@ pub(super) struct TrianglePacket {
     indices: [u32; LANES],
 }
 
-/// Hit of a triangle or of another primitive, before the division that gives barycentric weights.
+/// Hit on a triangle or on another primitive, with barycentric weights that are not normalized yet.
 #[derive(Clone, Copy)]
 pub(super) struct LeafHit {
     /// Ray parameter t for the scaled direction of [`RayPrecalc`]; it may have any sign.
     pub t: f32,
     /// Barycentric weights of the second and third corner, times `weight_sum`.
     ///
-    /// For a primitive other than a triangle, the shape coordinates of the hit that the caller's
-    /// closure returned. The division by `weight_sum` is postponed, since few hits are used.
+    /// For a primitive other than a triangle: the shape coordinates that the caller's closure
+    /// returned. The division by `weight_sum` is postponed, because most hits are discarded.
     pub unnormalized_weights: [f64; 2],
     /// Sum of the weights of all three corners; 1 for a primitive other than a triangle.
     pub weight_sum: f64,
 }
 
 impl LeafHit {
-    /// Hit of a primitive other than a triangle, from the hit that the caller's closure returned.
+    /// Converts a hit on a primitive other than a triangle, which the caller's closure returned.
     #[inline]
     pub fn of_other_primitive(ShapeHit { t, shape_coords: uv }: ShapeHit, precalc: &RayPrecalc) -> Self {
         Self {
@@ -56,7 +56,8 @@ impl LeafHit {
 }
 
 impl TrianglePacket {
-    /// Packet of at most [`LANES`] triangles, which have the indices `members`.
+    /// Packet of at most [`LANES`] triangles: the elements of `triangles` with the indices
+    /// `members`.
     pub fn new(triangles: &[[Vec3; 3]], members: &[u32]) -> Self {
         let coordinate = |axis: usize, corner: usize| {
             let mut lanes = [f32::NAN; LANES];
@@ -70,7 +71,8 @@ impl TrianglePacket {
         Self { corners: std::array::from_fn(|a| std::array::from_fn(|c| coordinate(a, c))), indices }
     }
 
-    /// Calls `found` with the index and the hit of each triangle on the line of the ray.
+    /// Calls `found` with the index and the hit of each triangle that the infinite line of the ray
+    /// meets.
     ///
     /// The ray parameter of a hit may be negative or beyond `t_max`.
     #[inline]
@@ -85,12 +87,13 @@ impl TrianglePacket {
         }
     }
 
-    /// Bit mask of the lanes whose triangle the line of the ray may hit, by a test in f32.
+    /// Bit mask of the lanes whose triangle the infinite line of the ray may hit, by a conservative
+    /// test in f32.
     ///
-    /// The mask contains all hits, and near misses whose edge functions round to zero. An edge
-    /// function tells on which side of an edge the line passes. A lane is left out if two edge
-    /// functions have opposite signs. Without fused operations, rounding may lose the sign of an
-    /// edge function, but never reverses it.
+    /// The mask contains all hits, and near misses whose edge functions round to zero. The sign of
+    /// an edge function tells on which side of an edge the line passes. A lane is left out if two
+    /// edge functions have opposite signs. Without fused operations, rounding may lose the sign of
+    /// an edge function, but never reverses it.
     #[inline]
     pub fn candidate_lanes(&self, precalc: &RayPrecalc) -> u32 {
         let [ax, ay, az] = precalc.axis_permutation;
@@ -110,7 +113,7 @@ impl TrianglePacket {
         (low.simd_ge(f32x8::ZERO) | high.simd_le(f32x8::ZERO)).to_bitmask()
     }
 
-    /// Hit of the triangle in `lane` with the line of the ray; t may have any sign.
+    /// Hit on the triangle in `lane` by the infinite line of the ray; t may have any sign.
     ///
     /// The corners are sheared in f32 so that the ray becomes the z axis, exactly as in
     /// [`candidate_lanes`](Self::candidate_lanes). Products of these coordinates are exact in f64,

@@ -3,12 +3,12 @@
 use crate::math::Ray;
 use glam::{Vec3, Vec3A};
 
-/// Constants of one ray, which box tests and triangle tests use.
+/// Constants of one ray that box tests and triangle tests use.
 ///
-/// The ray's direction is multiplied by a power of two, which keeps its digits. The component of
-/// largest magnitude becomes at least 1 and less than 2. It becomes less than 4 if it is near the
-/// largest f32, and less than 1 if it is subnormal. Reciprocals and products then stay in the range
-/// of f32. In these tests, ray parameters refer to the scaled direction.
+/// The direction is scaled by a power of two, without rounding, so that its component of largest
+/// magnitude is in \[1, 2). Near the largest f32, it may be up to 4; if it is subnormal, below 1.
+/// Reciprocals and products then stay in the range of f32. In these tests, ray parameters refer to
+/// the scaled direction.
 pub(super) struct RayPrecalc {
     /// Origin of the ray, in the caller's space.
     pub origin: [f32; 3],
@@ -17,10 +17,10 @@ pub(super) struct RayPrecalc {
     /// For each axis, the box plane that the ray crosses first: 0 for the lower one, 1 for the
     /// upper one.
     ///
-    /// It is 1 if the direction's component is negative or a negative zero.
+    /// The side is 1 if the direction's component is negative or a negative zero.
     pub near_sides: [usize; 3],
-    /// Permutation of the axes 0, 1, 2. Along the last axis, the direction's component has the
-    /// largest magnitude.
+    /// Permutation of the axes 0, 1, 2. Its last axis is the axis of the direction's largest
+    /// component in magnitude.
     pub axis_permutation: [usize; 3],
     /// Direction components along `axis_permutation[0]` and `axis_permutation[1]`, divided by the
     /// component along `axis_permutation[2]`.

@@ -1,18 +1,18 @@
-//! Stack of a traversal of the hierarchy.
+//! Stack of nodes and leaves to visit in a BVH traversal.
 
 use super::build::{ARITY, MAX_DEPTH};
 use super::bvh8::EXIT_FACTOR;
 use arrayvec::ArrayVec;
 use wide::f32x8;
 
-/// Largest number of entries: in the deepest tree, all children except one on each level, and all
-/// children of one more node while they are sorted.
+/// Largest number of entries, reached in the deepest tree. Each level leaves all children except
+/// one, and one more node pushes all its children while they are sorted.
 const MAX_ENTRIES: usize = (ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY;
 
-/// Children of nodes that a ray enters and that a traversal has still to visit.
+/// Nodes and leaves that a ray enters and that a traversal has still to visit.
 ///
-/// An entry holds the ray parameter at which the ray enters a child, above the child reference. The
-/// parameter is not negative, so entries sort as integers.
+/// The upper 32 bits of an entry are the ray parameter (f32) at which the ray enters the child, the
+/// lower 32 bits the child reference. The parameter is not negative, so entries sort as integers.
 pub(super) struct TraversalStack(ArrayVec<u64, MAX_ENTRIES>);
 
 impl TraversalStack {
@@ -22,11 +22,10 @@ impl TraversalStack {
         Self(ArrayVec::new_const())
     }
 
-    /// Returns the child to visit next of those in the bit mask `hits`, and pushes the others.
-    /// `hits` must not be 0.
+    /// Returns one child of the bit mask `hits` to visit next, and pushes the others.
     ///
     /// `near` holds the ray parameter at which the ray enters each child. If `SORTED`, children are
-    /// visited from near to far.
+    /// visited from near to far. `hits` must not be 0.
     #[inline(always)]
     pub fn push_all_but_next<const SORTED: bool>(
         &mut self,
@@ -65,10 +64,10 @@ impl TraversalStack {
         entries.pop().map_or(0, |nearest| nearest as u32)
     }
 
-    /// Pops entries until a child is found that the ray enters at a ray parameter up to `limit`.
+    /// Pops entries up to the first child that the ray enters at a ray parameter of at most
+    /// `limit`, and returns its child reference.
     ///
-    /// Returns the reference of this child; `None` if no such child is left. The comparison has a
-    /// margin for rounding errors.
+    /// Returns `None` if no such child is left. The comparison has a margin for rounding errors.
     #[inline(always)]
     pub fn pop(&mut self, limit: f32) -> Option<u32> {
         loop {

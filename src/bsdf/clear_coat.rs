@@ -16,7 +16,7 @@ const CLEAR_COAT_INDEX: f32 = 1.5;
 /// Parameters of 16 bits keep [`Bsdf`] small.
 const QUANTIZATION_STEPS: f32 = 65_535.0;
 
-/// A clear coat of index 1.5: how much of the surface it covers, and its roughness.
+/// A clear coat of refractive index 1.5, given by its coverage of the surface and its roughness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClearCoat {
     /// Fraction of the surface that the coat covers, in steps of 1/[`QUANTIZATION_STEPS`].
@@ -31,8 +31,9 @@ pub struct ClearCoat {
 /// The BRDF of the surface is multiplied by 1 − max(c(wo), c(wi)). c is the fraction of light that
 /// the coat reflects: its coverage times its albedo. The product is reciprocal. The factor is at
 /// most 1 − c(wo), so coat and surface together gain no light beyond the error of tabulated
-/// albedos. Under a smooth coat, a lossless mirror loses no light. A white diffuse surface loses
-/// 5 % of the light along the normal, since light that would leave at grazing angles is weakened.
+/// albedos. Under a smooth coat, a lossless mirror loses no light. A white diffuse surface loses 5
+/// % of the light that arrives along the normal, because the factor weakens light that leaves at
+/// grazing angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClearCoated {
     base: CoatableBsdf,
@@ -42,7 +43,7 @@ pub struct ClearCoated {
     inverse_selection_probability: f32,
 }
 
-/// A BSDF that can be under a clear coat.
+/// A BSDF of a kind that can be under a clear coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CoatableBsdf {
     Diffuse(Rgb),
@@ -87,14 +88,14 @@ impl ClearCoat {
         self.coverage() * coat_albedo(w.dot(n).abs(), CLEAR_COAT_INDEX, self.alpha())
     }
 
-    /// The coat as a BSDF, divided by `probability`.
+    /// The BSDF of the coat alone, divided by the coat's selection probability `probability`.
     fn bsdf_divided_by_probability(&self, probability: f32) -> DielectricCoat {
         DielectricCoat::new(CLEAR_COAT_INDEX, self.alpha(), self.coverage() / probability)
     }
 }
 
 impl CoatableBsdf {
-    /// The BSDF without the clear coat.
+    /// Converts to the general [`Bsdf`], without a clear coat.
     fn to_bsdf(self) -> Bsdf {
         match self {
             Self::Diffuse(reflectance) => Bsdf::Diffuse(reflectance),
@@ -165,8 +166,8 @@ impl ClearCoated {
         (1.0 - self.coat.albedo(wo, n).max(self.coat.albedo(wi, n))) * self.inverse_selection_probability
     }
 
-    /// Selects the coat, or the surface or one of its layers, by `u` in \[0, 1); see
-    /// [`Bsdf::select_layer`].
+    /// Returns the clear coat, or the surface, or one layer of a coated surface, chosen at random
+    /// by `u` in \[0, 1); see [`Bsdf::select_layer`].
     pub(super) fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Bsdf {
         let coat_probability = self.coat.albedo(wo, ns);
         let base_probability = 1.0 - coat_probability;

@@ -14,7 +14,7 @@ pub const MAX_COAT_INDEX: f32 = 4.0;
 /// Number of tabulated indices, evenly spaced in the square root of (η − 1)/(η + 1).
 const ETA_COUNT: usize = 21;
 
-/// Largest tabulated Fresnel amplitude at normal incidence, (η − 1)/(η + 1), which belongs to η =
+/// Fresnel amplitude (η − 1)/(η + 1) at normal incidence of the last tabulated index, η =
 /// [`MAX_COAT_INDEX`].
 const MAX_NORMAL_FRESNEL_AMPLITUDE: f32 = 0.6;
 
@@ -24,15 +24,16 @@ const ALPHA_COUNT: usize = 16;
 /// Number of tabulated cosines of incidence from 0 to 1, evenly spaced in √cosθ.
 const COSINE_COUNT: usize = 32;
 
-/// Number of points and generator of a Fibonacci lattice, which selects visible microfacets.
+/// Number of points, and generator, of the Fibonacci lattice over \[0, 1)² that samples visible
+/// microfacets.
 ///
 /// The albedo at each node of the table is a mean over these microfacets.
 pub(super) const FACET_LATTICE: (usize, usize) = (610, 377);
 
-/// Cosine at which the table's node for the horizon is computed; a cosine of 0 would lead to 0/0.
+/// Cosine that replaces 0 in the computation of the table, because 0 would lead to 0/0.
 const HORIZON_COSINE: f64 = 1e-4;
 
-/// Albedos at the nodes of all tabulated parameters, and their means over the hemisphere.
+/// Lookup table of coat albedos, by refractive index, roughness and cosine of incidence.
 struct CoatAlbedoTable {
     /// Albedo by index, α and cosine.
     directional: Vec<[[f32; COSINE_COUNT]; ALPHA_COUNT]>,
@@ -43,8 +44,9 @@ struct CoatAlbedoTable {
 /// Returns the fraction of light at the cosine of incidence `cos` that a coat reflects.
 ///
 /// `eta` in \[1, 4] is the refractive index relative to the surroundings, `alpha` in \[0, 1] the
-/// GGX roughness. A smooth coat has its Fresnel reflectance. The error of a rough coat is at most
-/// 0.015, at grazing angles; elsewhere it is below 0.001.
+/// GGX roughness. For a smooth coat, the result is the Fresnel reflectance. For a rough coat, it is
+/// interpolated in a table. Its error is at most 0.015 at grazing angles, and below 0.001
+/// elsewhere.
 #[inline]
 pub(super) fn coat_albedo(cos: f32, eta: f32, alpha: f32) -> f32 {
     if alpha == 0.0 {
@@ -79,7 +81,7 @@ pub(super) fn mean_fresnel_reflectance(eta: f64) -> f64 {
         + 8.0 * n4 * (n4 + 1.0) / (plus * rest * rest) * libm::log(n)
 }
 
-/// Returns the table, which is computed at the first call.
+/// Returns the table of coat albedos. The first call computes it.
 fn coat_albedo_table() -> &'static CoatAlbedoTable {
     static TABLE: OnceLock<CoatAlbedoTable> = OnceLock::new();
     TABLE.get_or_init(|| {
@@ -138,17 +140,17 @@ fn cosine_weighted_mean(values: &[f32; COSINE_COUNT]) -> f32 {
     (0..COSINE_COUNT - 1).map(segment).sum::<f64>() as f32
 }
 
-/// Returns the number of the table node at or below the refractive index `eta`.
-///
-/// Also returns the position of `eta` between this node and the next one, in \[0, 1].
+/// Returns the table node at or below the refractive index `eta`, and the position of `eta` between
+/// it and the next node, in \[0, 1].
 #[inline]
 fn eta_node_and_fraction(eta: f32) -> (usize, f32) {
     node_and_fraction(((eta - 1.0) / (eta + 1.0) / MAX_NORMAL_FRESNEL_AMPLITUDE).max(0.0).sqrt(), ETA_COUNT)
 }
 
-/// Returns the number of the node at or below `x`, if `nodes` nodes are evenly spaced in \[0, 1].
+/// Returns the node at or below `x`, and the position of `x` between it and the next node, in
+/// \[0, 1].
 ///
-/// Also returns the position of `x` between this node and the next one, in \[0, 1].
+/// The `nodes` nodes are evenly spaced in \[0, 1] and numbered from 0.
 #[inline]
 fn node_and_fraction(x: f32, nodes: usize) -> (usize, f32) {
     let position = x.clamp(0.0, 1.0) * (nodes - 1) as f32;
@@ -156,7 +158,8 @@ fn node_and_fraction(x: f32, nodes: usize) -> (usize, f32) {
     (node, position - node as f32)
 }
 
-/// Interpolates `value` linearly between `node` and the next node, at `fraction` in \[0, 1].
+/// Interpolates `value`, a function of the node number, linearly between `node` and `node` + 1 at
+/// `fraction` in \[0, 1].
 #[inline]
 fn interpolate((node, fraction): (usize, f32), value: impl Fn(usize) -> f32) -> f32 {
     value(node) * (1.0 - fraction) + value(node + 1) * fraction

@@ -41,10 +41,12 @@ pub struct DielectricCoat {
 pub struct CoatedDiffuse {
     /// Factor ρ / (η² (1 − ρF)) of the base's BRDF.
     ///
-    /// It is divided by p if [`Bsdf::select_layer`] chose the base with probability p.
+    /// The factor is divided by p if [`Bsdf::select_layer`] chose the base with probability p.
     base_brdf_factor: Rgb,
-    /// Fraction of the light below the coat's interface that the base sends back out, as the mean
-    /// of the channels. Like `base_brdf_factor`, it is divided by p.
+    /// Fraction of the light inside the coat that leaves it after reflection on the base, averaged
+    /// over the color channels.
+    ///
+    /// Like `base_brdf_factor`, it is divided by p.
     entered_light_albedo: f32,
     /// Refractive index of the coat relative to the surroundings.
     eta: f32,
@@ -99,7 +101,7 @@ impl DielectricCoat {
         ggx.scattered_direction_pdf(&ggx.reflecting_facet(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
     }
 
-    /// Samples the direction of reflection by `u` in \[0, 1)².
+    /// Samples the direction of reflection on the coat, from random numbers `u` in \[0, 1)².
     ///
     /// `n` is the shading normal on the side of `wo`, and `ng` the geometric normal. Returns `None`
     /// if the reflected direction points into the surface.
@@ -133,12 +135,12 @@ impl CoatedDiffuse {
     /// \[1, 4] and its roughness `alpha` in \[0, 1].
     ///
     /// If `nonlinear` is false, the factor 1 − ρF of [`CoatedDiffuse`] becomes 1 − F, as for a
-    /// white base (compare Mitsuba's `plastic`). Light between coat and base then does not make
-    /// colours deeper, and the BSDF is proportional to ρ.
+    /// white base (compare Mitsuba's `plastic`). Interreflection between coat and base then does
+    /// not make colors more saturated, and the BSDF is proportional to ρ.
     fn new(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
         let alpha = if alpha < MIN_ROUGH_ALPHA || eta < MIN_ROUGH_COAT_INDEX { 0.0 } else { alpha };
-        // Interfaces are reciprocal: the transmittance from inside is that from outside, divided by
-        // η².
+        // Reciprocity: the transmittance from inside equals the transmittance from outside, divided
+        // by η².
         let mean_transmittance = 1.0 - mean_coat_albedo(eta, alpha);
         let leaving = mean_transmittance / (eta * eta);
         // 1 − ρF is computed as 1 − ρ + ρ·`leaving`, where `leaving` = 1 − F. This sum does not
@@ -177,15 +179,15 @@ impl CoatedDiffuse {
         1.0 - coat_albedo(w.dot(n).abs(), self.eta, self.alpha)
     }
 
-    /// Returns the albedo of the coat, then that of the base under the coat, for light from `wo`.
+    /// Returns (albedo of the coat, albedo of the base under the coat) for light from `wo`.
     #[inline]
     fn layer_albedos(&self, wo: Vec3, n: Vec3) -> (f32, f32) {
         let transmittance = self.transmittance(wo, n);
         (1.0 - transmittance, transmittance * self.entered_light_albedo)
     }
 
-    /// Selects base or coat by `u` in \[0, 1), with probabilities in proportion to their albedos
-    /// for `wo`; see [`Bsdf::select_layer`].
+    /// Returns the base or the coat, chosen at random by `u` in \[0, 1) with probabilities
+    /// proportional to their albedos for `wo`; see [`Bsdf::select_layer`].
     pub(super) fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Bsdf {
         if self.includes_coat() {
             return Bsdf::CoatedDiffuse(self);
@@ -213,9 +215,8 @@ impl CoatedDiffuse {
         if self.includes_coat() { base + self.coat_divided_by_probability(1.0).evaluate(wo, wi, n) } else { base }
     }
 
-    /// Probability with which [`CoatedDiffuse::sample`] samples the coat instead of the base.
-    ///
-    /// It is 0 if this BSDF does not include the coat.
+    /// Probability with which [`CoatedDiffuse::sample`] samples the coat instead of the base; 0 if
+    /// this BSDF does not include the coat.
     #[inline]
     fn coat_probability(&self, wo: Vec3, n: Vec3) -> f32 {
         if !self.includes_coat() {
@@ -264,8 +265,8 @@ impl Bsdf {
     /// Creates a diffuse surface of `reflectance` in \[0, 1] under a dielectric coat.
     ///
     /// `eta` in \[1, 4] is the coat's index relative to the surroundings, `alpha` in \[0, 1] its
-    /// GGX roughness. If `nonlinear` is true, interreflection between coat and base deepens
-    /// colours. The BSDF is Lambertian if `eta` is so near to 1 that the coat has no effect.
+    /// GGX roughness. If `nonlinear` is true, interreflection between coat and base makes colors
+    /// more saturated. The BSDF is Lambertian if `eta` is so near to 1 that the coat has no effect.
     #[must_use]
     pub fn coated_diffuse(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
         if eta < MIN_COAT_INDEX {

@@ -11,18 +11,18 @@ use super::{
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
-/// Cosine of incidence whose Fresnel reflectance stands for the mean over all microfacets that
-/// reflect light, if there are several.
+/// Cosine of incidence at which the Fresnel reflectance of repeated reflections is evaluated.
 ///
-/// It is the mean cosine of diffuse light.
+/// The value is the mean cosine of diffuse light, as a stand-in for the mean over all microfacets
+/// that light meets.
 const MEAN_COSINE: f32 = 2.0 / 3.0;
 
-/// Greatest reflectance at normal incidence that gives a refractive index. A reflectance of 1 would
-/// need an infinite k.
+/// Largest reflectance at normal incidence that [`conductor_index_of_reflectance`] converts. A
+/// reflectance of 1 would need an infinite k.
 const MAX_NORMAL_REFLECTANCE: f32 = 0.9999;
 
-/// Returns η and k of a metal with the given `reflectance` in \[0, 1] at normal incidence, by color
-/// channel.
+/// Returns a refractive index η + ik that gives a metal this `reflectance` in \[0, 1] at normal
+/// incidence, as the pair (η, k) by color channel.
 ///
 /// η is 1, so the reflectance is k²/(4 + k²). A reflectance above 0.9999 counts as 0.9999.
 #[must_use]
@@ -91,8 +91,8 @@ impl Conductor {
         conductor_reflectance(cos as f32, self.eta, self.k)
     }
 
-    /// Light that scatters between microfacets, for `wo` of cosine `cos_o`; `None` if such light is
-    /// lost.
+    /// Returns the BRDF of light that is reflected at several microfacets, for `wo` of cosine
+    /// `cos_o`. Returns `None` if the metal has only single scattering.
     #[inline]
     fn multiple_scattering(&self, cos_o: f64) -> Option<MultipleConductorScattering> {
         match self.scattering {
@@ -157,8 +157,8 @@ impl Conductor {
 
     /// Samples the direction of reflection of a rough metal; `None` if it points into the surface.
     ///
-    /// `lobe` in \[0, 1) chooses between one reflection and several. One reflection is at a
-    /// microfacet that `u` in \[0, 1)² selects among those visible from `wo`. `n` is the shading
+    /// `lobe` in \[0, 1) chooses single or multiple reflection. `u` in \[0, 1)² selects a
+    /// microfacet visible from `wo`, or the direction after multiple reflection. `n` is the shading
     /// normal on the side of `wo`.
     #[inline]
     pub(super) fn sample_rough(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {

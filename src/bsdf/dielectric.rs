@@ -20,12 +20,12 @@ pub struct DielectricSplit {
     pub transmitted: (Vec3, f32),
     /// Number by which the throughput of a refracted path is divided.
     ///
-    /// It is (n_far/n_near)² for radiance and 1 for flux. The refractive index is n_near on the
-    /// side of `wo`, and n_far on the other side.
+    /// The number is (n_far/n_near)² for radiance and 1 for flux. The refractive index is n_near on
+    /// the side of `wo`, and n_far on the other side.
     pub transmitted_radiance_divisor: f32,
-    /// True if the geometric normal determined the direction instead of the shading normal.
+    /// True if the direction was computed with the geometric normal instead of the shading normal.
     ///
-    /// The first flag is for the reflected direction, the second for the refracted one. See
+    /// The first flag is for the reflected direction, the second for the refracted direction. See
     /// [`BsdfSample::uses_geometric_normal`].
     pub uses_geometric_normal: [bool; 2],
 }

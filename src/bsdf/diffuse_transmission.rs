@@ -35,8 +35,11 @@ impl DiffuseTransmission {
         FRAC_1_PI * if crosses { self.transmittance } else { self.reflectance }
     }
 
-    /// Probability with which [`DiffuseTransmission::sample`] reflects light. It is in proportion
-    /// to the means of reflectance and transmittance over the channels; 0 if the sheet is black.
+    /// Probability with which [`DiffuseTransmission::sample`] reflects light instead of
+    /// transmitting it.
+    ///
+    /// The probability is r/(r + t), where r and t are the means of reflectance and transmittance
+    /// over the color channels; 0 if r is 0.
     #[inline]
     fn reflection_probability(&self) -> f32 {
         let (r, t) = (color::channel_mean(self.reflectance), color::channel_mean(self.transmittance));
@@ -46,7 +49,7 @@ impl DiffuseTransmission {
     /// Solid-angle pdf \[1/sr] with which [`DiffuseTransmission::sample`] samples a direction at
     /// the cosine `cos` ≥ 0 to the shading normal.
     ///
-    /// `crosses` is true if the direction is on the other side than `wo`.
+    /// `crosses` is true if the direction and `wo` are on different sides.
     #[inline]
     pub(super) fn pdf(&self, cos: f32, crosses: bool) -> f32 {
         let reflects = self.reflection_probability();

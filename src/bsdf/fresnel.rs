@@ -1,13 +1,14 @@
-//! Fresnel's equations and Snell's law, for unpolarised light.
+//! Fresnel's equations and Snell's law, for unpolarized light.
 
 use crate::color::Rgb;
 use glam::{DVec3, Vec3};
 
-/// Fresnel reflectance of a dielectric, and the cosine between the refracted ray and the normal.
+/// Returns the Fresnel reflectance of a dielectric, and the cosine between the refracted ray and
+/// the normal.
 ///
 /// `cos_i` ≥ 0 is the cosine of incidence. `eta` is the refractive index of the far side, relative
-/// to the near side. Total internal reflection returns `(1, 0)`. Source: Pharr, Jakob, Humphreys
-/// 2023, section 9.3.5.
+/// to the near side. Under total internal reflection, the result is `(1, 0)`. Source: Pharr, Jakob,
+/// Humphreys 2023, section 9.3.5.
 #[inline]
 #[must_use]
 pub fn dielectric_reflectance_and_cosine(cos_i: f32, eta: f32) -> (f32, f32) {
@@ -22,11 +23,11 @@ pub fn dielectric_reflectance_and_cosine(cos_i: f32, eta: f32) -> (f32, f32) {
 /// refraction.
 ///
 /// `cos_i` in \[0, 1] is the cosine of incidence. `eta` is the refractive index of the far side,
-/// relative to the near side. Total internal reflection returns `(1, 0)`.
+/// relative to the near side. Under total internal reflection, the result is `(1, 0)`.
 #[inline]
 pub(super) fn fresnel_reflectance_and_cosine(cos_i: f64, eta: f64) -> (f64, f64) {
-    // Both products are exact if the factors were f32 numbers. So the sum has the right sign even
-    // if `cos_i` is within an ulp of the critical angle.
+    // If `cos_i` and `eta` were converted from f32, both products are exact. So the sum has the
+    // right sign even if `cos_i` is within an ulp of the critical angle's cosine.
     let cos2_t = ((eta - 1.0) * (eta + 1.0) + cos_i * cos_i) / (eta * eta);
     if cos2_t <= 0.0 {
         return (1.0, 0.0);
@@ -47,8 +48,8 @@ fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
 
 /// Fresnel transmittance from the cosines of incidence `cos_i` and of refraction `cos_t`.
 ///
-/// `eta` is the refractive index of the far side, relative to the near side. The result is 1 −
-/// reflectance, but stays precise if it is small.
+/// `eta` is the refractive index of the far side, relative to the near side. The result equals 1 −
+/// reflectance, without loss of digits if it is near 0.
 #[inline]
 pub(super) fn fresnel_transmittance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let (parallel, perpendicular) = (eta * cos_i + cos_t, cos_i + eta * cos_t);
@@ -62,15 +63,15 @@ pub(super) fn fresnel_transmittance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
 #[inline]
 #[must_use]
 pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
-    // With (a + ib)² = (η + ik)² − sin²θ, both polarisations are quotients of sums of squares.
+    // With (a + ib)² = (η + ik)² − sin²θ, both polarizations are quotients of sums of squares.
     // A cosine of exactly 0 would lead to 0/0 at index 1.
     let cos = cos_i.clamp(1e-6, 1.0);
     let sin2 = (1.0 - cos) * (1.0 + cos);
     let channel = |eta: f32, k: f32| {
         let (real, half_imaginary) = (eta * eta - k * k - sin2, eta * k);
         let modulus = (real * real + 4.0 * half_imaginary * half_imaginary).sqrt();
-        // a² = (modulus + real)/2 and b² = (modulus − real)/2. Digits cancel in the smaller of the
-        // two. It is computed from a·b = ηk.
+        // a² = (modulus + real)/2 and b² = (modulus − real)/2. In the smaller of the two, digits
+        // would cancel, so it is computed from a·b = ηk.
         let larger = 0.5 * (modulus + real.abs());
         let smaller = if larger > 0.0 { half_imaginary * half_imaginary / larger } else { 0.0 };
         let (a2, b2) = if real > 0.0 { (larger, smaller) } else { (smaller, larger) };

@@ -6,17 +6,22 @@ use super::microfacet::Ggx;
 use super::{MAX_COAT_INDEX, MIN_ROUGH_ALPHA};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Number of directions over which means are taken, evenly spaced in the squared cosine.
+/// Number of directions in a mean over the hemisphere. They are evenly spaced in the squared
+/// cosine.
 const DIRECTION_COUNT: u32 = 64;
 
-/// Least relative refractive index of a coat. A smaller index is replaced by this one.
+/// Least refractive index of a coat relative to its surroundings. A smaller index is replaced by
+/// this one.
 const MIN_LOSSY_COAT_INDEX: f64 = 1.01;
 
-/// A coat that loses energy, as the layered BSDF of pbrt-v4 simulates it (Guo et al. 2018).
+/// Energy balance of a diffuse base under a lossy coat, as the layered BSDF of pbrt-v4 simulates it
+/// (Guo et al. 2018).
+///
+/// The pbrt importer uses it to find the base of a lossless [`CoatedDiffuse`](super::CoatedDiffuse)
+/// with equal albedo.
 ///
 /// Light that would scatter at two microfacets of the interface is lost. The coat also absorbs
 /// light: it transmits the fraction exp(−τ) along the normal, where τ is its optical thickness.
-/// [`CoatedDiffuse`](super::CoatedDiffuse) is lossless instead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LossyCoat {
     /// Fraction of diffuse light from outside that reaches the base.
@@ -65,16 +70,18 @@ impl LossyCoat {
         }
     }
 
-    /// Fraction of diffuse light from outside that a base of this reflectance sends back out
-    /// through the coat. Reflection on the outside of the coat is not included.
+    /// Returns the fraction of diffuse light from outside that a base of this reflectance sends
+    /// back out through the coat.
+    ///
+    /// Reflection on the outside of the coat is not included.
     #[must_use]
     pub fn base_albedo_through_coat(&self, reflectance: f64) -> f64 {
         self.entering_fraction * reflectance * self.leaving_fraction / (1.0 - reflectance * self.returning_fraction)
     }
 
-    /// Returns the reflectance of a base that looks equal under a lossless coat.
+    /// Returns the reflectance of a base that has the same albedo under a lossless coat.
     ///
-    /// Over a base of the returned reflectance, a lossless coat gives the albedo that
+    /// A lossless coat of equal index and α gives it the albedo that
     /// [`Self::base_albedo_through_coat`] returns for `reflectance` in \[0, 1].
     #[must_use]
     pub fn equivalent_lossless_reflectance(&self, reflectance: f64) -> f64 {
@@ -85,12 +92,12 @@ impl LossyCoat {
     }
 }
 
-/// Divides light that arrives with the cosine of incidence `cos` among the directions into which an
-/// interface scatters it.
+/// Scatters light of cosine of incidence `cos` at an interface, and visits the directions in which
+/// it leaves.
 ///
-/// Calls `visit` with the fraction and the cosine of each direction. The cosine is below 0 on the
-/// far side. `eta` is the index of the far side over that of the near side. Light scatters at one
-/// microfacet only.
+/// Calls `visit` with the fraction of the light and the cosine of each direction. The cosine is
+/// below 0 on the far side. `eta` is the refractive index of the far side, relative to the near
+/// side. Light that meets a second microfacet is left out.
 fn for_each_scattered_direction(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut(f64, f64)) {
     if alpha < f64::from(MIN_ROUGH_ALPHA) {
         let (reflectance, cos_t) = fresnel_reflectance_and_cosine(cos, eta);
@@ -134,15 +141,15 @@ mod tests {
     /// The expected albedos come from another program with 40 million walks. Their standard error
     /// is below 0.0002.
     #[test]
-    fn albedos_are_those_of_random_walks() {
+    fn lossy_coat_albedos_match_random_walks() {
         for (alpha, thickness, reflectance, expected) in WALKS {
             let albedo = LossyCoat::new(1.5, alpha, thickness).base_albedo_through_coat(reflectance);
             assert!((albedo - expected).abs() < 0.001, "{alpha} {thickness} {reflectance}: {albedo} {expected}");
         }
     }
 
-    /// Results of random walks under a coat of index 1.5: GGX α, optical thickness, reflectance of
-    /// the base, and albedo.
+    /// Rows of (GGX α, optical thickness, reflectance of the base, albedo by random walks), for a
+    /// coat of index 1.5.
     const WALKS: [(f64, f64, f64, f64); 6] = [
         (0.0, 0.0, 0.5, 0.26119),
         (0.0, 0.01, 0.5, 0.25010),
@@ -153,7 +160,7 @@ mod tests {
     ];
 
     #[test]
-    fn smooth_clear_coats_change_no_reflectance() {
+    fn smooth_lossless_coats_change_no_reflectance() {
         for reflectance in [0.0, 0.2, 0.9, 1.0] {
             let equivalent = LossyCoat::new(1.5, 0.0, 0.0).equivalent_lossless_reflectance(reflectance);
             assert!((equivalent - reflectance).abs() < 2e-3, "{reflectance}: {equivalent}");

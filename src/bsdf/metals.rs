@@ -53,10 +53,11 @@ pub const METAL_NAMES: [&str; METAL_TABLE.len()] = {
     names
 };
 
-/// Complex refractive index η + ik of the metal with this name of [`METAL_NAMES`] or chemical
-/// symbol; `None` for other names.
+/// Returns the complex refractive index η + ik of a metal, as the pair (η, k) for linear red, green
+/// and blue.
 ///
-/// Returns η and k, each for linear red, green and blue.
+/// `name` is one of [`METAL_NAMES`] or a chemical symbol, such as "Au". Returns `None` for other
+/// names.
 #[must_use]
 pub fn metal_refractive_index(name: &str) -> Option<(Rgb, Rgb)> {
     METAL_TABLE.iter().find(|m| m.0 == name || m.1 == name).map(|m| (m.2, m.3))

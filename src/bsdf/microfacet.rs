@@ -81,7 +81,7 @@ impl Ggx {
         self.g1_over_cos(cos_o) * self.g1_over_cos(cos_i)
     }
 
-    /// Returns G₂/G₁(wo): the fraction of the microfacets visible from `wo` that are also visible
+    /// Returns G₂/G₁(wo): of the microfacets visible from `wo`, the fraction that is also visible
     /// from `wi`.
     ///
     /// `masking_shadowing` is G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function.
@@ -90,8 +90,8 @@ impl Ggx {
         masking_shadowing * cos_i / self.g1_over_cos(cos_o)
     }
 
-    /// Returns the solid-angle pdf \[1/sr] of `wi`, if [`Ggx::sample_visible_normal`] samples the
-    /// microfacet that scatters light.
+    /// Solid-angle pdf \[1/sr] of `wi`, if `wi` is computed from a microfacet normal that
+    /// [`Ggx::sample_visible_normal`] samples.
     ///
     /// `facet` describes the microfacets that scatter `wi` to `wo`. `cos_o` is the cosine of `wo`.
     #[inline]

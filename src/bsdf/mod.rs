@@ -4,9 +4,11 @@
 //! previous vertex of the path, `wi` to the next one. `ns` is the shading normal, `ng` the
 //! geometric normal. Both normals are on the outer side of the surface.
 //!
-//! A new BSDF with its material needs five files: one here with its variant of [`Bsdf`] in this
-//! file, the variant of `MaterialKind` in `scene/material/kind.rs`, and one in
-//! `format/materials/kinds/` with its line in `format/materials/kinds/mod.rs`.
+//! To add a BSDF and its material:
+//!
+//! - add a file in this folder, and a variant of [`Bsdf`] in this file;
+//! - add a variant of `MaterialKind` in `scene/material/kind.rs`;
+//! - add a file in `format/materials/kinds/`, and its line in `format/materials/kinds/mod.rs`.
 
 mod adjoint;
 mod clear_coat;
@@ -45,7 +47,8 @@ use clear_coat::CoatableBsdf;
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
-/// GGX roughness α below which a surface counts as smooth.
+/// Smallest GGX roughness α of a rough surface. A surface with a smaller α is smooth: it has only
+/// delta lobes.
 pub const MIN_ROUGH_ALPHA: f32 = 1e-3;
 
 /// GGX roughness α of a conductor, or of a coat over a diffuse base, above which photons are
@@ -60,11 +63,11 @@ pub const MIN_PHOTON_STORAGE_ALPHA: f32 = 0.3;
 /// The angle is about ten rounding errors of a unit vector in f32.
 const MIN_LOBE_WIDTH: f32 = 1e-6;
 
-/// Tangent of the angle by which scattering at a diffuse surface widens the ray cone of texture
-/// filtering.
+/// Tangent of the angle by which diffuse scattering widens the ray cone of a path, which sets the
+/// filter width of texture lookups.
 pub(crate) const DIFFUSE_CONE_SPREAD: f32 = 0.2;
 
-/// The quantity that a path carries from vertex to vertex: radiance or flux.
+/// The kind of path that a BSDF scatters: camera path (radiance) or photon path (flux).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TransportMode {
     /// Radiance, on camera paths. Refraction scales radiance by the squared relative index.
@@ -90,10 +93,11 @@ pub struct BsdfSample {
     pub is_specular: bool,
     /// True if the path crosses the surface.
     pub is_transmitted: bool,
-    /// True if the direction of a specular sample was computed with the geometric normal instead of
-    /// the shading normal.
+    /// True if a specular direction was computed with the geometric normal instead of the shading
+    /// normal.
     ///
-    /// This happens if the shading normal would send light to the wrong side of the surface.
+    /// Such a sample replaces one that the shading normal would send to the wrong side of the
+    /// surface.
     pub uses_geometric_normal: bool,
 }
 
@@ -160,11 +164,15 @@ pub enum Bsdf {
     /// Reflection on the coat is included only if the coat's α exceeds
     /// [`MIN_PHOTON_STORAGE_ALPHA`].
     CoatedDiffuse(CoatedDiffuse),
-    /// Reflection on a coat that [`Bsdf::select_layer`] selects: a clear coat, or a coat with α up
-    /// to [`MIN_PHOTON_STORAGE_ALPHA`] over a diffuse base.
+    /// Reflection on a dielectric coat, without the base under it.
+    ///
+    /// [`Bsdf::select_layer`] returns it for a clear coat, or for a coat with α up to
+    /// [`MIN_PHOTON_STORAGE_ALPHA`] over a diffuse base.
     DielectricCoat(DielectricCoat),
-    /// A surface under a clear coat. Reflection on the coat is not included:
-    /// [`Bsdf::select_layer`] chooses the surface or the coat.
+    /// A surface under a clear coat, weakened by the coat's transmittance.
+    ///
+    /// Reflection on the coat itself is not included: [`Bsdf::select_layer`] chooses the surface or
+    /// the coat.
     ClearCoated(ClearCoated),
 }
 
@@ -218,7 +226,8 @@ impl Bsdf {
         }
     }
 
-    /// True if the BSDF scatters all light diffusely, or has a Lambertian base under a coat.
+    /// True if the BSDF is Lambertian (reflecting, or also transmitting), or has a Lambertian base
+    /// under a coat.
     #[inline]
     #[must_use]
     pub fn is_diffuse_or_coated(&self) -> bool {
@@ -236,12 +245,12 @@ impl Bsdf {
         }
     }
 
-    /// Selects the base or the coat of a coated surface by `u` in \[0, 1). A small `u` selects the
-    /// base.
+    /// Returns the base or the coat of a coated surface, chosen at random by `u` in \[0, 1). A
+    /// small `u` chooses the base.
     ///
-    /// The probabilities depend on `wo` and the shading normal `ns`. The selected BSDF is divided
-    /// by its probability. A coat with α above [`MIN_PHOTON_STORAGE_ALPHA`] is not split from its
-    /// diffuse base: that BSDF, like any without coat, is returned whole.
+    /// The probabilities depend on `wo` and the shading normal `ns`. The returned BSDF is divided
+    /// by its probability. A BSDF without a coat is returned unchanged. So is a diffuse base whose
+    /// coat has α above [`MIN_PHOTON_STORAGE_ALPHA`], because that BSDF includes its coat.
     #[inline]
     #[must_use]
     pub fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Self {
@@ -268,11 +277,11 @@ impl Bsdf {
         if let Self::ClearCoated(coated) = self { Some(coated.base()) } else { None }
     }
 
-    /// Returns the coat as a BSDF of its own, if [`Bsdf::select_layer`] chooses between coat and
-    /// base here (coat α up to [`MIN_PHOTON_STORAGE_ALPHA`]); else `None`.
+    /// Returns the coat alone as a BSDF, if [`Bsdf::select_layer`] treats coat and base separately;
+    /// else `None`.
     ///
-    /// Unlike the coat that `select_layer` returns, it is not divided by the probability of that
-    /// choice.
+    /// Coats are separate if they are clear coats, or have α up to [`MIN_PHOTON_STORAGE_ALPHA`]
+    /// over a diffuse base. The returned BSDF is not divided by a selection probability.
     #[must_use]
     pub fn coat_if_separate(&self) -> Option<Self> {
         match self {
@@ -294,7 +303,7 @@ impl Bsdf {
     /// Returns one lobe of the BSDF, selected by `u` in \[0, 1) and divided by its probability.
     ///
     /// Only a Phong BSDF is split, into its diffuse and its glossy lobe. Any other BSDF is returned
-    /// whole.
+    /// unchanged.
     #[inline]
     #[must_use]
     pub fn select_lobe(self, u: f32) -> Self {
@@ -341,7 +350,7 @@ impl Bsdf {
         }
     }
 
-    /// Returns the BSDF as one that can be under a clear coat; `None` if it cannot.
+    /// Converts the BSDF to the type of surfaces under a clear coat; `None` if it cannot have one.
     fn to_coatable(self) -> Option<CoatableBsdf> {
         match self {
             Self::Diffuse(reflectance) => Some(CoatableBsdf::Diffuse(reflectance)),
@@ -359,7 +368,8 @@ impl Bsdf {
         }
     }
 
-    /// True if all lobes are delta lobes. A clear coat over the surface does not count.
+    /// True if the BSDF scatters light only in delta lobes. For a surface under a clear coat, only
+    /// the surface counts, not the coat.
     #[inline]
     #[must_use]
     pub fn is_specular(&self) -> bool {
@@ -398,10 +408,10 @@ impl Bsdf {
 
     /// True if photons are stored on the surface. Density estimates then evaluate this BSDF.
     ///
-    /// Phong BSDFs and diffuse BSDFs store photons, the latter also with transmission or a coat. So
-    /// do conductors rougher than [`MIN_PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons
-    /// fall into the lobe, so sampling the BSDF has less noise. Dielectrics store none, because an
-    /// estimate would blur the objects behind them.
+    /// Diffuse BSDFs store photons, with or without transmission or a coat. So do Phong BSDFs, and
+    /// conductors rougher than [`MIN_PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons
+    /// fall into the lobe, so BSDF sampling has less noise. Dielectrics store none, because a
+    /// density estimate would blur the objects behind them.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {
@@ -420,10 +430,10 @@ impl Bsdf {
 
     /// True if the BSDF is a caustic caster: it scatters light, but stores no photons.
     ///
-    /// Casters are mirrors, thin dielectrics, dielectrics, and clear coats of any roughness. Also
-    /// conductors, and coats over a diffuse base, with α up to [`MIN_PHOTON_STORAGE_ALPHA`]. A
-    /// coated surface casts caustics if its base does; its coat becomes a BSDF of its own in
-    /// [`Bsdf::select_layer`].
+    /// Mirrors, dielectrics, thin dielectrics and clear coats are casters at any roughness.
+    /// Conductors, and coats over a diffuse base, are casters if their α is at most
+    /// [`MIN_PHOTON_STORAGE_ALPHA`]. For a coated surface, the result describes the base:
+    /// [`Bsdf::select_layer`] splits the coat off as another BSDF.
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
@@ -433,7 +443,7 @@ impl Bsdf {
     /// Tangent of the angle by which scattering widens the ray cone of texture filtering; 0 for
     /// delta lobes.
     ///
-    /// The angle is only about a fifth of the lobe's width, because many paths together sample a
+    /// The angle is about a fifth of the lobe's width, because many paths share the sampling of a
     /// lobe.
     #[inline]
     #[must_use]
@@ -452,8 +462,8 @@ impl Bsdf {
 
     /// BSDF f(wo, wi) \[1/sr], without the cosine; 0 for delta lobes.
     ///
-    /// The value is also 0 if the normals `ns` and `ng` disagree on whether `wo` and `wi` lie on
-    /// one side of the surface.
+    /// The value is also 0 if `wo` and `wi` lie on one side by the shading normal `ns`, but on two
+    /// sides by the geometric normal `ng`, or the reverse.
     #[inline]
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: TransportMode) -> Rgb {
@@ -523,7 +533,8 @@ impl Bsdf {
         (crosses == sample.is_transmitted).then_some(sample)
     }
 
-    /// Samples a BSDF that stores photons; `None` if the path is absorbed.
+    /// Samples a direction by a BSDF that stores photons; `None` if the path is absorbed, or if the
+    /// BSDF stores none.
     ///
     /// The unit normal `facing_ns` is the shading normal on the side of `wo`. `lobe` in \[0, 1)
     /// selects the lobe, and `u` in \[0, 1)² the direction.
@@ -554,7 +565,8 @@ impl Bsdf {
         }
     }
 
-    /// Samples a BSDF that stores no photons; `None` if the path is absorbed.
+    /// Samples a direction by a BSDF that stores no photons; `None` if the path is absorbed, or if
+    /// the BSDF stores photons.
     ///
     /// The arguments are those of [`Bsdf::sample`].
     #[inline]

@@ -1,9 +1,12 @@
-//! Light that GGX microfacets scatter more than once (Kulla and Conty 2017).
+//! Energy compensation for GGX microfacets: light that they scatter more than once (Kulla and Conty
+//! 2017).
 //!
-//! A microfacet BSDF counts light that one microfacet scatters. The rest, the *lost* light, meets
-//! further microfacets. It leaves in directions that depend little on where it came from, so it is
-//! described by a product of two functions, one for each direction. The product is reciprocal, and
-//! its integral is the lost light.
+//! A microfacet BSDF counts only light that scatters at one microfacet. The rest meets further
+//! microfacets and is *lost* from that BSDF. This module adds it back.
+//!
+//! Lost light leaves in directions that depend little on its direction of arrival. So its BSDF is a
+//! product of one function of `wo` and one of `wi`. The product is reciprocal, and its albedo is
+//! the lost fraction.
 
 use super::coat_albedo::mean_fresnel_reflectance;
 use super::fresnel::fresnel_reflectance_and_cosine;
@@ -15,10 +18,10 @@ use std::array;
 use std::f64::consts::FRAC_1_PI;
 use std::sync::OnceLock;
 
-/// Treatment of light that several microfacets scatter.
+/// Treatment of light that meets more than one microfacet of a rough surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MicrofacetScattering {
-    /// Light that a second microfacet meets is lost, as in pbrt-v4 and Mitsuba 3.
+    /// Light that meets a second microfacet is lost, as in pbrt-v4 and Mitsuba 3.
     Single,
     /// Light scatters at microfacets until it leaves the surface, so no light is lost to masking.
     Multiple,
@@ -34,16 +37,18 @@ const ALPHA_COUNT: usize = 25;
 /// Number of tabulated cosines, evenly spaced in [`cosine_grid_position`] from 0 to 1.
 const COSINE_COUNT: usize = 24;
 
-/// Number of points and generator of a Fibonacci lattice, which selects visible microfacets.
+/// Number of points, and generator, of the Fibonacci lattice over \[0, 1)² that samples visible
+/// microfacets.
 const FACET_LATTICE: (usize, usize) = (377, 144);
 
 /// Refractive index of an interface that reflects all light, the last node of the table.
 const REFLECTOR_INDEX: f64 = 1e9;
 
-/// Cosine of the node for the horizon, as a fraction of α; a cosine of 0 would lead to 0/0.
+/// Least cosine for which lost light is computed, divided by α. A cosine of 0 would lead to 0/0.
 const HORIZON_COSINE_PER_ALPHA: f64 = 1e-3;
 
-/// Number of intervals between two nodes in means over directions.
+/// Number of integration intervals between two neighboring cosine nodes, for means over the
+/// hemisphere.
 const INTERVALS_PER_NODE: usize = 16;
 
 /// Index in arrays over the two sides of an interface: the side of lower refractive index.
@@ -52,24 +57,25 @@ const RARE_SIDE: usize = 0;
 /// Index in arrays over the two sides of an interface: the side of higher refractive index.
 const DENSE_SIDE: usize = 1;
 
-/// Lost light at one refractive index and one roughness: light that one microfacet scatters so that
-/// it meets another.
+/// Table entry for one refractive index and one roughness: fractions of light that are lost because
+/// they meet a second microfacet.
 #[derive(Debug)]
-struct LostLightCell {
-    /// Lost fraction of light, for each side of arrival and each cosine of incidence.
+struct LostLightEntry {
+    /// Lost fraction of light, by side of arrival ([`RARE_SIDE`], [`DENSE_SIDE`]) and by number of
+    /// the cosine node.
     fraction_by_cosine: [[f32; COSINE_COUNT]; 2],
     /// Eighth root of the lost fraction of diffuse light, for each side of arrival.
     ///
-    /// The fraction is nearly proportional to α², and the nodes are spaced in the fourth root of α.
-    /// So the root is nearly linear between the nodes.
+    /// The fraction is nearly proportional to α², and roughness nodes are evenly spaced in the
+    /// fourth root of α. So this root is nearly linear between the nodes.
     mean_fraction_eighth_root: [f32; 2],
     /// Fraction of diffuse light that a smooth interface transmits from the side of lower index.
     smooth_diffuse_transmittance: f32,
 }
 
-impl LostLightCell {
-    /// Computes the cell at node `index` of the refractive indices and node `alpha` of the
-    /// roughnesses.
+impl LostLightEntry {
+    /// Computes the entry for refractive index number `index` < [`ETA_COUNT`] and roughness number
+    /// `alpha` < [`ALPHA_COUNT`].
     fn new(index: usize, alpha: usize) -> Self {
         let ratio = (index as f64 / (ETA_COUNT - 1) as f64) * (index as f64 / (ETA_COUNT - 1) as f64);
         let eta = if index == ETA_COUNT - 1 { REFLECTOR_INDEX } else { (1.0 + ratio) / (1.0 - ratio) };
@@ -92,19 +98,20 @@ impl LostLightCell {
         }
     }
 
-    /// Returns the cell at two node numbers. It is computed at the first call.
+    /// Returns the cached entry for refractive index number `index` and roughness number `alpha`.
+    /// The first call computes it.
     fn at_nodes(index: usize, alpha: usize) -> &'static Self {
-        static CELLS: [[OnceLock<LostLightCell>; ALPHA_COUNT]; ETA_COUNT] =
+        static ENTRIES: [[OnceLock<LostLightEntry>; ALPHA_COUNT]; ETA_COUNT] =
             [const { [const { OnceLock::new() }; ALPHA_COUNT] }; ETA_COUNT];
-        CELLS[index][alpha].get_or_init(|| Self::new(index, alpha))
+        ENTRIES[index][alpha].get_or_init(|| Self::new(index, alpha))
     }
 }
 
-/// Lost light at any refractive index and roughness, as a weighted mean of the tabulated cells
-/// around them.
+/// Lost light at any refractive index and roughness, interpolated bilinearly between four table
+/// entries.
 #[derive(Clone, Copy, Debug)]
 struct LostLight {
-    cells: [&'static LostLightCell; 4],
+    entries: [&'static LostLightEntry; 4],
     weights: [f32; 4],
     alpha: f64,
 }
@@ -123,21 +130,23 @@ impl LostLight {
         Self::between_eta_nodes((ETA_COUNT - 1, 0.0), alpha)
     }
 
-    /// Lost light between the node `index.0` of the refractive indices and the next, at the
-    /// fraction `index.1` of the way.
+    /// Interpolates at roughness `alpha`, and at a refractive index between the nodes `index.0` and
+    /// `index.0` + 1.
+    ///
+    /// `index.1` in \[0, 1] is the position between these nodes.
     #[inline]
     fn between_eta_nodes(index: (usize, f32), alpha: f64) -> Self {
         let least = fourth_root(f64::from(MIN_ROUGH_ALPHA));
         let (j, v) = node_and_fraction((fourth_root(alpha) - least) / (1.0 - least), ALPHA_COUNT);
         let ((i, u), next) = (index, (index.0 + 1).min(ETA_COUNT - 1));
-        let cells = [(i, j), (i, j + 1), (next, j), (next, j + 1)].map(|(i, j)| LostLightCell::at_nodes(i, j));
-        Self { cells, weights: [(1.0 - u) * (1.0 - v), (1.0 - u) * v, u * (1.0 - v), u * v], alpha }
+        let entries = [(i, j), (i, j + 1), (next, j), (next, j + 1)].map(|(i, j)| LostLightEntry::at_nodes(i, j));
+        Self { entries, weights: [(1.0 - u) * (1.0 - v), (1.0 - u) * v, u * (1.0 - v), u * v], alpha }
     }
 
-    /// Returns the weighted mean of `value` over the cells.
+    /// Returns the weighted mean of `value` over the four table entries.
     #[inline]
-    fn interpolate(&self, value: impl Fn(&LostLightCell) -> f32) -> f64 {
-        f64::from(self.cells.iter().zip(self.weights).map(|(cell, weight)| value(cell) * weight).sum::<f32>())
+    fn interpolate(&self, value: impl Fn(&LostLightEntry) -> f32) -> f64 {
+        f64::from(self.entries.iter().zip(self.weights).map(|(entry, weight)| value(entry) * weight).sum::<f32>())
     }
 
     /// Lost fraction of light that arrives on side `side` ([`RARE_SIDE`] or [`DENSE_SIDE`]) with
@@ -145,8 +154,8 @@ impl LostLight {
     #[inline]
     fn fraction(&self, side: usize, cos: f64) -> f64 {
         let (node, u) = node_and_fraction(cosine_grid_position(cos, self.alpha), COSINE_COUNT);
-        self.interpolate(|cell| {
-            cell.fraction_by_cosine[side][node] * (1.0 - u) + cell.fraction_by_cosine[side][node + 1] * u
+        self.interpolate(|entry| {
+            entry.fraction_by_cosine[side][node] * (1.0 - u) + entry.fraction_by_cosine[side][node + 1] * u
         })
     }
 
@@ -154,17 +163,18 @@ impl LostLight {
     /// [`DENSE_SIDE`]), above 0.
     #[inline]
     fn mean_fraction(&self, side: usize) -> f64 {
-        let root = self.interpolate(|cell| cell.mean_fraction_eighth_root[side]);
+        let root = self.interpolate(|entry| entry.mean_fraction_eighth_root[side]);
         let fourth = (root * root) * (root * root);
         fourth * fourth
     }
 }
 
-/// Reflection of light that microfacets of a metal scatter more than once.
+/// Reflection of light that microfacets of a metal scatter more than once, for one direction `wo`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MultipleConductorScattering {
     lost_light: LostLight,
-    /// Lost fraction of light from `wo`: the probability of sampling this reflection.
+    /// Fraction of light from `wo` that meets a second microfacet. It is also the probability of
+    /// sampling this reflection.
     pub lost_fraction: f64,
 }
 
@@ -188,8 +198,9 @@ impl MultipleConductorScattering {
     /// Returns the factor on [`Self::evaluate`] for microfacets that reflect the fraction
     /// `reflectance`.
     ///
-    /// It is the sum of a series: some light leaves after two reflections, some of the rest after
-    /// three, and so on (Kulla and Conty 2017; Hill 2018).
+    /// Let r be `reflectance` and b the lost fraction of diffuse light. Light that leaves after k +
+    /// 2 reflections contributes r²·(1 − b)·(r·b)ᵏ. The factor is the sum over k ≥ 0 (Kulla and
+    /// Conty 2017; Hill 2018).
     #[inline]
     pub(super) fn repeated_reflectance(&self, reflectance: f64) -> f64 {
         let lost = self.lost_light.mean_fraction(RARE_SIDE);
@@ -197,13 +208,14 @@ impl MultipleConductorScattering {
     }
 }
 
-/// Reflection and transmission of light that microfacets of a dielectric scatter more than once.
+/// Reflection and transmission of light that microfacets of a dielectric scatter more than once,
+/// for one direction `wo`.
 ///
-/// Let diffuse light arrive on both sides, in proportion to the squared index n². b and b′ are the
-/// lost light on the two sides, relative to the irradiance on the side of lower index. Of this
-/// irradiance, the fraction T = t·min(b, b′) crosses the interface after several scatterings. t is
-/// the diffuse transmittance of a smooth interface. T is the same in both directions, so the BSDF
-/// is reciprocal up to n².
+/// Suppose diffuse light arrives on both sides, with radiance proportional to the squared
+/// refractive index n². Let E be the irradiance on the side of lower index. The lost light is b·E
+/// on this side and b′·E on the other. In each direction, T·E crosses the interface, where T =
+/// t·min(b, b′), and t is the diffuse transmittance of a smooth interface. Equal T in both
+/// directions makes the BSDF reciprocal up to n².
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MultipleDielectricScattering {
     lost_light: LostLight,
@@ -211,9 +223,10 @@ pub(super) struct MultipleDielectricScattering {
     near_side: usize,
     /// Refractive index of the far side, relative to the side of `wo`.
     eta: f64,
-    /// Part of the lost light that crosses the interface.
+    /// Fraction of the lost light that leaves on the side opposite to `wo`.
     crossing_fraction: f64,
-    /// Lost fraction of light from `wo`: the probability of sampling this BSDF.
+    /// Fraction of light from `wo` that meets a second microfacet. It is also the probability of
+    /// sampling this BSDF.
     pub lost_fraction: f64,
 }
 
@@ -227,7 +240,7 @@ impl MultipleDielectricScattering {
         let (near, ratio) = if eta < 1.0 { (DENSE_SIDE, 1.0 / eta) } else { (RARE_SIDE, eta) };
         let loss = LostLight::of_interface(ratio, f64::from(alpha));
         let lost_by_side = [loss.mean_fraction(RARE_SIDE), loss.mean_fraction(DENSE_SIDE) * ratio * ratio];
-        let transmittance = loss.interpolate(|cell| cell.smooth_diffuse_transmittance);
+        let transmittance = loss.interpolate(|entry| entry.smooth_diffuse_transmittance);
         let crossing = transmittance * lost_by_side[RARE_SIDE].min(lost_by_side[DENSE_SIDE]) / lost_by_side[near];
         Self {
             lost_light: loss,
@@ -258,7 +271,8 @@ impl MultipleDielectricScattering {
     }
 }
 
-/// Samples a direction for light that microfacets scatter more than once, by `u` in \[0, 1)².
+/// Samples a direction for light that microfacets scatter more than once, from random numbers `u`
+/// in \[0, 1)².
 ///
 /// The unit vector is on the side of the normal `n`. Its pdf is
 /// [`multiple_scattering_direction_pdf`].
@@ -276,7 +290,8 @@ pub(super) fn sample_multiple_scattering_direction(alpha: f32, n: Vec3, u: Vec2)
 /// Solid-angle pdf \[1/sr] of [`sample_multiple_scattering_direction`] for a direction of cosine
 /// `cos` > 0.
 ///
-/// It is proportional to cosθ/(cos²θ + α²), because lost light is about α²/(cos²θ + α²).
+/// The pdf is proportional to cosθ/(cos²θ + α²), because the lost fraction is about α²/(cos²θ +
+/// α²).
 #[inline]
 pub(super) fn multiple_scattering_direction_pdf(alpha: f32, cos: f64) -> f64 {
     let a2 = f64::from(alpha) * f64::from(alpha);
@@ -320,9 +335,10 @@ fn fourth_root(x: f64) -> f64 {
     x.sqrt().sqrt()
 }
 
-/// Returns the place in \[0, 1] of a cosine between the first and the last node of a table.
+/// Maps a cosine to its position in \[0, 1] on the cosine axis of the table: 0 is the first node, 1
+/// the last.
 ///
-/// The places are dense where the cosine is about α, because the loss varies most there.
+/// Nodes are dense at cosines about α, where the lost fraction varies most.
 #[inline]
 fn cosine_grid_position(cos: f64, alpha: f64) -> f64 {
     0.5 * cos * (1.0 + (1.0 + alpha) / (cos + alpha))
@@ -330,13 +346,14 @@ fn cosine_grid_position(cos: f64, alpha: f64) -> f64 {
 
 /// Cosine whose [`cosine_grid_position`] is `x`.
 fn cosine_at_grid_position(x: f64, alpha: f64) -> f64 {
-    // A root of c² + b·c − 2xα. Of the two forms, each cancels no digits for its sign of b.
+    // The result is a root of c² + b·c − 2xα. The form depends on the sign of b, so that no digits
+    // cancel.
     let b = 1.0 + 2.0 * (alpha - x);
     let root = (b * b + 8.0 * x * alpha).sqrt();
     if b > 0.0 { 4.0 * x * alpha / (b + root) } else { 0.5 * (root - b) }
 }
 
-/// Cosine-weighted mean over the hemisphere of values at the nodes of the cosines.
+/// Cosine-weighted mean over the hemisphere of a function that has `values` at the cosine nodes.
 fn cosine_weighted_mean(values: &[f32; COSINE_COUNT], alpha: f64) -> f64 {
     let intervals = (COSINE_COUNT - 1) * INTERVALS_PER_NODE;
     let squared_cosine = |i: usize| {
@@ -351,9 +368,10 @@ fn cosine_weighted_mean(values: &[f32; COSINE_COUNT], alpha: f64) -> f64 {
     (0..intervals).map(part).sum()
 }
 
-/// Returns the number of the node at or below `x`, if `nodes` nodes are evenly spaced in \[0, 1].
+/// Returns the node at or below `x`, and the position of `x` between it and the next node, in
+/// \[0, 1].
 ///
-/// Also returns the position of `x` between this node and the next one, in \[0, 1].
+/// The `nodes` nodes are evenly spaced in \[0, 1] and numbered from 0.
 #[inline]
 fn node_and_fraction(x: f64, nodes: usize) -> (usize, f32) {
     let position = x.clamp(0.0, 1.0) * (nodes - 1) as f64;

@@ -56,7 +56,7 @@ impl Phong {
 
     /// Cosine between `wi` and the direction into which the normal `n` mirrors `wo`.
     ///
-    /// Values above 1, which are rounding errors, become 1. Their powers with large exponents would
+    /// Values above 1 are rounding errors and become 1, because a large power of them would
     /// overflow.
     #[inline]
     fn cos_to_mirror_direction(wo: Vec3, wi: Vec3, n: Vec3) -> f32 {

@@ -25,7 +25,8 @@ pub struct RoughDielectric {
     scattering: MicrofacetScattering,
 }
 
-/// Density, Fresnel factor and masking of the microfacets that reflect or refract `wi` to `wo`.
+/// Factors of the single-scattering BSDF: density, Fresnel factor and masking of the microfacets
+/// that reflect or refract `wi` to `wo`.
 struct FacetScattering {
     facet: Microfacet,
     /// Fresnel reflectance or transmittance.
@@ -58,10 +59,11 @@ impl RoughDielectric {
         if wo.dot(ng) >= 0.0 { eta } else { 1.0 / eta }
     }
 
-    /// Returns how microfacets scatter light from the unit direction `i` to `o`.
+    /// Returns the factors of the single-scattering BSDF for the unit directions `o` (as `wo`) and
+    /// `i` (as `wi`).
     ///
-    /// `None` if no microfacet refracts `i` to `o`. `o` is on the side of the normal `n`. `eta` is
-    /// the refractive index of the far side, relative to the side of `o`.
+    /// Returns `None` if no microfacet refracts `i` to `o`. `o` is on the side of the normal `n`.
+    /// `eta` is the refractive index of the far side, relative to the side of `o`.
     #[inline]
     fn facet_scattering(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<FacetScattering> {
         let ggx = Ggx::new(self.alpha);
@@ -87,8 +89,8 @@ impl RoughDielectric {
         })
     }
 
-    /// Light that scatters between microfacets, for `wo` of cosine `cos_o`; `None` if such light is
-    /// lost.
+    /// Returns the BSDF of light that scatters at several microfacets, for `wo` of cosine `cos_o`.
+    /// Returns `None` if the surface has only single scattering.
     ///
     /// `eta` is the refractive index of the far side, relative to the side of `wo`.
     #[inline]
@@ -137,9 +139,9 @@ impl RoughDielectric {
 
     /// Samples a direction of reflection or refraction.
     ///
-    /// `lobe` in \[0, 1) chooses whether one microfacet scatters or several do, then reflection or
-    /// refraction. `u` in \[0, 1)² selects one of the microfacets visible from `wo`, or the
-    /// direction after several. `n` is the shading normal on the side of `wo`, and `ng` the outer
+    /// `lobe` in \[0, 1) chooses single or multiple scattering, and reflection or refraction. `u`
+    /// in \[0, 1)² selects one of the microfacets visible from `wo`, or the direction after
+    /// multiple scattering. `n` is the shading normal on the side of `wo`, and `ng` the outer
     /// geometric normal. Returns `None` if the microfacet reflects through the surface, or refracts
     /// to the side of `wo`.
     #[inline]

@@ -4,8 +4,8 @@ use super::{Camera, CameraProjection};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Connection of a scene point to the camera: the camera ray through the point, and the film
-/// position of the ray.
+/// Connection of a scene point to the camera: the camera ray through the point, its film position,
+/// and its importance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraConnection {
     /// Film position \[pixels from the top left]; may lie outside the film.
@@ -22,12 +22,12 @@ pub struct CameraConnection {
 impl Camera {
     /// Connects the world-space point `p` to the camera; `None` if `p` is behind or at the camera.
     ///
-    /// Also `None` if the importance is not finite, as at the poles of a panorama.
+    /// The result is also `None` if the importance is not finite, as at the poles of a panorama.
     ///
-    /// `lens` in \[0, 1)² samples a point of the lens, as in [`Camera::generate_ray`]. The film
-    /// position is that of the camera ray from this lens point through `p`. Pixels average radiance
-    /// over the film without a cosine. The importance is therefore the Jacobian from the scene to
-    /// the film (Veach 1997, section 8.3.2).
+    /// `lens` in \[0, 1)² samples a point of the lens, as in [`Camera::generate_ray`]; `None` is
+    /// the lens center. The connection is the camera ray from this lens point through `p`. Pixels
+    /// average radiance over the film without a cosine. The importance is therefore the Jacobian
+    /// from the scene to the film (Veach 1997, section 8.3.2).
     #[must_use]
     pub fn connect_to_point(&self, p: Vec3, lens: Option<Vec2>) -> Option<CameraConnection> {
         let p = p.as_dvec3();
@@ -87,11 +87,11 @@ impl Camera {
         }
     }
 
-    /// Returns the displacement on the film from point `p`, seen by this camera, to point `q`, seen
-    /// by the camera `later` \[pixels to the right and down].
+    /// Returns the motion vector on the film \[pixels to the right and down], from point `p`, seen
+    /// by this camera, to point `q`, seen by the camera `later`.
     ///
-    /// Lenses count as pinholes. A displacement in a panorama goes the shorter way around. `None`
-    /// if a camera does not connect to its point; see [`Camera::connect_to_point`].
+    /// A lens counts as a pinhole. In a panorama, the motion vector takes the shorter way around.
+    /// Returns `None` if a camera does not connect to its point; see [`Camera::connect_to_point`].
     #[must_use]
     pub fn film_displacement(&self, p: Vec3, later: &Self, q: Vec3) -> Option<Vec2> {
         let mut by = later.connect_to_point(q, None)?.film_position - self.connect_to_point(p, None)?.film_position;
@@ -102,17 +102,18 @@ impl Camera {
         Some(by)
     }
 
-    /// Returns the displacement on the film of a point at infinity in unit `direction`, from this
-    /// camera to the camera `later` \[pixels to the right and down].
+    /// Returns the motion vector on the film \[pixels to the right and down] of a point at infinity
+    /// in unit `direction`, from this camera to the camera `later`.
     ///
-    /// `None` if the point is behind a camera or at a pole of a panorama, or if the projection is
-    /// orthographic.
+    /// Returns `None` if the point is behind a camera or at a pole of a panorama, or if the
+    /// projection is orthographic.
     #[must_use]
     pub fn film_displacement_at_infinity(&self, direction: Vec3, later: &Self) -> Option<Vec2> {
         if self.is_orthographic() {
             return None;
         }
-        // At the origin, a camera sees the end of the direction where it sees a point at infinity.
+        // A camera at the origin sees the point `direction` at the film position of the point at
+        // infinity.
         let turned = |camera: &Self| Self { center: DVec3::ZERO, ..*camera };
         turned(self).film_displacement(direction, &turned(later), direction)
     }
@@ -120,8 +121,9 @@ impl Camera {
     /// Calls `visit` with each other film position that has the same camera ray as `position`, at
     /// most `margin` \[pixels] outside the film.
     ///
-    /// Only panoramas have such positions. Their columns go on across the seam, and their rows go
-    /// on over a pole, half a turn away. `position` must lie on the film.
+    /// Only panoramas have such positions: the picture repeats across its left and right edges, and
+    /// continues beyond a pole, mirrored and shifted by half a turn. `position` must lie on the
+    /// film.
     pub fn for_each_other_film_position(&self, position: Vec2, margin: f32, mut visit: impl FnMut(Vec2)) {
         if self.projection != CameraProjection::Panorama {
             return;
@@ -147,10 +149,11 @@ impl Camera {
         }
     }
 
-    /// Film position of a ray, relative to the film's center \[pixels right and up].
+    /// Returns the film position of a camera ray, relative to the film's center
+    /// \[pixels right and up].
     ///
-    /// `v` leads from the camera center to a point of the ray: for a perspective camera to the
-    /// point at depth 1, for an orthographic camera to any point.
+    /// `v` is the vector from the camera center to a point of the ray. For a perspective camera,
+    /// this is the point at depth 1; for an orthographic camera, any point.
     fn film_offset_from_center(&self, v: DVec3) -> DVec2 {
         DVec2::new(v.dot(self.pixel_right), v.dot(self.pixel_up)) / (self.pixel_size * self.pixel_size)
     }

@@ -1,8 +1,9 @@
-//! The part of a picture that is rendered.
+//! Crop windows: the part of a picture that is rendered.
 
 use std::str::FromStr;
 
-/// Window of pixels of a picture: columns `left` to `right` and rows `top` to `bottom`.
+/// Rectangle of pixels of a picture that is rendered: columns `left` to `right` and rows `top` to
+/// `bottom`.
 ///
 /// Columns and rows count from 0 at the upper left corner of the picture. `right` and `bottom` are
 /// not included.
@@ -18,7 +19,7 @@ pub struct CropWindow {
     pub bottom: u32,
 }
 
-/// Error: the held text does not describe a crop window.
+/// Error: a text does not describe a crop window. The field is the text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no window: write X0,Y0,X1,Y1 in pixels, with X0 < X1 and Y0 < Y1")]
 pub struct CropWindowError(String);
@@ -36,8 +37,8 @@ impl CropWindow {
         (self.right - self.left, self.bottom - self.top)
     }
 
-    /// Returns the smallest window around this one that is a union of tiles of a picture of `width`
-    /// × `height` pixels.
+    /// Returns the smallest window that contains this one and is a union of tiles of a picture of
+    /// `width` × `height` pixels.
     ///
     /// Tiles have `edge` × `edge` pixels, except at the right and the lower border.
     #[must_use]
@@ -80,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn windows_are_read_from_text() {
+    fn crop_windows_are_read_from_text() {
         let window: CropWindow = "3,4,10,20".parse().unwrap();
         assert_eq!((window, window.size()), (CropWindow { left: 3, top: 4, right: 10, bottom: 20 }, (7, 16)));
         assert_eq!(window.to_string().parse(), Ok(window));

@@ -1,7 +1,8 @@
 //! Pixel reconstruction filters.
 //!
-//! Offsets from the pixel center are sampled with a pdf proportional to the absolute filter value.
-//! All samples of a filter therefore have the same weight, except for its sign.
+//! Sample offsets from the pixel center have a pdf proportional to the absolute filter value
+//! (Pharr, Jakob, Humphreys 2023, section 8.8). So all samples of a filter have the same weight, up
+//! to its sign.
 
 use glam::Vec2;
 use std::str::FromStr;
@@ -22,7 +23,7 @@ pub enum FilterKind {
     Mitchell,
 }
 
-/// Error: the held text is not the name of a filter.
+/// Error: a text is not the name of a filter. The field is the text.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown filter `{0}`: use box, tent, gaussian, blackman-harris or mitchell")]
 pub struct UnknownFilter(String);
@@ -109,8 +110,8 @@ pub struct Filter {
 pub struct FilterSample {
     /// Sampled offset from the pixel center, right and down \[pixels].
     pub offset: Vec2,
-    /// Weight of the sample: 1 for a non-negative filter. A partly negative filter has weights of
-    /// both signs, with the mean 1.
+    /// Factor on the radiance of the sample: 1 for a non-negative filter. A partly negative filter
+    /// has weights of both signs, with mean 1.
     pub weight: f32,
 }
 
@@ -182,7 +183,7 @@ impl Filter {
         self.negative_beyond.is_finite()
     }
 
-    /// Samples an offset from the pixel center by `u` in \[0, 1)².
+    /// Samples an offset from the pixel center, from random numbers `u` in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> FilterSample {
@@ -212,7 +213,7 @@ impl Filter {
     /// Pdf \[1/pixel] with which [`Filter::sample`] samples the offset `x` along one axis; 0
     /// outside the radius.
     ///
-    /// It is constant between two neighbouring entries of [`Filter::quantiles`].
+    /// The pdf is constant between two neighboring entries of [`Filter::quantiles`].
     fn axis_offset_pdf(&self, x: f32) -> f32 {
         let above = self.quantiles.partition_point(|quantile| *quantile <= x);
         if above == 0 || above > QUANTILE_CELL_COUNT {
@@ -221,7 +222,7 @@ impl Filter {
         1.0 / (QUANTILE_CELL_COUNT as f32 * (self.quantiles[above] - self.quantiles[above - 1]))
     }
 
-    /// Samples an offset along one axis \[pixels] by `u` in \[0, 1).
+    /// Samples an offset along one axis \[pixels], from a random number `u` in \[0, 1).
     #[inline]
     fn sample_axis_offset(&self, u: f32) -> f32 {
         let x = u * QUANTILE_CELL_COUNT as f32;

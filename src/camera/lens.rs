@@ -12,8 +12,8 @@ pub struct Lens {
     pub radius: f64,
     /// Distance from the lens to the focal plane, along the viewing direction \[length].
     pub focus_distance: f64,
-    /// Number of edges of the aperture, a regular polygon; below 3, the aperture is a disc.
-    /// `radius` is the distance of the corners from the center.
+    /// Number of edges of the aperture, a regular polygon with circumradius `radius`. Below 3, the
+    /// aperture is a disc.
     pub blades: u32,
 }
 
@@ -27,7 +27,8 @@ impl Lens {
         self.radius * self.sample_unit_aperture(u).as_dvec2()
     }
 
-    /// Samples a point of the aperture, scaled to radius 1, uniformly by area.
+    /// Samples a point of the aperture, scaled to radius 1, uniformly by area, from random numbers
+    /// `u` in \[0, 1)².
     fn sample_unit_aperture(&self, u: Vec2) -> Vec2 {
         if self.blades < 3 {
             return warp::square_to_uniform_disc(u);

@@ -37,7 +37,7 @@ enum CameraProjection {
     Perspective(Option<Lens>),
     /// Parallel rays that start in a plane.
     Orthographic,
-    /// Rays in all directions: longitude across the picture, latitude down.
+    /// Rays in all directions (equirectangular): columns are longitudes, rows are latitudes.
     Panorama,
 }
 
@@ -171,10 +171,10 @@ impl Camera {
         self.center
     }
 
-    /// Width of a pixel's footprint at the ray origin \[length], and its increase per unit of
-    /// distance along the ray.
+    /// Returns the width of a pixel's footprint at the ray origin \[length], and its growth per
+    /// unit of distance along the ray.
     ///
-    /// Both hold at the center of the picture.
+    /// Both values are for the pixel at the center of the picture.
     #[inline]
     #[must_use]
     pub fn pixel_footprint_and_growth(&self) -> (f32, f32) {
@@ -186,7 +186,7 @@ impl Camera {
         }
     }
 
-    /// Copy of the camera, translated by `by`.
+    /// Returns a copy of the camera, translated by `by`.
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {
         Self { center: self.center + by, ..self }
@@ -209,7 +209,7 @@ impl Camera {
         }
     }
 
-    /// Copy of the camera, moved by the rigid transform `map`.
+    /// Returns a copy of the camera, moved by the rigid transform `map`.
     #[must_use]
     pub fn transformed(self, map: &Transform) -> Self {
         let Self { center, forward, pixel_right: right, pixel_up: up, .. } = self;
@@ -222,7 +222,7 @@ impl Camera {
         }
     }
 
-    /// Copy of the camera with a picture of `width` × `height` pixels.
+    /// Returns a copy of the camera with a picture of `width` × `height` pixels.
     ///
     /// The vertical angle of view, or the height of an orthographic picture in world space, does
     /// not change.
@@ -248,7 +248,8 @@ impl Camera {
         self.forward
     }
 
-    /// Copy of the camera, rotated about the point `pivot` together with its viewing direction.
+    /// Returns a copy of the camera that orbits the point `pivot`: position and viewing direction
+    /// rotate together.
     ///
     /// `yaw` rotates about the unit vector `axis`, then `pitch` about the camera's right vector
     /// \[radians]. The distance from `pivot` is multiplied by the factor `distance` > 0, and so are
@@ -277,7 +278,7 @@ impl Camera {
     /// Generates the world-space ray through the film position `p` \[pixels from the top left].
     ///
     /// The ray has a unit direction. `lens` in \[0, 1)² samples the point of the lens where the ray
-    /// starts; `None` stands for the lens center. Cameras without a lens ignore it.
+    /// starts; `None` is the lens center. Cameras without a lens ignore it.
     #[inline]
     #[must_use]
     pub fn generate_ray(&self, p: Vec2, lens: Option<Vec2>) -> Ray {
@@ -315,8 +316,8 @@ impl Camera {
         let (x, y) = self.centered_coordinates(p);
         let on_lens = on_lens / self.pixel_size;
         let offset = self.pixel_right * on_lens.x + self.pixel_up * on_lens.y;
-        // Vectors are relative to the camera center. In world coordinates, a small aperture with
-        // near focus would lose its digits.
+        // These vectors are relative to the camera center. In world coordinates, a small aperture
+        // with near focus would lose digits.
         let in_focus = (self.pixel_right * x + self.pixel_up * y + self.forward) * thin.focus_distance;
         Ray::new((self.center + offset).as_vec3(), (in_focus - offset).normalize().as_vec3())
     }
@@ -330,8 +331,8 @@ impl Camera {
         self.lens().map_or(DVec2::ZERO, |lens| lens.sample(u))
     }
 
-    /// Coordinates of the film position `p` \[pixels from the top left] right and up from the
-    /// film's center \[pixels].
+    /// Converts the film position `p` \[pixels from the top left] to coordinates right and up from
+    /// the film's center \[pixels].
     #[inline]
     fn centered_coordinates(&self, p: Vec2) -> (f64, f64) {
         (f64::from(p.x) - 0.5 * f64::from(self.width), 0.5 * f64::from(self.height) - f64::from(p.y))

@@ -66,13 +66,13 @@ pub enum Command {
     Mesh(Box<MeshArguments>),
     /// Read a scene and everything it names, report errors and warnings, and render nothing
     Check(Box<SceneArguments>),
-    /// Add the film files of parts of a render
+    /// Merge the film files of parts of a render into one film or picture
     Merge(MergeArguments),
     /// Describe a film file: its scene, settings, passes and estimated error
     Film(FilmArguments),
     /// Render on the machines of a farm
     Farm(FarmArguments),
-    /// Write a scene as scene text, with the meshes and pictures that it holds beside it
+    /// Convert a scene to scene text; meshes and pictures embedded in it become files
     Convert(ConvertArguments),
     /// Print a completion script for a shell
     Completions {
@@ -128,17 +128,17 @@ pub struct MethodArguments {
     #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
     pub final_gathering: FinalGathering,
 
-    /// Trace no prefix rays in hybrid: extra camera rays up to the first diffuse surface, where
-    /// highlights and caustics behind glass need them
+    /// Trace no prefix rays in hybrid. These extra camera rays end at the first diffuse surface,
+    /// and reduce the noise of highlights and caustics seen through glass
     #[arg(long)]
     pub no_prefix_rays: bool,
 
-    /// Choose shadow rays to an environment light by its brightness alone. By default, a pilot also
-    /// finds the directions from which its light reaches each part of the scene
+    /// Sample directions of shadow rays to an environment light by its brightness alone. By
+    /// default, a pilot also finds from which directions its light reaches each part of the scene
     #[arg(long)]
     pub no_environment_guiding: bool,
 
-    /// Choose without a pilot the points in fog from which shadow rays start. By default, a pilot
+    /// Choose the points in fog from which shadow rays start without a pilot. By default, a pilot
     /// finds the lit parts of homogeneous media, and how many points a camera ray needs
     #[arg(long)]
     pub no_scatter_point_guiding: bool,
@@ -164,7 +164,8 @@ pub struct MethodArguments {
     #[arg(long, default_value = "blackman-harris", value_name = "NAME")]
     pub filter: FilterKind,
 
-    /// Distribute camera rays over pixels by the noise that a pilot pass finds; their total stays
+    /// Distribute camera rays over pixels by the noise that a pilot pass finds. Their total number
+    /// does not change
     #[arg(long)]
     pub adaptive: bool,
 
@@ -192,15 +193,15 @@ pub struct RenderArguments {
     #[arg(short, long = "output", required_unless_present = "film", value_name = "FILE")]
     pub output: Vec<PathBuf>,
 
-    /// Film file, which holds all sums of the render. If it exists, the render continues it
+    /// Film file, which stores the sums of all passes. If it exists, the render continues from it
     #[arg(long, value_name = "FILE")]
     pub film: Option<PathBuf>,
 
-    /// Save the film file once in this time, such as 1m, and at the end
+    /// Time between two saves of the film file, such as 1m. The end of the render saves it too
     #[arg(long, value_parser = parse_duration, default_value = "5m", value_name = "TIME", requires = "film")]
     pub save_every: Duration,
 
-    /// Make only the K-th of N parts of the passes, such as 3/16. `caustica merge` adds the films
+    /// Render only the K-th of N parts of the passes, such as 3/16. `caustica merge` adds the films
     /// of all parts
     #[arg(long, value_name = "K/N", requires_all = ["film", "passes"], conflicts_with_all = ["time", "target_error", "preview"])]
     pub shard: Option<Shard>,
@@ -230,8 +231,8 @@ pub struct RenderArguments {
     #[arg(long, conflicts_with_all = ["target_error", "no_error_estimate"])]
     pub preview: bool,
 
-    /// Confidence that the error is at most the one at which the render stops; with --passes or
-    /// --time alone, confidence of the interval of the estimated error
+    /// Confidence that the error is at most --target-error when the render stops. With --passes or
+    /// --time alone, confidence of the printed interval of the error
     #[arg(long, value_parser = parse_confidence, default_value = "90%", value_name = "PART")]
     pub confidence: Confidence,
 
@@ -240,8 +241,8 @@ pub struct RenderArguments {
     #[arg(long, value_name = "FILE")]
     pub aov: Option<PathBuf>,
 
-    /// Take albedo, normal and the like of --aov from the first surface, even if it is a mirror or
-    /// smooth glass
+    /// Take albedo, normal and other surface layers of --aov from the first surface, even if it is
+    /// a mirror or smooth glass
     #[arg(long, requires = "aov")]
     pub aov_first_hit: bool,
 
@@ -251,7 +252,7 @@ pub struct RenderArguments {
     pub light_groups: bool,
 
     /// Do not estimate the error. Saves a little time and memory; the same passes give the same
-    /// picture. Without --passes and --time, makes 16 passes, path 32, photon integrators 20
+    /// picture. Without --passes and --time, makes 16 passes (path 32; sppm, ppm and pm 20)
     #[arg(long, visible_alias = "no-gauge")]
     pub no_error_estimate: bool,
 
@@ -260,8 +261,8 @@ pub struct RenderArguments {
     #[arg(long, value_name = "X0,Y0,X1,Y1")]
     pub crop: Option<CropWindow>,
 
-    /// Render the frames from A to before B of a turntable: the camera circles around the point
-    /// that it looks at. Names of outputs hold the number of the frame as %04d
+    /// Render the frames A to B-1 of a turntable: the camera circles around the point that it looks
+    /// at. In names of outputs, %04d stands for the number of the frame
     #[arg(long, value_name = "A..B", conflicts_with_all = ["film", "shard"])]
     #[cfg_attr(feature = "view", arg(conflicts_with_all = ["listen", "tev"]))]
     pub frames: Option<FrameRange>,
@@ -281,8 +282,8 @@ pub struct RenderArguments {
     #[arg(long, value_parser = parse_radiance_limit, value_name = "RADIANCE")]
     pub clamp: Option<f32>,
 
-    /// Rewrite the files of -o after the first pass, and then once in this time, such as 30s. 0
-    /// writes them at the end only
+    /// Time between two updates of the files of -o during the render, such as 30s. The first update
+    /// follows the first pass. 0 writes the files at the end only
     #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
     pub update: Duration,
 

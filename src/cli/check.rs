@@ -10,8 +10,7 @@ use crate::scene::Scene;
 use glam::Vec2;
 use std::io::Write;
 
-/// Number of rows, and of columns, in the grid of camera rays that test whether an object is
-/// visible.
+/// Side length n of the grid of n × n camera rays that test whether the camera sees any object.
 const RAYS_PER_SIDE: u32 = 64;
 
 /// Runs `caustica check`: prints one line for each warning, and a summary.
@@ -33,8 +32,8 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
 
 /// Returns the scene warnings that `caustica render` prints before it renders, one line each.
 ///
-/// Of the warnings of `caustica check`, two kinds are left out: those for which meshes must be read
-/// again, and the one about a scene without objects, which `caustica render` prints itself.
+/// Leaves out two kinds of warnings of `caustica check`: those for which meshes must be read again,
+/// and the one about a scene without objects, which `caustica render` prints itself.
 pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let mut lines = import_warnings(file);
     lines.extend(file.unused_item_warnings());

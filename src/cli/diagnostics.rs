@@ -42,10 +42,10 @@ fn flux_fractions_text(audit: &EnergyAudit) -> String {
     )
 }
 
-/// Returns a note that explains why all pixels are black. `lights` is the number of lights;
-/// `powerless` is true if they have no power.
-pub(super) fn black_picture_note(lights: usize, powerless: bool) -> &'static str {
-    match (lights, powerless) {
+/// Returns a note that explains why all pixels are black. `lights` is the number of lights, and
+/// `lights_are_black` is true if they have no power.
+pub(super) fn black_picture_note(lights: usize, lights_are_black: bool) -> &'static str {
+    match (lights, lights_are_black) {
         (0, _) => "note: every pixel is black: the scene has no light",
         (_, true) => "note: every pixel is black: no light has any power",
         (_, false) => "note: every pixel is black: no light reaches what the camera sees",

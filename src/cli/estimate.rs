@@ -23,8 +23,8 @@ use report::CostEstimateReport;
 use std::io::Write as _;
 use std::time::{Duration, Instant};
 
-/// Smallest number of passes of the pilot. With fewer, the error estimate would miss rare bright
-/// paths.
+/// Smallest number of passes of the pilot render. The error estimate of fewer passes would miss
+/// rare bright paths.
 const MIN_PILOT_PASSES: u32 = 8;
 
 pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure> {
@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
                 let method = MethodArguments { integrator: *algorithm, ..arguments.method.clone() };
                 match estimate_method_cost(arguments, &method, &scene, load_seconds, &progress) {
                     Ok(report) => comparison.add_report(report),
-                    // The reports so far are printed.
+                    // Stop comparing, and print the reports so far.
                     Err(failure) if failure.exit == Exit::Interrupted => break,
                     Err(failure) => return Err(failure),
                 }

@@ -66,7 +66,8 @@ impl CommandFailure {
     }
 }
 
-/// Sets up error reports that print each cause once. Call it before the first report is made.
+/// Installs the style of error reports, which prints each cause of an error once. Call this before
+/// the first report is made.
 pub(super) fn install_report_style() {
     // A second call in one process fails and changes nothing.
     let _ = miette::set_hook(Box::new(|diagnostic| {

@@ -5,8 +5,10 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Lock of a file: a locked file beside it, whose name ends with `.lock`. All symbolic links to the
-/// file share this lock.
+/// Advisory lock that keeps two processes of `caustica` from using one file. The lock is held on a
+/// second file beside it, with `.lock` added to the name.
+///
+/// All symbolic links to the file share its lock.
 pub(super) struct FileLock {
     path: PathBuf,
     /// Open file that holds the lock. The system releases the lock when the process ends.
@@ -27,7 +29,7 @@ impl FileLock {
                 Err(TryLockError::WouldBlock) => return Ok(None),
                 Err(TryLockError::Error(error)) => return Err(error),
             }
-            // If a process that just ended has removed the lock file, try again.
+            // If another process has removed the lock file meanwhile, try again.
             if is_file_at(&file, &lock) {
                 return Ok(Some(Self { path: lock, _file: file }));
             }
@@ -37,12 +39,12 @@ impl FileLock {
 
 impl Drop for FileLock {
     fn drop(&mut self) {
-        // If this fails and the lock file stays, the next process locks it again.
+        // A lock file that cannot be removed does no harm: the next process locks it again.
         let _ = fs::remove_file(&self.path);
     }
 }
 
-/// True if `path` leads to the open `file`.
+/// True if `path` names the open file `file`.
 #[cfg(unix)]
 fn is_file_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -50,8 +52,8 @@ fn is_file_at(file: &File, path: &Path) -> bool {
     open.is_ok_and(|open| named.is_ok_and(|named| (open.dev(), open.ino()) == (named.dev(), named.ino())))
 }
 
-/// True if `path` leads to the open `file`. Systems other than Unix do not remove open files, so an
-/// existing file at `path` is `file`.
+/// True if `path` names the open file `file`. Systems other than Unix do not remove open files, so
+/// an existing file at `path` is `file`.
 #[cfg(not(unix))]
 fn is_file_at(_: &File, path: &Path) -> bool {
     path.exists()

@@ -25,21 +25,21 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Smallest time between two saves, as a multiple of the time that a save takes. It keeps the time
-/// of saves below 1 % of a render.
+/// Shortest time between two saves of a film, as a multiple of the time that a save takes. So saves
+/// take at most 1 % of a render.
 const MIN_INTERVAL_SAVE_RATIO: u32 = 100;
 
 /// Memory of `caustica merge` beside its films: the program, and buffers for reading and writing
 /// \[bytes].
 const MERGE_MEMORY_RESERVE: u64 = 64 << 20;
 
-/// Flag of a render whose film has no data for the error estimate.
+/// Flag with which a render saves a film without data for the error estimate.
 const NO_ERROR_ESTIMATE_FLAG: &str = "--no-error-estimate";
 
-/// Flag of renders whose films have light groups.
+/// Flag with which a render saves a film that has light groups.
 const LIGHT_GROUPS_FLAG: &str = "--light-groups";
 
-/// Flag of renders whose films have clamped light.
+/// Flag with which a render clamps the light of each camera path.
 const CLAMP_FLAG: &str = "--clamp";
 
 /// Arguments of `film`.
@@ -85,7 +85,8 @@ struct FilmOfOtherShardError {
     passes: String,
 }
 
-/// The film file of a render, and when to save it. It is locked until the value is dropped.
+/// Film file of a running render, and the time of its next save. The file is locked against other
+/// processes until the value is dropped.
 pub(super) struct LockedFilmFile<'a> {
     path: &'a Path,
     header: FilmHeader,
@@ -121,11 +122,12 @@ pub(super) fn check_film_memory(paths: &[PathBuf], count: usize, memory: Option<
     Ok(())
 }
 
-/// Returns a memory limit \[bytes] with which `caustica merge` can merge films with this header.
+/// Returns a limit of `--memory` \[bytes] that is enough for `caustica merge` to merge films with
+/// this header.
 pub(super) fn merge_memory(header: &FilmHeader) -> u64 {
     let size = (header.width, header.height);
     let film = check_layered_picture_memory(size, film_layers(header), None);
-    // A picture that is too large fails already when it is rendered.
+    // A size beyond all limits counts as 0: a render of that size has failed before.
     2 * film.unwrap_or_default() + MERGE_MEMORY_RESERVE
 }
 
@@ -168,7 +170,7 @@ fn film_text(FilmFile { header, rendered }: &FilmFile) -> String {
     text
 }
 
-/// Scene and settings of a render, on which its passes depend.
+/// Scene and settings that determine the passes of a render. The header of its film stores them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FilmHeaderSettings<'a> {
     /// Path of the scene file.
@@ -208,7 +210,7 @@ impl FilmHeaderSettings<'_> {
     }
 }
 
-/// Returns which layers a film with this header holds beside the picture.
+/// Returns the layers that a film with this header holds besides the picture.
 fn film_layers(header: &FilmHeader) -> LayerSelection {
     let has = |flag: &str| header.settings.iter().any(|word| word == flag);
     LayerSelection {
@@ -220,11 +222,11 @@ fn film_layers(header: &FilmHeader) -> LayerSelection {
     }
 }
 
-/// Returns the header of the film of a render of `size` (width, height) pixels. The render may be a
-/// window of a picture of `whole` pixels. `scene` is the scene file, and `inputs` are the files
-/// that it names.
+/// Returns the header of the film of a render. `size` is the width and height of the film, and
+/// `whole` that of the picture without `--crop` \[pixels]. `scene` is the scene file, and `inputs`
+/// are the files that it names.
 ///
-/// This must be called right after loading. It returns a failure if a file changed since it was
+/// Call this function right after loading. It returns a failure if a file changed since it was
 /// read.
 pub(super) fn make_film_header(
     render: &FilmHeaderSettings<'_>,
@@ -235,7 +237,7 @@ pub(super) fn make_film_header(
 ) -> Result<FilmHeader, CommandFailure> {
     let mut settings = render.non_default_flags();
     if render.crop.is_some() {
-        // A window at the same place of a picture of another size shows something else.
+        // In a picture of another size, a window with these coordinates shows something else.
         settings.extend(["--size".to_owned(), format!("{}x{}", whole.0, whole.1)]);
     }
     Ok(FilmHeader {
@@ -266,7 +268,7 @@ impl<'a> LockedFilmFile<'a> {
         let lock = lock.ok_or_else(in_use)?;
         let mut rendered = None;
         if path.exists() {
-            // A film of the same size as this render fits into memory, which was checked before.
+            // The memory check of this render covers its film too.
             let differences = header.differences(&read_header(path)?);
             if !differences.is_empty() {
                 let error = FilmOfOtherRenderError { path: path.to_owned(), differences };
@@ -277,7 +279,8 @@ impl<'a> LockedFilmFile<'a> {
         Ok((Self { path, header, interval, next_save: Instant::now() + interval, _lock: lock }, rendered))
     }
 
-    /// Returns an error unless `numbers` contains all passes of `rendered`.
+    /// Returns a failure if `rendered` has a pass whose index is not in `numbers`, the passes of
+    /// the shard.
     pub fn check_shard(&self, rendered: &RenderResult, numbers: Range<u32>) -> Result<(), CommandFailure> {
         let mut shard = PassSet::default();
         shard.insert(numbers);

@@ -1,4 +1,4 @@
-//! Frames of a turntable, which `--frames` renders: cameras on a circle, and names of output files.
+//! Turntable frames of `--frames`: cameras on a circle, and names of output files.
 
 use super::pivot::pivot;
 use crate::camera::Camera;
@@ -14,17 +14,17 @@ use std::str::FromStr;
 /// checked before the first frame is rendered.
 const MAX_FRAME_END: u32 = 10_000;
 
-/// Numbers of the frames to render, from `first` to before `end`: value of `--frames`.
+/// Range of frame numbers to render, without its end, such as `0..48`: value of `--frames`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRange {
     /// Number of the first frame to render.
     pub first: u32,
-    /// Number after that of the last frame to render.
+    /// Number of the last frame to render, plus 1.
     pub end: u32,
 }
 
 impl FrameRange {
-    /// Returns the numbers of the frames.
+    /// Returns the frame numbers as a range.
     pub(super) fn numbers(self) -> Range<u32> {
         self.first..self.end
     }
@@ -62,8 +62,8 @@ pub(super) struct MovingTurntableCameraError;
 /// Returns `path` with the number `frame` in place of `%d`, or of `%0Nd` with leading zeros up to N
 /// digits (1 to 9).
 ///
-/// `flag` is the flag that names the file. It appears in the error, which is returned if `path` has
-/// no such place, or more than one.
+/// Returns an error if `path` has no such place, or more than one. The error names `flag`, the flag
+/// of the output file.
 pub(super) fn frame_path(flag: &'static str, path: &Path, frame: u32) -> Result<PathBuf, FrameNameError> {
     let numbered = path.to_str().and_then(|text| {
         let (before, rest) = text.split_once('%')?;
@@ -78,7 +78,8 @@ pub(super) fn frame_path(flag: &'static str, path: &Path, frame: u32) -> Result<
     numbered.ok_or_else(|| FrameNameError { flag, path: path.to_owned() })
 }
 
-/// Cameras on a circle around a point, which they all look at.
+/// Cameras of a turntable: the scene's camera, turned about an axis through the point `pivot`, at
+/// which all of them look.
 pub(super) struct Turntable {
     /// Camera of frame 0, in the coordinates of the scene description.
     initial_camera: Camera,
@@ -110,8 +111,8 @@ impl Turntable {
         Ok(Self { initial_camera: scene.camera_in_description(), pivot, axis, frames_per_turn: frames })
     }
 
-    /// Returns the camera of a frame; `None` for frame 0 and after each full turn, which the
-    /// scene's own camera shows. The camera moves to the right as frame numbers rise.
+    /// Returns the camera of a frame; `None` if it is the scene's own camera, as at frame 0 and
+    /// after each full turn. The camera moves to the right as frame numbers rise.
     pub fn camera(&self, frame: u32) -> Option<Camera> {
         let step = frame % self.frames_per_turn;
         let angle = TAU * f64::from(step) / f64::from(self.frames_per_turn);
@@ -124,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_hold_the_number_of_the_frame() {
+    fn frame_paths_contain_the_frame_number() {
         let name =
             |path: &str, frame| frame_path("-o", Path::new(path), frame).ok().map(|path| path.display().to_string());
         assert_eq!(name("a/%04d.png", 7), Some("a/0007.png".to_owned()));
@@ -136,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_exclude_their_end() {
+    fn frame_ranges_exclude_their_end() {
         assert_eq!("3..48".parse(), Ok(FrameRange { first: 3, end: 48 }));
         for wrong in ["", "48", "4..4", "5..4", "-1..4", "0..99999", "0...4", "a..b"] {
             assert!(wrong.parse::<FrameRange>().is_err(), "{wrong}");
@@ -144,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn quarter_turns_see_the_pivot_from_four_sides() {
+    fn turntable_cameras_circle_and_face_the_pivot() {
         let camera = Camera::perspective(DVec3::new(1.0, 2.0, 7.0), -DVec3::Z, DVec3::Y, 0.7, 32, 24).unwrap();
         let turntable =
             Turntable { initial_camera: camera, pivot: DVec3::new(1.0, 2.0, 3.0), axis: DVec3::Y, frames_per_turn: 4 };

@@ -1,4 +1,4 @@
-//! The files that a scene names, and their digests for films.
+//! Input files of a scene, and their SHA-256 digests for the headers of films.
 
 use super::{CommandFailure, Exit};
 use crate::format::FileStamp;
@@ -12,15 +12,17 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// A file that a command reads, with the stamp that it had before it was read.
+/// A file that a command reads, with its modification time and length (stamp) before reading.
 #[derive(Clone, Debug)]
 pub(super) struct InputFile {
     pub path: PathBuf,
+    /// Stamp of the file before reading; `None` if there was no such file.
     stamp: Option<FileStamp>,
 }
 
 impl InputFile {
-    /// Makes an input of the file at `path`, which is read next.
+    /// Makes an input file with the current modification time and length of the file at `path`.
+    /// Call this before the file is read.
     pub fn new(path: &Path) -> Self {
         Self { path: path.to_owned(), stamp: FileStamp::of_file(path) }
     }
@@ -32,7 +34,7 @@ impl InputFile {
 #[diagnostic(help("give the same command again"))]
 struct ChangedInputError(PathBuf);
 
-/// Monitor that collects all files that a scene names, and passes the progress of reading on to
+/// Monitor that collects all files that a scene names. It forwards the progress of reading to
 /// another monitor.
 pub(super) struct InputFileCollector<'a> {
     progress: &'a dyn MeshReadMonitor,
@@ -76,8 +78,8 @@ impl MeshReadMonitor for InputFileCollector<'_> {
 /// Returns the digests of the scene file and of the `inputs` that it names, sorted by name and
 /// digest.
 ///
-/// Returns a failure if a file has another stamp than before it was read: the loaded scene may then
-/// differ from the files.
+/// Returns a failure if a file has changed since it was read: its digest would not describe the
+/// loaded scene.
 pub(super) fn input_digests(scene: &InputFile, inputs: &[InputFile]) -> Result<Vec<InputDigest>, CommandFailure> {
     let mut files: Vec<&InputFile> = std::iter::once(scene).chain(inputs).collect();
     // A file that the scene names several times keeps its first stamp, because the sort is stable.
@@ -100,7 +102,7 @@ pub(super) fn input_digests(scene: &InputFile, inputs: &[InputFile]) -> Result<V
 /// Returns the name of the file at `path` in films of the scene file `scene`: the path from the
 /// scene's folder, or the name alone if the file lies outside of that folder.
 ///
-/// So a copy of the scene's folder in another place has the same names.
+/// So a scene folder that is copied to another place gives equal names.
 fn film_input_name(path: &Path, scene: &Path) -> String {
     let (file, scene) = (normal_path(path), normal_path(scene));
     let inside = scene.parent().and_then(|folder| file.strip_prefix(folder).ok());
@@ -158,7 +160,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn files_that_change_during_loading_have_no_digest() {
+    fn files_changed_during_loading_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let [scene, mesh] = ["scene.txt", "mesh.obj"].map(|name| folder.path().join(name));
         fs::write(&scene, "a").unwrap();
@@ -177,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn names_in_films_are_relative_to_the_scene() {
+    fn film_input_names_are_relative_to_scene_folder() {
         let name = |path: &str, scene: &str| film_input_name(Path::new(path), Path::new(scene));
         assert_eq!(name("a/tex/wood.png", "a/ring.txt"), "tex/wood.png");
         assert_eq!(name("./tex/../wood.png", "ring.txt"), "wood.png");

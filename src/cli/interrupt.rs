@@ -9,13 +9,13 @@ use super::progress::{clear_progress_bar, print_message};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time after the first signal in which further ones count as the same interruption.
+/// Time after the first signal during which further signals count as the same interruption.
 ///
 /// When a terminal closes, both the shell and the system send SIGHUP.
 const SAME_INTERRUPTION_TIME: Duration = Duration::from_secs(1);
 
-/// Message about the work that a render still does after the first interrupting signal, or after a
-/// stop on the live page.
+/// Text that tells what a render still does after the first interrupting signal, or after a stop
+/// request of the live page.
 pub(super) const STOP_CONSEQUENCE: &str = "the picture so far is written after this pass";
 
 /// True after the first interrupting signal, or after a stop request of the live page of
@@ -41,10 +41,11 @@ pub(super) fn listen_for_signals(consequence: &'static str) {
     });
 }
 
-/// Ends the work after the current pass, as a user asked on the live page.
+/// Ends the work after the current pass, at the request of a user on the live page. `consequence`
+/// says what the command still does, as for [`listen_for_signals`].
 ///
-/// A signal that follows is a first one, because the user of the terminal may not know of the
-/// request. `consequence` is that of [`listen_for_signals`].
+/// A later signal counts as the first one, because the user of the terminal may not know of the
+/// request.
 #[cfg(feature = "view")]
 pub(super) fn stop_on_request(consequence: &str) {
     if !INTERRUPTED.swap(true, Ordering::Relaxed) {
@@ -52,18 +53,19 @@ pub(super) fn stop_on_request(consequence: &str) {
     }
 }
 
-/// Effect of a signal.
+/// Reaction to an interrupting signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SignalAction {
-    /// The work ends after the current pass.
+    /// End the work after the current pass, and write the outputs.
     FinishPass,
-    /// Nothing: the signal belongs to the same interruption as the first one.
+    /// Do nothing: the signal belongs to the same interruption as the first one.
     Ignore,
-    /// The process ends, and nothing more is written.
+    /// End the process at once, without writing outputs.
     EndProcess,
 }
 
-/// Returns what a signal at the time `now` does. Stores the time of the first signal in `first`.
+/// Returns the reaction to a signal at the time `now`. Stores the time of the first signal in
+/// `first`.
 fn act_on_signal(first: &mut Option<Instant>, now: Instant) -> SignalAction {
     match *first {
         None => {
@@ -93,8 +95,8 @@ fn spawn_signal_handler(mut handle: impl FnMut() + Send + 'static) {
     }
 }
 
-/// Returns the signals that this process ignores; `None` if unknown. Bit `n - 1` stands for signal
-/// `n`.
+/// Returns a bit mask of the signals that this process ignores: bit n − 1 stands for signal n.
+/// `None` if they are unknown.
 #[cfg(unix)]
 fn ignored_signals() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
@@ -113,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_signals_after_a_second_end_the_process() {
+    fn second_signal_ends_process_only_after_one_second() {
         let start = Instant::now();
         let mut first = None;
         let mut act = |seconds: f64| act_on_signal(&mut first, start + Duration::from_secs_f64(seconds));

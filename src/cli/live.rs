@@ -33,7 +33,7 @@ pub(super) fn print_page_address(server: &PageServer) {
     print_message(&format!("live page: {}", server.url()));
 }
 
-/// Live page of `caustica render --listen`, with its server.
+/// Live page of `caustica render --listen`, and its web server.
 pub(super) struct LiveOutput {
     page: Arc<LivePage>,
     server: PageServer,

@@ -91,8 +91,8 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
     failures.into_result(Exit::Success)
 }
 
-/// Returns the algorithm that rendered the film with the given header; `None` if this program has
-/// no such algorithm.
+/// Returns the algorithm that rendered the film with the given header; `None` if this version of
+/// the program does not have it.
 ///
 /// The settings of a header begin with `--integrator` and the algorithm's name.
 fn film_algorithm(header: &FilmHeader) -> Option<Algorithm> {

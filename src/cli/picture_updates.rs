@@ -1,4 +1,4 @@
-//! Pictures that are rewritten while a render goes on.
+//! Picture files that are rewritten during a render.
 
 use super::progress::print_message;
 use crate::image::{self, Image, WriteOptions};
@@ -7,13 +7,13 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Smallest time between two updates, as a multiple of the time that an update takes. It keeps the
-/// time of updates below 1 % of a render.
+/// Shortest time between two updates, as a multiple of the time that an update takes. So updates
+/// take at most 1 % of a render.
 const MIN_INTERVAL_UPDATE_RATIO: u32 = 100;
 
 /// Writer of the pictures of an unfinished render.
 ///
-/// Each file is whole at any time: [`image::write`] renames a complete file to its name.
+/// Readers never see half a file: [`image::write`] writes another file and renames it.
 pub(super) struct PictureUpdater<'a> {
     paths: &'a [PathBuf],
     options: &'a WriteOptions,
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_rewritten_when_the_interval_is_over() {
+    fn pictures_are_rewritten_once_per_interval() {
         let folder = tempfile::tempdir().unwrap();
         let (path, options) = (folder.path().join("a.exr"), WriteOptions::default());
         let red = || image::read(&path).unwrap().pixels()[0].x;

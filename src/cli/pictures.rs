@@ -10,7 +10,7 @@ use crate::integrate::Algorithm;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
-/// Flags of the files that hold pictures.
+/// Flags for writing picture files: tone curve, exposure and bits per channel.
 #[derive(Clone, Debug, Args)]
 pub struct PictureArguments {
     /// Tone curve of PNG: srgb, filmic or course (linear bytes)  [default: srgb; course for
@@ -44,7 +44,7 @@ impl PictureArguments {
     }
 }
 
-/// Returns the tone curve of pictures by `algorithm`, if the user chooses none.
+/// Returns the default tone curve for pictures that `algorithm` renders.
 pub(super) fn default_tone_curve(algorithm: Algorithm) -> ToneCurve {
     match algorithm {
         Algorithm::Raycast => ToneCurve::Legacy,
@@ -95,8 +95,8 @@ pub(super) fn write_pictures<'a>(
     }
 }
 
-/// Prints warnings of pixels whose values the file format cannot store. `exposure` is that of the
-/// written file \[stops].
+/// Prints warnings of pixels whose values the file format cannot store. `exposure` is the exposure
+/// of the written file \[stops].
 fn warn_of_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &ProgressDisplay) {
     let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
     if written.non_finite > 0 {

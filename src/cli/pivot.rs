@@ -1,14 +1,13 @@
-//! The point about which the camera turns on the live page and on turntables.
+//! Pivot: the point about which the camera turns on the live page and on turntables.
 
 use crate::scene::Scene;
 use glam::{DVec3, Vec2};
 
-/// Returns the surface point in the center of the picture, in the coordinates of the scene
+/// Returns the surface point that the center of the picture shows, in the coordinates of the scene
 /// description.
 ///
-/// If the ray through the picture's center hits no surface, returns the point of this ray that is
-/// nearest to the center of the scene. Its distance from the camera is at least a tenth of the
-/// scene's radius.
+/// If the camera ray through the picture's center hits no surface, returns the point of this ray
+/// nearest to the center of the scene, but at least a tenth of the scene's radius from the camera.
 pub(super) fn pivot(scene: &Scene) -> DVec3 {
     let camera = scene.camera();
     let (width, height) = camera.size();

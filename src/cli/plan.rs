@@ -1,4 +1,5 @@
-//! `caustica plan`, and texts about a plan for other commands.
+//! `caustica plan`: shows the effects of light that a scene needs. Also texts about a plan for
+//! other commands.
 
 use super::args::PlanArguments;
 use super::progress::{ProgressDisplay, print_message};
@@ -40,7 +41,8 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, CommandFailure> {
     })
 }
 
-/// Returns a line that lists the simulated and the omitted effects.
+/// Returns a line that lists the simulated and the omitted effects, such as
+/// `plan: shadows, specular; without caustics, lens`.
 pub(super) fn simulated_effects_line(plan: &Plan) -> String {
     let names = |keep: fn(&EffectDecision) -> bool| {
         let names: Vec<&str> = plan.decisions.iter().filter(|d| keep(d)).map(|d| d.effect.name()).collect();
@@ -103,7 +105,7 @@ fn pass_counts_line(balance: &RayPhotonBalance) -> String {
 
 /// Returns a line with `mean`, the mean number of prefix rays per pixel; `None` if it is 0.
 ///
-/// Prefix rays are extra camera rays that end at the first surface that stores photons.
+/// Prefix rays are extra camera rays that end at the first surface or medium that stores photons.
 fn prefix_rays_line(mean: f64) -> Option<String> {
     let reason = "for highlights and caustics seen through glass";
     (mean > 0.0).then(|| format!("and {mean:.2} rays per pixel up to the first diffuse surface, {reason}"))
@@ -142,8 +144,8 @@ fn scatter_point_guiding_line(integrator: &dyn Integrator) -> Option<String> {
 
 /// Returns a warning for each effect that the scene needs but the plan omits.
 pub(super) fn omitted_effect_warnings(plan: &Plan) -> impl Iterator<Item = String> {
-    let lacking = plan.decisions.iter().filter(|d| d.is_needed && !d.is_simulated);
-    lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.symptom_if_missing()))
+    let omitted = plan.decisions.iter().filter(|d| d.is_needed && !d.is_simulated);
+    omitted.map(|d| format!("warning: without {}: {}", d.effect, d.effect.symptom_if_missing()))
 }
 
 fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &ExpectedWork) -> String {
@@ -180,6 +182,7 @@ fn work_counts_text(work: WorkCounts, number: fn(f64) -> String) -> String {
     }
 }
 
+/// JSON report of `caustica plan`.
 #[derive(Debug, Serialize)]
 struct PlanCommandReport {
     schema: u32,
@@ -192,8 +195,8 @@ struct PlanCommandReport {
     /// Expected number of photons that the first pass sums in density estimates.
     gathered_photons: i64,
     balance: Option<RayPhotonBalance>,
-    /// Mean number of prefix rays per pixel: extra camera rays that end at the first diffuse
-    /// surface.
+    /// Mean number of prefix rays per pixel: extra camera rays that end at the first surface or
+    /// medium that stores photons.
     prefix_rays_per_pixel: f64,
     /// Share in \[0, 1] of the indirect light that photon estimates carry in the first pass.
     indirect_photon_share: f64,
@@ -206,6 +209,7 @@ struct PlanCommandReport {
     effects: Vec<EffectCostReport>,
 }
 
+/// JSON of one effect: the decision of the plan, and the work that the effect adds to a pass.
 #[derive(Debug, Serialize)]
 struct EffectCostReport {
     #[serde(flatten)]
@@ -217,6 +221,7 @@ struct EffectCostReport {
     gathered_photons: Option<i64>,
 }
 
+/// JSON of the plan's decision whether to simulate one effect of light, with its reason.
 #[derive(Debug, Serialize)]
 pub(super) struct EffectDecisionReport {
     effect: &'static str,
@@ -229,7 +234,7 @@ pub(super) struct EffectDecisionReport {
     flaw: Option<&'static str>,
 }
 
-/// Returns the decisions of a plan as JSON records.
+/// Returns the decisions of a plan about all effects of light, as JSON records.
 pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectDecisionReport> {
     let report = |d: &EffectDecision| EffectDecisionReport {
         effect: d.effect.name(),
@@ -244,7 +249,7 @@ pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectDecisionReport> {
 impl PlanCommandReport {
     fn new(scene: String, algorithm: Algorithm, integrator: &dyn Integrator, work: &ExpectedWork) -> Self {
         let plan = integrator.plan();
-        let costed = |(report, decision): (EffectDecisionReport, &EffectDecision)| {
+        let cost_report = |(report, decision): (EffectDecisionReport, &EffectDecision)| {
             let work = work.work_of_effect(decision.effect);
             EffectCostReport {
                 decision: report,
@@ -265,7 +270,7 @@ impl PlanCommandReport {
             scatter_point_guiding: integrator.scatter_point_guiding_report(),
             rays: work.total.rays,
             gathered_photons: work.total.gathered_photons,
-            effects: plan_effect_reports(plan).into_iter().zip(&plan.decisions).map(costed).collect(),
+            effects: plan_effect_reports(plan).into_iter().zip(&plan.decisions).map(cost_report).collect(),
         }
     }
 }

@@ -34,7 +34,8 @@ pub(super) fn clear_progress_bar() {
     }
 }
 
-/// Warns of samples and photons that were not finite. A correct render rejects none.
+/// Prints warnings of samples and photons that were left out because they were not finite. A
+/// correct render has none.
 pub(super) fn warn_of_rejected_samples(counters: &Counters) {
     for (n, what) in [(counters.rejected_samples, "samples"), (counters.rejected_photons, "photons")] {
         if n > 0 {
@@ -53,7 +54,7 @@ pub(super) enum ProgressDisplay {
     Bar(ProgressBar, Mutex<ProgressBarLabels>),
 }
 
-/// Texts, times and counts that a progress display shows.
+/// Texts, times and counts that a progress bar shows.
 #[derive(Debug, Default)]
 pub(super) struct ProgressBarLabels {
     /// Text about the current pass, such as `pass 3/20`.
@@ -94,10 +95,10 @@ impl ProgressDisplay {
     }
 
     /// Sets the pass number that the bar shows, such as `pass 3/20`. `pass` is counted from 1, and
-    /// `of` is the number of all passes; `None` if unknown.
-    pub fn set_pass_number(&self, pass: u32, of: Option<u32>) {
-        let label = match of {
-            Some(of) => format!("pass {pass}/{of}"),
+    /// `total` is the number of all passes; `None` if unknown.
+    pub fn set_pass_number(&self, pass: u32, total: Option<u32>) {
+        let label = match total {
+            Some(total) => format!("pass {pass}/{total}"),
             None => format!("pass {pass}"),
         };
         self.lock_progress_labels().into_iter().for_each(|mut labels| labels.pass.clone_from(&label));
@@ -149,16 +150,18 @@ impl ProgressDisplay {
     }
 }
 
-/// Returns a label that shows the speed of a stage, such as `12,345 paths/s`.
+/// Returns a formatter for the progress bar that writes the speed of a stage, such as
+/// `12,345 paths/s`.
 fn progress_rate_label(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
     move |state, out| {
         let _ = write!(out, "{} {unit}/s", HumanCount(state.per_sec().round() as u64));
     }
 }
 
-/// Returns a label that shows the time left until `end`, the expected end of the render.
+/// Returns a formatter for the progress bar that writes the time left until `end`, the expected end
+/// of the render.
 ///
-/// Without `end`, the label shows the remaining time of the current stage of the pass.
+/// Without `end`, the formatter writes the remaining time of the current stage of the pass.
 fn time_left_label(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
     move |state, out| {
         let _ = match end {
@@ -194,7 +197,7 @@ impl ProgressMonitor for ProgressDisplay {
     }
 }
 
-/// Smallest number of triangles of a mesh whose loading is reported in a line.
+/// Smallest number of triangles of a mesh for which a line reports that the mesh was read.
 const LARGE_MESH_TRIANGLES: usize = 1_000_000;
 
 impl MeshReadMonitor for ProgressDisplay {

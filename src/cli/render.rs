@@ -48,7 +48,7 @@ use crate::view::{PlanReport, RenderPublisher, RenderStage};
 use std::ops::Range;
 use std::time::Instant;
 
-/// Number of rays of each pixel for surface AOVs of the live page.
+/// Number of rays per pixel with which surface AOVs are rendered for the live page.
 #[cfg(feature = "view")]
 const LIVE_AOV_PIXEL_RAYS: u32 = 4;
 
@@ -61,7 +61,8 @@ struct EmptyShardError {
     passes: u32,
 }
 
-/// Error: a flag about simulated light is given with the algorithm `raycast`.
+/// Error: a flag that needs simulated light is given with the algorithm `raycast`, which simulates
+/// none.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} needs light that is simulated, and raycast only shades surfaces")]
 #[diagnostic(help("choose another --integrator"))]
@@ -147,7 +148,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let inputs = inputs.into_input_files();
     let named: Vec<FileWithRole> = inputs.iter().map(|file| FileWithRole::new("the input", &file.path)).collect();
     check_distinct_files(&output_files(arguments)?, &named)?;
-    // The files may change while pilots run; the film must not take them for those of the scene.
+    // Make the digests of the inputs before pilots run: files may change meanwhile.
     let film_header = requested_film_header(arguments, &scene, &scene_file, &inputs)?;
     print_scene_summary(&arguments.scene.scene.display().to_string(), &scene, progress);
     if let Some(range) = arguments.frames {
@@ -173,8 +174,8 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
 /// Renders `scene`, and writes all outputs.
 ///
 /// `film_header` is the header of the film of `--film`; `None` without this flag. `--time` counts
-/// from `start`: the start of loading, or of this picture if there are several. `live` shows the
-/// render on a page.
+/// from `start`: the start of loading, or of this picture if there are several. `live` publishes
+/// the render on the live page.
 fn render_scene(
     arguments: &RenderArguments,
     scene: &Scene,
@@ -272,17 +273,18 @@ fn render_scene(
     progress.remove_progress_bar();
     #[cfg(feature = "view")]
     live.iter_mut().for_each(|live| live.publish_end(&rendered, RenderStage::Ended));
-    let powerless = all_lights_are_black(scene);
+    let lights_are_black = all_lights_are_black(scene);
     let aovs = || find_surface_aovs(arguments, scene, integrator.as_ref(), &camera_paths, progress);
     let aovs = arguments.aov.is_some().then(aovs).flatten();
     progress.remove_progress_bar();
     #[cfg(feature = "view")]
     tev.into_iter().for_each(|tev| tev.finish(&rendered, aovs.as_ref(), arguments.aov.is_some()));
     let outputs = RenderOutputs { arguments, rendered: &rendered, aovs, film_file: film.as_ref() };
-    outputs.write(progress, setup, &render_limits(arguments), &stop, powerless)
+    outputs.write(progress, setup, &render_limits(arguments), &stop, lights_are_black)
 }
 
-/// Returns which layers beside the picture the command line asks for. Each of them needs memory.
+/// Returns the layers besides the picture that the command line asks for. Each of them takes
+/// memory.
 fn requested_layers(arguments: &RenderArguments, estimates_error: bool) -> LayerSelection {
     LayerSelection {
         estimates_error,
@@ -299,10 +301,10 @@ fn requested_layers(arguments: &RenderArguments, estimates_error: bool) -> Layer
     }
 }
 
-/// Returns the indices of the passes to render, and `stop` with the number of these passes as its
-/// limit.
+/// Returns the indices (from 0) of the passes of `--shard`, and `stop` with their number as its
+/// limit of passes.
 ///
-/// Without `--shard`, the indices have no limit and `stop` stays unchanged.
+/// Without `--shard`, returns all indices and an unchanged `stop`.
 fn shard_passes_and_stop<'a>(
     arguments: &RenderArguments,
     stop: StopCriteria<'a>,
@@ -358,7 +360,8 @@ fn render_limits(arguments: &RenderArguments) -> RenderLimits {
     }
 }
 
-/// Finds albedo, normal and the like of all pixels, and shows progress; `None` if it is cancelled.
+/// Renders albedo, normal and the other surface AOVs of all pixels, and shows progress; `None` if
+/// the render is cancelled.
 fn find_surface_aovs(
     arguments: &RenderArguments,
     scene: &Scene,
@@ -370,7 +373,8 @@ fn find_surface_aovs(
     render_surface_aovs(scene, effects, settings, surface, SURFACE_AOV_RAYS, progress)
 }
 
-/// Returns which surface along a camera ray the surface AOVs describe.
+/// Returns the surface along a camera ray that the AOVs describe: the first, or the first that is
+/// not specular.
 fn aov_surface(arguments: &RenderArguments) -> AovSurface {
     if arguments.aov_first_hit { AovSurface::First } else { AovSurface::FirstNonSpecular }
 }

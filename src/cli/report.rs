@@ -91,12 +91,11 @@ pub(super) struct EstimatedErrorReport {
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     #[serde(rename = "confidence")]
     pub interval_confidence: Confidence,
-    /// Total number of passes after which a render would end whose error target is half of the
-    /// present error (median of the forecast). `None` if it is unknown, or if no number of passes
-    /// halves the error.
+    /// Predicted total number of passes of a render that stops at half of the present error (median
+    /// of the forecast). `None` if it is unknown, or if no number of passes halves the error.
     #[serde(rename = "halving_passes")]
     halving_total_passes: Option<u32>,
-    /// Expected time of the passes that are still missing to `halving_total_passes` \[s]; `None` if
+    /// Expected further time until `halving_total_passes` passes are made \[s]; `None` if
     /// `halving_total_passes` is `None`.
     #[serde(rename = "halving_seconds")]
     halving_seconds_left: Option<f64>,
@@ -123,18 +122,20 @@ impl EstimatedErrorReport {
     }
 }
 
+/// Largest gather radii of the first pass.
 #[derive(Debug, Serialize)]
 pub(super) struct GatherRadiiReport {
     /// Largest gather radius of the indirect map in the first pass \[length].
     ///
-    /// The map holds all indirect light. In `hybrid`, it holds only caustic light that a receiver
-    /// has scattered further.
+    /// The indirect map holds all indirect light. In `hybrid`, it holds only light that a receiver
+    /// reflects or scatters after a caustic.
     #[serde(rename = "global")]
     pub indirect: f32,
     /// Largest gather radius of the caustic map in the first pass \[length].
     pub caustic: f32,
 }
 
+/// Counts and flux of photon paths, by their directions of emission.
 #[derive(Debug, Serialize)]
 pub(super) struct PhotonReports {
     /// Photon paths that start in all directions (unaimed): those of `--photons`.
@@ -145,18 +146,25 @@ pub(super) struct PhotonReports {
     pub aimed: PhotonReport,
 }
 
+/// Wall times of a render \[s].
 #[derive(Debug, Serialize)]
 pub(super) struct RenderTimes {
+    /// Time of loading and pilots; see [`RenderSetup::setup_seconds`].
     pub setup: f64,
+    /// Times of the stages of all passes.
     #[serde(flatten)]
     pub passes: StageTimes,
+    /// Time of all passes.
     pub render: f64,
 }
 
+/// Mean numbers of photon paths and rays per second of a render.
 #[derive(Debug, Serialize)]
 pub(super) struct RenderRates {
+    /// Emitted photon paths, divided by the time of the photon stages.
     #[serde(rename = "photons_per_second")]
     pub photon_paths_per_second: f64,
+    /// Rays of all kinds, divided by the time of all passes.
     pub rays_per_second: f64,
 }
 

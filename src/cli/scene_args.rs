@@ -23,15 +23,15 @@ pub struct ImportArguments {
 }
 
 impl ImportArguments {
-    /// Returns the flags that make another run read the scene in the same way. `--strict` is left
-    /// out, because it changes no scene.
-    pub(super) fn repeated_flags(&self) -> Vec<String> {
+    /// Returns the flags with which another command reads the scene in the same way. `--strict` is
+    /// left out, because it changes no scene.
+    pub(super) fn reproducing_flags(&self) -> Vec<String> {
         let format = self.format.iter().flat_map(|format| ["--format".to_owned(), format.clone()]);
         format.chain(self.allow_outside.then(|| "--allow-outside".to_owned())).collect()
     }
 
-    /// Returns the options for reading a scene with these flags. `memory` limits the memory that
-    /// reading may take.
+    /// Returns the options for reading a scene that these flags describe. `memory` limits the
+    /// memory that reading may take.
     pub(super) fn import_options(&self, memory: MemoryLimit) -> ImportOptions {
         ImportOptions {
             memory_limit: memory,

@@ -138,7 +138,7 @@ pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, over
         kernel, final_gathering, volume, light_tracing, indirect_photons, max_bounces, filter, ..
     } = *arguments;
     let number = |n: Option<u32>| n.map(|n| n.to_string());
-    let unless_default = |is: bool, value: String| (!is).then_some(value);
+    let unless_default = |is_default: bool, value: String| (!is_default).then_some(value);
     let named = [
         ("--integrator", Some(arguments.integrator.name().to_owned())),
         ("--photons", number(arguments.photons)),

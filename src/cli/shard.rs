@@ -1,4 +1,4 @@
-//! Parts of the passes of a render.
+//! Shards: parts of the passes of a render, which several processes render separately.
 
 use std::ops::Range;
 use std::str::FromStr;

@@ -21,7 +21,7 @@ impl TevOutput {
         Self { client: TevClient::start(address.clone(), report), name: scene.to_owned() }
     }
 
-    /// Sends the picture and its light groups, unless they were sent only a short time ago, see
+    /// Sends the picture and its light groups, unless they were sent too recently; see
     /// [`TevClient::queue_image_if_due`].
     pub fn send_if_due(&mut self, rendered: &RenderResult) {
         self.client.queue_image_if_due(&self.name, rendered.film.size(), || picture_and_group_layers(rendered));
@@ -30,7 +30,8 @@ impl TevOutput {
     /// Sends the final picture. If `has_layers` is true, also sends the layers of `--aov`, as a
     /// second image.
     ///
-    /// Waits a limited time for the viewer to read the images, and prints a warning if it does not.
+    /// Waits at most a few seconds for the viewer to read the images. Prints a warning if the
+    /// viewer is slower.
     pub fn finish(self, rendered: &RenderResult, aovs: Option<&SurfaceAovs>, has_layers: bool) {
         let size = rendered.film.size();
         self.client.queue_image(&self.name, size, picture_and_group_layers(rendered));

@@ -15,7 +15,7 @@ pub(super) fn parse_count(text: &str) -> Result<u32, String> {
     };
     let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == '.');
     let value = digits.parse::<f64>().ok().filter(|_| plain).map(|x| x * scale);
-    // The product of a decimal fraction and its scale may lie beside a whole number by roundings.
+    // Rounding may move the product of a decimal fraction and its scale off a whole number.
     let is_whole = |x: f64| (x - x.round()).abs() <= 1e-12 * x;
     match value {
         Some(x) if is_whole(x) && x <= f64::from(u32::MAX) => Ok(x.round() as u32),
@@ -137,7 +137,7 @@ pub(super) fn parse_positive_length(text: &str) -> Result<f32, String> {
     value.ok_or_else(|| format!("`{text}` is not a length: write a number above 0, in scene units"))
 }
 
-/// Parses a length of at least zero, in units of the mesh file.
+/// Parses a length of at least zero, such as the distance of `--weld`.
 pub(super) fn parse_nonnegative_length(text: &str) -> Result<f64, String> {
     parse_number_where(text, |x| x >= 0.0)
         .ok_or_else(|| format!("`{text}` is not a length: write a number of at least 0"))

@@ -1,4 +1,4 @@
-//! Dispersion: refractive index of glass and other transparent media by wavelength.
+//! Dispersion: refractive indices of glass and other transparent media by wavelength.
 
 /// Wavelengths of the Fraunhofer lines F, d and C \[nm].
 const FRAUNHOFER_LINES_NM: [f64; 3] = [486.13, 587.56, 656.27];
@@ -8,7 +8,7 @@ const RENDERED_BAND_NM: [u32; 2] = [380, 720];
 /// A formula for the refractive index n of a transparent medium at the wavelength λ \[µm].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DispersionFormula {
-    /// Cauchy's equation: n = a + b/λ² + c/λ⁴.
+    /// Cauchy's equation: n = a + b/λ² + c/λ⁴, with the wavelength λ \[µm].
     Cauchy {
         /// Refractive index at infinite wavelength.
         a: f64,
@@ -17,7 +17,7 @@ pub enum DispersionFormula {
         /// Coefficient of 1/λ⁴ \[µm⁴].
         c: f64,
     },
-    /// Sellmeier's equation: n² = 1 + Σ bᵢ λ²/(λ² − cᵢ).
+    /// Sellmeier's equation: n² = 1 + Σ bᵢ λ²/(λ² − cᵢ), with the wavelength λ \[µm].
     Sellmeier {
         /// Coefficients bᵢ, the strengths of the resonances; 0 for an unused term.
         b: [f64; 4],
@@ -27,8 +27,8 @@ pub enum DispersionFormula {
 }
 
 impl DispersionFormula {
-    /// Creates Cauchy's equation with two terms from the refractive index `nd` at the d line and
-    /// the Abbe number `vd`.
+    /// Creates Cauchy's equation with two terms from the refractive index `nd` at the d line
+    /// (587.56 nm) and the Abbe number `vd`.
     #[must_use]
     pub fn from_abbe_number(nd: f64, vd: f64) -> Self {
         let [f, d, c] = FRAUNHOFER_LINES_NM.map(inverse_squared_micrometres);
@@ -57,7 +57,7 @@ impl DispersionFormula {
         ((d - 1.0) / (f - c)) as f32
     }
 
-    /// Lower and upper bound of the refractive index between 380 and 720 nm.
+    /// Returns a lower and an upper bound of the refractive index between 380 and 720 nm.
     ///
     /// Returns `None` if the index is not positive and finite, for example near a resonance.
     #[must_use]
@@ -71,9 +71,9 @@ impl DispersionFormula {
         Some([least, most])
     }
 
-    /// Lower and upper bound of the refractive index between two wavelengths \[nm].
+    /// Returns a lower and an upper bound of the refractive index between two wavelengths \[nm].
     ///
-    /// `None` if the index is not positive and finite in between.
+    /// Returns `None` if the index is not positive and finite in between.
     fn refractive_index_bounds_between(&self, from: f64, to: f64) -> Option<[f64; 2]> {
         // Each term is monotonic between the wavelengths, so its bounds are at the ends.
         let mut sum = [0.0f64; 2];
@@ -135,12 +135,13 @@ fn sellmeier_term(b: f64, c: f64, x: f64) -> f64 {
     if b == 0.0 { 0.0 } else { b * x / (x - c) }
 }
 
-/// Makes Sellmeier's equation from the coefficients of three terms.
+/// Makes Sellmeier's equation from the coefficients bᵢ and cᵢ of three terms.
 const fn three_term_sellmeier(b: [f64; 3], c: [f64; 3]) -> DispersionFormula {
     DispersionFormula::Sellmeier { b: [b[0], b[1], b[2], 0.0], c: [c[0], c[1], c[2], 0.0] }
 }
 
-/// Name, dispersion formula and source of each medium that [`glass_by_name`] finds, sorted by name.
+/// Media that [`glass_by_name`] finds: (name, dispersion formula, source of the data), sorted by
+/// name.
 ///
 /// Refractive indices of water and diamond are relative to vacuum, all others to air. The
 /// difference is below 0.0003 of the index. Coefficients are from the public-domain database of
@@ -202,8 +203,8 @@ pub const GLASSES: [(&str, DispersionFormula, &str); 9] = [
     ),
 ];
 
-/// Dispersion formula of the glass or other medium with this name; `None` if [`GLASSES`] does not
-/// list it.
+/// Returns the dispersion formula of the glass or other medium with this name; `None` if it is not
+/// in [`GLASSES`].
 #[must_use]
 pub fn glass_by_name(name: &str) -> Option<DispersionFormula> {
     GLASSES.iter().find(|g| g.0 == name).map(|g| g.1)

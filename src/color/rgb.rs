@@ -12,7 +12,7 @@ pub fn luminance(c: Rgb) -> f32 {
     c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Mean of the three channels. Light sampling and Russian roulette compare colors by it.
+/// Mean of the three channels, as a brightness for light sampling and Russian roulette.
 #[inline]
 #[must_use]
 pub fn channel_mean(c: Rgb) -> f32 {
@@ -22,7 +22,7 @@ pub fn channel_mean(c: Rgb) -> f32 {
 /// Returns the linear RGB color of CIE XYZ tristimulus values; D65 is white.
 #[must_use]
 pub fn xyz_to_rgb(xyz: DVec3) -> DVec3 {
-    // The inverse of the matrix of Rec. 709's primaries and white, D65.
+    // This matrix is the inverse of the RGB-to-XYZ matrix of the Rec. 709 primaries with white D65.
     DVec3::new(
         3.2404542 * xyz.x - 1.5371385 * xyz.y - 0.4985314 * xyz.z,
         -0.9692660 * xyz.x + 1.8760108 * xyz.y + 0.0415560 * xyz.z,

@@ -1,26 +1,28 @@
 //! Spectra of reflectance, emission and refractive indices, and their linear RGB values.
 //!
 //! The responses of the RGB channels are the CIE 1931 (2°) color matching functions in linear RGB
-//! of Rec. 709. [`super::Wavelength`] uses the same functions, with white added. The color of a
-//! reflectance is that under equal energy, and a constant reflectance is gray. Paths with sampled
-//! wavelengths give the same gray. The color of an emission keeps its luminance; its white is D65.
+//! of Rec. 709. [`super::Wavelength`] uses the same functions, with white added.
+//!
+//! The color of a reflectance is its color under an equal-energy illuminant, scaled so that a
+//! constant reflectance is gray. Paths with sampled wavelengths give the same gray. The color of an
+//! emission keeps the luminance, and white is D65.
 
 use super::rgb::xyz_to_rgb;
 use super::wavelength::color_matching_rgb;
 use glam::DVec3;
 use std::sync::LazyLock;
 
-/// Shortest and longest wavelength over which spectra are integrated \[nm]. Beyond them, no
-/// response of an RGB channel exceeds 10⁻⁴ of its maximum.
+/// Shortest and longest wavelength over which spectra are integrated \[nm]. Beyond them, each RGB
+/// response is below 10⁻⁴ of its maximum.
 const INTEGRATION_BAND_NM: [u32; 2] = [360, 830];
 
-/// Product of Planck's constant, the square of the speed of light, and 2 \[W m²/sr].
+/// Constant 2hc² of Planck's law \[W m²/sr].
 const FIRST_RADIATION_CONSTANT: f64 = 1.191_042_972e-16;
 
-/// Second radiation constant hc/k \[m K].
+/// Constant hc/k of Planck's law \[m K]: the second radiation constant.
 const SECOND_RADIATION_CONSTANT: f64 = 1.438_776_877e-2;
 
-/// Wien's displacement constant \[m K]: the peak of a blackbody's spectrum times its temperature.
+/// Wien's displacement constant \[m K]: the wavelength of a blackbody's peak times its temperature.
 const WIEN_CONSTANT: f64 = 2.897_771_955e-3;
 
 /// Bounds to which [`conductor_refractive_index`] clamps the reflectance at normal incidence.
@@ -29,7 +31,8 @@ const CONDUCTOR_REFLECTANCE_BOUNDS: [f64; 2] = [1e-4, 0.9999];
 /// Least η that [`conductor_refractive_index`] returns.
 const LEAST_ETA: f64 = 1e-4;
 
-/// Mean and components of daylight spectra from 380 nm in steps of 10 nm (CIE 15).
+/// Components S₀ (the mean), S₁ and S₂ of CIE daylight spectra, from 380 nm in steps of 10 nm (CIE
+/// 15).
 const DAYLIGHT_COMPONENTS: [[f64; 41]; 3] = [
     [
         63.4, 65.8, 94.8, 104.8, 105.9, 96.8, 113.9, 125.6, 125.5, 121.3, 121.3, 113.5, 113.1, 110.8, 106.5, 108.8,
@@ -63,15 +66,15 @@ const FLUORESCENT_CHROMATICITIES: [[f64; 2]; 12] = [
     [0.43695, 0.40441],
 ];
 
-/// A function of wavelength: linear between samples, constant beyond the first and last.
+/// A tabulated function of wavelength: linear between samples, constant beyond the first and last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
-    /// Wavelengths \[nm] in increasing order, with their values; at least one.
+    /// Pairs of wavelength \[nm] and value, by increasing wavelength; at least one.
     samples: Vec<[f64; 2]>,
 }
 
-/// Color matching functions in linear RGB at the center of each nanometre of
-/// [`INTEGRATION_BAND_NM`], with the sum of each channel.
+/// Color matching functions in linear RGB at the center of each nanometer of
+/// [`INTEGRATION_BAND_NM`], and their sum over the band.
 static RGB_RESPONSES_AND_SUM: LazyLock<(Vec<DVec3>, DVec3)> = LazyLock::new(|| {
     let responses: Vec<DVec3> = band_wavelengths_nm().map(color_matching_rgb).collect();
     let sum = responses.iter().sum();
@@ -100,8 +103,9 @@ impl Spectrum {
 
     /// Returns the spectrum through pairs of wavelength \[nm] and value.
     ///
-    /// Returns `None` if there is no pair, a number is not finite, or the wavelengths decrease. Of
-    /// two pairs with equal wavelength, the values are the limits from both sides.
+    /// Returns `None` if there is no pair, a number is not finite, or the wavelengths decrease. Two
+    /// pairs of equal wavelength make a step: their values are the limits from below and from
+    /// above.
     #[must_use]
     pub fn from_samples(samples: Vec<[f64; 2]>) -> Option<Self> {
         let is_finite = samples.iter().flatten().all(|number| number.is_finite());
@@ -127,10 +131,10 @@ impl Spectrum {
         Self { samples: band_wavelengths_nm().map(|nm| [nm, planck(kelvin, nm) / peak]).collect() }
     }
 
-    /// Returns the spectrum of daylight of a correlated color temperature; its value is 1 at 560
-    /// nm.
+    /// Returns the relative spectrum of CIE daylight with the correlated color temperature
+    /// `kelvin`; the value at 560 nm is 1.
     ///
-    /// `kelvin` is clamped to \[4000, 25000]. D65 has 6504 K, and D50 has 5003 K.
+    /// The temperature is clamped to \[4000, 25000] K. D65 has 6504 K, and D50 has 5003 K.
     #[must_use]
     pub fn daylight(kelvin: f64) -> Self {
         let t = 1e3 / kelvin.clamp(4e3, 25e3);
@@ -190,10 +194,10 @@ impl Spectrum {
         if luminance(rgb) > 0.0 { rgb / luminance(rgb) } else { DVec3::ONE }
     }
 
-    /// Returns the mean of the values for each channel, weighted by the positive part of its
-    /// response.
+    /// Returns the mean of the spectrum for each RGB channel, weighted by the positive part of the
+    /// channel's response.
     ///
-    /// It suits quantities that are no colors, such as refractive indices and absorption
+    /// Use this for quantities that are not colors, such as refractive indices and absorption
     /// coefficients: each mean lies between the least and the greatest value.
     #[must_use]
     pub fn channel_means(&self) -> DVec3 {
@@ -207,14 +211,15 @@ impl Spectrum {
     }
 }
 
-/// Returns the spectral radiance of a blackbody \[W/(m² sr nm)] at `nm` nanometres.
+/// Returns the spectral radiance of a blackbody \[W/(m² sr nm)] at `nm` nanometers.
 fn planck(kelvin: f64, nm: f64) -> f64 {
     let meters = nm * 1e-9;
     let exponent = SECOND_RADIATION_CONSTANT / (meters * kelvin);
     1e-9 * FIRST_RADIATION_CONSTANT / (libm::pow(meters, 5.0) * libm::expm1(exponent))
 }
 
-/// Linear RGB color of a reflectance that is given by wavelength \[nm], inside \[0, 1].
+/// Returns the linear RGB color, inside \[0, 1], of a reflectance that is a function of wavelength
+/// \[nm].
 fn reflectance_rgb(reflectance: impl Fn(f64) -> f64) -> DVec3 {
     let (responses, total) = &*RGB_RESPONSES_AND_SUM;
     let sum: DVec3 =
@@ -222,11 +227,11 @@ fn reflectance_rgb(reflectance: impl Fn(f64) -> f64) -> DVec3 {
     (sum / *total).clamp(DVec3::ZERO, DVec3::ONE)
 }
 
-/// Returns η and k of a conductor for linear red, green and blue, from the spectra of both.
+/// Returns the RGB refractive index (η, k) of a conductor from the spectra of η and k.
 ///
-/// η is [`Spectrum::channel_means`] of `eta`, clamped so that a k exists. k is chosen so that the
-/// reflectance at normal incidence equals the color of the spectral reflectance, clamped to the
-/// range from 10⁻⁴ to 0.9999.
+/// The result has the color of the spectral reflectance at normal incidence, clamped to
+/// \[10⁻⁴, 0.9999]. η is the mean of `eta` by [`Spectrum::channel_means`], clamped so that a k
+/// exists for this color. k follows from the color and η.
 #[must_use]
 pub fn conductor_refractive_index(eta: &Spectrum, k: &Spectrum) -> (DVec3, DVec3) {
     let reflectance = reflectance_rgb(|nm| {

@@ -2,13 +2,13 @@
 //!
 //! At the first dispersive interface, a path samples one wavelength and keeps it. Each RGB channel
 //! has a response over the wavelengths, which integrates to 1. The pdf of the wavelength is the
-//! mean of the three responses, and [`Wavelength::weight`] is the weight of the path. So white
-//! light stays white on average.
+//! mean of the three responses. The path's throughput is multiplied by the responses over the pdf,
+//! [`Wavelength::weight`]. So white light stays white on average.
 //!
 //! The responses are the CIE 1931 (2°) color matching functions in linear RGB of Rec. 709. They use
 //! the fit of Wyman, Sloan and Shirley 2013 ("Simple Analytic Approximations to the CIE XYZ Color
-//! Matching Functions", JCGT 2(2)). Spectral colors lie outside of this gamut, so white is added to
-//! each until no channel is negative.
+//! Matching Functions", JCGT 2(2)). Spectral colors lie outside the gamut of Rec. 709, so white is
+//! added to each until no channel is negative.
 
 use super::rgb::{Rgb, xyz_to_rgb};
 use glam::DVec3;
@@ -16,12 +16,12 @@ use std::sync::LazyLock;
 
 /// Number of wavelength intervals. The responses of the RGB channels are constant in each interval.
 ///
-/// A byte codes the index of an interval plus 1.
+/// The number fits a byte: [`Wavelength::byte_code`] is the index of an interval plus 1.
 const RESPONSE_INTERVAL_COUNT: usize = 255;
-/// Width of a wavelength interval of constant response \[nm\].
+/// Width of a wavelength interval of constant response \[nm].
 const RESPONSE_INTERVAL_NM: f32 = (Wavelength::LONGEST_NM - Wavelength::SHORTEST_NM) / RESPONSE_INTERVAL_COUNT as f32;
-/// Least distance of a sampled wavelength from the ends of its interval, relative to the interval's
-/// width.
+/// Least distance of a sampled wavelength from the ends of its interval, as a fraction of the
+/// interval's width.
 const MIN_RELATIVE_EDGE_DISTANCE: f32 = 1.0 / 4096.0;
 
 /// A sampled wavelength in \[380, 720] nm.
@@ -34,7 +34,8 @@ impl Wavelength {
     /// Longest rendered wavelength \[nm].
     pub const LONGEST_NM: f32 = 720.0;
 
-    /// Samples a wavelength by `u` in \[0, 1), with the mean response of the channels as pdf.
+    /// Samples a wavelength from a random number `u` in \[0, 1). The pdf is the mean of the three
+    /// channel responses.
     #[must_use]
     pub fn sample(u: f32) -> Self {
         let sums = &RESPONSE_TABLE.cumulative_probabilities;
@@ -48,7 +49,7 @@ impl Wavelength {
         )
     }
 
-    /// The wavelength in nanometres.
+    /// The wavelength in nanometers.
     #[inline]
     #[must_use]
     pub fn nanometres(self) -> f32 {
@@ -61,10 +62,10 @@ impl Wavelength {
         RESPONSE_TABLE.pdfs[self.response_interval_index()]
     }
 
-    /// Weight of a path that sampled this wavelength: the response of each RGB channel over the
-    /// pdf.
+    /// Factor on the RGB throughput of a path that sampled this wavelength: the response of each
+    /// channel over the pdf.
     ///
-    /// The mean over the channels is 1, and the expected value of each channel is 1.
+    /// The mean over the three channels is 1. The expected value of each channel is 1.
     #[must_use]
     pub fn weight(self) -> Rgb {
         RESPONSE_TABLE.weights[self.response_interval_index()]

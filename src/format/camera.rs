@@ -21,8 +21,8 @@ use std::fmt;
 /// A camera as the scene file describes it, with its picture size and motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDescription {
-    /// Position of the pinhole, of the lens center, of the center of an orthographic picture, or of
-    /// the viewpoint of a panorama.
+    /// Position in world space: the pinhole, the lens center, the center of an orthographic
+    /// picture, or the viewpoint of a panorama.
     pub center: DVec3,
     /// View direction, or a point to look at.
     pub aim: DirectionOrTarget,
@@ -76,8 +76,8 @@ pub struct LensDescription {
 pub enum ApertureDescription {
     /// Lens radius in scene units, at least 0.
     Radius(f64),
-    /// Given by the f-number: the ratio of focal length to lens diameter. The sensor height and the
-    /// field of view give the focal length.
+    /// The f-number: focal length over lens diameter. The focal length follows from the sensor
+    /// height and the field of view.
     FNumber {
         /// The f-number, above 0.
         number: f64,
@@ -210,7 +210,7 @@ pub(super) fn parse_moving_camera<'a>(
     Ok(camera)
 }
 
-/// Parses a camera block. Its keyword `word` has been read.
+/// Parses a camera block. The caller has read its keyword `word`.
 pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<CameraDescription, SceneError> {
     let (entry, f) = parse_block_by_keyword(parser, word, CAMERA_BLOCK_PARSERS)?;
     let center = f.value_or_default("center")?;

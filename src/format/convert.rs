@@ -1,5 +1,5 @@
-//! Converts a scene of any format to a text in Caustica's scene language. Meshes, pictures and
-//! grids that the scene file embeds go to separate files.
+//! Converts a scene of any format to a text in Caustica's scene language. Embedded meshes, pictures
+//! and grids become separate files.
 
 use super::description::{
     DensityDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription, Spanned, TextureKindDescription,
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A scene as text in the scene language, with the files that the text refers to.
+/// A scene as text in the scene language, with the meshes, pictures and grids to write beside it.
 #[derive(Clone, Debug)]
 pub struct ConvertedScene {
     /// Text in the scene language.
@@ -42,7 +42,7 @@ impl ConvertedScene {
         let stem = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut names: BTreeMap<String, String> = BTreeMap::new();
         let (mut meshes, mut pictures, mut grids) = (Vec::new(), Vec::new(), Vec::new());
-        let mut named_files = Vec::new();
+        let mut existing_file_paths = Vec::new();
         for (i, (path, mesh)) in scene.assets.meshes.iter().enumerate() {
             let name = format!("{stem}-mesh{i}.ply");
             meshes.push((folder.join(&name), Arc::clone(mesh)));
@@ -71,9 +71,9 @@ impl ConvertedScene {
             if !same_folder && let Some(absolute) = canonical_path(&file).as_deref().and_then(Path::to_str) {
                 absolute.clone_into(path);
             }
-            named_files.push(file);
+            existing_file_paths.push(file);
         });
-        Self { text: description.to_string(), meshes, pictures, grids, existing_file_paths: named_files }
+        Self { text: description.to_string(), meshes, pictures, grids, existing_file_paths }
     }
 }
 
@@ -104,7 +104,8 @@ fn visit_file_paths(description: &mut SceneDescription, visit: &mut impl FnMut(&
             DensityDescription::Homogeneous | DensityDescription::Cloud { .. } => {}
         }
     }
-    // These fields hold the name of a texture or the path of a picture. Only paths are visited.
+    // A texture field of a material holds the name of a texture or the path of a picture. Only
+    // paths are visited.
     let mut visit_path = |name: &mut Spanned<String>| {
         if !textures.contains(&name.value) {
             visit(&mut name.value);

@@ -15,7 +15,8 @@ use crate::scene::Scene;
 use crate::stats::MemoryLimit;
 use std::path::{Path, PathBuf};
 
-/// A scene file that was read, before the [`Scene`] is built. Its description may still be changed.
+/// Parsed scene file. [`resolve`](SceneFile::resolve) builds a [`Scene`] from it; before that, the
+/// description may be edited.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     /// Description of the scene.
@@ -30,8 +31,8 @@ pub struct SceneFile {
 }
 
 impl SceneFile {
-    /// Reads the file at `path` by the importer of its extension. A file with an unknown extension
-    /// is read as scene text.
+    /// Reads the scene file at `path` with the importer that its extension selects. A file with an
+    /// unknown extension is read as scene text.
     ///
     /// # Errors
     /// [`SceneReadError`].
@@ -39,8 +40,8 @@ impl SceneFile {
         Self::read_with_options(path, &(), &ImportOptions::default())
     }
 
-    /// Reads the file at `path` by the importer of its extension, or of
-    /// `options.format_extension`.
+    /// Reads the scene file at `path` with the importer for `options.format_extension`, or else for
+    /// the extension of `path`.
     ///
     /// Refuses a scene that would exceed the memory of `options`. `monitor` receives the paths of
     /// other files that the importer opens.
@@ -105,8 +106,8 @@ impl SceneFile {
         Ok(self.resolve_incrementally(None, monitor, memory)?.scene)
     }
 
-    /// Builds the scene as [`SceneFile::resolve_monitored`] does, and shares with an `earlier`
-    /// version of it what has not changed.
+    /// Builds the scene as [`SceneFile::resolve_monitored`] does, and reuses unchanged meshes and
+    /// BVHs of `earlier`, a previous version of the scene.
     ///
     /// A mesh file with an unchanged [`FileStamp`](super::FileStamp) is not read again, and a BVH
     /// over equal geometry is not built again. The scene has the same bits as without `earlier`.

@@ -12,16 +12,18 @@ use std::path::{Path, PathBuf};
 /// To add a format, implement this trait. Then add the type to [`IMPORTERS`](super::IMPORTERS), and
 /// remove its extensions from the lists of unread formats in `file_extensions.rs`.
 ///
-/// An importer checks what the scene language checks in its own files: values lie in their ranges
-/// (see [`description`](super::description)), and groups nest at most
-/// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep. The paths of its [`EmbeddedAssets`] must
-/// not name files beside the scene, because an asset hides a file of the same path.
+/// An importer makes the checks that the parser of the scene language makes. Values lie in the
+/// ranges that [`description`](super::description) states, and groups nest at most
+/// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep. An embedded asset takes the place of a
+/// file of the same path, so the paths in [`EmbeddedAssets`] must differ from those of files.
 /// `import_notes.rs` collects messages about unsupported content. `default_camera.rs` makes a
 /// camera for a file that has none.
 ///
-/// Malformed files are tested by a function in `tests/it/robustness/input/readers.rs`, a folder of
-/// `tests/corpus/` and its line in `corpus.rs` beside the readers, and a target in
-/// `fuzz/fuzz_targets/` with its entry in `fuzz/Cargo.toml`.
+/// Each importer has three tests of malformed files:
+///
+/// - a function in `tests/it/robustness/input/readers.rs`,
+/// - a folder in `tests/corpus/`, which `tests/it/robustness/input/corpus.rs` lists,
+/// - a fuzz target in `fuzz/fuzz_targets/`, which `fuzz/Cargo.toml` lists.
 pub trait SceneImporter: Sync {
     /// Returns the name of the scene format, for messages.
     fn name(&self) -> &'static str;
@@ -29,17 +31,16 @@ pub trait SceneImporter: Sync {
     /// Returns the file extensions of the format, in lower case and without the dot.
     fn extensions(&self) -> &'static [&'static str];
 
-    /// Reads the file at `path`.
-    ///
-    /// Refuses it if the scene would exceed the memory of `options`. Also refuses it if it names a
-    /// file outside its own folder and `options` do not allow this.
+    /// Reads the scene file at `path`, and returns the scene as a description.
     ///
     /// An importer that opens further files, such as buffers or included scenes, reports each to
     /// [`MeshReadMonitor::on_input_file_found`] before it reads the file. The program then refuses
     /// an output that would overwrite the file.
     ///
     /// # Errors
-    /// [`SceneReadError`]. The [`SceneError`] of a binary format may lack a position.
+    /// [`SceneReadError`] if a file is malformed, or if the scene would exceed the memory limit of
+    /// `options`. Also if the scene names a file outside its own folder, and `options` do not allow
+    /// this. The [`SceneError`] of a binary format may lack a position.
     fn import(
         &self,
         path: &Path,
@@ -60,7 +61,7 @@ pub struct ImportOptions {
     pub allows_outside_files: bool,
 }
 
-/// Message of an importer about the content of a file.
+/// Message to the user about content of a scene file that was ignored, approximated or added.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ImportNote {
     /// The message: what was found, how often, and what was done.
@@ -86,11 +87,11 @@ pub struct ImportedScene {
 /// Error of reading a scene file.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum SceneReadError {
-    /// The file could not be opened or read.
+    /// The scene file, or a file that it names, could not be opened or read.
     #[error("cannot read the scene `{}`", path.display())]
     #[diagnostic(help("check the path and its permissions"))]
     Unreadable {
-        /// Path of the scene file.
+        /// Path of the file: the scene file, or a file that it names.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
@@ -99,7 +100,7 @@ pub enum SceneReadError {
     #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), format_bytes(*needed), format_bytes(*free))]
     #[diagnostic(help("put large parts into meshes, or allow more memory (--memory)"))]
     OutOfMemory {
-        /// Path of the scene file.
+        /// Path of the scene file, or of a file that it names.
         path: PathBuf,
         /// Estimated memory of the scene \[bytes].
         needed: u64,

@@ -1,4 +1,4 @@
-//! Materials of an imported scene, in the order of their conversion.
+//! List of the materials of an imported scene, with unique names and checks of mixes.
 
 use super::description::{
     GroupItem, MaterialDescription, MaterialKindDescription, MixDescription, NormalPerturbationDescription,
@@ -12,20 +12,21 @@ use std::collections::{HashMap, HashSet};
 /// Reason why the scene language forbids a mix of two materials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MixDefect {
-    /// One of the materials is a mix that nests as deep as mixes may.
+    /// One of the materials is a mix with the greatest allowed nesting depth.
     TooDeep,
-    /// The materials bound two different dielectric bodies, wholly or in part.
+    /// Each material is a dielectric body or a mix with one, and the two bodies differ.
     TwoDielectrics,
 }
 
-/// Properties of an importer's named materials that limit their use in mixes.
+/// Table of an importer's materials, by name, that tells which two of them a mix may combine.
 #[derive(Default)]
 pub(super) struct ImportedMixLimits {
     constraints: HashMap<String, MixConstraints>,
 }
 
 impl ImportedMixLimits {
-    /// Adds a material, whose name no other has. The materials of a mix must be added before it.
+    /// Adds a material under its name, which must be unique. Both materials of a mix must be added
+    /// before the mix.
     pub fn add(&mut self, material: &MaterialDescription) {
         let Some(name) = &material.name else { return };
         let constraints = MixConstraints::of_material(&material.kind, self.constraints.len(), |part| self.find(part));
@@ -48,7 +49,9 @@ impl ImportedMixLimits {
     }
 }
 
-/// Materials that an importer has converted so far, each with a unique name.
+/// Materials that an importer has converted so far, in the order of conversion.
+///
+/// Each material has a unique name.
 #[derive(Default)]
 pub(super) struct ImportedMaterials {
     /// Materials of the imported scene. The materials of a mix are listed before it.
@@ -114,10 +117,10 @@ impl ImportedMaterials {
         name
     }
 
-    /// Keeps only the materials that entries of `objects` name, and the materials of their mixes.
+    /// Removes all materials that `objects` do not use, directly or through mixes. Returns the
+    /// names of the textures that the remaining materials use.
     ///
-    /// Nested groups are not searched. Returns the names of the textures that the kept materials
-    /// use.
+    /// Only the entries of `objects` itself count: nested groups are not searched.
     pub fn remove_unused(&mut self, objects: &ObjectGroup) -> HashSet<String> {
         let named = |item: &GroupItem| match item {
             GroupItem::MaterialName(name) => Some(name.value.clone()),

@@ -1,5 +1,5 @@
-//! Participating media in the scene language: description, blocks with their reading and writing,
-//! and conversion to media of the scene.
+//! Participating media in the scene language: descriptions, parsing and writing of their blocks,
+//! and conversion to the media that are rendered.
 
 use super::error::SceneError;
 use super::grid;
@@ -225,7 +225,7 @@ fn placeholder_medium(name: &str) -> MediumDescription {
     MediumDescription { name: name.to_owned(), coefficients, emission, phase, density }
 }
 
-/// Parses `{ … }` of a medium. Its keyword `word` and its `name` have been read.
+/// Parses the `{ … }` of a medium block. The caller has read its keyword `word` and its `name`.
 fn parse_medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<MediumDescription, SceneError> {
     let (entry, f) = parse_block_by_keyword(parser, word, MEDIUM_BLOCK_PARSERS)?;
     let f = &f;
@@ -353,8 +353,9 @@ fn write_medium_box(out: &mut SceneWriter<'_, '_>, extent: &TransformedBoxDescri
     write_transform_field(out, &extent.steps)
 }
 
-/// Greatest allowed density of a grid after scaling. Its products with coefficients and lengths fit
-/// into single precision.
+/// Greatest allowed density of a grid after scaling.
+///
+/// Its products with coefficients and lengths fit into single precision.
 const MAX_DENSITY: f64 = 1e12;
 
 /// Adds all `media` of the description to the scene.
@@ -367,7 +368,8 @@ pub(super) fn add_media<'a>(r: &mut Resolver<'a>, media: &'a [Spanned<MediumDesc
     Ok(())
 }
 
-/// Converts a described medium to one of the renderer. Reads its density grid or samples its cloud.
+/// Converts a medium's description to the renderer's [`Medium`]. Reads its density grid, or samples
+/// its cloud on a grid.
 fn make_medium(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Result<Medium, SceneError> {
     let (absorption, scattering) = match described.coefficients {
         MediumCoefficients::AbsorptionScattering { absorption, scattering } => (absorption, scattering),
@@ -441,12 +443,13 @@ fn make_density_grid(
     Ok(Some(density))
 }
 
-/// Makes the medium called `name` the medium outside all bodies. Does nothing if `name` is `None`.
+/// Makes the medium called `name` the ambient medium, which fills the space outside all bodies.
+/// Does nothing if `name` is `None`.
 ///
 /// # Errors
 /// - No medium has this name.
 /// - The medium varies in space.
-/// - It emits in a channel in which it neither absorbs nor scatters.
+/// - It emits in a color channel in which it neither absorbs nor scatters.
 /// - It absorbs or scatters, and one of the scene's `lights` is at infinity.
 pub(super) fn set_ambient_medium(
     r: &mut Resolver<'_>,

@@ -53,7 +53,7 @@ pub use resolve_scene::{ResolvedScene, resolve, resolve_monitored};
 
 /// Importers of all scene formats. A file whose extension no importer lists is read as scene text.
 ///
-/// The program takes the values and the help of `--format` from this list.
+/// The values of the flag `--format` and their help come from this list.
 pub const IMPORTERS: &[&dyn SceneImporter] =
     &[&scene_text::SceneTextImporter, &gltf::GltfImporter, &mitsuba::MitsubaImporter, &pbrt::PbrtImporter];
 

@@ -56,7 +56,9 @@ pub fn resolve_monitored(
     Ok(resolve_with_assets(description, source, folder, &assets, None, monitor, memory)?.scene)
 }
 
-/// A scene that was built from a description, with its meshes, which a later version can share.
+/// A scene that is ready to render, with the meshes that were read for it.
+///
+/// A later version of the scene can reuse the meshes.
 #[derive(Clone, Debug)]
 pub struct ResolvedScene {
     /// The scene, ready to render.
@@ -67,9 +69,9 @@ pub struct ResolvedScene {
 
 /// Returns the scene that a description describes, with embedded `assets` in place of files.
 ///
-/// A path that is listed in `assets` is not looked up in the file system. The new scene shares
-/// unchanged meshes and BVHs with the `earlier` one. Sharing changes no bit of the new scene.
-/// [`resolve_monitored`] explains other paths, `monitor` and `memory`.
+/// A path that is listed in `assets` is not looked up in the file system. The scene reuses
+/// unchanged meshes and BVHs of `earlier`, its previous version; the result has the same bits as
+/// without reuse. [`resolve_monitored`] explains other paths, `monitor` and `memory`.
 ///
 /// # Errors
 /// [`SceneError`] for an invalid scene, or [for lack of memory](SceneError::is_out_of_memory).

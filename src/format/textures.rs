@@ -1,5 +1,5 @@
-//! Textures in the scene language: description, blocks with their reading and writing, and
-//! conversion to textures of the scene.
+//! Textures in the scene language: descriptions, parsing and writing of their blocks, and
+//! conversion to the textures that are rendered.
 
 use super::error::SceneError;
 use super::language::fields::{BlockFields, parse_block_by_keyword};
@@ -40,7 +40,7 @@ pub enum TextureKindDescription {
         /// Encoding of pictures with integer values, such as PNG. Floating-point pictures are
         /// linear.
         encoding: PictureEncoding,
-        /// Rule for texture coordinates beyond the picture's edges.
+        /// Rule for texture coordinates beyond the picture's edges: repeat, mirror or clamp.
         wrap: WrapMode,
         /// Transform from the surface's texture coordinates to those of the picture.
         uv_transform: TexcoordTransformDescription,
@@ -60,8 +60,8 @@ pub enum TextureKindDescription {
         colors: [DVec3; 2],
         /// Number of noise octaves, from 1 to 16.
         octaves: u32,
-        /// Frequency in 1/length, above 0. It counts periods of the first noise octave, marble
-        /// veins or wood rings.
+        /// Number of periods of the first noise octave, of marble veins, or of wood rings per
+        /// unit of length; above 0.
         frequency: f64,
         /// Amplitude of the noise, at least 0.
         amplitude: f64,
@@ -70,14 +70,14 @@ pub enum TextureKindDescription {
     },
 }
 
-/// Function of position that a solid texture evaluates.
+/// Function of position, with values from 0 to 1, that a solid texture evaluates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolidPatternDescription {
     /// Perlin noise.
     Noise,
-    /// Parallel veins, distorted by noise.
+    /// Veins across the x axis of pattern space, distorted by noise.
     Marble,
-    /// Rings about an axis, distorted by noise.
+    /// Rings about the y axis of pattern space, distorted by noise.
     Wood,
 }
 

@@ -174,7 +174,7 @@ mod tests {
     use crate::format::SceneFile;
 
     #[test]
-    fn unused_parts_and_open_dielectrics_are_warned_of() {
+    fn unused_items_and_open_dielectrics_cause_warnings() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("open.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
         std::fs::copy(folder.path().join("open.obj"), folder.path().join("pane.obj")).unwrap();

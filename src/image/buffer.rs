@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// Largest number of pixels of a picture: 2²⁸, such as 16384 × 16384.
 ///
-/// The limit protects memory from wrong sizes in files and options.
+/// The limit prevents huge allocations for wrong sizes in files and options.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// Error: the size of a picture is invalid.
@@ -61,7 +61,7 @@ pub struct Raster<T> {
 /// A picture of linear radiance: RGB with Rec. 709 primaries \[W/(m² sr)].
 pub type Image = Raster<Vec3>;
 
-/// A picture of 8-bit RGB levels as stored in a PNG file, not linearised.
+/// A picture of 8-bit RGB levels as stored in a PNG file, without conversion to linear values.
 pub type Rgb8Image = Raster<[u8; 3]>;
 
 impl Image {

@@ -21,12 +21,12 @@ pub enum WriteError {
         /// Path of the output file, as given by the caller.
         path: PathBuf,
     },
-    /// OpenEXR cannot store a channel.
+    /// A channel breaks a rule of OpenEXR.
     #[error("the channel `{channel}` cannot be stored: {reason}")]
     Channel {
         /// Name of the channel with its layer, such as `noise.R`.
         channel: String,
-        /// The rule of OpenEXR that the channel violates.
+        /// The rule of OpenEXR that the channel breaks.
         reason: &'static str,
     },
     /// The folder of the file does not exist.
@@ -52,19 +52,20 @@ pub enum WriteError {
     /// An operation on the file failed with an error of the operating system.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
-        /// Words for the operation that failed, such as `create a file in`; a path follows them.
+        /// The operation that failed, as words before a path in the message, such as
+        /// `create a file in`.
         action: &'static str,
         /// Path of the file or folder on which the operation failed.
         path: PathBuf,
         /// Error that the operating system reported.
         source: io::Error,
     },
-    /// The file format cannot store a pair of metadata, which is a key and a text.
+    /// A metadata entry (key and text) breaks a rule of the file format.
     #[error("metadata `{key}` cannot be stored: {reason}")]
     Metadata {
-        /// Key of the refused metadata.
+        /// Key of the refused metadata entry.
         key: String,
-        /// The rule of the file format that the key or the text violates.
+        /// The rule of the file format that the key or the text breaks.
         reason: &'static str,
     },
     /// The exposure is NaN or outside ±[`MAX_EXPOSURE_STOPS`](super::MAX_EXPOSURE_STOPS).
@@ -121,15 +122,15 @@ pub enum ReadError {
     Memory {
         /// Path of the picture file.
         path: PathBuf,
-        /// Peak memory while the picture is read, or the length of the file if that alone exceeds
-        /// `free` \[bytes].
+        /// Peak memory of reading the picture \[bytes], or the length of the file if this alone
+        /// exceeds `free`.
         needed: u64,
-        /// Memory that reading may use \[bytes].
+        /// Memory that reading was allowed to use \[bytes].
         free: u64,
     },
 }
 
-/// Error of a decoder, which does not know the path of the file.
+/// Error of a decoder: a [`ReadError`] without the path of the file, which decoders do not know.
 pub(super) enum DecodeFailure {
     Reason(String),
     Size(PictureSizeError),
@@ -153,11 +154,11 @@ impl DecodeFailure {
     }
 }
 
-/// Fails if a file of `file` bytes is too short for the `uncompressed` bytes of pixels that its
-/// header claims.
+/// Fails if a file of `file` bytes cannot hold `uncompressed` bytes of pixels, as its header
+/// claims.
 ///
-/// DEFLATE compresses at most 1032 bytes into one (zlib technical details). The check prevents
-/// allocations for a wrong header.
+/// DEFLATE compresses at most 1032 bytes into one (zlib technical details). The check prevents huge
+/// allocations for a damaged header.
 pub(super) fn check_compression_ratio(uncompressed: u64, file: usize) -> Result<(), DecodeFailure> {
     if uncompressed > 1032 * file as u64 {
         return Err(DecodeFailure::Reason("the file is too short for the size that it states".into()));
@@ -168,13 +169,13 @@ pub(super) fn check_compression_ratio(uncompressed: u64, file: usize) -> Result<
 /// Peak memory while a picture is read and turned into a texture or an environment light
 /// \[bytes/pixel].
 ///
-/// The peak is reached while an OpenEXR file is read. It holds four channels twice in single
-/// precision (32 bytes), RGB (12 bytes) and a reserve (4 bytes). Later, a picture with its MIP
-/// pyramid takes 28 bytes, and one with the tables of light sampling 36 bytes.
+/// The peak occurs while an OpenEXR file is read: four channels twice in single precision (32
+/// bytes), RGB (12 bytes) and a reserve (4 bytes). Later, a picture with its MIP pyramid takes 28
+/// bytes, and one with the tables of light sampling 36 bytes.
 const PEAK_BYTES_PER_PIXEL: u64 = 48;
 
-/// Fails if reading a picture of `pixels` pixels needs more than `free` bytes of memory; for
-/// `free`, `None` is no limit.
+/// Fails if reading a picture of `pixels` pixels needs more than `free` bytes of memory; `None`
+/// means no limit.
 pub(super) fn check_memory(pixels: usize, free: Option<u64>) -> Result<(), DecodeFailure> {
     let needed = PEAK_BYTES_PER_PIXEL * pixels as u64;
     match free {

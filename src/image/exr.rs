@@ -25,8 +25,9 @@ pub(super) const REC_709: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.3290),
 };
 
-/// Encodes `image` as the bytes of an OpenEXR file with lossless compression. Also returns the
-/// numbers of pixels with clamped or non-finite values.
+/// Encodes `image` as the bytes of an OpenEXR file with lossless compression.
+///
+/// Also returns the numbers of pixels with clamped or non-finite values.
 pub(super) fn encode(
     image: &Image,
     floats: ExrPrecision,
@@ -34,7 +35,7 @@ pub(super) fn encode(
 ) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
     let (width, pixels) = (image.width() as usize, image.pixels());
     let size = (width, image.height() as usize);
-    // Layers of 16 and 32 bits have different types, so a macro replaces a function.
+    // A macro instead of a function, because layers of 16 and 32 bits have different types.
     macro_rules! file {
         ($sample:expr) => {{
             let channels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
@@ -64,7 +65,7 @@ pub(super) fn encode(
 /// Largest finite number in half precision (IEEE 754 binary16).
 const LARGEST_HALF: f32 = 65_504.0;
 
-/// Rounds to half precision. Finite numbers are clamped to ±65504, so they stay finite.
+/// Rounds `x` to half precision. Finite numbers are clamped to ±65504, so that they stay finite.
 fn to_clamped_half(x: f32) -> f16 {
     f16::from_f32(if x.is_finite() { x.clamp(-LARGEST_HALF, LARGEST_HALF) } else { x })
 }
@@ -80,11 +81,11 @@ pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes
     attributes
 }
 
-/// Number of pixels up to which a display window of an OpenEXR file is accepted without a check of
-/// the file's length.
+/// Largest display window of an OpenEXR file that is accepted without a check of the file's length
+/// \[pixels].
 ///
-/// It exceeds 3840 × 2160. If the display window is larger, the file must be long enough to hold
-/// data for all its pixels.
+/// The limit exceeds 3840 × 2160. If the display window is larger, the file must be long enough to
+/// hold data for all its pixels.
 const MAX_UNCHECKED_WINDOW_PIXELS: u64 = 1 << 23;
 
 impl From<exr::error::Error> for DecodeFailure {
@@ -96,7 +97,7 @@ impl From<exr::error::Error> for DecodeFailure {
 /// Decodes the first layer with channels R, G and B of any sample type. Other channels are ignored.
 ///
 /// The picture has the size of the display window. It is black outside of the data window. Fails if
-/// reading needs more than `free` bytes of memory; for `free`, `None` is no limit.
+/// reading needs more than `free` bytes of memory; `None` means no limit.
 pub(super) fn decode(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     for header in &MetaData::read_from_buffered(Cursor::new(file), false)?.headers {
         let Vec2(width, height) = header.layer_size;

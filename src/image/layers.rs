@@ -13,22 +13,22 @@ use std::io::Cursor;
 use std::path::Path;
 
 /// Longest name of a channel in OpenEXR \[bytes].
-const MAX_NAME: usize = 255;
+const MAX_CHANNEL_NAME_BYTES: usize = 255;
 
 /// A layer of an OpenEXR file: a named group of channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrLayer {
-    /// Name of the layer; empty for the one layer that picture viewers show.
+    /// Name of the layer; empty for the layer that picture viewers show.
     pub name: String,
-    /// Channels of the layer: the name of each, and one value per pixel in rows from the top.
+    /// Channels of the layer, as pairs of a name and one value per pixel, in rows from the top.
     ///
     /// The unnamed layer should have channels `R`, `G` and `B`.
     pub channels: Vec<(String, Vec<f32>)>,
 }
 
 impl ExrLayer {
-    /// Returns the name of a channel with the prefix of its layer, such as `noise.R`; `R` in the
-    /// unnamed layer.
+    /// Returns the name of `channel` in the file, with the name of the layer as prefix, such as
+    /// `noise.R`; `R` in the unnamed layer.
     #[must_use]
     pub fn full_channel_name(&self, channel: &str) -> String {
         if self.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", self.name) }
@@ -56,8 +56,8 @@ fn check_exr_extension(path: &Path) -> Result<(), WriteError> {
 /// Writes `layers` of `size` (width, height) as an OpenEXR file with 32-bit channels.
 ///
 /// Returns the number of values that are NaN or infinite. The file is replaced atomically, see
-/// [`replace_file`]. All layers are in one part of the file, so channel names have the prefix
-/// `LAYER.`.
+/// [`replace_file`]. All layers are in one part of the file; channel names have the name of their
+/// layer as prefix, see [`ExrLayer::full_channel_name`].
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged. [`WriteError::Channel`] if a name is empty,
@@ -82,7 +82,7 @@ fn encode(size: (u32, u32), layers: &[ExrLayer], metadata: &[(String, String)]) 
     let mut channels = SmallVec::new();
     for (layer, (channel, values)) in layers.iter().flat_map(|layer| layer.channels.iter().map(move |c| (layer, c))) {
         let name = layer.full_channel_name(channel);
-        let violated = if channel.is_empty() || name.len() > MAX_NAME || name.contains('\0') {
+        let violated = if channel.is_empty() || name.len() > MAX_CHANNEL_NAME_BYTES || name.contains('\0') {
             Some("its name must have 1 to 255 bytes, and no NUL")
         } else if values.len() != pixels {
             Some("it must have one value per pixel")

@@ -53,7 +53,7 @@ pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
 ///
 /// In the formula, a and b are channel values of `a` and `reference`. ε is `epsilon`, in the unit
 /// of b²; 0.01 is common. The mean over the channels of a pixel is limited to `clip`, so that a
-/// firefly does not dominate. `None` is no limit.
+/// firefly does not dominate; `None` means no limit.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or ε or `clip` is not positive.
@@ -74,7 +74,7 @@ pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64
     Ok(sum / reference.pixels().len() as f64)
 }
 
-/// Largest absolute difference of one channel, with its pixel.
+/// Largest absolute difference between two pictures in one channel, and the pixel where it occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LargestDifference {
     /// Absolute difference \[W/(m² sr)].
@@ -85,10 +85,12 @@ pub struct LargestDifference {
     pub y: u32,
 }
 
-/// Largest difference in each channel, and the number of pixels that differ.
+/// Differences between two pictures: the largest in each channel, and the number of differing
+/// pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelDifferences {
-    /// Largest difference in red, green and blue; `None` if a channel is equal in all pixels.
+    /// Largest difference in red, in green and in blue; `None` for a channel that is equal in all
+    /// pixels.
     ///
     /// If several pixels have the largest difference, the first one is given.
     pub largest: [Option<LargestDifference>; 3],
@@ -96,7 +98,8 @@ pub struct PixelDifferences {
     pub differing_pixel_count: usize,
 }
 
-/// Finds the largest difference of two pictures in each channel. 0 and −0 are equal.
+/// Returns the largest difference of two pictures in each channel, and the number of differing
+/// pixels. 0 and −0 are equal.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
@@ -117,9 +120,10 @@ pub fn largest_differences(a: &Image, b: &Image) -> Result<PixelDifferences, Met
     Ok(found)
 }
 
-/// Returns the relative root mean square error of `a`. Errors are divided by about the local
-/// radiance of `reference`, see [`RelativeErrorWeights`]. The squared relative error of a pixel
-/// counts at most 1.
+/// Returns the relative root mean square error of `a` against `reference`.
+///
+/// Errors are relative to the local radiance of `reference`; see [`RelativeErrorWeights`] for the
+/// formula. The squared relative error of a pixel counts at most 1.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io;
 use std::path::Path;
 
-/// Opens a regular file; returns it with its length \[bytes].
+/// Opens a regular file, and returns it with its length \[bytes].
 ///
 /// Fails for pipes and devices, because reading from them might never end.
 pub(crate) fn open_file(path: &Path) -> io::Result<(File, u64)> {

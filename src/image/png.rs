@@ -11,10 +11,10 @@ use super::error::{DecodeFailure, WriteError, check_compression_ratio, check_mem
 use super::options::{BitDepth, WriteOptions};
 use super::tone::{ClippedPixelReport, Quantizer, ToneCurve, srgb_decode};
 
-/// Encodes `image` as the bytes of a PNG file. Also returns the numbers of pixels with clamped or
-/// non-finite values.
+/// Encodes `image` as the bytes of a PNG file.
 ///
-/// The file has an sRGB chunk unless the tone curve is [`ToneCurve::Legacy`].
+/// Also returns the numbers of pixels with clamped or non-finite values. The file has an sRGB chunk
+/// unless the tone curve is [`ToneCurve::Legacy`].
 pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
     let (samples, report) = quantize_image(image, options)?;
     let mut file = Vec::new();
@@ -87,8 +87,10 @@ struct DecodedPng {
     encoding_gamma: Option<f64>,
 }
 
-/// Decodes the samples of a PNG file. Fails if that needs more than `free` bytes of memory, or if a
-/// pixel is transparent. For `free`, `None` is no limit.
+/// Decodes the samples of a PNG file.
+///
+/// Fails if decoding needs more than `free` bytes of memory (`None` means no limit), or if a pixel
+/// is transparent.
 fn decode_png_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, DecodeFailure> {
     let mut decoder = Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::EXPAND);
@@ -136,8 +138,8 @@ fn decode_png_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, Deco
 
 /// Decodes a PNG file as linear radiance.
 ///
-/// The sRGB transfer function is undone. In a file with a gAMA chunk and no sRGB chunk, that gamma
-/// is undone instead.
+/// The sRGB transfer function is undone; in a file with a gAMA chunk and no sRGB chunk, the gamma
+/// of that chunk. `free` is the memory limit \[bytes]; `None` means no limit.
 pub(super) fn decode(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let decoded = decode_png_samples(file, free)?;
     match decoded.encoding_gamma {
@@ -146,13 +148,15 @@ pub(super) fn decode(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFail
     }
 }
 
-/// Decodes a PNG file of data such as roughness: its levels become numbers from 0 to 1, without a
+/// Decodes a PNG file of data such as roughness: levels become numbers from 0 to 1, without a
 /// transfer function.
+///
+/// `free` is the memory limit \[bytes]; `None` means no limit.
 pub(super) fn decode_non_color(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     apply_transfer_function(decode_png_samples(file, free)?, |signal| signal as f32)
 }
 
-/// Converts samples to an image; `linear` maps a signal in \[0, 1] to a linear value.
+/// Converts samples to an image; `linear` maps a sample, scaled to \[0, 1], to a linear value.
 fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
     let DecodedPng { width, height, samples, sixteen, .. } = decoded;
     let table: Vec<f32> = if sixteen {

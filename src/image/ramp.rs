@@ -1,9 +1,9 @@
-//! Colour maps for showing scalar values.
+//! Color maps that show scalar values as colors.
 
 use super::tone::srgb_decode;
 use glam::{DVec3, Vec3};
 
-/// Nine equidistant colours of the colour map magma (Smith and van der Walt 2015, CC0), in sRGB
+/// Nine evenly spaced colors of the color map magma (Smith and van der Walt 2015, CC0), in sRGB
 /// bytes.
 ///
 /// The perceived lightness rises uniformly, from black through purple and orange to pale yellow.
@@ -19,26 +19,30 @@ const MAGMA: [[u8; 3]; 9] = [
     [0xfc, 0xfd, 0xbf],
 ];
 
-/// Five equidistant colours of Brewer's map RdBu (colorbrewer2.org) from blue to red, in sRGB
+/// Five evenly spaced colors of Brewer's map RdBu (colorbrewer2.org) from blue to red, in sRGB
 /// bytes.
 const BLUE_RED: [[u8; 3]; 5] =
     [[0x05, 0x71, 0xb0], [0x92, 0xc5, 0xde], [0xf7, 0xf7, 0xf7], [0xf4, 0xa5, 0x82], [0xca, 0x00, 0x20]];
 
-/// Returns the colour of `t`, clamped to \[0, 1], by the colour map magma, as linear RGB. Black is
-/// 0, pale yellow is 1.
+/// Returns the color of `t` in the color map magma, as linear RGB: black at 0, pale yellow at 1.
+///
+/// `t` is clamped to \[0, 1].
 #[must_use]
 pub fn sequential_color(t: f64) -> Vec3 {
     interpolate_color_map(&MAGMA, t)
 }
 
-/// Returns the colour of `t`, clamped to \[−1, 1], as linear RGB: blue at −1, near-white at 0, red
-/// at 1.
+/// Returns the color of `t` in a blue-white-red color map, as linear RGB: blue at −1, near-white at
+/// 0, red at 1.
+///
+/// `t` is clamped to \[−1, 1].
 #[must_use]
 pub fn diverging_color(t: f64) -> Vec3 {
     interpolate_color_map(&BLUE_RED, 0.5 + 0.5 * t)
 }
 
-/// Interpolates between equidistant colours at `t`, clamped to \[0, 1]; returns linear RGB.
+/// Interpolates between evenly spaced sRGB colors `steps` at `t`, clamped to \[0, 1]; returns
+/// linear RGB.
 ///
 /// Interpolation is in sRGB signals, which are perceptually more uniform than linear RGB.
 fn interpolate_color_map(steps: &[[u8; 3]], t: f64) -> Vec3 {

@@ -20,16 +20,16 @@ const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 /// Picture file format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputFormat {
-    /// PNG, whose levels encode display values, by the sRGB curve or a gamma.
+    /// PNG: integer levels that encode display values by the sRGB curve or a gamma.
     Png,
-    /// OpenEXR, which holds linear radiance.
+    /// OpenEXR: linear radiance.
     Exr,
-    /// Radiance HDR, which holds linear radiance.
+    /// Radiance HDR: linear radiance.
     Hdr,
 }
 
 impl InputFormat {
-    /// File format by the first bytes of `file`; `None` if they are no known signature.
+    /// Returns the file format by the first bytes of `file`; `None` if they are no known signature.
     fn from_signature(file: &[u8]) -> Option<Self> {
         match file {
             _ if file.starts_with(&PNG_SIGNATURE) => Some(Self::Png),
@@ -42,10 +42,13 @@ impl InputFormat {
 
 /// Reads a PNG, OpenEXR or Radiance HDR picture as linear radiance.
 ///
-/// The first bytes of the file determine the format. A PNG is linearised by the sRGB curve, or by
-/// its gAMA chunk if it has no sRGB chunk. OpenEXR: the first layer with channels R, G and B is
-/// read. Radiance HDR: pixels are divided by the exposures in the header. Tone curves are not
-/// undone.
+/// The first bytes of the file determine the format:
+///
+/// - PNG: levels are linearized by the sRGB curve, or by a gAMA chunk if there is no sRGB chunk.
+/// - OpenEXR: the first layer with channels R, G and B is read.
+/// - Radiance HDR: pixels are divided by the exposures in the header.
+///
+/// Tone curves are not undone.
 ///
 /// # Errors
 /// [`ReadError`] if the file is missing, damaged, of another format, transparent, or larger than
@@ -72,32 +75,33 @@ pub fn read_non_color(path: &Path) -> Result<Image, ReadError> {
     read_with_memory_limit(path, PixelMeaning::NonColor, None)
 }
 
-/// Meaning of the pixels of a picture file: radiance or other data.
+/// Meaning of the pixels of a picture file: colors or other data.
 ///
-/// It determines how PNG samples are decoded.
+/// The meaning determines how PNG samples are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelMeaning {
-    /// The pixels are colours. PNG samples are linearised.
+    /// The pixels are colors. PNG samples are linearized.
     Color,
     /// The pixels are data such as roughness. PNG samples become numbers from 0 to 1 without a
     /// transfer function.
     NonColor,
 }
 
-/// Reads a picture of the given `meaning`, if that needs at most `free` bytes of memory. For
-/// `free`, `None` is no limit.
+/// Reads a picture with pixels of the given `meaning`, using at most `free` bytes of memory; `None`
+/// means no limit.
 ///
 /// # Errors
-/// [`ReadError`], see [`read`]; also if the memory does not suffice.
+/// [`ReadError`], see [`read`]; also if reading needs more memory.
 pub fn read_with_memory_limit(path: &Path, meaning: PixelMeaning, free: Option<u64>) -> Result<Image, ReadError> {
     let file = read_file_bytes(path, free)?;
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
 }
 
-/// Decodes the bytes `file` of a picture. Returns the picture and its file format. Errors name
-/// `path`.
+/// Decodes a picture from the bytes `file` of a picture file; returns the picture and the file
+/// format.
 ///
-/// Fails if decoding needs more than `free` bytes of memory; `None` is no limit.
+/// Decoding may use at most `free` bytes of memory; `None` means no limit. `path` is only for
+/// messages.
 ///
 /// # Errors
 /// [`ReadError`], see [`read_with_memory_limit`].
@@ -117,7 +121,8 @@ pub fn decode(
     Ok((image.map_err(|failure| failure.into_read_error(path.to_owned()))?, format))
 }
 
-/// Reads the 8-bit levels that a PNG file stores, not linearised, for exact comparisons.
+/// Reads the 8-bit levels that a PNG file stores, without conversion to linear values, for exact
+/// comparisons.
 ///
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
@@ -134,6 +139,8 @@ pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, ReadError> {
 }
 
 /// Decodes a Radiance HDR picture (Ward 1991, "Real Pixels") and divides it by its exposure.
+///
+/// `free` is the memory limit \[bytes]; `None` means no limit.
 fn decode_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let reason = |error: ::image::ImageError| DecodeFailure::Reason(error.to_string());
     // Strict decoding accepts only one of the two signatures.
@@ -153,7 +160,7 @@ fn decode_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     Ok(Image::from_pixels(header.width, header.height, pixels)?)
 }
 
-/// Reads all bytes of a file; fails if they are more than `free`. For `free`, `None` is no limit.
+/// Reads all bytes of a file; fails if it has more than `free` bytes. `None` means no limit.
 fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, ReadError> {
     let refused = |source| ReadError::Io { path: path.to_owned(), source };
     let (mut file, needed) = open_file(path).map_err(refused)?;

@@ -4,22 +4,23 @@ use super::Image;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Half width of the 5 × 5 neighbourhood over which [`RelativeErrorWeights`] averages the radiance
-/// L \[pixels].
-const HALF_WIDTH: usize = 2;
+/// Half width of the 5 × 5 neighborhood over which [`RelativeErrorWeights`] averages radiance
+/// \[pixels]: distance from the center pixel to the edge pixels.
+const NEIGHBORHOOD_HALF_WIDTH: usize = 2;
 
-/// Smallest number of pixels of a task of a parallel loop.
+/// Smallest number of pixels of one task in parallel loops.
 const MIN_PIXELS_PER_TASK: usize = 2048;
 
 /// Per-pixel weights that turn squared errors into relative squared errors.
 ///
-/// The relative squared error is the mean of e² / (L² + m²) over pixels and channels, for the error
-/// e. L is the mean radiance of the pixel's 5 × 5 neighbourhood in the reference, over channels. m
-/// is the median of L over pixels with L > 0. So errors in bright regions are relative to the local
-/// radiance, and in dark regions to the median. For a black reference, the divisor is 1.
+/// For the error e, the relative squared error is the mean of e² / (L² + m²) over pixels and
+/// channels. L is the mean radiance of the pixel's 5 × 5 neighborhood in the reference, over all
+/// channels. m is the median of L over pixels with L > 0. So errors in bright regions are relative
+/// to the local radiance, and errors in dark regions to the median. For a black reference, the
+/// divisor is 1.
 ///
 /// The relative squared error of each pixel is clamped to \[−1, 1], so that fireflies do not
-/// dominate. It can be negative if it is estimated as a product of two errors.
+/// dominate. The value can be negative if e² is estimated by the product of two independent errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RelativeErrorWeights {
     /// 1 / (3 (L² + m²)) of each pixel, in rows from the top.
@@ -29,7 +30,7 @@ pub struct RelativeErrorWeights {
 impl RelativeErrorWeights {
     /// Makes the weights for errors against the reference `picture`.
     ///
-    /// Pixels that are not finite do not count in neighbourhoods.
+    /// Pixels that are not finite do not count in neighborhoods.
     #[must_use]
     pub fn from_image(picture: &Image) -> Self {
         Self::from_pixels((picture.width(), picture.height()), picture.pixels())
@@ -52,8 +53,8 @@ impl RelativeErrorWeights {
             .with_min_len(MIN_PIXELS_PER_TASK)
             .map(|i| {
                 let (x, y) = (i % width, i / width);
-                let rows = y.saturating_sub(HALF_WIDTH)..(y + HALF_WIDTH + 1).min(height);
-                let columns = x.saturating_sub(HALF_WIDTH)..(x + HALF_WIDTH + 1).min(width);
+                let rows = y.saturating_sub(NEIGHBORHOOD_HALF_WIDTH)..(y + NEIGHBORHOOD_HALF_WIDTH + 1).min(height);
+                let columns = x.saturating_sub(NEIGHBORHOOD_HALF_WIDTH)..(x + NEIGHBORHOOD_HALF_WIDTH + 1).min(width);
                 let (mut sum, mut count) = (0.0, 0u32);
                 for row in rows {
                     for value in radiance[row * width + columns.start..row * width + columns.end].iter() {
@@ -83,7 +84,7 @@ impl RelativeErrorWeights {
         &self.weights
     }
 
-    /// Returns the relative squared error of pixel `i`, clamped to \[−1, 1].
+    /// Returns the relative squared error of pixel number `i`, clamped to \[−1, 1].
     ///
     /// `product` is the sum over channels of the squared error, or of the product of two errors.
     #[must_use]
@@ -91,12 +92,12 @@ impl RelativeErrorWeights {
         (self.weights[i] * product).clamp(-1.0, 1.0)
     }
 
-    /// Returns the mean over pixels of the relative squared error, which is clamped to \[−1, 1] per
-    /// pixel.
+    /// Returns the relative squared error of a picture: the mean over pixels, with each pixel
+    /// clamped to \[−1, 1].
     ///
-    /// `product(i)` gives the squared error of pixel i in each channel. It may also give the
-    /// product of the errors against two independent references, whose noise then cancels in the
-    /// mean.
+    /// `product(i)` is the squared error of pixel i in each channel. Alternatively, it is the
+    /// product of the errors against two independent references: the noise of the references then
+    /// cancels in the mean.
     #[must_use]
     pub fn mean_relative_squared_error(&self, product: impl Fn(usize) -> DVec3) -> f64 {
         let sum: f64 =

@@ -9,11 +9,12 @@ use tempfile::NamedTempFile;
 
 use super::error::WriteError;
 
-/// Replaces the file at `path` by a file with content `bytes`. If that fails, the old file stays.
+/// Replaces the file at `path` by a file with content `bytes`, atomically. If writing fails, the
+/// old file stays.
 ///
-/// The bytes are written to a temporary file in the same folder. The temporary file is flushed to
-/// the disk and renamed to `path`. Symbolic links are followed. A replaced file keeps its
-/// permissions. A new file has default permissions.
+/// The bytes are written to a temporary file in the same folder, which is flushed to the disk and
+/// renamed to `path`. Symbolic links are followed. A replaced file keeps its permissions. A new
+/// file has default permissions.
 ///
 /// # Errors
 /// [`WriteError`] if the folder is missing, if the path is a folder, device or read-only file, or
@@ -49,15 +50,15 @@ pub fn check_replaceable(path: &Path) -> Result<(), WriteError> {
 /// Returns the absolute path of the file that [`replace_file`] would write, with symbolic links
 /// resolved.
 ///
-/// Two paths to one file have equal results. A path whose folder does not exist is returned
-/// unchanged.
+/// Two paths to one file have equal results, so equal outputs can be detected. A path whose folder
+/// does not exist is returned unchanged.
 #[must_use]
 pub fn canonical_output_path(path: &Path) -> PathBuf {
     let in_folder = || Some(fs::canonicalize(parent_folder(path)).ok()?.join(path.file_name()?));
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
 }
 
-/// Folder of `file`; `.` for a bare file name.
+/// Returns the folder of `file`; `.` for a bare file name.
 fn parent_folder(file: &Path) -> &Path {
     file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -65,14 +66,13 @@ fn parent_folder(file: &Path) -> &Path {
 /// Prefix and suffix of the names of the temporary files of [`replace_file`].
 const TEMPORARY_NAME: (&str, &str) = (".caustica-", ".tmp");
 
-/// Age from which a temporary file counts as left behind by a killed process, so that it is
-/// removed.
+/// Age above which a temporary file counts as left behind by a killed process, and is removed.
 const ABANDONED_AGE: Duration = Duration::from_secs(3600);
 
-/// Removes the temporary files in `folder` that killed processes left: those with an age above
-/// [`ABANDONED_AGE`] at the time `now`. Failures are ignored.
+/// Removes temporary files of [`replace_file`] in `folder` that are older than [`ABANDONED_AGE`] at
+/// the time `now`: killed processes left them. Failures are ignored.
 ///
-/// A file that is newer than `now`, because the clock was set back, stays.
+/// A file with a time after `now` stays. Such files exist if the clock was set back.
 fn remove_abandoned_files(folder: &Path, now: SystemTime) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -120,7 +120,7 @@ impl ReplaceTarget {
         Ok(Self { file, folder, existing })
     }
 
-    /// Creates a temporary file in the target's folder, with the target's permissions.
+    /// Creates a temporary file in the target's folder, with the permissions of an existing target.
     fn create_temporary_file(&self) -> Result<NamedTempFile, WriteError> {
         let refused = |source| WriteError::Io { action: "create a file in", path: self.folder.clone(), source };
         remove_abandoned_files(&self.folder, SystemTime::now());
@@ -129,7 +129,8 @@ impl ReplaceTarget {
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            // The default of tempfile is 0600. The system removes the bits of the umask.
+            // Ask for default permissions, from which the system removes the bits of the umask. The
+            // default of tempfile is 0600.
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
         let temporary = builder.tempfile_in(&self.folder).map_err(refused)?;

@@ -1,4 +1,4 @@
-//! Decoding of PNG, JPEG, BMP and TGA pictures with alpha, for scenes of other programs.
+//! Decodes PNG, JPEG, BMP and TGA pictures with alpha, for scenes of other programs.
 
 use super::buffer::pixel_count;
 use super::error::{DecodeFailure, ReadError, check_compression_ratio, check_memory};
@@ -7,7 +7,7 @@ use ::image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
 
-/// Integer levels of an RGBA picture as its file stores them, not linearised.
+/// Integer levels of an RGBA picture as its file stores them, without conversion to linear values.
 #[derive(Clone, Debug)]
 pub(crate) struct QuantizedRgba {
     /// Picture width in pixels.
@@ -21,24 +21,26 @@ pub(crate) struct QuantizedRgba {
 }
 
 impl QuantizedRgba {
-    /// Returns the linear value in \[0, 1] of each level from 0 to `max_level`, by the sRGB
-    /// transfer function.
+    /// Returns a table of the linear value in \[0, 1] of each level from 0 to `max_level`, by the
+    /// sRGB transfer function.
     pub fn srgb_table(&self) -> Vec<f32> {
         (0..=self.max_level).map(|level| srgb_decode(f64::from(level) / f64::from(self.max_level)) as f32).collect()
     }
 }
 
-/// Largest number of bytes per pixel that a decoder may allocate: four channels of 16 bits, twice.
+/// Memory that a decoder may allocate per pixel \[bytes]: two buffers of four 16-bit channels.
 const DECODED_BYTES_PER_PIXEL: u64 = 16;
 
 /// Memory that a decoder may allocate for tables, in addition to the memory for pixels \[bytes].
 const DECODER_BYTES: u64 = 1 << 20;
 
-/// Decodes a PNG, JPEG, BMP or TGA picture; `Ok(None)` for another format. Errors name `path`.
+/// Decodes a PNG, JPEG, BMP or TGA picture from the bytes `file`; returns `Ok(None)` for another
+/// format.
 ///
-/// TGA files have no signature, so the extension `tga` of `path` selects that format.
+/// TGA files have no signature, so the extension `tga` of `path` selects that format. Otherwise,
+/// `path` is only for messages.
 ///
-/// Fails if decoding needs more than `free` bytes of memory; `None` is no limit.
+/// Fails if decoding needs more than `free` bytes of memory; `None` means no limit.
 ///
 /// # Errors
 /// [`ReadError`] if the picture is damaged or too large.

@@ -21,11 +21,11 @@ pub enum ToneCurve {
     ///
     /// Highlights are compressed: white is reached at radiance 7.2 instead of 1.
     Filmic,
-    /// Clamps to \[0, 1] and truncates to levels, without a transfer function: trunc(255 · c) for 8
-    /// bits.
+    /// Clamps to \[0, 1] and truncates to integer levels, without a transfer function: trunc(255 ·
+    /// c) for 8 bits.
     ///
-    /// This curve reproduces the pictures of the ray caster for which the scene format of MIT
-    /// course 6.837 was made.
+    /// This curve reproduces the pictures of the ray caster of MIT course 6.837, whose scene format
+    /// Caustica reads.
     Legacy,
 }
 
@@ -77,12 +77,14 @@ pub struct ToneMap {
     pub exposure_stops: f32,
 }
 
-/// Numbers of pixels with values that the file format could not store.
+/// Numbers of pixels that are not finite, or that were clamped when a picture was encoded as a
+/// file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClippedPixelReport {
     /// Number of pixels with a NaN or infinite channel. PNG stores NaN as 0.
     pub non_finite: usize,
-    /// Number of finite pixels with a channel clamped to white, or to ±65504 in 16-bit OpenEXR.
+    /// Number of finite pixels with a channel clamped to white in PNG, or to ±65504 in 16-bit
+    /// OpenEXR.
     ///
     /// Always 0 for 32-bit OpenEXR.
     pub too_bright: usize,
@@ -91,7 +93,7 @@ pub struct ClippedPixelReport {
 }
 
 impl ClippedPixelReport {
-    /// Returns a report with the sums of the counts of both reports.
+    /// Adds the counts of both reports.
     pub(super) fn merged_with(self, other: Self) -> Self {
         Self {
             non_finite: self.non_finite + other.non_finite,
@@ -124,7 +126,8 @@ impl Quantizer {
     /// had to be clamped, or is not finite.
     pub(super) fn quantize_pixel(&self, pixel: Vec3, report: &mut ClippedPixelReport) -> [u16; 3] {
         let exposed = pixel * self.scale;
-        // A finite value that overflows by the exposure is too bright, but not a defect.
+        // A finite value that becomes infinite by the exposure counts as too bright, not as
+        // non-finite.
         if !pixel.is_finite() {
             report.non_finite += 1;
         } else {

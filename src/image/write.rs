@@ -12,14 +12,14 @@ use super::{exr, png};
 /// Picture file format that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputFormat {
-    /// PNG with 8 or 16 bits per channel; a tone map converts radiance to levels.
+    /// PNG with 8 or 16 bits per channel. A tone map converts radiance to integer levels.
     Png,
-    /// OpenEXR with 16 or 32 bits per channel; it holds linear radiance.
+    /// OpenEXR with 16 or 32 bits per channel, for linear radiance.
     Exr,
 }
 
 impl OutputFormat {
-    /// File format by the extension of `path`, in upper or lower case.
+    /// Returns the file format by the extension of `path`, in upper or lower case.
     ///
     /// # Errors
     /// [`WriteError::Extension`] if the extension is neither `.png` nor `.exr`.
@@ -32,8 +32,9 @@ impl OutputFormat {
     }
 }
 
-/// Encodes a picture as the bytes of a file. Also returns the numbers of pixels with clamped or
-/// non-finite values.
+/// Encodes a picture as the bytes of a file.
+///
+/// Also returns the numbers of pixels with clamped or non-finite values.
 ///
 /// # Errors
 /// [`WriteError::Exposure`] or [`WriteError::Metadata`] if an option is invalid, or

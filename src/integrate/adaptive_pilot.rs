@@ -1,4 +1,5 @@
-//! Pilot for adaptive sampling: it finds how many camera rays each pixel needs.
+//! Pilot (small simulation before the first pass) for adaptive sampling: it finds how many camera
+//! rays each pixel needs.
 //!
 //! The mean of n rays of a pixel has variance σ²/n. For a given total of rays, the mean relative
 //! variance of the pixels is least if n is proportional to σ over the radiance. The pilot estimates
@@ -16,12 +17,11 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::with_interior_type;
 use std::sync::Arc;
 
-/// Number of pictures from which the adaptive-sampling pilot measures the noise of each pixel, with
-/// one camera ray per pixel each.
+/// Number of pictures, with one camera ray per pixel each, from which the adaptive-sampling pilot
+/// measures the noise of each pixel.
 const PILOT_PICTURES: u32 = 4;
 
-/// Divisor of the number of photon paths of a pass: the adaptive-sampling pilot traces 1/16 of the
-/// paths.
+/// Number of photon paths of a pass, divided by the number in the adaptive-sampling pilot.
 const PHOTON_PATH_DIVISOR: u32 = 16;
 
 /// Smallest number of camera rays of a pixel, divided by the mean over all pixels.
@@ -30,10 +30,9 @@ const MIN_RELATIVE_COUNT: f64 = 0.5;
 /// Largest number of camera rays of a pixel, divided by the mean over all pixels.
 const MAX_RELATIVE_COUNT: f64 = 8.0;
 
-/// Returns the number of camera rays that each pixel needs, divided by the mean over all pixels.
-///
-/// The values are ordered by rows from the top. A pilot renders a few pictures and measures their
-/// noise. Returns `None` if the pictures have no noise.
+/// Runs the adaptive-sampling pilot. Returns the number of camera rays that each pixel needs,
+/// divided by the mean over all pixels, by rows from the top. Returns `None` if the pilot's
+/// pictures have no noise.
 pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let options = MapBuildOptions::for_pilot(key, PHOTON_PATH_DIVISOR);
@@ -75,7 +74,8 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
     let median = positive_median(mean.iter().copied())?;
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright samples.
-    let box_mean = |values: &[f64], i: usize, reach: usize| box_mean(|i| values[i], i, reach, (width, height));
+    let box_mean =
+        |values: &[f64], i: usize, half_width: usize| box_mean(|i| values[i], i, half_width, (width, height));
     let wanted: Vec<f64> = (0..width * height)
         .map(|i| {
             let light = box_mean(&mean, i, 1);
@@ -88,16 +88,17 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
     if largest == 0.0 {
         return None;
     }
-    // Every pixel gets at least one ray.
+    // Give every pixel at least one ray.
     let least = MIN_RELATIVE_COUNT.max(1.0 / f64::from(samples));
     let share = |scale: f64, w: f64| (scale * w).clamp(least, MAX_RELATIVE_COUNT);
     let total = |scale: f64| wanted.iter().map(|w| share(scale, *w)).sum::<f64>() / wanted.len() as f64;
     let (mut low, mut high) = (0.0, 1.0 / largest);
-    // If few pixels need rays, this upper bound of the scale would leave rays unused: raise it.
+    // Raise the upper bound of the scale if it leaves rays unused, as when few pixels need rays.
     while total(high) < 1.0 && high * largest < MAX_RELATIVE_COUNT * 1e6 {
         high *= 2.0;
     }
-    // The mean number of rays grows with the scale; sixty bisections exhaust double precision.
+    // Bisect for the scale, with which the mean number of rays grows. Sixty steps exhaust double
+    // precision.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if total(middle) > 1.0 { high = middle } else { low = middle }
@@ -112,7 +113,7 @@ mod tests {
     /// In pictures that are constant on the left and noisy on the right, pixels on the right get
     /// more rays, and the total number stays the same.
     #[test]
-    fn rays_follow_noise_and_keep_their_total() {
+    fn noisy_pixels_get_more_rays_of_fixed_total() {
         let (width, height) = (16, 8);
         let picture = |i: u64| {
             let value = |p: usize| {

@@ -13,8 +13,9 @@ enum_with_all! {
     /// Rendering algorithm, the value of the option `--integrator`.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Algorithm {
-        /// Path tracing with next-event estimation. Photons carry caustics and their
-        /// interreflection, and by default a share of the other indirect light.
+        /// Path tracing with next-event estimation. Photons carry caustics and the light that
+        /// surfaces reflect after a caustic. By default, they also carry a share of the other
+        /// indirect light.
         Hybrid,
         /// Path tracing.
         Path,
@@ -22,8 +23,8 @@ enum_with_all! {
         Sppm,
         /// Progressive photon mapping. All passes trace the same camera paths.
         Ppm,
-        /// Photon mapping with an indirect map and a caustic map. Gather radii stay fixed over the
-        /// passes.
+        /// Photon mapping with an indirect map (Jensen's global map) and a caustic map. Gather
+        /// radii stay fixed over the passes.
         Pm,
         /// Distributed ray tracing (Cook, Porter and Carpenter 1984).
         Distributed,
@@ -59,8 +60,8 @@ impl Algorithm {
         }
     }
 
-    /// Returns the number of passes of a render that estimates no error, if neither the number of
-    /// passes nor the time is limited.
+    /// Returns the default number of passes of a render. It applies if the error is not estimated,
+    /// and if neither the passes nor the time are limited.
     #[must_use]
     pub fn default_passes(self) -> u32 {
         match self {
@@ -99,7 +100,7 @@ impl Algorithm {
         }
     }
 
-    /// Makes the integrator that renders `scene` with this algorithm. Runs its pilots, small
+    /// Makes the integrator that renders `scene` with this algorithm, and runs its pilots: small
     /// simulations before the first pass.
     ///
     /// Settings that are `None` get the algorithm's default, or a value that a pilot finds.

@@ -1,64 +1,66 @@
-//! Division of the work of a pass between camera rays and photons.
+//! Balance of camera rays against photon paths in a pass, for least noise at constant work.
 //!
-//! The variance of a pass is a sum over sources of noise: camera rays and the photon paths of each
-//! kind. With nᵢ samples, source i has variance σᵢ²/nᵢ and work cᵢ·nᵢ. For constant work the
-//! variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather radii and bias do not change.
+//! The variance of a pass is a sum over sources of noise: camera rays, photon paths that start in
+//! all directions, and photon paths aimed at casters such as glass. With nᵢ samples, source i has
+//! variance σᵢ²/nᵢ and work cᵢ·nᵢ. For constant work, the variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather
+//! radii and bias do not change.
 
 use super::pilot_statistics::positive_median;
 use crate::color::{self, Rgb};
 use crate::stats::Counters;
 
-/// Numbers of camera rays and photon paths of a pass, chosen by a pilot for least noise.
+/// Numbers of camera rays and photon paths of a pass that a pilot (small simulation) chose for
+/// least noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct RayPhotonBalance {
     /// Number of camera rays per pixel.
     #[serde(rename = "samples")]
     pub samples_per_pixel: u32,
-    /// Number of unaimed photon paths, for
-    /// [`Settings::unaimed_paths`](super::Settings::unaimed_paths); `None` without such paths.
+    /// Number of unaimed photon paths, which start in all directions: a value for
+    /// [`Settings::unaimed_paths`](super::Settings::unaimed_paths). `None` without such paths.
     #[serde(rename = "photons")]
     pub unaimed_paths: Option<u32>,
-    /// Number of aimed photon paths, for
-    /// [`Settings::aimed_paths`](super::Settings::aimed_paths); `None` without such paths.
+    /// Number of photon paths aimed at casters, such as mirrors and glass: a value for
+    /// [`Settings::aimed_paths`](super::Settings::aimed_paths). `None` without such paths.
     #[serde(rename = "caustic_photons")]
     pub aimed_paths: Option<u32>,
 }
 
-/// Largest factor by which a pilot may change the number of camera rays or photon paths. It limits
-/// the harm of a noisy pilot.
+/// Largest factor by which the ray-photon-balance pilot may raise or lower the number of camera
+/// rays or photon paths. It limits the harm of a noisy pilot.
 const MAX_CHANGE: f64 = 4.0;
 
-// The unit of work is the time of one photon ray, about 0.1 µs. The ratios come from
+// All work is in units of tracing one photon ray, about 0.1 µs. The values come from
 // docs/measurements/.
 
-/// Work of tracing and shading one ray of a camera path. The unit is the work of tracing one photon
-/// ray.
+/// Work of tracing and shading one ray of a camera path, in units of tracing one photon ray.
 const CAMERA_RAY_WORK: f64 = 2.0;
 
-/// Work of storing and indexing one photon. The unit is the work of tracing one photon ray.
+/// Work of storing and indexing one photon, in units of tracing one photon ray.
 const STORED_PHOTON_WORK: f64 = 1.5;
 
-/// Work of one photon in a density estimate. The unit is the work of tracing one photon ray.
+/// Work of one photon in a density estimate, in units of tracing one photon ray.
 pub(super) const GATHERED_PHOTON_WORK: f64 = 0.2;
 
-/// Work of one density estimate apart from its photons. The unit is the work of tracing one photon
+/// Work of one density estimate without the work for its photons, in units of tracing one photon
 /// ray.
 pub(super) const LOOKUP_WORK: f64 = 20.0;
 
-/// One source of noise in a pass: the camera rays, the unaimed photon paths, or the photon paths
-/// aimed at casters.
+/// One source of noise in a pass: the camera rays, the photon paths that start in all directions,
+/// or the photon paths aimed at casters such as glass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseSource {
-    /// Relative variance of the picture of a pass due to this source, if the source had one sample:
-    /// one camera ray per pixel, or one photon path.
+    /// Relative variance of the picture of a pass due to this source, if the source had only one
+    /// sample: one camera ray per pixel, or one photon path.
     pub single_sample_variance: f64,
-    /// Work of one sample. The unit is the work of tracing one photon ray.
+    /// Work of one sample, in units of tracing one photon ray.
     pub work_per_sample: f64,
     /// Number of samples before balancing.
     pub sample_count: f64,
 }
 
 impl NoiseSource {
+    /// True if the source has samples, work and a finite positive variance.
     fn has_noise(&self) -> bool {
         self.single_sample_variance > 0.0
             && self.work_per_sample > 0.0
@@ -67,12 +69,11 @@ impl NoiseSource {
     }
 }
 
-/// Returns the numbers of samples of all sources for which a pass has the least noise, at the total
-/// work of the numbers before balancing.
+/// Returns the sample counts of all sources that give a pass the least noise at the same total
+/// work.
 ///
-/// A sample is one camera ray per pixel, or one photon path. No number changes by more than a
-/// factor of [`MAX_CHANGE`]. A source without noise keeps its number of samples, and its work is
-/// not counted.
+/// A sample is one camera ray per pixel, or one photon path. No count changes by more than a factor
+/// of [`MAX_CHANGE`]. A source without noise keeps its count, and its work is ignored.
 pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
         let active = sources.iter().zip(numbers).filter(|(p, _)| p.has_noise());
@@ -88,33 +89,32 @@ pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
             }
         })
     };
-    let given = work(&sources.map(|p| p.sample_count));
+    let initial_work = work(&sources.map(|p| p.sample_count));
     let (mut low, mut high) = (0.0, 0.0f64);
     for p in sources.iter().filter(|p| p.has_noise()) {
         high = high.max(MAX_CHANGE * p.sample_count / (p.single_sample_variance / p.work_per_sample).sqrt());
     }
-    // The work grows with the scale; sixty bisections exhaust double precision.
+    // Bisect for the scale, with which the work grows. Sixty steps exhaust double precision.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if work(&numbers(middle)) > given { high = middle } else { low = middle }
+        if work(&numbers(middle)) > initial_work { high = middle } else { low = middle }
     }
     numbers(low)
 }
 
-/// Returns the work of tracing the camera paths whose rays `counters` count. The unit is the work
-/// of tracing one photon ray.
+/// Returns the work of tracing the camera paths whose rays `counters` count, in units of tracing
+/// one photon ray.
 pub(super) fn camera_path_work(counters: &Counters) -> f64 {
     CAMERA_RAY_WORK * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
 /// Returns the work of the photons in the density estimates that `counters` count, without the work
-/// of each search. The unit is the work of tracing one photon ray.
+/// of each search, in units of tracing one photon ray.
 pub(super) fn gathering_work(counters: &Counters) -> f64 {
     GATHERED_PHOTON_WORK * counters.gathered_photons as f64
 }
 
-/// Returns the work of storing and indexing `photons` photons. The unit is the work of tracing one
-/// photon ray.
+/// Returns the work of storing and indexing `photons` photons, in units of tracing one photon ray.
 pub(super) fn photon_storage_work(photons: u64) -> f64 {
     STORED_PHOTON_WORK * photons as f64
 }

@@ -1,13 +1,14 @@
-//! Camera paths: the loop that every algorithm except `raycast` runs.
+//! Camera paths: the path-tracing loop of every algorithm except `raycast`.
 //!
-//! [`PhotonKind`](crate::photon::PhotonKind) defines receivers, casters and caustics. If the policy
-//! leaves caustics to photons, a camera path ignores emission that it hits after a receiver and one
-//! or more casters. So no light path counts twice.
+//! A *receiver* is a surface or medium that stores photons, such as a diffuse wall. A *caster*
+//! passes photons on, such as a mirror or glass; [`PhotonKind`](crate::photon::PhotonKind) has the
+//! exact definitions. If the policy leaves caustics to photons, a camera path ignores emission that
+//! it hits after a receiver and one or more casters. So no light path counts twice.
 //!
 //! A path's inputs are a [`PathContext`], which all paths of a pass share, and a [`CameraRay`]. Its
-//! state between two vertices is a [`PathState`]. A [`PathTask`] collects what paths find besides
-//! radiance. [`indirect_division`](super::indirect_division) lists the fields by which camera paths
-//! and photon estimates share indirect light.
+//! state between two vertices is a [`PathState`]. A [`PathTask`] collects the paths' ray counts,
+//! light groups and pilot records. [`indirect_division`](super::indirect_division) lists the fields
+//! by which camera paths and photon estimates share indirect light.
 
 mod media;
 
@@ -32,19 +33,20 @@ use glam::Vec3;
 /// Least throughput of the fainter branch, as a mean over RGB, at which a camera path splits at a
 /// smooth dielectric into a reflected and a refracted branch.
 ///
-/// Below it, the path samples one of the two branches.
+/// If the fainter branch has less, the path samples one of the two branches.
 const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 
-/// Mean throughput of the RGB channels below which Russian roulette may end a path.
+/// Throughput, as a mean over RGB, below which Russian roulette may end a camera path.
 const ROULETTE_THROUGHPUT: f32 = 0.125;
 
-/// Number of bounces without Russian roulette for a path that has met only casters.
+/// Number of bounces without Russian roulette, for a camera path that has met only mirrors, glass
+/// and other specular or glossy casters.
 const ROULETTE_BOUNCE: u32 = 8;
 
-/// Largest number of branches of one camera path that wait on the stack to be traced.
+/// Largest number of reflected branches of one camera path that wait on the stack to be traced.
 const MAX_BRANCHES: usize = 16;
 
-/// Gather radius \[length] from which [`PathContext::min_gather_distance`] follows if a pass has no
+/// Gather radius \[length] that [`PathContext::min_gather_distance`] is based on if a pass has no
 /// photon maps.
 const FALLBACK_GATHER_RADIUS: f32 = 1.0;
 
@@ -64,8 +66,8 @@ pub(super) struct PathContext<'a> {
     pub pass: u32,
     /// Number of bounces after which a camera path ends.
     pub max_bounces: u32,
-    /// Technique that finds indirect light at the first receiver of a path: camera paths, photon
-    /// estimates, or both.
+    /// Technique that finds the indirect light at a path's first receiver (a surface or medium that
+    /// stores photons): continued camera paths, photon estimates, or both.
     technique: IndirectTechnique<'a>,
     /// Length above which a final-gathering ray reads the indirect map at its end \[length].
     min_gather_distance: f32,
@@ -80,15 +82,16 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Factor on the throughput, which is applied at the next vertex: just after the first receiver
-    /// the weight of camera paths for indirect light, else 1.
+    /// Factor by which the next vertex multiplies the throughput. It is 1, except just after the
+    /// first receiver (surface or medium that stores photons). There it is the factor of continued
+    /// camera paths for indirect light; photon estimates carry the rest.
     ///
-    /// Emission at the next vertex is direct light of the previous vertex. So the factor is applied
-    /// after that emission was added.
+    /// Emission at the next vertex is direct light of the receiver, so the path adds that emission
+    /// before it applies the factor.
     pending_weight: f32,
-    /// True after the path's first receiver, if this path carries a part of the receiver's indirect
-    /// light and a photon estimate carries the rest.
-    carries_divided_light: bool,
+    /// True if a photon estimate carries a part of the indirect light that this path carries too.
+    /// False before the path's first receiver (surface or medium that stores photons).
+    shares_indirect: bool,
     /// Previous vertex, if next-event estimation there could have sampled the light that the path
     /// hits next. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
     /// shadow rays.
@@ -97,17 +100,19 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
-/// Weights of the light that one camera path finds: other paths of its pixel, and photon estimates,
+/// Weights of the light that one camera path finds. Other paths of its pixel, and photon estimates,
 /// find some of the same light.
 struct PathWeights {
-    /// Weights of the light up to the first receiver.
+    /// Weights of the light up to the first receiver (a surface or medium that stores photons).
     prefix: PrefixWeights,
-    /// Weights of the indirect light at the first receiver.
+    /// Weights of camera paths and of photon estimates for the indirect light at the first receiver
+    /// (surface or medium that stores photons).
     indirect: IndirectWeights,
 }
 
 /// Traces the camera path that starts with `camera_ray`, and returns its radiance \[W/(m² sr)].
-/// Adds ray counts, light groups and records of pilots to `task`.
+/// Adds ray counts, light groups and records for pilots (small simulations before the first pass)
+/// to `task`.
 ///
 /// `stack` holds branches of the path that are still to be traced; it is empty before and after.
 pub(super) fn trace_camera_path<I: Interior>(
@@ -162,7 +167,8 @@ pub(super) fn trace_camera_path<I: Interior>(
             path.throughput *= path.pending_weight;
             path.pending_weight = 1.0;
 
-            // Reflect and refract at casters.
+            // Reflect and refract at casters: surfaces that store no photons, such as mirrors and
+            // glass.
             if !hit.surface.bsdf.stores_photons() {
                 if hit.surface.bsdf.is_black() || !policy.effects.has(Effect::Specular) {
                     break;
@@ -173,7 +179,7 @@ pub(super) fn trace_camera_path<I: Interior>(
                 break;
             }
 
-            // Shade a receiver.
+            // Shade a receiver: a surface that stores photons.
             if !shade_receiver(paths, &weights, &mut path, &mut hit, task, &mut radiance) {
                 break;
             }
@@ -183,8 +189,9 @@ pub(super) fn trace_camera_path<I: Interior>(
     radiance
 }
 
-/// Adds direct light and the photon estimate at `receiver`, times the throughput, to `radiance`.
-/// Continues `path` from there, or returns false if the path ends.
+/// Adds the direct light and the photon estimate at `receiver`, a surface that stores photons, to
+/// `radiance`, times the path's throughput. Continues `path` from there, or returns false if the
+/// path ends.
 #[inline(always)]
 fn shade_receiver<I: Interior>(
     paths: &PathContext<'_>,
@@ -237,8 +244,8 @@ fn shade_receiver<I: Interior>(
     // Add the photon estimate.
     let reflected = direct + photon_radiance(paths, weights, &vertex, ends_gather_ray, task);
     *radiance += path.throughput * reflected;
-    if path.carries_divided_light {
-        task.records.light.divided_light_of_paths += path.throughput * reflected;
+    if path.shares_indirect {
+        task.records.light.indirect_by_paths += path.throughput * reflected;
     }
 
     // Continue in a sampled direction.
@@ -247,13 +254,13 @@ fn shade_receiver<I: Interior>(
         return false;
     }
     if shares_indirect {
-        path.start_dividing(weights.indirect, vertex.sampler);
+        path.share_indirect_with_photons(weights.indirect, vertex.sampler);
     }
     true
 }
 
-/// Adds direct light at `caster` to `radiance`. Continues `path` from there, or returns false if
-/// the path ends.
+/// Continues `path` from `caster`, a surface that stores no photons, such as glass. Returns false
+/// if the path ends. At a glossy caster, also adds direct light to `radiance`.
 ///
 /// If a smooth dielectric splits the path, the reflected branch goes to `stack`. The function is
 /// not inlined, so that [`trace_camera_path`] stays small for scenes without casters.
@@ -274,7 +281,7 @@ fn scatter_at_caster<I: Interior>(
     let interior = path.path_ray.interior;
     let vertex = path.vertex_at_surface(paths, surface, &interior, caster.distance);
 
-    // Add direct light at glossy casters, unless photons carry the light that goes over this
+    // Add direct light at glossy casters, unless photons carry the light that arrives over this
     // caster.
     if !surface.bsdf.is_specular() && policy.uses_nee && may_add_light_after(policy, path.history) {
         let direct = path.throughput * nee.estimate_direct_light(&vertex, continues, task);
@@ -284,7 +291,8 @@ fn scatter_at_caster<I: Interior>(
         return false;
     }
 
-    // Follow both branches at a smooth dielectric that is seen directly or over casters.
+    // Follow both branches at a smooth dielectric that the camera sees directly or over mirrors and
+    // glass.
     if let Some(split) =
         surface.bsdf.reflect_and_refract(surface.wo, surface.point.ns, surface.point.ng, TransportMode::Radiance)
     {
@@ -328,12 +336,11 @@ fn continue_path<I: Interior>(
 }
 
 /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from photon
-/// maps \[W/(m² sr)].
+/// maps \[W/(m² sr)]. Also adds the radiance, times the throughput, to the sums of `task`.
 ///
-/// If only few paths of a pixel read the maps, the radiance is multiplied by a weight and by the
-/// number of paths for which this path stands. Returns 0 if the policy reads no map at `vertex`.
-/// With [`PhotonLookups::RecordVisible`], records `vertex` as a visible point instead. Adds the
-/// radiance, times the throughput, to the sums of `task`.
+/// If only a few paths of a pixel read the maps, the radiance is scaled up to stand for the pixel's
+/// other paths. Returns 0 if the policy reads no map at `vertex`. With
+/// [`PhotonLookups::RecordVisible`], records `vertex` as a visible point and returns 0.
 #[inline]
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
@@ -371,36 +378,37 @@ fn photon_radiance<I: Interior>(
     estimate
 }
 
-/// True if photon estimates from the interreflection map find a part or all of the indirect light
-/// at a receiver. They do so only at the first receiver of a camera path.
+/// True if a photon estimate carries part or all of the indirect light that does not come from
+/// caustics. This happens only at the first receiver (surface or medium that stores photons) of a
+/// camera path.
 ///
-/// `history` holds the receivers and casters on the path before this receiver.
+/// `history` counts the receivers and casters on the path before this vertex.
 #[inline]
 fn shares_indirect_light(weights: IndirectWeights, history: PathHistory) -> bool {
     weights.photon_weight > 0.0 && history.receivers == 0
 }
 
-/// True if the camera path continues at its first receiver. `sampler` is the sampler of the vertex
-/// there.
+/// True if the camera path continues beyond its first receiver, the surface or medium that stores
+/// photons. `sampler` is the sampler of the path's vertex there.
 ///
-/// If photon estimates find part of the indirect light at the receiver, only some of a pixel's
+/// If photon estimates carry part of the indirect light at the receiver, only some of a pixel's
 /// paths continue.
 #[inline]
 fn is_path_continued(weights: IndirectWeights, sampler: Sampler) -> bool {
     weights.continues_at_receiver(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverBranch))
 }
 
-/// Returns `light` times its weight. `light` is a contribution to the pixel that `path` found:
-/// emission that it hit, or direct light at a caster. Also adds the weighted light to sums of
-/// `task`.
+/// Returns `light` times its weight, and adds the weighted light to the sums of `task`. `light` is
+/// a contribution to the pixel that `path` found: emission that it hit, or direct light at a glossy
+/// surface such as rough glass.
 ///
-/// Up to the first receiver, extra prefix rays find the same light, so it has the weight of
-/// [`PrefixWeights`]. Later the weight is 1.
+/// Up to the first receiver (surface or medium that stores photons), the pixel's extra prefix rays
+/// find the same light. So the light has the weight of [`PrefixWeights`] there, and 1 later.
 #[inline]
 fn weigh_and_record_light<I>(light: Rgb, path: &PathState<I>, weights: &PathWeights, task: &mut PathTask) -> Rgb {
     if path.history.receivers > 0 {
-        if path.history.receivers > 1 && path.carries_divided_light {
-            task.records.light.divided_light_of_paths += light;
+        if path.history.receivers > 1 && path.shares_indirect {
+            task.records.light.indirect_by_paths += light;
         }
         task.pixel.groups.add(LightGroup::of_found_light(path.history), light);
         return light;
@@ -411,9 +419,11 @@ fn weigh_and_record_light<I>(light: Rgb, path: &PathState<I>, weights: &PathWeig
     weighted
 }
 
-/// Records `vertex` in `task` as a point visible to the camera, once for each side from which it
-/// scatters light. The weight is the throughput times the BSDF for light along the normal, averaged
-/// over RGB. It is the importance of photons on that side.
+/// Records `vertex` in `task` as a point that the camera sees, once for each side from which it
+/// scatters light.
+///
+/// The weight of the point is the importance of photons on that side: the throughput times the BSDF
+/// for light along the normal, averaged over RGB.
 fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, task: &mut PathTask) {
     let surface = vertex.surface;
     for normal in surface.light_side_normals() {
@@ -427,8 +437,8 @@ fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, task: &mut Path
     }
 }
 
-/// True if `vertex` ends a final-gathering ray, and the ray is long enough for a lookup in the
-/// indirect map.
+/// True if `vertex` ends a final-gathering ray that is long enough for a lookup in the indirect
+/// map.
 #[inline]
 fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bool {
     paths.policy.continuation == PathContinuation::GatherRays
@@ -436,7 +446,8 @@ fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bo
         && vertex.distance > paths.min_gather_distance
 }
 
-/// True if a camera path with the vertices of `history` may add the light that it finds next.
+/// True if a camera path may add the light that it finds next. `history` counts the receivers
+/// (surfaces and media that store photons) and casters (such as glass) that the path has visited.
 ///
 /// False if that light forms a caustic and the policy leaves caustics to photons.
 #[inline]
@@ -444,7 +455,7 @@ fn may_add_light_after(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.adds_caustics || !history.is_caustic()
 }
 
-/// True if `path` may add the emission of the surface or environment that it hits now.
+/// True if `path` may add the emission of the surface or environment that its ray has just reached.
 ///
 /// False for caustics that photons carry. Also false after next-event estimation if soft shadows
 /// are off, because next-event estimation then samples only the centers of area lights.
@@ -464,11 +475,12 @@ fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &Su
     prev.pdf / (prev.pdf + nee.mis_pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
 }
 
-/// Returns the radiance \[W/(m² sr)] that `path` adds as it leaves the scene: that of the
-/// environment times its MIS weight, or that of the background.
+/// Returns the radiance \[W/(m² sr)] that `path` adds when its ray leaves the scene: the
+/// environment's radiance times its MIS weight, or the background if there is no environment light.
 ///
-/// Returns 0 for the background after a receiver, and for environment light that photons or
-/// next-event estimation carry.
+/// Returns 0 for the background after a receiver (surface or medium that stores photons), because
+/// the background lights nothing. Also returns 0 for environment light that photons or next-event
+/// estimation carry.
 fn mis_weighted_escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let direction = path.path_ray.ray.direction;
@@ -501,23 +513,23 @@ impl<'a> PathContext<'a> {
         Self { scene, policy, nee, maps, pass, max_bounces, technique, min_gather_distance }
     }
 
-    /// Returns this context with `technique` for the indirect light at the first receiver of a
-    /// path.
+    /// Returns this context with `technique` for the indirect light at the first receiver (surface
+    /// or medium that stores photons) of a path.
     pub fn with_technique(self, technique: IndirectTechnique<'a>) -> Self {
         Self { technique, ..self }
     }
 }
 
 impl<I: Interior> PathState<I> {
-    /// Sets the weight of the indirect light that this path finds from now on, after its first
-    /// receiver. Photon estimates carry the rest of that light.
+    /// Sets the weight of the indirect light that this path will find beyond its first receiver,
+    /// the surface or medium that stores photons. Photon estimates carry the rest of that light.
     ///
     /// `sampler` is the sampler of the path's vertex at the receiver.
     #[inline]
-    fn start_dividing(&mut self, weights: IndirectWeights, sampler: Sampler) {
+    fn share_indirect_with_photons(&mut self, weights: IndirectWeights, sampler: Sampler) {
         let (_, samples) = sampler.sample_index_and_count();
         self.pending_weight = weights.continued_path_factor(samples);
-        self.carries_divided_light = true;
+        self.shares_indirect = true;
     }
 
     /// Returns the state of a new path that starts with `camera_ray`.
@@ -532,15 +544,17 @@ impl<I: Interior> PathState<I> {
             bounce: 0,
             history,
             pending_weight: 1.0,
-            carries_divided_light: false,
+            shares_indirect: false,
             prev_nee_vertex: None,
             sampler,
         }
     }
 
-    /// Counts a caster and drops the previous vertex if `crossed_hidden_boundary` is true.
+    /// If `crossed_hidden_boundary` is true, counts the boundary as one of
+    /// `history.casters_since_receiver`, and clears `prev_nee_vertex`.
     ///
-    /// A hidden boundary blocks shadow rays but not light.
+    /// A hidden boundary blocks shadow rays, but not camera rays. So next-event estimation could
+    /// not have sampled the light beyond it.
     #[inline]
     fn count_crossed_boundary(&mut self, crossed_hidden_boundary: bool) {
         if crossed_hidden_boundary {
@@ -549,7 +563,8 @@ impl<I: Interior> PathState<I> {
         }
     }
 
-    /// Makes the vertex of this path at `surface`.
+    /// Returns the vertex of this path at `surface`, which is `distance` \[length] from the
+    /// previous vertex. `interior` holds the nested bodies on the side from which the path arrives.
     fn vertex_at_surface<'v>(
         &self,
         paths: &PathContext<'_>,
@@ -581,9 +596,10 @@ impl<I: Interior> PathState<I> {
         Self { path_ray, throughput, bounce: self.bounce + 1, prev_nee_vertex: None, sampler, ..*self }
     }
 
-    /// Plays Russian roulette with `sampler`. Returns false if the path ends.
+    /// Plays Russian roulette by the path's throughput. Returns false if the path ends.
     ///
-    /// If the path survives, its throughput is divided by the survival probability.
+    /// If the path survives, its throughput is divided by the survival probability. `sampler`
+    /// provides the random number.
     #[inline]
     fn play_russian_roulette(&mut self, sampler: Sampler) -> bool {
         let survival = (color::channel_mean(self.throughput) / ROULETTE_THROUGHPUT).min(1.0);

@@ -3,41 +3,41 @@
 //!
 //! Walls block shadow rays towards the environment: in a room, only rays through a window find
 //! light. A grid over the scene holds in each cell a distribution over the unit square. The
-//! environment map turns points of this square into directions. So guided directions follow the
-//! product of the map and of its visibility from the cell. The best pdf is proportional to the root
-//! mean square of a ray's contribution to the picture (Rath et al. 2020, "Variance-Aware Path
-//! Guiding").
+//! environment map turns points of this square into directions, as its own importance sampling
+//! does. So guided directions follow the product of the map and of its visibility from the cell. A
+//! pdf proportional to the root mean square of a ray's contribution to the picture has the least
+//! noise (Rath et al. 2020, "Variance-Aware Path Guiding").
 
 use crate::light::{DirectLightSample, EnvironmentLight, ShadowTarget};
 use crate::sampling::SquareGridDistribution;
 use glam::{Vec2, Vec3};
 
-/// Number of bins of shadow-ray directions along each side of a cell's unit square. A light turns
-/// points of the square into directions.
+/// Number of bins of shadow-ray directions along each side of the unit square, in each cell of the
+/// grid over the scene. The environment light turns points of the square into directions.
 const BINS_PER_SIDE: usize = 32;
 
 /// Number of bins of shadow-ray directions in each cell of the grid over the scene.
 const BINS_PER_CELL: usize = BINS_PER_SIDE * BINS_PER_SIDE;
 
-/// Number of times that the grid over the scene is refined to fit the guide. Each refinement splits
-/// each cell into eight.
+/// Number of refinement levels of the grid over the scene when the guide is fitted. Each refinement
+/// splits each cell into eight.
 const REFINEMENTS: u32 = 3;
 
 /// Number of cells of the finest grid along each axis of the scene.
 const CELLS_PER_AXIS: u32 = 1 << REFINEMENTS;
 
-/// Fraction of each distribution of shadow-ray directions that is uniform over the unit square
-/// (defensive sampling).
+/// Fraction of shadow-ray directions that are sampled without the guide, uniformly over the unit
+/// square (defensive sampling).
 ///
 /// A guided ray has at most 5 times the weight of the same ray without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
-/// Weight of the parent bin's mean in the estimated mean of a bin (shrinkage estimator). The unit
-/// is the weight of one ray; the parent is the larger bin of the next coarser level.
+/// Weight of the parent bin's mean in the estimate of a bin's mean (shrinkage estimator), as a
+/// number of rays. The parent is the larger bin of the next coarser level that contains the bin.
 const PARENT_WEIGHT: f64 = 2.0;
 
-/// Distributions of the directions from which the environment light reaches each cell of a grid
-/// over the scene.
+/// Learned distributions of the directions from which the environment light reaches each cell of a
+/// grid over the scene.
 #[derive(Debug)]
 pub(super) struct EnvironmentGuide {
     grid: SceneCellGrid,
@@ -46,8 +46,8 @@ pub(super) struct EnvironmentGuide {
     cells: Vec<SquareGridDistribution>,
 }
 
-/// Data from which the guide is fitted, for each bin of each cell: the number of pilot rays, and
-/// the sum of their squared contributions to the picture.
+/// Data to which [`EnvironmentGuide`] is fitted: for each bin of each cell, the number of pilot
+/// rays and the sum of their squared contributions to the picture.
 pub(super) struct EnvironmentGuideFitter {
     grid: SceneCellGrid,
     counts: Vec<f64>,
@@ -55,8 +55,8 @@ pub(super) struct EnvironmentGuideFitter {
 }
 
 impl EnvironmentGuide {
-    /// Samples direct light of the environment `light` at `p`, by `u` in \[0, 1)². Directions
-    /// follow the guide.
+    /// Samples the direct light of the environment `light` that arrives at `p`, by `u` in \[0, 1)².
+    /// Directions follow the guide.
     ///
     /// Returns `None` if `light` is black or the pdf is 0.
     #[inline]
@@ -78,8 +78,9 @@ impl EnvironmentGuide {
         light.pdf(wi) * light.inverse_sample(wi).map_or(0.0, |u| cell.pdf(u))
     }
 
-    /// Returns a point in \[0, 1)² from which the light should sample a direction at `p`, and its
-    /// pdf. `u` is uniform in \[0, 1)².
+    /// Samples a point of the unit square by the guide, for a shadow ray from `p`. Returns the
+    /// point and its pdf. The environment light then turns the point into a direction. `u` is
+    /// uniform in \[0, 1)².
     #[inline]
     pub fn sample_unit_square(&self, p: Vec3, u: Vec2) -> (Vec2, f32) {
         self.cells[self.grid.cell_index(p)].sample(u)
@@ -87,29 +88,30 @@ impl EnvironmentGuide {
 }
 
 impl EnvironmentGuideFitter {
-    /// Makes a fitter without pilot rays. The boundaries of its cells divide the positions `points`
-    /// evenly along each axis.
+    /// Makes a fitter without data. Its grid has 8 cells along each axis, each with the same number
+    /// of the positions `points`.
     pub fn new(points: &[Vec3]) -> Self {
         let bins = (CELLS_PER_AXIS * CELLS_PER_AXIS * CELLS_PER_AXIS) as usize * BINS_PER_CELL;
         Self { grid: SceneCellGrid::new(points), counts: vec![0.0; bins], squared_contribution_sums: vec![0.0; bins] }
     }
 
-    /// Adds what a pilot ray from `p` found. The light has sampled its direction from the point `u`
-    /// in \[0, 1)².
+    /// Adds one shadow ray of the pilot from `p`. The environment light turned the point `u` in
+    /// \[0, 1)² into its direction.
     ///
-    /// `square` is the squared contribution to the picture that the ray would have without guiding.
+    /// `square` is the square of the contribution to the picture that the ray would make without
+    /// guiding.
     pub fn add(&mut self, p: Vec3, u: Vec2, square: f64) {
         let bin = self.grid.cell_index(p) * BINS_PER_CELL + SquareGridDistribution::cell_index(BINS_PER_SIDE, u);
         self.counts[bin] += 1.0;
         self.squared_contribution_sums[bin] += square;
     }
 
-    /// Returns the guide fitted to the added pilot rays; `None` if none of them contributed to the
+    /// Returns the guide fitted to the added pilot rays; `None` if no ray contributed to the
     /// picture.
     ///
-    /// The squared contributions are averaged in each bin. Each average is drawn towards that of
-    /// its parent bin, the larger bin of the next coarser level. That average is drawn towards its
-    /// own parent's, and so on up to the whole scene.
+    /// The squared contributions are averaged in each bin. Each average is drawn towards the
+    /// average of its parent bin, the larger bin of the next coarser level. The parent's average is
+    /// drawn towards its own parent's, and so on up to the whole scene.
     pub fn fitted_guide(&self) -> Option<EnvironmentGuide> {
         let mean = self.squared_contribution_sums.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
         let mut means = vec![mean; RefinementLevel(0).bin_count()];
@@ -151,7 +153,8 @@ impl RefinementLevel {
             * self.bins_per_side()
     }
 
-    /// Returns the index of the bin of the next coarser level that contains `bin` of this level.
+    /// Returns the index of the bin of the next coarser level that contains bin `bin` of this
+    /// level.
     fn parent_bin(self, bin: usize) -> usize {
         let (cells, bins) = (self.cells_per_axis(), self.bins_per_side());
         let (cell, bin) = (bin / (bins * bins), bin % (bins * bins));
@@ -160,8 +163,8 @@ impl RefinementLevel {
         (cell * (bins / 2) + bin / bins / 2) * (bins / 2) + bin % bins / 2
     }
 
-    /// Returns the sum of `values` in each bin of this level. `values` belong to the bins of the
-    /// finest level.
+    /// Returns the sum of `values` in each bin of this level. `values` holds one value for each bin
+    /// of the finest level.
     fn bin_sums(self, values: &[f64]) -> Vec<f64> {
         let mut sums = values.to_vec();
         for fine in (self.0 + 1..=REFINEMENTS).rev().map(RefinementLevel) {
@@ -175,9 +178,10 @@ impl RefinementLevel {
     }
 }
 
-/// Returns the distribution of shadow-ray directions of a cell; `None` if all `means` are 0.
+/// Returns the guided distribution of shadow-ray directions of a cell, over the unit square; `None`
+/// if all `means` are 0.
 ///
-/// `means` are the mean squared contributions of rays to the picture, by bins.
+/// `means` are the mean squared contributions of rays to the picture, for each bin.
 fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
     let roots: Vec<f64> = means.iter().map(|mean| mean.sqrt()).collect();
     let total: f64 = roots.iter().sum();
@@ -188,10 +192,11 @@ fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
     SquareGridDistribution::new(BINS_PER_SIDE, &roots.iter().map(weight).collect::<Vec<_>>())
 }
 
-/// Division of space into cells by planes at right angles to the axes.
+/// Grid of 8 × 8 × 8 cells, divided by axis-aligned planes at uneven distances. The outer cells are
+/// infinite.
 #[derive(Clone, Debug)]
 struct SceneCellGrid {
-    /// Coordinates of the cell boundaries on each axis, in ascending order \[length].
+    /// Coordinates of the seven planes between cells along each axis, in ascending order \[length].
     planes: [[f32; CELLS_PER_AXIS as usize - 1]; 3],
 }
 

@@ -1,8 +1,8 @@
-//! Pilot for guided sampling of the environment light.
+//! Pilot (small simulation before the first pass) for guided sampling of the environment light.
 //!
-//! Camera paths of the pilot record points of receivers. In each round, shadow rays towards the
-//! environment leave these points, guided by the rays of all earlier rounds. The last round
-//! measures how much guiding reduces the variance.
+//! Camera paths of the pilot record points of *receivers*, the surfaces that store photons. In each
+//! round, shadow rays towards the environment leave these points, guided by the rays of all earlier
+//! rounds. The last round measures how much guiding reduces the variance.
 
 use super::environment_guide::{EnvironmentGuide, EnvironmentGuideFitter};
 use super::policy::PathContinuation;
@@ -33,18 +33,19 @@ const RAYS_PER_POINT: u32 = 6;
 
 /// Least ratio of unguided to guided variance at which passes use guided shadow rays.
 ///
-/// It exceeds 1, because guided rays take longer to sample. Also, camera paths that sample the BSDF
-/// find a widely visible environment without shadow rays.
+/// It exceeds 1, because guided rays take longer to sample, and because camera paths that sample
+/// the BSDF find a widely visible environment without shadow rays.
 const MIN_GAIN: f64 = 1.5;
 
 /// Largest fraction of unguided shadow rays that reach the environment and contribute to the
-/// picture, at which the environment-guiding pilot goes on.
+/// picture, at which the environment-guiding pilot continues.
 ///
 /// Above it, the pilot ends after the first round without a guide: camera paths that sample the
 /// BSDF find such a widely visible sky well.
 const MAX_CONTRIBUTING_FRACTION: f64 = 0.25;
 
-/// Work and estimated benefit of the pilot that guides shadow rays to the environment light.
+/// Work and estimated benefit of the pilot (small simulation before the first pass) that guides
+/// shadow rays to the environment light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EnvironmentGuidingReport {
     /// Number of shadow rays that the pilot traced.
@@ -54,11 +55,12 @@ pub struct EnvironmentGuidingReport {
     /// picture.
     #[serde(rename = "unoccluded")]
     pub contributing_fraction: f64,
-    /// Second moment of unguided shadow rays' contributions to the picture, divided by that of
-    /// guided ones; 1 if no ray contributes, or if the pilot ends after the first round.
+    /// Gain of guiding: the second moment of the contributions of unguided shadow rays to the
+    /// picture, divided by the second moment for guided rays. It is 1 if no ray contributes, or if
+    /// the pilot ends after the first round.
     #[serde(rename = "gain")]
     pub variance_gain: f64,
-    /// True if the render guides shadow rays.
+    /// True if the render guides shadow rays to the environment light.
     pub used: bool,
 }
 
@@ -70,13 +72,13 @@ struct PilotRay {
     u: Vec2,
     /// Pdf of `u` over the unit square.
     u_pdf: f32,
-    /// Contribution that the ray would make to the picture if it had been sampled without guiding;
-    /// 0 if occluded.
+    /// Contribution that the ray would make to the picture if it had been sampled without the
+    /// guide; 0 if occluded.
     unguided_contribution: f64,
 }
 
-/// Returns a guide of shadow rays to the environment `light` of `scene`, and a report. The guide is
-/// `None` if it would not reduce the noise enough.
+/// Runs the environment-guiding pilot. Returns a guide of shadow rays to the environment `light` of
+/// `scene`, and a report. The guide is `None` if it would not reduce the noise enough.
 ///
 /// The result depends only on the scene, `effects` and `seed`.
 pub(super) fn guide_environment_light(
@@ -158,15 +160,16 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
         return Rgb::ZERO;
     }
     with_interior_type!(effects, <I> {
-        // Start as the light does: outside all bodies. Crossed boundaries reveal the bodies around
-        // the ray's origin.
+        // Start at the light, outside all bodies. Crossed boundaries reveal the bodies around the
+        // ray's origin.
         let interior = scene.start_light_path::<I>(light, *ray, effects).interior;
         scene.shadow_transmittance(ray, interior, key)
     })
 }
 
-/// Returns the second moment of unguided contributions to the picture, divided by that of guided
-/// ones. Both are estimated from guided `rays`. The result is 1 if no ray contributes.
+/// Returns the gain of guiding: the second moment of the contributions of unguided shadow rays to
+/// the picture, divided by the second moment for guided rays. Both are estimated from guided
+/// `rays`. The gain is 1 if no ray contributes.
 fn guiding_variance_gain(rays: &[PilotRay]) -> f64 {
     let (mut unguided, mut guided) = (0.0, 0.0);
     for ray in rays {

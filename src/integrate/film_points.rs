@@ -20,10 +20,11 @@ const CHUNK: usize = 64;
 /// A film position \[pixels from the top left], with the sampler of its camera path.
 pub(super) type FilmPoint = (Vec2, Sampler);
 
-/// Returns 1024 film points that are spread evenly over the picture of `scene`.
+/// Returns 1024 film points that are spread evenly over the picture of `scene`, each with the
+/// sampler of its camera path.
 ///
-/// `set` numbers independent sets of points. Points with the same index in two sets lie in the same
-/// pixel.
+/// Another `set` gives other points in the same pixels: points with the same index in two sets lie
+/// at independent positions of one pixel.
 pub(super) fn generate_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
@@ -47,11 +48,11 @@ pub(super) fn trace_paths_through_film_points(
     trace_paths_by_chunks(paths, points, false, &|radiance, _| radiance)
 }
 
-/// Traces a camera path through each of `points`, and calls `result` with its radiance \[W/(m² sr)]
-/// and the task that traced it.
+/// Traces a camera path through each of `points`, and calls `result` with the path's radiance
+/// \[W/(m² sr)] and the task that traced it.
 ///
-/// Returns the values that `result` returned, and the ray counts of all paths. If
-/// `repeats_in_nested_discs` is true, each photon estimate is also made with smaller nested discs.
+/// Returns the values of `result`, and the ray counts of all paths. If `repeats_in_nested_discs` is
+/// true, each photon estimate is also made with smaller nested discs.
 pub(super) fn map_paths_through_film_points<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
@@ -66,7 +67,7 @@ pub(super) fn map_paths_through_film_points<T: Send>(
 
 /// Traces camera paths through `points`, in parallel by chunks of 64.
 ///
-/// Returns the value that `result` returned for each path, and the task of each chunk.
+/// Returns the value of `result` for each path, and the task of each chunk.
 fn trace_paths_by_chunks<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],

@@ -1,14 +1,14 @@
-//! Sampling of the film: which rays go through each pixel of a picture, and with which weights.
+//! Sampling of the film: the rays that go through each pixel of a picture, and their weights.
 
 use super::lamp_images::{LampImages, PixelLampImage, aimed_pdf, sample_aimed_film_point};
-use super::prefix_rays::{FilmPointRayCounts, PixelPrefixRayCounts, PrefixWeights};
+use super::prefix_rays::{LampImageRayCounts, PixelPrefixRayCounts, PrefixWeights};
 use super::shutter::{PixelRaySlices, SlicedCameras};
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::math::Ray;
 use crate::sampling::{Dimension, Key, Sampler};
 use glam::Vec2;
 
-/// Camera, pixel filter and numbers of camera rays of a picture.
+/// Camera, pixel filter, window and numbers of camera rays with which a picture is rendered.
 pub(super) struct FilmSampling<'a> {
     pub camera: &'a Camera,
     /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel.
@@ -20,9 +20,11 @@ pub(super) struct FilmSampling<'a> {
     /// Number of rays of each pixel, divided by the mean over all pixels; `None` gives all pixels
     /// the mean.
     pub relative_ray_counts: Option<&'a [f32]>,
-    /// Numbers of [prefix rays](super::prefix_rays); `None` traces none.
+    /// Numbers and keys of [prefix rays](super::prefix_rays), extra camera paths that end at the
+    /// first surface that stores photons; `None` traces none.
     pub prefix_rays: Option<PrefixRays<'a>>,
-    /// True if each photon estimate is repeated with smaller nested discs, to measure its bias.
+    /// True if each photon estimate is repeated with smaller nested gather discs, to measure its
+    /// bias.
     pub repeats_in_nested_discs: bool,
     /// True if the light of each pixel is also stored in three parts: direct, indirect and caustic
     /// light.
@@ -35,26 +37,32 @@ pub(super) struct FilmSampling<'a> {
     /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
     /// through `camera`.
     pub slices: Option<SlicedCameras<'a>>,
-    /// Stride of the rendered tiles. With 1, all tiles are rendered; with n, one of every n tiles,
-    /// and the others stay black.
+    /// Stride of the rendered tiles: one of every `tile_stride` tiles is rendered, and the others
+    /// stay black. With 1, all tiles are rendered.
     pub tile_stride: u32,
 }
 
 /// Numbers of [prefix rays](super::prefix_rays) of each pixel of a picture, the images of lamps at
-/// which some are aimed, and the keys of their random numbers.
+/// which some are aimed, and random keys.
+///
+/// Prefix rays are extra camera paths that end at the first surface that stores photons. The image
+/// of a lamp is the part of the film at which camera rays meet the lamp.
 #[derive(Clone, Copy)]
 pub(super) struct PrefixRays<'a> {
-    /// Numbers of prefix rays of each pixel, by rows from the top.
+    /// Numbers of prefix rays (extra camera rays that stop at the first surface that stores
+    /// photons) of each pixel, by rows from the top.
     pub counts: &'a [PixelPrefixRayCounts],
-    /// Random key of the rays that the pixel filter distributes.
+    /// Random key of the prefix rays whose film points the pixel filter distributes.
     pub key: Key,
-    /// Images of lamps in each pixel, at which some prefix rays are aimed.
+    /// Images of lamps in each pixel, at which some prefix rays are aimed: film regions where
+    /// camera rays meet a lamp.
     pub lamp_images: &'a LampImages,
-    /// Random key of the rays that are aimed.
+    /// Random key of the prefix rays whose film points are aimed at images of lamps.
     pub aimed_key: Key,
 }
 
-/// Camera rays or prefix rays of one pixel: their number, shutter times, random key and weights.
+/// Camera rays of one pixel, or its prefix rays (extra camera rays that stop at the first surface
+/// that stores photons): their number, shutter times, random key and weights.
 pub(super) struct PixelRays<'a> {
     /// Random key of the rays.
     pub key: Key,
@@ -62,29 +70,34 @@ pub(super) struct PixelRays<'a> {
     pub count: u32,
     /// Division of the rays among the slices of the shutter interval.
     pub slices: PixelRaySlices,
-    /// Weights of the light that the rays find up to their first receiver.
+    /// Weights of the light that the rays find up to their first receiver (surface or medium that
+    /// stores photons).
     ///
-    /// If rays of the pixel are aimed at images of lamps, each ray has a weight `up_to_receiver` of
-    /// its own.
+    /// If some rays of the pixel are aimed at images of lamps (film regions where camera rays meet
+    /// a lamp), each ray has a weight `up_to_receiver` of its own.
     prefix_weights: PrefixWeights,
-    /// Images of lamps at which prefix rays of the pixel are aimed, and the numbers of rays that
-    /// share their light; `None` if no ray of the pixel is aimed.
-    lamp_images: Option<(&'a [PixelLampImage], FilmPointRayCounts)>,
-    /// True if these rays are aimed; false if the pixel filter distributes them.
+    /// Images of lamps (film regions where camera rays meet a lamp) at which some rays of the pixel
+    /// are aimed, and the numbers of all rays that share their light; `None` if no ray of the pixel
+    /// is aimed.
+    lamp_images: Option<(&'a [PixelLampImage], LampImageRayCounts)>,
+    /// True if the film points of these rays are aimed at images of lamps; false if the pixel
+    /// filter distributes them.
     is_aimed: bool,
 }
 
-/// A camera ray or prefix ray of a pixel, with its weights.
+/// A camera ray of a pixel, or a prefix ray, with its weights. Prefix rays are extra camera paths
+/// that end at the first surface that stores photons.
 pub(super) struct PixelRay {
     pub ray: Ray,
     /// Weight of the ray by the pixel filter.
     pub filter_weight: f32,
-    /// Weights of the light that the ray finds up to its first receiver.
+    /// Weights of the light that the ray finds up to its first receiver (surface or medium that
+    /// stores photons).
     pub prefix_weights: PrefixWeights,
 }
 
 impl<'a> FilmSampling<'a> {
-    /// Returns the sampling of the whole picture of `camera` with `samples` rays per pixel; all
+    /// Returns the sampling of the whole picture of `camera` with `samples` rays per pixel. All
     /// other options are off.
     ///
     /// `filter` and `lens` set the fields `filter` and `samples_lens`.
@@ -114,15 +127,18 @@ impl FilmSampling<'_> {
         self.relative_ray_counts.map_or(self.samples_per_pixel, exact)
     }
 
-    /// Returns the numbers of [prefix rays](super::prefix_rays) of a pixel. `pixel` is an index by
-    /// rows from the top.
+    /// Returns the numbers of [prefix rays](super::prefix_rays) of a pixel: extra camera rays that
+    /// stop at the first surface that stores photons. `pixel` is an index by rows from the top.
     fn pixel_prefix_ray_counts(&self, pixel: usize) -> PixelPrefixRayCounts {
         self.prefix_rays.map_or(PixelPrefixRayCounts::default(), |rays| rays.counts[pixel])
     }
 
-    /// Returns the camera rays of the pixel in column `x`, row `y` of the whole picture, its
-    /// unaimed prefix rays, and its prefix rays that are aimed at images of lamps. `None` stands
-    /// for no such rays. `key` is the random key of the picture's camera rays.
+    /// Returns the rays of the pixel in column `x`, row `y` of the whole picture, in three sets.
+    /// The first holds its camera rays. The second holds *prefix rays*, extra camera rays that stop
+    /// at the first surface that stores photons. The third holds prefix rays that are aimed at
+    /// images of lamps.
+    ///
+    /// `None` stands for an empty set. `key` is the random key of the picture's camera rays.
     pub fn camera_and_prefix_rays(
         &self,
         key: Key,
@@ -135,7 +151,7 @@ impl FilmSampling<'_> {
         let used_slices = slices.used_slice_count();
         let has_aimed_rays = self.prefix_rays.filter(|_| prefix.aimed > 0);
         let lamp_images =
-            has_aimed_rays.map(|rays| (rays.lamp_images.of_pixel(index), FilmPointRayCounts::new(samples, prefix)));
+            has_aimed_rays.map(|rays| (rays.lamp_images.of_pixel(index), LampImageRayCounts::new(samples, prefix)));
         let rays = |key: Key, count: u32, slices: PixelRaySlices, prefix_weights: PrefixWeights| PixelRays {
             key: key.pixel_key(x, y),
             count,
@@ -158,8 +174,11 @@ impl FilmSampling<'_> {
         (camera_rays, prefix_rays, aimed_rays)
     }
 
-    /// Makes the ray of `sampler` in slice `slice` of the shutter interval, one of the `rays` of
-    /// the pixel whose upper left corner is `corner`.
+    /// Makes one of the `rays` of a pixel, with its weights. `sampler` chooses its film point and
+    /// lens point.
+    ///
+    /// `corner` is the upper left corner of the pixel \[pixels from the top left]. `slice` is the
+    /// index of the slice of the shutter interval in which the ray is traced.
     #[inline]
     pub fn generate_pixel_ray(&self, rays: &PixelRays<'_>, slice: usize, corner: Vec2, sampler: Sampler) -> PixelRay {
         if let Some((images, weights)) = &rays.lamp_images {
@@ -169,17 +188,18 @@ impl FilmSampling<'_> {
         PixelRay { ray, filter_weight, prefix_weights: rays.prefix_weights }
     }
 
-    /// Makes the ray of `sampler` in slice `slice` of the shutter interval, one of the `rays` of
-    /// the pixel whose upper left corner is `corner`. Some rays of this pixel are aimed at
-    /// `images`.
+    /// Makes one of the `rays` of a pixel that aims some of its rays at `images`, the film regions
+    /// where camera rays meet a lamp. The ray gets an MIS weight between aimed rays and rays that
+    /// the pixel filter distributes.
     ///
-    /// The function is not inlined, so that the loop over rays stays small.
+    /// The other arguments are those of [`FilmSampling::generate_pixel_ray`]. The function is not
+    /// inlined, so that the loop over rays stays small.
     #[inline(never)]
     fn generate_ray_near_lamp_images(
         &self,
         rays: &PixelRays<'_>,
         images: &[PixelLampImage],
-        weights: &FilmPointRayCounts,
+        weights: &LampImageRayCounts,
         slice: usize,
         corner: Vec2,
         sampler: Sampler,
@@ -200,19 +220,20 @@ impl FilmSampling<'_> {
         }
     }
 
-    /// Returns the point of the lens through which the ray of `sampler` goes \[length right and up
-    /// from its center].
+    /// Returns the lens point of the ray of `sampler` \[length right and up from the lens center];
+    /// 0 if rays do not sample the lens.
     fn lens_point(&self, sampler: Sampler) -> Vec2 {
         if self.samples_lens { self.camera.sample_lens(sampler.get_2d(Dimension::Lens)).as_vec2() } else { Vec2::ZERO }
     }
 
-    /// Returns the weight of light that the ray of `sampler` finds up to its first receiver. The
-    /// ray goes through the pixel whose upper left corner is `corner`, and other rays of the pixel
-    /// are aimed at `images`.
+    /// Returns the MIS weight of the light that the ray of `sampler` finds up to its first receiver
+    /// (surface or medium that stores photons). The ray goes through the pixel whose upper left
+    /// corner is `corner`. Other rays of the pixel are aimed at `images`, the film regions where
+    /// camera rays meet a lamp.
     pub fn up_to_receiver_weight(
         &self,
         images: &[PixelLampImage],
-        weights: &FilmPointRayCounts,
+        weights: &LampImageRayCounts,
         corner: Vec2,
         sampler: Sampler,
     ) -> f32 {
@@ -220,12 +241,13 @@ impl FilmSampling<'_> {
         self.weight_near_lamp_images(images, weights, corner, film, self.lens_point(sampler))
     }
 
-    /// Returns the weight of light that a ray through film point `film` and lens point `on_lens`
-    /// finds up to its first receiver, in the pixel whose upper left corner is `corner`.
+    /// Returns the MIS weight of the light that a ray through film point `film` and lens point
+    /// `on_lens` finds up to its first receiver (surface or medium that stores photons). `corner`
+    /// is the upper left corner of its pixel.
     fn weight_near_lamp_images(
         &self,
         images: &[PixelLampImage],
-        weights: &FilmPointRayCounts,
+        weights: &LampImageRayCounts,
         corner: Vec2,
         film: Vec2,
         on_lens: Vec2,
@@ -234,10 +256,8 @@ impl FilmSampling<'_> {
         weights.up_to_receiver_weight(filter_pdf, aimed_pdf(images, film, on_lens))
     }
 
-    /// Makes the camera ray of `sampler` in slice `slice` of the shutter interval, through the
-    /// pixel whose upper left corner is `corner`.
-    ///
-    /// Returns the ray and its filter weight.
+    /// Makes the camera ray of `sampler` through the pixel whose upper left corner is `corner`, in
+    /// slice `slice` of the shutter interval. Returns the ray and its filter weight.
     #[inline]
     pub fn generate_ray(&self, slice: usize, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
         let (film, weight) = self.sample_film_position(corner, sampler);
@@ -246,7 +266,7 @@ impl FilmSampling<'_> {
         (camera.generate_ray(film, lens), weight)
     }
 
-    /// Returns the division of the `rays` rays of the pixel in column `x`, row `y` among the slices
+    /// Returns how the `rays` rays of the pixel in column `x`, row `y` are divided among the slices
     /// of the shutter interval.
     fn divide_rays(&self, x: u32, y: u32, rays: u32) -> PixelRaySlices {
         self.slices.as_ref().map_or(PixelRaySlices::WHOLE, |slices| slices.divide_rays(x, y, rays))
@@ -260,8 +280,8 @@ impl FilmSampling<'_> {
     #[inline]
     fn sample_film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
-        // [`FilteredSum::weighted_sum`] is unbiased only for independent samples. It is used for
-        // filters with negative values.
+        // `FilteredSum::weighted_sum`, which averages pixels if the filter has negative values, is
+        // unbiased only for independent samples.
         let film = if filter.has_negative_values() {
             sampler.sample_key().uniform_2d(Dimension::Film)
         } else {

@@ -16,7 +16,7 @@ const ONE_MINUS_COS: f32 = 0.02;
 /// Distribution of final-gathering directions: an equal mixture of uniform cones, one around each
 /// direction from which a nearby photon arrived.
 ///
-/// Hey and Purgathofer 2002, "Importance Sampling with Hemispherical Particle Footprints".
+/// Source: Hey and Purgathofer 2002, "Importance Sampling with Hemispherical Particle Footprints".
 #[derive(Debug, Default)]
 pub(super) struct GatherGuide {
     directions: Vec<Vec3>,

@@ -1,24 +1,25 @@
 //! `hybrid`: path tracing with next-event estimation, and photon mapping for caustics.
 //!
-//! [`PhotonKind`](crate::photon::PhotonKind) defines receivers, casters and caustics.
+//! A *receiver* is a surface or medium that stores photons, such as a diffuse wall. A *caster*
+//! passes photons on, such as a mirror or glass. [`PhotonKind`](crate::photon::PhotonKind) has the
+//! exact definitions.
 //!
-//! # Algorithm
-//! - **Prepare**: aim photon emission at casters, guide it to what the camera sees, and find gather
-//!   radii. Guide shadow rays to the environment light, and guide the points of media from which
-//!   shadow rays start. Divide indirect light between camera paths and photons. Balance camera rays
-//!   against photons. Find the weights of light tracing and the numbers of prefix rays.
+//! - **Prepare**: aim photon emission at casters, guide it to the points that the camera sees, and
+//!   find gather radii. Guide shadow rays to the environment light, and guide the points of media
+//!   from which shadow rays start. Divide indirect light between camera paths and photons. Balance
+//!   camera rays against photons. Find the weights of light tracing and the numbers of prefix rays.
 //! - **Each pass**: trace photon paths aimed at casters. At their first receiver, connect them to
 //!   the camera and store photons in the caustic map. At later receivers, store photons in the
-//!   indirect map. Trace unaimed photon paths, which start in all directions. Once a receiver has
-//!   reflected their photons, store them in the interreflection map. Then trace camera paths with
+//!   indirect map. Trace unaimed photon paths, which start in all directions. Store their photons
+//!   in the interreflection map once a receiver has reflected them. Then trace camera paths with
 //!   next-event estimation. One path of each pixel, in each slice of the shutter interval, reads
 //!   the photon maps at its first receiver. Some paths continue there. Then trace prefix rays,
 //!   which end at their first receiver, in the pixels that need them.
 //!
 //! Photons carry caustics and the light that receivers reflect after a caustic. Camera paths ignore
-//! emission that they hit after a receiver and one or more casters. Of the other indirect light,
-//! photons carry a share that a pilot finds; it may be 0, and camera paths carry the rest. Gather
-//! radii shrink from pass to pass, so the mean of the passes converges.
+//! emission that they hit after a receiver and one or more casters. Photons also carry a share of
+//! the other indirect light, which a pilot finds. The share may be 0; camera paths carry the rest.
+//! Gather radii shrink from pass to pass, so the mean of the passes converges.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::Settings;

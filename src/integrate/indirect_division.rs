@@ -1,8 +1,9 @@
 //! Division of indirect light between camera paths and photon estimates.
 //!
-//! Two techniques find the light that receivers reflect to the first receiver of a camera path. One
-//! is the camera paths that continue there. The other is a density estimate in the interreflection
-//! map. Their weights sum to 1.
+//! Two techniques find the indirect light at the first *receiver* of a camera path: the first
+//! surface or medium that stores photons. One technique continues the camera path there. The other
+//! is a density estimate in the interreflection map, whose photons a receiver has already
+//! reflected. Their weights sum to 1.
 //!
 //! Consider pass number i. Let v be the variance of the mean of the continued paths. Let u be the
 //! variance of the photon estimate, and b its bias. The photon estimate gets the weight v/(v + u +
@@ -13,57 +14,64 @@
 //! A pilot measures variances and bias in the cells of a grid over the film. Values between the
 //! centers of cells are interpolated.
 //!
-//! Five fields hold the division while a camera path is traced. Their order is that of time:
+//! Five fields hold the division while a camera path is traced, in order of time:
 //!
 //! | field | content | written at | read at |
 //! | --- | --- | --- | --- |
 //! | [`technique`] | technique of the pass | pass or pilot | start of a camera path |
 //! | [`indirect`] | weights of both techniques | start of a camera path | first receiver |
 //! | [`pending_weight`] | weight of the camera path | first receiver | next vertex |
-//! | [`carries_divided_light`] | if both techniques find light | first receiver | later vertices |
-//! | [`divided_light_of_paths`] and others | light by technique | all vertices | end of a path |
+//! | [`shares_indirect`] | if both techniques find light | first receiver | later vertices |
+//! | [`indirect_by_paths`] and others | light by technique | all vertices | end of a path |
 //!
-//! Only `indirect_pilot.rs` reads the last one.
+//! Only the pilot in `indirect_pilot.rs` reads the last one.
 //!
 //! [`technique`]: super::camera_path::PathContext
 //! [`indirect`]: super::camera_path
 //! [`pending_weight`]: super::camera_path::PathState
-//! [`carries_divided_light`]: super::camera_path::PathState
-//! [`divided_light_of_paths`]: super::path_task::LightByPart::divided_light_of_paths
+//! [`shares_indirect`]: super::camera_path::PathState
+//! [`indirect_by_paths`]: super::path_task::LightByPart::indirect_by_paths
 
 use glam::Vec2;
 
 /// Weights of camera paths and of photon estimates for the indirect light of one pixel in one pass.
+///
+/// The light is that at a path's first *receiver*: the first surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct IndirectWeights {
-    /// Weight of the photon estimate in \[0, 1]; camera paths have the rest, except in a pilot that
-    /// compares both. If it is 0, all camera paths continue at their first receiver.
+    /// Weight of the photon estimate in \[0, 1]. Camera paths have the rest, except in a pilot that
+    /// compares both techniques. If the weight is 0, all camera paths continue beyond the first
+    /// surface or medium that stores photons.
     pub photon_weight: f32,
-    /// Number of the pixel's camera paths that continue at their first receiver: those with the
-    /// lowest sample indices. Meaningless if `photon_weight` is 0.
+    /// Number of the pixel's camera paths that continue beyond the first surface or medium that
+    /// stores photons: the paths with the lowest sample indices. Meaningless if `photon_weight` is
+    /// 0.
     pub continued_paths: u32,
-    /// Mean number of camera paths per pixel in a pass. The single path of a pixel in a pilot
-    /// stands for this many paths.
+    /// Mean number of camera paths per pixel in a pass. A pilot (small simulation before the first
+    /// pass) traces a single path per pixel, which stands for this many.
     pub samples_per_pixel: u32,
 }
 
-/// Relative variance and bias of indirect light in one cell of the film grid, by camera paths and
-/// by photon estimates. They are divided by the squared radiance of all light in the cell, plus
-/// 1/100 of the squared median radiance of all cells.
+/// Relative variance and bias of the indirect light in one cell of a grid over the film, by camera
+/// paths and by photon estimates.
+///
+/// Each is divided by L² + L̃²/100, where L is the radiance of all light in the cell, and L̃ the
+/// median of L over all cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct RelativeIndirectErrors {
-    /// Relative variance of the indirect light found by one camera path that continues at its first
-    /// receiver.
+    /// Relative variance of the indirect light that one camera path finds beyond its first receiver
+    /// (surface or medium that stores photons).
     pub single_path_variance: f32,
     /// Relative variance of the photon estimate in the first pass, times the number of photon
-    /// paths.
+    /// paths. Divided by a number of photon paths, it gives the variance for that number.
     pub single_photon_path_variance: f32,
     /// Relative mean squared bias of the photon estimate in the first pass.
     pub squared_bias: f32,
 }
 
-/// Division of indirect light between camera paths and photon estimates: errors of both techniques
-/// over the film, and numbers of samples, from which the weights of the techniques follow.
+/// Measured errors of camera paths and of photon estimates for indirect light, in cells of a grid
+/// over the film, with sample counts. These data determine the weights of both techniques at any
+/// film point, in any pass.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct IndirectDivision {
     /// Number of columns of the film grid, which divides the film into square cells.
@@ -74,28 +82,33 @@ pub(super) struct IndirectDivision {
     pub cell_size: f32,
     /// Number of camera paths per pixel.
     pub samples_per_pixel: u32,
-    /// Number of unaimed photon paths per pass. They fill the interreflection map.
+    /// Number of photon paths per pass that lights emit in all directions. They fill the
+    /// interreflection map, from which the photon estimates come.
     pub unaimed_paths: u32,
-    /// Price of a camera path, as a relative variance. A path continues after its first receiver
-    /// only if that reduces the relative variance of indirect light by at least this value.
+    /// Price of one continued camera path, as a relative variance. A path continues beyond its
+    /// first receiver (surface or medium that stores photons) only if that reduces the relative
+    /// variance of indirect light by at least this value.
     pub path_price: f32,
     /// Number of passes with photon estimates of indirect light. Later passes use camera paths
     /// alone.
     pub passes_with_photons: u32,
 }
 
-/// Technique that finds the indirect light at the first receivers of the camera paths of one pass.
+/// Technique that finds the indirect light at the first *receiver* of each camera path of a pass:
+/// the first surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) enum IndirectTechnique<'a> {
-    /// Camera paths that continue at their first receiver.
+    /// Camera paths find all indirect light: they continue beyond their first receiver, the surface
+    /// or medium that stores photons.
     #[default]
     Paths,
-    /// Density estimates in the interreflection map, at the first receiver.
+    /// Photon density estimates at the first receiver (surface or medium that stores photons) find
+    /// all indirect light.
     Photons,
-    /// Camera paths and photon estimates, both with weight 1, for a pilot that compares the two
-    /// techniques.
+    /// Camera paths and photon estimates, both with weight 1. A pilot (small simulation before the
+    /// first pass) uses this to compare the two techniques.
     Comparison,
-    /// Camera paths and photon estimates, with weights that sum to 1.
+    /// Camera paths and photon estimates share the indirect light, with weights that sum to 1.
     Weighted {
         division: &'a IndirectDivision,
         /// Number of passes up to and including this one.
@@ -133,12 +146,13 @@ impl IndirectTechnique<'_> {
 }
 
 impl IndirectWeights {
-    /// Weight 1 for camera paths and also for photon estimates, for a pilot that compares them.
-    /// Indirect light then counts twice.
+    /// Weight 1 both for camera paths and for photon estimates, so that indirect light counts
+    /// twice. A pilot (small simulation before the first pass) uses it to compare the two.
     const COMPARISON: Self = Self { photon_weight: 1.0, continued_paths: u32::MAX, samples_per_pixel: u32::MAX };
 
-    /// True if camera path number `index` of the `count` paths of a pixel continues at its first
-    /// receiver: if `index` is below the number of continued paths.
+    /// True if camera path number `index` of the `count` paths of a pixel continues beyond its
+    /// first receiver (surface or medium that stores photons): if `index` is below the number of
+    /// continued paths.
     ///
     /// If `count` is 1, as in a pilot, the path instead continues with the probability
     /// `continued_paths`/`samples_per_pixel`, by the random number `u` in \[0, 1).
@@ -151,10 +165,10 @@ impl IndirectWeights {
         }
     }
 
-    /// Returns the factor on the indirect light of each camera path that continues at its first
-    /// receiver, if `count` paths of the pixel are traced.
-    ///
+    /// Returns the factor on the indirect light of each camera path that continues beyond its first
+    /// receiver (surface or medium that stores photons), if `count` paths of the pixel are traced.
     /// It is the weight of camera paths, times `count`, divided by the number of continued paths.
+    ///
     /// If `count` is 1, as in a pilot, the single path stands for `samples_per_pixel` paths. In a
     /// pilot that compares both techniques, the factor is 1.
     #[inline]
@@ -168,12 +182,13 @@ impl IndirectWeights {
 }
 
 impl RelativeIndirectErrors {
-    /// Returns the weights of camera paths and of photon estimates, and the number of continued
-    /// camera paths, for which the error of indirect light is least at the price of a path. The
-    /// photon weight is 0 if a pilot found no light by one of the techniques.
+    /// Returns the weights of both techniques (camera paths and photon estimates) and the number of
+    /// continued camera paths. They minimize the error of indirect light plus
+    /// [`IndirectDivision::path_price`] times the number of continued paths. The photon weight is 0
+    /// if a pilot found no light by one of the techniques.
     ///
     /// `pass_count` is the number of passes up to this one. `area` is the area of its gather discs,
-    /// divided by that in the first pass.
+    /// divided by the area in the first pass.
     #[inline]
     fn least_error_weights(&self, division: &IndirectDivision, pass_count: f32, area: f32) -> IndirectWeights {
         let samples = division.samples_per_pixel;
@@ -183,9 +198,9 @@ impl RelativeIndirectErrors {
             // The pilot found no light by one of the techniques.
             return IndirectWeights::default();
         }
-        // Let `photons` be the error of the photon estimate and `paths` that of one continued path.
-        // With n continued paths, the combined error is 1/(1/photons + n/paths). Its derivative by
-        // n is −error²/paths.
+        // Let `photons` be the error of the photon estimate, and `paths` the error of one continued
+        // path. With n continued paths, the combined error is 1/(1/photons + n/paths). Its
+        // derivative by n is −error²/paths.
         let wanted = (paths / division.path_price).sqrt() - paths / photons;
         let continued = wanted.clamp(0.0, samples as f32).round();
         let error = paths / continued.max(f32::MIN_POSITIVE);
@@ -193,12 +208,12 @@ impl RelativeIndirectErrors {
         IndirectWeights { photon_weight: weight, continued_paths: continued as u32, samples_per_pixel: samples }
     }
 
-    /// Returns the relative mean squared error of the photon estimate in the last of
-    /// `pass_count` passes.
+    /// Returns the relative mean squared error of the photon estimate in the last of `pass_count`
+    /// passes.
     ///
-    /// `photon_paths` is the number of unaimed photon paths of the pass. `area` is the area of its
-    /// gather discs, divided by that in the first pass. The squared bias counts `pass_count` times,
-    /// because all passes share it.
+    /// `photon_paths` is the number of photon paths of the pass that lights emit in all directions.
+    /// `area` is the area of its gather discs, divided by the area in the first pass. The squared
+    /// bias counts `pass_count` times, because all passes share it.
     #[inline]
     fn photon_mean_squared_error(&self, photon_paths: u32, pass_count: f32, area: f32) -> f32 {
         self.single_photon_path_variance / (photon_paths as f32 * area) + pass_count * self.squared_bias * area * area
@@ -206,6 +221,9 @@ impl RelativeIndirectErrors {
 }
 
 impl IndirectDivision {
+    /// Returns the weights of camera paths and of photon estimates at a film position \[pixels from
+    /// the top left] in the last of `pass_count` passes. `area` is the area of the gather discs of
+    /// this pass, divided by the area in the first pass.
     #[inline]
     fn technique_weights(&self, film_position: Vec2, pass_count: f32, area: f32) -> IndirectWeights {
         self.interpolated_errors(film_position).least_error_weights(self, pass_count, area)
@@ -234,9 +252,9 @@ impl IndirectDivision {
         }
     }
 
-    /// Returns the weight of photon estimates in the last of `pass_count` passes, as a mean over
-    /// all cells of the film grid. `area` is the area of gather discs in this pass, divided by that
-    /// in the first pass.
+    /// Returns the weight in \[0, 1] of photon estimates in the last of `pass_count` passes, as a
+    /// mean over all cells of the film grid. `area` is the area of the gather discs of this pass,
+    /// divided by the area in the first pass.
     fn mean_photon_weight(&self, pass_count: f32, area: f32) -> f64 {
         let weights =
             self.cells.iter().map(|cell| f64::from(cell.least_error_weights(self, pass_count, area).photon_weight));
@@ -247,8 +265,8 @@ impl IndirectDivision {
     /// light in a pass, and the number of continued camera paths per pixel.
     ///
     /// `pass_count` is the number of passes up to this one. `area` is the area of its gather discs,
-    /// divided by that in the first pass. The squared bias of photon estimates counts `pass_count`
-    /// times.
+    /// divided by the area in the first pass. The squared bias of photon estimates counts
+    /// `pass_count` times, because all passes share it.
     pub fn mean_error_and_paths(&self, pass_count: f32, area: f32) -> (f64, f64) {
         let mut sums = (0.0, 0.0);
         for cell in &self.cells {

@@ -1,9 +1,10 @@
-//! Pilot that divides indirect light between camera paths and photon estimates.
+//! Pilot (small simulation before the first pass) that divides indirect light between camera paths
+//! and photon estimates.
 //!
 //! It traces camera paths through each cell of a grid over the film. For each path, both techniques
-//! find all indirect light: the continued path, and a photon estimate. A second trial uses
-//! independent random numbers. The differences between the two trials measure the variance of each
-//! technique.
+//! find all indirect light: the continued path, and a photon estimate at the path's first
+//! *receiver*, a surface or medium that stores photons. A second trial uses independent random
+//! numbers. The differences between the two trials measure the variance of each technique.
 //!
 //! The bias of a photon estimate is proportional to the area of its disc. So the difference from an
 //! estimate with half the area measures the bias. The product of this difference in both trials is
@@ -33,30 +34,30 @@ const CELLS_ALONG_LONGER_SIDE: u32 = 24;
 /// two trials.
 const CELL_POINTS: u32 = 16;
 
-/// Least divisor of the number of photon paths of a pass: each of the indirect-light pilot's two
-/// trials traces at most 1/8 of the paths.
+/// Least number of photon paths of a pass, divided by the number in a trial: each of the
+/// indirect-light pilot's two trials traces at most 1/8 of the paths.
 const MIN_PHOTON_PATH_DIVISOR: u32 = 8;
 
 /// Largest number of photon paths in each of the indirect-light pilot's two trials.
 const MAX_PHOTON_PATHS: u32 = 1 << 17;
 
-/// Number of passes of a typical render. The indirect-light pilot minimizes error times work after
+/// Assumed number of passes of a render. The indirect-light pilot minimizes error times work after
 /// this many passes.
 const TYPICAL_PASS_COUNT: u32 = 4;
 
 /// Largest number of passes in which photon estimates carry a part of the indirect light.
 const MAX_PASSES_WITH_PHOTONS: u32 = 1 << 16;
 
-/// Largest error times work of a division of indirect light, divided by that of camera paths alone,
-/// at which passes use photon estimates.
+/// Largest relative cost at which passes use photon estimates of indirect light: error times work
+/// with them, divided by error times work of camera paths alone.
 const MAX_RELATIVE_COST: f64 = 0.8;
 
 /// Candidate numbers of photon paths per pass, divided by the number in the settings. The
-/// indirect-light pilot chooses the best one.
+/// indirect-light pilot chooses the candidate with the least error times work.
 const PHOTON_PATH_FRACTIONS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 
-/// Stride over the film points at which the indirect-light pilot measures work: every eighth point
-/// is used.
+/// Stride through the film points when the indirect-light pilot measures work: it uses every eighth
+/// point.
 const WORK_STEP: usize = 8;
 
 /// Number of iterations of the search for [`IndirectDivision::path_price`].
@@ -67,55 +68,64 @@ const SEARCH_STEPS: u32 = 12;
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
 /// Largest fraction of a cell's indirect light that photon estimates of the indirect-light pilot
-/// may miss. If they miss more, the pilot has too few photons there to measure their variance. It
-/// then assumes the relative variance [`ASSUMED_VARIANCE_IN_MEDIA`], or 1 without scattering media.
+/// may miss. Above it, the pilot has too few photons in the cell to measure their variance. It then
+/// assumes the relative variance [`ASSUMED_VARIANCE_IN_MEDIA`], or 1 without scattering media.
 const MAX_MISSED_FRACTION: f64 = 0.9;
 
-/// Relative variance that is assumed for photon estimates in a cell where they miss more than
-/// [`MAX_MISSED_FRACTION`] of the indirect light. It holds for scenes with scattering media.
+/// Relative variance that the indirect-light pilot assumes for photon estimates that miss more than
+/// [`MAX_MISSED_FRACTION`] of a cell's indirect light, in scenes with scattering media.
 ///
-/// In thick media, photons near the camera may be rare, but then each carries great flux.
+/// In thick media, photons near the camera may be rare, but each then carries great flux.
 const ASSUMED_VARIANCE_IN_MEDIA: f64 = 1e4;
 
-/// Bias of a density estimate, divided by its difference from an estimate with half the disc area.
+/// Ratio of the bias of a density estimate to its difference from an estimate with half the disc
+/// area. It is 2, because the bias is proportional to the area.
 const BIAS_FACTOR: f64 = 2.0;
 
 /// Light that one camera path of a trial finds, averaged over RGB \[W/(m² sr)]. Its indirect light
 /// is estimated twice: by the path, and by photons.
+///
+/// *Receiver*: a surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default)]
 struct TrialPathLight {
-    /// Direct light at the first receiver.
+    /// Direct light at the first receiver (surface or medium that stores photons).
     direct: f64,
-    /// Emission that the path finds up to its first receiver, plus the photon estimates of caustics
-    /// and of their indirect light there. This pilot ignores their noise, because other pilots
-    /// reduce it.
+    /// Emission that the path finds before its first receiver (surface or medium that stores
+    /// photons), plus the photon estimates of caustics and of their indirect light there. The
+    /// indirect-light pilot ignores the noise of this light, because other pilots reduce it.
     emission_and_caustics: f64,
-    /// Indirect light found by the camera path after its first receiver.
+    /// Indirect light that the camera path finds by continuing beyond its first receiver (surface
+    /// or medium that stores photons).
     path_indirect: f64,
-    /// Indirect light found by the photon estimate at the first receiver.
+    /// Indirect light that the photon estimate finds at the first receiver (surface or medium that
+    /// stores photons).
     photon_indirect: f64,
-    /// Noisy estimate of the bias of the photon estimate.
+    /// Noisy estimate of the bias of `photon_indirect`.
     bias: f64,
 }
 
-/// Work per pixel of the parts of a pass, and the noise of its direct light. The unit of work is
-/// that of tracing one photon ray.
+/// Work per pixel of the parts of a pass, in units of tracing one photon ray, and the noise of its
+/// direct light.
+///
+/// *Receiver*: a surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default)]
 struct PassCost {
-    /// Relative variance of the direct light that one camera path finds at its first receiver.
+    /// Relative variance of the direct light that one camera path finds at its first receiver
+    /// (surface or medium that stores photons).
     direct_variance: f64,
-    /// Work of one camera path up to its first receiver.
+    /// Work of one camera path up to its first receiver (surface or medium that stores photons).
     prefix_work: f64,
-    /// Work of one camera path after its first receiver.
+    /// Work of one camera path beyond its first receiver (surface or medium that stores photons).
     continuation_work: f64,
     /// Work per pixel of tracing, storing and gathering the photons.
     photon_work: f64,
-    /// Work of one photon estimate apart from its photons.
+    /// Work of one photon estimate, without the work for its photons.
     lookup_work: f64,
 }
 
-/// Runs the indirect-light pilot. Returns the division of indirect light with the least error times
-/// work; `None` if camera paths alone are about as good.
+/// Runs the indirect-light pilot. Returns the division of indirect light between camera paths and
+/// photon estimates with the least error times work; `None` if camera paths alone are about as
+/// good.
 pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<IndirectDivision> {
     let unaimed_paths = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
@@ -141,9 +151,9 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
     let (light, counters) = trial.trace_paths(&pilot, &film_points, IndirectTechnique::Comparison);
     let (other_light, _) = other_trial.trace_paths(&pilot, &other_film_points, IndirectTechnique::Comparison);
     let trial_photons = f64::from(unaimed_paths) / f64::from(divisor);
-    let rare =
+    let assumed_variance =
         if pilot.scene.media_in_use().iter().any(|medium| medium.scatters()) { ASSUMED_VARIANCE_IN_MEDIA } else { 1.0 };
-    let (cells, direct_variance) = cell_errors(&light, &other_light, grid.0, trial_photons, rare)?;
+    let (cells, direct_variance) = cell_errors(&light, &other_light, grid.0, trial_photons, assumed_variance)?;
 
     // Measure the work of each part of a pass.
     let work = trial.measure_work(&pilot, &film_points, &counters);
@@ -166,14 +176,15 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
         path_price: 0.0,
         passes_with_photons: MAX_PASSES_WITH_PHOTONS,
     };
-    let parts = if renderer.settings.allows_ray_photon_balance {
+    let path_fractions = if renderer.settings.allows_ray_photon_balance {
         &PHOTON_PATH_FRACTIONS[..]
     } else {
         &PHOTON_PATH_FRACTIONS[..1]
     };
-    least_cost_division(&division, parts, &cost, |pass| renderer.map_builder.relative_disc_area(pass))
+    least_cost_division(&division, path_fractions, &cost, |pass| renderer.map_builder.relative_disc_area(pass))
 }
 
+/// Returns the random key of the indirect-light pilot.
 fn pilot_key(pilot: &PassRenderer<'_>) -> Key {
     Key::new(pilot.settings.camera_paths.seed).purpose_key(Purpose::IndirectDivision)
 }
@@ -186,16 +197,18 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
     (size, (cells(width), cells(height)))
 }
 
-/// Work of the parts of one trial of the indirect-light pilot. The unit is the work of tracing one
-/// photon ray.
+/// Work of the parts of one trial of the indirect-light pilot, in units of tracing one photon ray.
 struct TrialWork {
     /// Work of all camera paths of the trial.
     path_work: f64,
-    /// Work of all camera paths of the trial up to their first receiver.
+    /// Work of all camera paths of the trial up to their first receiver (surface or medium that
+    /// stores photons).
     prefix_work: f64,
-    /// Work of tracing and storing the photons of the interreflection map.
+    /// Work of tracing and storing the photons of the interreflection map, from which the photon
+    /// estimates come.
     photon_work: f64,
-    /// Work of gathering the photons of the interreflection map.
+    /// Work of gathering the photons of the interreflection map, from which the photon estimates
+    /// come.
     gathering_work: f64,
 }
 
@@ -230,14 +243,14 @@ impl<'a> PilotTrial<'a> {
         map_paths_through_film_points(&paths, points, repeats_in_nested_discs, TrialPathLight::from_path_sums)
     }
 
-    /// Returns the work of the camera paths through `points`, and of the photons of the
-    /// interreflection map.
+    /// Returns the work of the camera paths through `points`, and the work of the photons of the
+    /// interreflection map, from which the photon estimates come.
     ///
     /// `both` holds the counters of these paths when both techniques find indirect light
     /// ([`IndirectTechnique::Comparison`]).
     fn measure_work(&self, pilot: &PassRenderer<'_>, points: &[FilmPoint], both: &Counters) -> TrialWork {
         let some_points: Vec<FilmPoint> = points.iter().step_by(WORK_STEP).copied().collect();
-        let (_, alone) = self.trace_paths(pilot, &some_points, IndirectTechnique::Paths);
+        let (_, paths_only) = self.trace_paths(pilot, &some_points, IndirectTechnique::Paths);
         let (_, prefixes) = self.trace_paths(pilot, &some_points, IndirectTechnique::Photons);
         let scale = points.len() as f64 / some_points.len().max(1) as f64;
         let PassResult { aimed, unaimed, counters, .. } = &self.report;
@@ -248,7 +261,7 @@ impl<'a> PilotTrial<'a> {
             photon_work: rays_per_path * unaimed.emitted_paths as f64
                 + balance::photon_storage_work(unaimed.stored_photons),
             gathering_work: LOOKUP_PHOTON_WORK
-                * (both.gathered_photons as f64 - scale * alone.gathered_photons as f64).max(0.0),
+                * (both.gathered_photons as f64 - scale * paths_only.gathered_photons as f64).max(0.0),
         }
     }
 }
@@ -260,13 +273,13 @@ impl TrialPathLight {
         let LightByPart {
             up_to_receiver,
             photon_estimates,
-            divided_light_of_paths,
-            divided_light_of_photons,
-            divided_nested_difference,
+            indirect_by_paths,
+            indirect_by_photons,
+            indirect_nested_difference,
         } = std::mem::take(&mut task.records.light);
-        let parts = [radiance, up_to_receiver, photon_estimates, divided_light_of_paths, divided_light_of_photons];
+        let parts = [radiance, up_to_receiver, photon_estimates, indirect_by_paths, indirect_by_photons];
         let [total, up_to_receiver, all_photons, paths, photons] = parts.map(|v| f64::from(color::channel_mean(v)));
-        let step = f64::from(color::channel_mean(divided_nested_difference));
+        let step = f64::from(color::channel_mean(indirect_nested_difference));
         Self {
             direct: total - up_to_receiver - all_photons - paths,
             emission_and_caustics: up_to_receiver + all_photons - photons,
@@ -284,25 +297,26 @@ impl TrialPathLight {
 /// squared median light of all cells. The mean variance of direct light leaves out the noisiest 5 %
 /// of the cells.
 ///
-/// `one` and `other` hold the light of the two trials. `paths` is the number of photon paths of a
-/// trial. `rare` is the variance that is assumed for photon estimates that found almost no light,
-/// divided by the squared light that camera paths found.
+/// `first_trial` and `second_trial` hold the light of the paths of both trials. `paths` is the
+/// number of photon paths of a trial. `assumed_variance` replaces the variance of photon estimates
+/// that found almost no light; its unit is the squared light that camera paths found.
 fn cell_errors(
-    one: &[TrialPathLight],
-    other: &[TrialPathLight],
+    first_trial: &[TrialPathLight],
+    second_trial: &[TrialPathLight],
     columns: u32,
     paths: f64,
-    rare: f64,
+    assumed_variance: f64,
 ) -> Option<(Vec<RelativeIndirectErrors>, f64)> {
     let size = CELL_POINTS as usize;
     let light = |p: &TrialPathLight| p.direct + p.emission_and_caustics + 0.5 * (p.path_indirect + p.photon_indirect);
-    let cells: Vec<(&[TrialPathLight], &[TrialPathLight])> = one.chunks(size).zip(other.chunks(size)).collect();
+    let cells: Vec<(&[TrialPathLight], &[TrialPathLight])> =
+        first_trial.chunks(size).zip(second_trial.chunks(size)).collect();
     let cell_light: Vec<f64> =
         cells.iter().map(|(a, b)| a.iter().chain(*b).map(light).sum::<f64>() / (2 * size) as f64).collect();
     let median = positive_median(cell_light.iter().copied())?;
-    // Six values for each cell: the variances of direct light, of paths and of photons, the squared
-    // bias, and the mean light that each technique finds. All are divided by the light of the cell,
-    // or by its square.
+    // Compute six values for each cell, relative to its light or to the square of its light. They
+    // are the variances of direct light, of paths and of photons, the squared bias, and the mean
+    // light that each technique finds.
     let raw: Vec<[f64; 6]> = cells
         .iter()
         .zip(&cell_light)
@@ -322,15 +336,14 @@ fn cell_errors(
         })
         .collect();
     let grid = (columns as usize, cells.len() / columns as usize);
-    // Means over neighbouring cells reduce the noise.
+    // Average over neighbouring cells to reduce noise.
     let smoothed = |i: usize, value: usize| box_mean(|i| raw[i][value], i, 1, grid);
     let errors = |i: usize| {
         let (by_paths, by_photons) = (smoothed(i, 4), smoothed(i, 5));
-        // If the pilot has too few photons to measure the variance of the photon estimate, assume
-        // one.
+        // Assume a variance of the photon estimate if the pilot has too few photons to measure it.
         let missed = (by_paths - by_photons).max(0.0);
         let relative_variance = if missed > MAX_MISSED_FRACTION * by_paths {
-            rare
+            assumed_variance
         } else if missed > 0.5 * by_paths {
             1.0
         } else {
@@ -353,27 +366,27 @@ fn cell_errors(
 }
 
 /// Chooses the number of photon paths, the number of passes with photon estimates, and
-/// [`IndirectDivision::path_price`] for which error times work is least. Returns a copy of
-/// `division` with them; `None` if camera paths alone are about as good.
+/// [`IndirectDivision::path_price`] for least error times work. Returns a copy of `division` with
+/// these values; `None` if camera paths alone are about as good.
 ///
-/// `parts` are the numbers of photon paths to choose from, divided by the number of `division`.
-/// `area` returns the disc area of a pass, counted from 0, divided by that of the first pass.
+/// `path_fractions` are the candidate numbers of photon paths, divided by the number of `division`.
+/// `area` returns the disc area of a pass, counted from 0, divided by the area in the first pass.
 fn least_cost_division(
     division: &IndirectDivision,
-    parts: &[f64],
+    path_fractions: &[f64],
     cost: &PassCost,
     area: impl Fn(u32) -> f64,
 ) -> Option<IndirectDivision> {
     let n = f64::from(division.samples_per_pixel);
     let cells = division.cells.len().max(1) as f64;
     let path_variance = division.cells.iter().map(|c| f64::from(c.single_path_variance)).sum::<f64>() / cells;
-    let alone = (cost.direct_variance + path_variance) * (cost.prefix_work + cost.continuation_work);
+    let paths_only_cost = (cost.direct_variance + path_variance) * (cost.prefix_work + cost.continuation_work);
     let error_and_work = |division: &IndirectDivision, part: f64, pass_count: u32| {
         let (error, paths) = division.mean_error_and_paths(pass_count as f32, area(pass_count - 1) as f32);
         let work = n * cost.prefix_work + paths * cost.continuation_work + part * cost.photon_work + cost.lookup_work;
         (cost.direct_variance / n + error, work)
     };
-    let priced = |part: f64| {
+    let with_best_price = |part: f64| {
         let unaimed_paths = (f64::from(division.unaimed_paths) * part).max(1.0) as u32;
         let mut division =
             IndirectDivision { unaimed_paths, path_price: (path_variance / (n * n)) as f32, ..division.clone() };
@@ -387,16 +400,16 @@ fn least_cost_division(
         let (error, work) = error_and_work(division, *part, pass_count);
         error * work
     };
-    let best = parts
+    let best = path_fractions
         .iter()
-        .map(|part| priced(*part))
+        .map(|part| with_best_price(*part))
         .min_by(|a, b| product(a, TYPICAL_PASS_COUNT).total_cmp(&product(b, TYPICAL_PASS_COUNT)))?;
-    let pays = |pass_count: u32| product(&best, pass_count) < MAX_RELATIVE_COST * alone;
+    let pays = |pass_count: u32| product(&best, pass_count) < MAX_RELATIVE_COST * paths_only_cost;
     if !pays(1) {
         return None;
     }
-    // The product of error and work grows from pass to pass: find the last pass in which photons
-    // pay.
+    // Bisect for the last pass in which photons pay: the product of error and work grows from pass
+    // to pass.
     let (mut passes, mut limit) = (1, MAX_PASSES_WITH_PHOTONS);
     while passes + 1 < limit {
         let middle = passes + (limit - passes) / 2;

@@ -10,11 +10,11 @@ use crate::plan::Plan;
 use crate::scene::Effects;
 use crate::stats::Counters;
 
-/// A rendering algorithm, prepared to render passes of one scene. *Pilots* are small simulations
-/// that run when the integrator is made, before the first pass.
+/// A rendering algorithm, prepared to render passes of one scene. Its *pilots*, small simulations
+/// before the first pass, have run.
 ///
-/// The picture is the mean of all passes. Pass `i` depends only on the scene, the settings and
-/// `i`, so any pass can be computed alone.
+/// The picture is the mean of all passes. Pass `i` depends only on the scene, the settings and `i`,
+/// so any pass can be computed alone.
 pub trait Integrator: Send + Sync {
     /// Renders the pass with number `pass`, counted from 0.
     fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> PassResult;
@@ -25,31 +25,32 @@ pub trait Integrator: Send + Sync {
     /// Estimates the ray and photon counts of the first pass, if only `effects` are simulated.
     fn expected_work(&self, effects: Effects) -> Counters;
 
-    /// Returns how many photon paths a pass traces. Also estimates how many photons it stores, by
-    /// tracing a few paths. All numbers are 0 without photons.
+    /// Returns the number of photon paths of a pass, and estimates by a few paths how many photons
+    /// it stores. All numbers are 0 without photons.
     fn expected_photons(&self) -> ExpectedPhotons {
         ExpectedPhotons::default()
     }
 
-    /// Returns the numbers of camera rays and photon paths that a pilot chose; `None` if no pilot
-    /// chose them.
+    /// Returns the numbers of camera rays and photon paths that a pilot (small simulation before
+    /// the first pass) chose; `None` if no pilot chose them.
     fn ray_photon_balance(&self) -> Option<RayPhotonBalance> {
         None
     }
 
     /// Returns the mean number of prefix rays per pixel and pass.
     ///
-    /// Prefix rays are extra camera paths that end at their first receiver (see
-    /// [`PhotonKind`](crate::photon::PhotonKind)).
+    /// Prefix rays are extra camera paths that end at the first surface or medium that stores
+    /// photons, such as a diffuse wall.
     fn prefix_rays_per_pixel(&self) -> f64 {
         0.0
     }
 
-    /// Returns the weight in \[0, 1] of photon estimates from the interreflection map of `hybrid`
-    /// in pass `pass`, as a mean over the picture. Returns 0 for other algorithms.
+    /// Returns the weight in \[0, 1] of photon estimates, as opposed to camera paths, for indirect
+    /// light in pass `pass` of `hybrid`, as a mean over the picture. Returns 0 for other
+    /// algorithms.
     ///
-    /// Camera paths have the rest of the weight. The indirect light of caustics does not count: in
-    /// `hybrid`, photons always carry it.
+    /// The indirect light of caustics does not count: in `hybrid`, photons always carry it. The
+    /// photon estimates come from the interreflection map, which holds the other indirect light.
     fn interreflection_photon_weight(&self, _pass: u32) -> f64 {
         0.0
     }
@@ -71,8 +72,8 @@ pub trait Integrator: Send + Sync {
         false
     }
 
-    /// True if passes divide the light of each pixel into the parts of
-    /// [`LightGroup`](super::LightGroup).
+    /// True if passes divide the light of each pixel into direct, indirect and caustic light
+    /// ([`LightGroup`](super::LightGroup)).
     fn groups_light(&self) -> bool {
         false
     }
@@ -82,22 +83,22 @@ pub trait Integrator: Send + Sync {
         false
     }
 
-    /// True if media of the scene emit light with which the passes do not light surfaces.
+    /// True if the scene has emitting media whose light on surfaces is missing from the picture.
     ///
-    /// Only camera paths that continue from receivers find this light: media emit no photons, and
+    /// Only camera paths that continue from surfaces find this light: media emit no photons, and
     /// get no shadow rays.
     fn omits_light_from_media(&self) -> bool {
         false
     }
 
-    /// Returns the work and benefit of the pilot that guides shadow rays to the environment light;
-    /// `None` if no such pilot ran.
+    /// Returns the work and benefit of the pilot (small simulation before the first pass) that
+    /// guides shadow rays to the environment light; `None` if no such pilot ran.
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {
         None
     }
 
-    /// Returns the work and benefit of the pilot that guides the points of media from which shadow
-    /// rays start; `None` if no such pilot ran.
+    /// Returns the work and benefit of the pilot (small simulation before the first pass) that
+    /// guides the points of media from which shadow rays start; `None` if no such pilot ran.
     fn scatter_point_guiding_report(&self) -> Option<ScatterPointGuidingReport> {
         None
     }

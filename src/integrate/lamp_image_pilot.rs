@@ -1,12 +1,12 @@
-//! Pilot that finds the images of small lamps which camera rays see directly or over specular
-//! surfaces.
+//! Pilot (small simulation before the first pass) that finds the images of small lamps: the parts
+//! of the film at which camera rays meet a lamp, directly or over specular surfaces.
 //!
-//! The pilot traces camera rays with their neighbours over all chains of specular vertices. Where
-//! the linear approximation says that a lamp has an image nearby, it moves the film point to that
-//! image by Newton's method, with the point on the lens fixed. So an image is found that covers a
-//! tiny part of a pixel. This is the search of Zeltner, Georgiev and Jakob 2020 ("Specular manifold
-//! sampling"), with the film point as unknown. An image counts only if a camera ray there hits the
-//! lamp. An image that is not an ellipse is covered by several.
+//! The pilot traces camera rays, together with close neighbours, over all chains of specular
+//! vertices. Where a linear approximation predicts the image of a lamp nearby, the pilot moves the
+//! film point to that image by Newton's method. The point on the lens stays fixed. So the pilot
+//! finds images that cover a tiny part of a pixel. This is the search of Zeltner, Georgiev and
+//! Jakob 2020 ("Specular manifold sampling"), with the film point as unknown. An image counts only
+//! if a camera ray there hits the lamp. Several ellipses cover an image that is not an ellipse.
 
 use super::lamp_images::LampImage;
 use super::pass_renderer::PassRenderer;
@@ -21,64 +21,68 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// Largest number of camera rays per pixel that search images of lamps.
+/// Largest number of camera rays per pixel that search images of lamps: film regions where camera
+/// rays meet a lamp, directly or over specular surfaces.
 const MAX_RAYS_PER_PIXEL: u32 = 16;
 
 /// Largest number of lamps whose images are searched.
 const MAX_LAMPS: usize = 64;
 
-/// Number of the [`MAX_RAYS_PER_PIXEL`] that each pixel gets. The others go through pixels near
-/// predicted images.
+/// Number of search rays through every pixel. The other rays, up to [`MAX_RAYS_PER_PIXEL`], go only
+/// through pixels near predicted images.
 const MIN_RAYS_PER_PIXEL: u32 = 2;
 
-/// Largest fraction of the predicted noise of all images that may belong to images which are not
-/// searched.
+/// Largest fraction of the predicted noise that the pilot may leave to images of lamps that it does
+/// not search.
 ///
-/// Half of it is for the choice in each tile, and half for the choice among all tiles.
-///
-/// Most images have little noise: if all were searched, nine of ten searches would be for a
-/// thousandth of the noise.
+/// Half of it is for the choice in each tile, and half for the choice among all tiles. Most images
+/// have little noise: without this limit, nine of ten searches would be for a thousandth of the
+/// noise.
 const MAX_OMITTED_NOISE_FRACTION: f64 = 1e-3;
 
-/// Least throughput, as a mean over RGB, of a chain of specular vertices that is followed.
+/// Throughput, as a mean over RGB, below which a chain of specular vertices is not followed.
 ///
 /// The noise of an image is proportional to the squared throughput. This value keeps chains with
-/// one reflection at glass, and leaves out those with two.
+/// one reflection at glass, and leaves out chains with two.
 const MIN_THROUGHPUT: f32 = 0.02;
 
-/// Largest distance from a camera ray of the pilot to the image that it searches, along each axis
-/// \[pixels].
+/// Largest distance on the film, along each axis, from a camera ray of the pilot to a predicted
+/// image of a lamp \[pixels]. The pilot searches no image farther away.
 const MAX_FILM_DISTANCE: f64 = 1.0;
 
-/// Largest area of an image at which rays are aimed \[pixels²]. Rays of the pixel find larger ones.
+/// Largest area of the image of a lamp on the film at which rays are aimed \[pixels²]. Ordinary
+/// rays find larger images often enough.
 const MAX_AREA: f64 = 1.0;
 
-/// Edge length of the square of pixels in which images are searched together \[pixels].
+/// Edge length of the square tiles in which images of lamps are searched together \[pixels].
 const TILE_SIZE: u32 = 16;
 
-/// Largest number of searches in a tile, per pixel. It limits the work of the pilot; searches with
-/// the most predicted noise come first.
+/// Largest number of searches for images of lamps in a tile, divided by its number of pixels. It
+/// limits the work of the pilot; searches with the most predicted noise come first.
 const MAX_SEARCHES_PER_PIXEL: f64 = 3.0;
 
-/// Largest number of Newton steps of a search.
+/// Largest number of Newton steps of a search for the image of a lamp on the film.
 const MAX_STEPS: u32 = 8;
 
-/// Distance from the center of an image to a point just beyond its end, relative to the longest
-/// half axis of the ellipse. From there, the pilot searches other parts of the image.
+/// Distance from the center of an elliptic image of a lamp to a point just beyond its end, relative
+/// to the longest half axis of the ellipse. From there, the pilot searches other parts of the
+/// image.
 const RELATIVE_IMAGE_END_DISTANCE: f32 = 1.1;
 
-/// Largest half width and half height of the part of the film that an image covers as the point on
-/// the lens varies \[pixels]. Larger images are blurred or thin, so that no pixel gets much of
-/// their light.
+/// Largest half width and half height of the part of the film that the image of a lamp covers as
+/// the point on the lens varies \[pixels]. Larger images are blurred or thin, so that no pixel gets
+/// much of their light.
 const MAX_IMAGE_HALF_EXTENT: f32 = 12.0;
 
-/// Distance from the center of the lamp at which Newton steps aim, relative to the lamp's radius.
+/// Distance from the lamp's center to the point at which Newton steps aim, relative to the lamp's
+/// radius.
 ///
-/// They aim at the near side of the lamp, so that searches from several sides find several parts of
-/// an image.
+/// The point lies on the near side of the lamp, so that searches from several sides find several
+/// parts of an image.
 const TARGET_RELATIVE_MISS: f64 = 0.5;
 
-/// Distance from the center of the lamp within which a search ends, relative to the lamp's radius.
+/// Distance of a ray from the lamp's center below which the search for an image ends, relative to
+/// the lamp's radius.
 const CONVERGED_RELATIVE_MISS: f64 = 0.75;
 
 /// Image of a lamp that the pilot has found.
@@ -96,7 +100,7 @@ struct FoundLampImage {
     radiance: f32,
 }
 
-/// Light that the image of a lamp adds to a pixel, averaged over RGB.
+/// Light that the image of a lamp adds to one pixel, averaged over RGB.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampImageContribution {
     /// Index of the pixel, by rows from the top.
@@ -104,12 +108,12 @@ pub(super) struct LampImageContribution {
     pub image: LampImage,
     /// Radiance that the image adds to the pixel \[W/(m² sr)].
     pub pixel_radiance: f64,
-    /// Mean square of the radiance that a camera ray of the pixel finds in the image \[(W/(m²
+    /// Mean square of the radiance that one camera ray of the pixel finds in the image \[(W/(m²
     /// sr))²].
     pub mean_square: f64,
 }
 
-/// Start of a search for the image of a lamp: a lamp near a camera ray of the pilot.
+/// Start of a search for the image of a lamp: a camera ray of the pilot that passes near the lamp.
 struct ImageSearchStart {
     /// Film point and lens point of the camera ray.
     point: CameraPoint,
@@ -119,12 +123,13 @@ struct ImageSearchStart {
     lamp: LampSphere,
     /// Vector on the film from the camera ray to the predicted image \[pixels].
     to_image: Vec2,
-    /// Predicted integral of the squared radiance over the image, on which the noise depends.
+    /// Predicted integral of the squared radiance over the image, to which the noise is
+    /// proportional \[pixels² (W/(m² sr))²].
     noise: f64,
 }
 
-/// Returns the images of lamps in each pixel, sorted by pixel. A pixel has every image that its
-/// filter reaches.
+/// Returns the images of lamps in each pixel, sorted by pixel: the parts of the film at which
+/// camera rays meet a lamp. A pixel has every image that its filter reaches.
 ///
 /// Returns no images if no light is an analytic shape, or if the effect of specular surfaces is
 /// off.
@@ -142,8 +147,8 @@ pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<LampImageCont
     images_by_pixel(&images, scene.camera(), &renderer.settings.camera_paths.filter, lens_radius)
 }
 
-/// Returns spheres around the lamps of `scene` that are analytic shapes: at most [`MAX_LAMPS`],
-/// those with the largest radiance.
+/// Returns bounding spheres of the area lights of `scene` that are analytic shapes. Of more than
+/// [`MAX_LAMPS`], returns those with the largest radiance.
 fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
     let mut lamps: Vec<(f32, LampSphere)> = Vec::new();
     for (light, area) in scene.lights().iter().map(Light::as_area_light).enumerate() {
@@ -161,7 +166,8 @@ fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
     lamps.into_iter().map(|(_, lamp)| lamp).take(MAX_LAMPS).collect()
 }
 
-/// Search for the optical images of lamps that camera rays see over specular surfaces.
+/// Search for the images of lamps on the film that camera rays see directly or over specular
+/// surfaces.
 struct ImageSearch<'a> {
     scene: &'a Scene,
     effects: Effects,
@@ -182,8 +188,8 @@ impl ImageSearch<'_> {
             (top..height.min(top + TILE_SIZE)).flat_map(|y| columns.clone().map(move |x| (x, y))).collect()
         };
 
-        // Find lamps near a few camera rays through each pixel. Leave out those with little noise,
-        // first in each tile to save memory.
+        // Find lamps near a few camera rays through each pixel. Leave out those with little noise;
+        // do so in each tile first, to save memory.
         let first_starts = |corner: &(u32, u32)| {
             let mut search_starts = self.search_starts_near_rays::<I>(&tile_pixels(corner), 0..MIN_RAYS_PER_PIXEL);
             let least = least_searched_noise(&search_starts, 0.5 * MAX_OMITTED_NOISE_FRACTION);
@@ -211,8 +217,8 @@ impl ImageSearch<'_> {
         distinct.images
     }
 
-    /// Returns starts of image searches: the lamps near camera rays through `pixels`. `indices` are
-    /// the indices of the rays of each pixel, below [`MAX_RAYS_PER_PIXEL`].
+    /// Returns starts of image searches: camera rays through `pixels` that pass near lamps.
+    /// `indices` are the indices of the rays of each pixel, below [`MAX_RAYS_PER_PIXEL`].
     fn search_starts_near_rays<I: Interior>(
         &self,
         pixels: &[(u32, u32)],
@@ -233,8 +239,8 @@ impl ImageSearch<'_> {
     }
 
     /// Moves from `search_starts` to the images near them, and from found images to their other
-    /// parts. Makes at most `searches` searches, for the noisiest starts first. Returns the
-    /// distinct images.
+    /// parts. Makes at most `searches` searches, in descending order of predicted noise. Returns
+    /// the distinct images.
     fn search_images<I: Interior>(
         &self,
         mut search_starts: Vec<ImageSearchStart>,
@@ -273,7 +279,7 @@ impl ImageSearch<'_> {
     }
 
     /// Adds to `search_starts` the lamps near the camera ray through `point`, and near the rays
-    /// into which specular surfaces split it. Rays that carry a single wavelength are left out.
+    /// into which specular surfaces split it. Leaves out rays that carry a single wavelength.
     ///
     /// `stack` is empty before and after.
     fn push_search_starts<I: Interior>(
@@ -290,13 +296,13 @@ impl ImageSearch<'_> {
             if bundle.has_wavelength() {
                 continue;
             }
-            let reach = match &event {
+            let hit_distance = match &event {
                 PathEvent::Surface(vertex) => f64::from(vertex.distance),
                 PathEvent::Escaped { .. } => f64::INFINITY,
                 PathEvent::Scattered { .. } => 0.0,
             };
             for lamp in &self.lamps {
-                let Some(passage) = bundle.lamp_passage(lamp, reach) else { continue };
+                let Some(passage) = bundle.lamp_passage(lamp, hit_distance) else { continue };
                 let area = std::f64::consts::PI / passage.to_disc.determinant().abs();
                 let to_image = vector_to_near_side(&passage);
                 if to_image.abs().max_element() <= MAX_FILM_DISTANCE && area <= MAX_AREA {
@@ -371,10 +377,10 @@ impl ImageSearch<'_> {
     }
 }
 
-/// Returns the least predicted noise at which the image of a search start is searched.
+/// Returns the least predicted noise at which a search start is used.
 ///
-/// Starts below it have together at most the fraction `omitted_fraction` of the predicted noise
-/// of all `search_starts`.
+/// Starts with less noise have together at most the fraction `omitted_fraction` of the predicted
+/// noise of all `search_starts`.
 fn least_searched_noise<'a>(
     search_starts: impl IntoIterator<Item = &'a ImageSearchStart>,
     omitted_fraction: f64,
@@ -389,8 +395,8 @@ fn least_searched_noise<'a>(
     searched.unwrap_or(0.0)
 }
 
-/// Returns the pixels of `tile`, as columns and rows, that are at most one pixel from the pixel of
-/// an image that `search_starts` predicts.
+/// Returns the pixels of `tile`, as (column, row), that are at most one pixel away from an image
+/// that `search_starts` predict.
 fn pixels_near_images(tile: &[(u32, u32)], search_starts: &[ImageSearchStart]) -> Vec<(u32, u32)> {
     let around = |search_start: &ImageSearchStart| {
         let at = (search_start.point.film + search_start.to_image).floor().as_ivec2();
@@ -400,7 +406,7 @@ fn pixels_near_images(tile: &[(u32, u32)], search_starts: &[ImageSearchStart]) -
     tile.iter().copied().filter(|(x, y)| near.contains(&(*x as i32, *y as i32))).collect()
 }
 
-/// Returns the vector on the film from a camera ray to the near side of a lamp that it passes
+/// Returns the vector on the film from a camera ray to the near side of the image of a lamp
 /// \[pixels], in the linear approximation `passage`.
 fn vector_to_near_side(passage: &LampPassage) -> DVec2 {
     passage.to_image * (1.0 - TARGET_RELATIVE_MISS / passage.relative_miss).max(0.0)
@@ -416,7 +422,7 @@ impl FoundLampImage {
     }
 }
 
-/// Images of lamps without repetitions.
+/// Set of the found images of lamps on the film, without repetitions.
 struct ImageSet {
     images: Vec<FoundLampImage>,
     /// Radius of the lens \[length]; 0 if rays do not sample it.
@@ -431,16 +437,16 @@ impl ImageSet {
         Self { images: Vec::new(), lens_radius, by_pixel: HashMap::new() }
     }
 
-    /// Adds `image` unless an image of the same lamp over the same chain covers the point at which
-    /// it was found. Returns true if it is added.
+    /// Adds `image` and returns true. Returns false if an image of the same lamp over the same
+    /// chain already covers the point at which `image` was found.
     fn insert(&mut self, image: FoundLampImage) -> bool {
         let FoundLampImage { point, light, chain, .. } = image;
         if self.covers(point.film, point.lens_point(), light, chain) {
             return false;
         }
         let center = image.image.center;
-        let reach = image.image.half_extent_over_lens(self.lens_radius);
-        let (low, high) = ((center - reach).floor().as_ivec2(), (center + reach).floor().as_ivec2());
+        let half_extent = image.image.half_extent_over_lens(self.lens_radius);
+        let (low, high) = ((center - half_extent).floor().as_ivec2(), (center + half_extent).floor().as_ivec2());
         let index = self.images.len() as u32;
         for pixel in (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| (x, y))) {
             self.by_pixel.entry(pixel).or_default().push(index);
@@ -460,7 +466,7 @@ impl ImageSet {
     }
 }
 
-/// Returns the light of each of `images` in each pixel whose filter reaches the image, sorted by
+/// Returns the light that each of `images` adds to each pixel whose filter reaches it, sorted by
 /// pixel.
 ///
 /// `lens_radius` is the radius of the lens \[length]; 0 if rays do not sample it.
@@ -483,8 +489,8 @@ fn images_by_pixel(
         let area = f64::from(image.area());
         let points = lens_points.iter().flat_map(|on_lens| disc_points().map(|p| image.film_point(p, *on_lens)));
         let points: Vec<Vec2> = points.collect();
-        let reach = image.half_extent_over_lens(lens_radius) + filter.radius() + 0.5;
-        let (low, high) = (image.center - reach, image.center + reach);
+        let half_extent = image.half_extent_over_lens(lens_radius) + filter.radius() + 0.5;
+        let (low, high) = (image.center - half_extent, image.center + half_extent);
         let range =
             |low: f32, high: f32, end: u32| (low.max(0.0) as u32).min(end)..(high.max(0.0).ceil() as u32).min(end);
         for y in range(low.y, high.y, height) {

@@ -1,29 +1,32 @@
 //! Images of lamps: the parts of the film at which prefix rays are aimed.
 //!
 //! A small lamp that the camera sees in curved glass or in a mirror has an *image* on the film,
-//! often much smaller than a pixel. Near the image, the point at which a camera ray passes the
-//! lamp is nearly a linear function of the ray's position on the film and on the lens. So the image
-//! is nearly an ellipse, whose center moves with the lens position.
+//! often much smaller than a pixel. Camera rays near the image pass the lamp at a point that is
+//! nearly a linear function of their position on the film and on the lens. So the image is nearly
+//! an ellipse, whose center moves with the lens position. *Prefix rays* are extra camera paths that
+//! end at the first surface that stores photons.
 
 use crate::sampling::{Dimension, Sampler};
 use glam::{Mat2, Vec2};
 use std::f32::consts::{FRAC_1_PI, TAU};
 use std::sync::Arc;
 
-/// Radius of the disc at which most rays are aimed, in coordinates in which the lamp's image is the
-/// unit disc.
+/// Radius of the disc into which most aimed rays fall, in film coordinates in which the image of
+/// the lamp is the unit disc.
 ///
-/// It is above 1 because images are ellipses only nearly.
+/// It exceeds 1, because images are only approximately ellipses.
 const CORE_RADIUS: f32 = 1.25;
 
-/// Probability that a ray is aimed at the disc of [`CORE_RADIUS`]. Other rays follow a heavy tail.
+/// Probability that a ray that is aimed at the image of a lamp falls into the disc of
+/// [`CORE_RADIUS`]. Other aimed rays follow a distribution with a heavy tail.
 const CORE_SHARE: f32 = 0.75;
 
-/// Radius within which half of the rays of the tail fall, in coordinates in which the lamp's image
-/// is the unit disc.
+/// Radius within which half of the aimed rays of the heavy tail fall, in film coordinates in which
+/// the image of the lamp is the unit disc.
 const TAIL_RADIUS: f32 = 2.0;
 
-/// Image of a lamp on the film, as an ellipse.
+/// Image of a lamp on the film, as an ellipse: the part of the film at which camera rays meet the
+/// lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LampImage {
     /// Center of the image for rays through the center of the lens \[pixels from the top left].
@@ -41,16 +44,17 @@ impl LampImage {
     }
 
     /// Returns half the width and half the height of the part of the film \[pixels] that the image
-    /// covers as the point on the lens varies. `lens_radius` is the radius of the lens \[length].
+    /// covers as the lens point varies. `lens_radius` is the radius of the lens \[length].
     pub fn half_extent_over_lens(&self, lens_radius: f32) -> Vec2 {
         let from_disc = self.to_disc.inverse();
         let rows = |matrix: Mat2| Vec2::new(matrix.row(0).length(), matrix.row(1).length());
         rows(from_disc) + rows(self.shift_per_lens_position) * lens_radius
     }
 
-    /// Returns the longest half axis of the ellipse \[pixels].
+    /// Returns the longest half axis of the ellipse, as a vector on the film \[pixels].
     pub fn longest_half_axis(&self) -> Vec2 {
-        // The half axes are images of perpendicular vectors whose images are perpendicular.
+        // Find the unit vector of the disc that maps to the longest half axis. That vector and its
+        // perpendicular have perpendicular images.
         let from_disc = self.to_disc.inverse();
         let (a, b) = (from_disc.x_axis, from_disc.y_axis);
         let angle = 0.5 * libm::atan2f(2.0 * a.dot(b), a.length_squared() - b.length_squared());
@@ -58,20 +62,20 @@ impl LampImage {
         from_disc * Vec2::new(cos, sin)
     }
 
-    /// Returns the film point `film` \[pixels] in coordinates in which the image is the unit disc,
-    /// for rays through the point `on_lens` of the lens.
+    /// Returns film point `film` \[pixels] in coordinates in which the image is the unit disc, for
+    /// a ray through the lens point `on_lens` \[length].
     pub fn disc_point(&self, film: Vec2, on_lens: Vec2) -> Vec2 {
         self.to_disc * (film - self.center - self.shift_per_lens_position * on_lens)
     }
 
-    /// Returns the film point \[pixels] at the point `disc` of the disc, the inverse of
+    /// Returns the film point \[pixels] of a point `disc` of the unit disc: the inverse of
     /// [`LampImage::disc_point`].
     pub fn film_point(&self, disc: Vec2, on_lens: Vec2) -> Vec2 {
         self.center + self.shift_per_lens_position * on_lens + self.to_disc.inverse() * disc
     }
 
-    /// Returns the pdf \[1/pixel²] with which rays are aimed at film point `film`, given their
-    /// point `on_lens` of the lens.
+    /// Returns the pdf \[1/pixel²] of film point `film`, for a ray through the lens point `on_lens`
+    /// that is aimed at this image.
     fn pdf(&self, film: Vec2, on_lens: Vec2) -> f32 {
         let squared = self.disc_point(film, on_lens).length_squared();
         let core = if squared < CORE_RADIUS * CORE_RADIUS { CORE_SHARE / (CORE_RADIUS * CORE_RADIUS) } else { 0.0 };
@@ -79,8 +83,8 @@ impl LampImage {
         (core + (1.0 - CORE_SHARE) * tail * tail) * FRAC_1_PI * self.to_disc.determinant().abs()
     }
 
-    /// Samples the film point \[pixels] at which a ray through the point `on_lens` of the lens is
-    /// aimed, by `u` in \[0, 1)².
+    /// Samples the film point \[pixels] of a ray through the lens point `on_lens` that is aimed at
+    /// this image, by `u` in \[0, 1)².
     fn sample(&self, u: Vec2, on_lens: Vec2) -> Vec2 {
         let radius = if u.x < CORE_SHARE {
             CORE_RADIUS * (u.x / CORE_SHARE).sqrt()
@@ -93,7 +97,7 @@ impl LampImage {
     }
 }
 
-/// Image of a lamp in a pixel, with its share of the rays that the pixel aims at images.
+/// Image of a lamp in a pixel, with the share of the pixel's rays that are aimed at it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PixelLampImage {
     pub image: LampImage,
@@ -101,14 +105,14 @@ pub(super) struct PixelLampImage {
     pub aim_probability: f32,
 }
 
-/// Returns the pdf \[1/pixel²] of the film point `film`, for a ray from the lens point `on_lens`
-/// that is aimed at one of `images`.
+/// Returns the pdf \[1/pixel²] of film point `film`, for a ray through the lens point `on_lens`
+/// that is aimed at a randomly chosen one of `images`.
 pub(super) fn aimed_pdf(images: &[PixelLampImage], film: Vec2, on_lens: Vec2) -> f32 {
     images.iter().map(|target| target.aim_probability * target.image.pdf(film, on_lens)).sum()
 }
 
-/// Samples the film point \[pixels] of a ray that is aimed at one of `images`, given its point
-/// `on_lens` of the lens. `images` must not be empty.
+/// Samples the film point \[pixels] of a ray through the lens point `on_lens` that is aimed at a
+/// randomly chosen one of `images`. `images` must not be empty.
 pub(super) fn sample_aimed_film_point(images: &[PixelLampImage], sampler: Sampler, on_lens: Vec2) -> Vec2 {
     let mut u = sampler.get_2d(Dimension::Film);
     let (last, others) = images.split_last().expect("a pixel with aimed rays has an image");
@@ -123,7 +127,7 @@ pub(super) fn sample_aimed_film_point(images: &[PixelLampImage], sampler: Sample
     last.image.sample(u, on_lens)
 }
 
-/// Images of lamps in each pixel of a picture.
+/// Images of lamps (film regions where camera rays meet a lamp) in each pixel of a picture.
 #[derive(Clone, Debug)]
 pub(super) struct LampImages {
     /// Images of all pixels, by rows from the top.
@@ -134,7 +138,7 @@ pub(super) struct LampImages {
 }
 
 impl LampImages {
-    /// Returns the images of each pixel of `pixels`, by rows from the top.
+    /// Makes the lists from the images in each pixel, by rows from the top.
     pub fn from_pixels(pixels: &[Vec<PixelLampImage>]) -> Self {
         let mut starts = Vec::with_capacity(pixels.len() + 1);
         starts.push(0);
@@ -146,7 +150,8 @@ impl LampImages {
         Self { images: pixels.iter().flatten().copied().collect(), starts: starts.into() }
     }
 
-    /// Returns these images without those in pixels for which `keeps` is false.
+    /// Returns a copy with the images of those pixels for which `keeps` is true. The other pixels
+    /// have none.
     ///
     /// The argument of `keeps` is the index of a pixel, by rows from the top.
     pub fn in_pixels(&self, keeps: impl Fn(usize) -> bool) -> Self {
@@ -154,7 +159,7 @@ impl LampImages {
         Self::from_pixels(&(0..self.starts.len() - 1).map(images).collect::<Vec<_>>())
     }
 
-    /// Returns the images in the pixel with index `pixel`, by rows from the top.
+    /// Returns the images in the pixel with index `pixel`, counted by rows from the top.
     #[inline]
     pub fn of_pixel(&self, pixel: usize) -> &[PixelLampImage] {
         &self.images[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]

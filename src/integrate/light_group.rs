@@ -4,27 +4,28 @@ use super::vertex::PathHistory;
 use crate::color::Rgb;
 
 enum_with_all! {
-    /// Part of a picture's light: direct, indirect or caustic. The receivers and casters on the
-    /// light's way to the camera determine the part.
+    /// Part of a picture's light: direct, indirect or caustic.
     ///
-    /// Casters between the camera and the first receiver do not change it.
-    /// [`PhotonKind`](crate::photon::PhotonKind) defines receivers and casters.
+    /// The surfaces on the light's way to the camera determine the part. A *receiver* is a surface
+    /// or medium that stores photons, such as a diffuse wall; a *caster* passes photons on, such as
+    /// glass. Casters between the camera and the first receiver do not change the part.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum LightGroup {
-        /// Light that reaches the first receiver straight from a light, and light that the camera
-        /// sees without any receiver: lights, the environment and the background.
+        /// Light that goes straight from a light to the camera path's first receiver (surface or
+        /// medium that stores photons). Also light that the camera sees without any receiver:
+        /// lights, the environment and the background.
         Direct,
-        /// Light that another receiver has scattered before it reaches the first receiver of the
-        /// camera path.
+        /// Light that another receiver (surface or medium that stores photons) has scattered before
+        /// it reaches the camera path's first receiver.
         Indirect,
-        /// Light that reaches the first receiver over one or more casters, and over no other
-        /// receiver.
+        /// Light that reaches the camera path's first receiver (surface or medium that stores
+        /// photons) over one or more casters, such as glass, and over no other receiver.
         Caustic,
     }
 }
 
 impl LightGroup {
-    /// Returns the name of the group, which names its layer in files.
+    /// Returns the name of the group, such as `direct`. Layers of files have this name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -34,8 +35,8 @@ impl LightGroup {
         }
     }
 
-    /// Returns the group of a light that a camera path hits after the receivers and casters of
-    /// `history`.
+    /// Returns the group of light that a camera path finds after the receivers (surfaces and media
+    /// that store photons) and casters (such as glass) of `history`.
     #[inline]
     pub(super) fn of_found_light(history: PathHistory) -> Self {
         match (history.receivers, history.casters_since_receiver) {
@@ -45,23 +46,23 @@ impl LightGroup {
         }
     }
 
-    /// Returns the group of direct light at a receiver. `history` holds the receivers and casters
-    /// on the path before it.
+    /// Returns the group of direct light at a receiver (surface or medium that stores photons).
+    /// `history` counts the receivers and casters on the path before it.
     #[inline]
     pub(super) fn of_direct_light(history: PathHistory) -> Self {
         Self::of_found_light(PathHistory { receivers: history.receivers + 1, casters_since_receiver: 0 })
     }
 
-    /// Returns the group of an estimate from the caustic map at a receiver. `history` holds the
-    /// receivers and casters on the path before it.
+    /// Returns the group of a photon estimate from the caustic map at a receiver (surface or medium
+    /// that stores photons). `history` counts the receivers and casters on the path before it.
     #[inline]
     pub(super) fn of_caustic_map(history: PathHistory) -> Self {
         Self::of_found_light(PathHistory { receivers: history.receivers + 1, casters_since_receiver: 1 })
     }
 }
 
-/// Light of one camera ray in the parts of [`LightGroup`], as contributions to the pixel \[W/(m²
-/// sr)].
+/// Light of one camera ray, divided into the groups of [`LightGroup`], as contributions to the
+/// pixel \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct GroupedLight {
     /// True if light is added; if false, [`GroupedLight::add`] does nothing.

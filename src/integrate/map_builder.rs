@@ -25,21 +25,21 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Default limit on the number of photons of a density estimate in the caustic map.
+/// Default limit k on the number of photons of a density estimate in the caustic map.
 pub const DEFAULT_CAUSTIC_K: u32 = 50;
 
-/// Divisor of the number of unaimed photon paths of a pass: 1/16 as many photon paths guide
-/// final-gathering rays.
+/// Number of photon paths that fill the indirect map of a pass, divided by the number of photon
+/// paths that guide final-gathering rays.
 const GUIDE_PHOTON_DIVISOR: u32 = 16;
 
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
 const WAVELENGTH_KERNEL_HALF_WIDTH: f32 = 20.0;
 
-/// Lower bound on the photon limit k of density estimates, which shrinks over the passes. A limit
-/// that is smaller in the first pass stays as it is.
+/// Lower bound on the photon limit k of density estimates, which shrinks from pass to pass. If k is
+/// below the bound in the first pass already, it stays as it is.
 const MIN_K: f64 = 8.0;
 
-/// Source, number and random key of the photon paths to trace for one map, and the kinds of photons
+/// Photon paths to trace for one map: their source, number and random key, and the kinds of photons
 /// to store.
 struct PhotonTracingTask<'a> {
     /// Photon source from which the paths start; `None` traces nothing.
@@ -75,26 +75,27 @@ struct DensityEstimateLimits {
     k: u32,
 }
 
-/// Results of the photon paths aimed at casters.
+/// Photons and splats of the photon paths that are aimed at *casters*: mirrors, glass and other
+/// surfaces that form caustics.
 struct AimedPhotons {
     /// Photons of the caustic map.
     caustic: UnindexedMapPhotons,
-    /// Photons that a receiver has scattered after a caustic, for the indirect map of `hybrid`.
-    /// Empty for other algorithms.
+    /// Indirect light of caustics: photons that a diffuse surface, for example, has scattered after
+    /// a caustic. They fill the indirect map of `hybrid`; other algorithms store none.
     after_caustic: UnindexedMapPhotons,
     splats: Vec<Splat>,
 }
 
-/// Photons of a pass before their search structures are built, by map.
+/// Photons of a pass, before their search structures are built, for each photon map.
 struct UnindexedPassPhotons {
     caustic: UnindexedMapPhotons,
     indirect: UnindexedMapPhotons,
-    /// Photons of the interreflection map of `hybrid`; `None` if camera paths carry all of its
-    /// light.
+    /// Photons of the interreflection map of `hybrid`: indirect light that does not come from a
+    /// caustic. `None` if camera paths carry all of this light.
     interreflection: Option<UnindexedMapPhotons>,
 }
 
-/// Radii of the density-estimation kernels in media, for each photon map.
+/// Radii of the density-estimation kernels in media, for each photon map \[length].
 #[derive(Clone, Copy, Debug, Default)]
 struct VolumeKernelRadiiPerMap {
     caustic: VolumeKernelRadii,
@@ -102,7 +103,8 @@ struct VolumeKernelRadiiPerMap {
     interreflection: VolumeKernelRadii,
 }
 
-/// Builder of the photon maps of any pass. It holds the photon sources and gather radii.
+/// Builder of the photon maps of any pass. It holds the photon sources and the gather radii of the
+/// first pass.
 ///
 /// A table in [`integrate`](super) lists the maps, and the photon paths that fill them.
 #[derive(Debug)]
@@ -111,22 +113,23 @@ pub(super) struct PhotonMapBuilder<'a> {
     settings: Settings,
     policy: PathPolicy,
     pub request: PhotonMapRequest,
-    /// Photon source that emits in all directions; `None` if passes trace no such paths.
+    /// Source of the unaimed photon paths, which start in all directions; `None` if passes trace no
+    /// such paths.
     unaimed_source: Option<PhotonSource<'a>>,
-    /// Photon source aimed at casters; it emits in all directions if the scene has no lit casters.
-    /// `None` if passes trace no such paths.
+    /// Source of the photon paths aimed at casters, such as mirrors and glass; `None` if passes
+    /// trace no such paths. It emits in all directions if no light reaches a caster.
     aimed_source: Option<PhotonSource<'a>>,
     pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass \[length]; `None` if passes trace no photons.
     pub radii: Option<GatherRadii>,
-    /// Gather radius of the interreflection map in the first pass \[length]. Only `hybrid` builds
-    /// this map.
+    /// Gather radius in the first pass of the interreflection map \[length]: the map of indirect
+    /// light that does not come from caustics. Only `hybrid` builds this map.
     interreflection_radius: f32,
-    /// Division of indirect light between camera paths and photon estimates; `None` if no pilot
-    /// divided it.
+    /// Division of indirect light between camera paths and photon estimates, as a pilot (small
+    /// simulation before the first pass) found it; `None` without such a pilot.
     pub division: Option<Arc<IndirectDivision>>,
-    /// True for a pilot that finds the same indirect light by photon estimates and by camera paths,
-    /// to compare them.
+    /// True if camera paths and photon estimates both find all indirect light, for a pilot (small
+    /// simulation before the first pass) that compares the two techniques.
     pub compares_techniques: bool,
     /// Radii of the density-estimation kernels in media in the first pass, for each map \[length].
     volume_radii: VolumeKernelRadiiPerMap,
@@ -134,15 +137,15 @@ pub(super) struct PhotonMapBuilder<'a> {
     min_radius: f32,
     pub emission_guiding_reports: EmissionGuidingReports,
     /// Share of a caustic photon's flux that density estimates use, for each pixel; light tracing
-    /// carries the rest. `None` without light tracing.
+    /// (photons connected to the camera) carries the rest. `None` without light tracing.
     density_estimate_shares: Option<Arc<DensityEstimateShares>>,
 }
 
 impl<'a> PhotonMapBuilder<'a> {
-    /// Makes a builder for the maps that `policy` reads.
+    /// Makes a builder for the photon maps that `policy` reads.
     ///
-    /// Runs the pilots that guide photon emission, and the pilots that find gather radii if
-    /// `settings` give none.
+    /// Runs the pilots (small simulations) that guide photon emission, and the pilots that find
+    /// gather radii if `settings` give none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let mut request = policy.photon_map_request();
         if policy.indirect_photons != IndirectPhotons::Off && has_emitting_media(scene, policy.effects) {
@@ -193,8 +196,8 @@ impl<'a> PhotonMapBuilder<'a> {
         builder
     }
 
-    /// Returns a builder for `policy`, which must be the policy of this builder with fewer effects
-    /// of light. The new builder keeps the results of pilots.
+    /// Returns a builder for `policy`, which must be this builder's policy with fewer effects of
+    /// light. The new builder keeps the results of pilots.
     pub fn with_policy(&self, policy: &PathPolicy) -> Self {
         let request = policy.photon_map_request();
         let keep = |source: &Option<PhotonSource<'a>>, mask: StoreMask| {
@@ -228,11 +231,12 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Returns what fills the indirect map: its photon source, the kinds of photons that it stores,
-    /// and the number of photon paths per pass.
+    /// Returns the photon source of the indirect map, the kinds of photons that the map stores, and
+    /// its number of photon paths per pass.
     ///
-    /// In `hybrid`, the number of aimed paths is divided by [`AFTER_CAUSTIC_THINNING`]. Russian
-    /// roulette ends the other paths after a caustic.
+    /// In `hybrid`, photon paths that are aimed at casters, such as glass, fill this map. Russian
+    /// roulette continues one in [`AFTER_CAUSTIC_THINNING`] of them after a caustic, so the number
+    /// of paths is divided by that constant.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.aimed_paths_fill_indirect_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
@@ -242,27 +246,29 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// True if aimed photon paths fill the indirect map, as in `hybrid`. The map then holds only
-    /// photons that a receiver scattered after a caustic. False if unaimed paths fill it with all
-    /// indirect light.
+    /// True if photon paths aimed at casters (mirrors, glass) fill the indirect map, as in
+    /// `hybrid`. The map then holds only light that other surfaces or media have scattered after a
+    /// caustic. False if unaimed paths fill it with all indirect light.
     fn aimed_paths_fill_indirect_map(&self) -> bool {
         self.request.aimed.separates_after_caustic || self.may_build_interreflection_map()
     }
 
-    /// True if passes may build an interreflection map. Only `hybrid` builds one.
+    /// True if passes may build an interreflection map, with the indirect light that does not come
+    /// from caustics. Only `hybrid` builds one.
     pub fn may_build_interreflection_map(&self) -> bool {
         self.policy.indirect_photons != IndirectPhotons::Off && self.unaimed_source.is_some()
     }
 
-    /// Returns the area of gather discs in pass `pass`, divided by that in the first pass.
+    /// Returns the area of gather discs in pass `pass`, divided by the area in the first pass.
+    /// Passes are counted from 0.
     pub fn relative_disc_area(&self, pass: u32) -> f64 {
         squared_radius_ratio(self.radius_law().alpha, pass)
     }
 
     /// Sets how indirect light is divided between camera paths and photon estimates.
     ///
-    /// The division also sets the number of unaimed photon paths. `None` leaves the light to camera
-    /// paths, so no unaimed paths are traced.
+    /// The division also sets the number of photon paths that start in all directions. `None`
+    /// leaves the light to camera paths, so no such photon paths are traced.
     pub fn set_division(&mut self, division: Option<IndirectDivision>) {
         if let Some(division) = &division {
             self.counts.unaimed = division.unaimed_paths;
@@ -273,8 +279,8 @@ impl<'a> PhotonMapBuilder<'a> {
         self.division = division.map(Arc::new);
     }
 
-    /// Returns the technique that finds indirect light in pass `pass`, at the first receiver of a
-    /// camera path.
+    /// Returns the technique that finds indirect light in pass `pass`, at the first receiver
+    /// (surface or medium that stores photons) of each camera path.
     pub fn technique_of_pass(&self, pass: u32) -> IndirectTechnique<'_> {
         if !self.may_build_interreflection_map() {
             return IndirectTechnique::Paths;
@@ -295,7 +301,7 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// True if photons are stored in media.
+    /// True if passes store photons in media.
     fn stores_volume_photons(&self) -> bool {
         let effects = self.policy.effects;
         let media = effects.has(Effect::Media) && effects.has(Effect::Interiors);
@@ -332,7 +338,6 @@ impl<'a> PhotonMapBuilder<'a> {
         monitor: &dyn ProgressMonitor,
         out: &mut PassResult,
     ) -> PhotonMaps<'a> {
-        // Paths are traced in this order: aimed, unaimed, guides.
         let AimedPhotons { caustic, after_caustic, splats } = self.trace_aimed_photons(options, monitor, out);
         let indirect = if self.aimed_paths_fill_indirect_map() {
             after_caustic
@@ -356,7 +361,8 @@ impl<'a> PhotonMapBuilder<'a> {
         shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)))
     }
 
-    /// Traces the photon paths aimed at casters, and returns their photons and splats.
+    /// Traces the photon paths aimed at casters, such as mirrors and glass. Returns their photons
+    /// and their splats on the film.
     ///
     /// Reports progress to `monitor`. Adds ray counts, time and the report on these paths to `out`.
     fn trace_aimed_photons(
@@ -427,8 +433,9 @@ impl<'a> PhotonMapBuilder<'a> {
         self.trace_photons(task, monitor, out).deposits.surface_photons
     }
 
-    /// Returns the caustic, indirect and interreflection map of `photons` with their search
-    /// structures. Reports progress to `monitor`, and adds the time to `out`.
+    /// Builds the search structures of `photons`. Returns the caustic map, the indirect map, and
+    /// the interreflection map, which only `hybrid` has. Reports progress to `monitor`, and adds
+    /// the time to `out`.
     fn index_photons(
         &self,
         photons: UnindexedPassPhotons,
@@ -449,7 +456,7 @@ impl<'a> PhotonMapBuilder<'a> {
             estimator
         };
 
-        // The limit grows with the number of paths, so that discs keep their size.
+        // The limit grows with the number of photon paths, so that gather discs keep their size.
         let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.aimed_paths.max(1));
         let usual_k = (f64::from(DEFAULT_CAUSTIC_K) * ratio).round().max(1.0) as u32;
         let limits = |surface: f32, volume: VolumeKernelRadii, usual_k: u32| DensityEstimateLimits {
@@ -468,19 +475,20 @@ impl<'a> PhotonMapBuilder<'a> {
             let limits = limits(self.interreflection_radius, self.volume_radii.interreflection, 0);
             interreflection.map(|photons| index(photons, limits))
         };
-        // The calling thread builds the larger part, so that its time is that of the whole stage.
+        // Let the calling thread build the larger part, so that it works until the stage ends.
         let (caustic, (indirect, interreflection)) = if caustic_count < other_count {
-            let (others, caustic) = join_in_place(|| (index_indirect(), index_interreflection()), index_caustic);
+            let (others, caustic) =
+                join_on_calling_thread(|| (index_indirect(), index_interreflection()), index_caustic);
             (caustic, others)
         } else {
-            join_in_place(index_caustic, || rayon::join(index_indirect, index_interreflection))
+            join_on_calling_thread(index_caustic, || rayon::join(index_indirect, index_interreflection))
         };
         out.seconds.indexing += start.elapsed().as_secs_f64();
         (caustic, indirect, interreflection)
     }
 
-    /// Returns the photon map of `photons` with its search structures, and with the gather radii of
-    /// pass `options.pass`.
+    /// Builds the search structures of the photons of one map. Returns the map with the gather
+    /// radii of pass `options.pass`.
     fn build_photon_estimator(
         &self,
         photons: UnindexedMapPhotons,
@@ -551,16 +559,18 @@ fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option
     if effects.has(Effect::Environment) { Some(source) } else { source.without_environment_light() }
 }
 
+/// Returns the number of emitted paths, the number of stored photons and the energy audit of
+/// `traced`.
 fn photon_report(traced: &TracedPhotons) -> PhotonReport {
     PhotonReport { emitted_paths: traced.paths, stored_photons: traced.deposits.len() as u64, audit: traced.audit }
 }
 
-/// Returns the results of both closures. The calling thread runs `here`, while the thread pool runs
-/// `elsewhere`.
+/// Runs both closures in parallel and returns their results. The calling thread runs `here`, and
+/// the thread pool runs `elsewhere`.
 ///
-/// Unlike `rayon::join`, a thread outside of the pool runs `here` itself. With one thread, the
+/// Unlike with `rayon::join`, a thread outside of the pool runs `here` itself. With one thread, the
 /// closures run one after the other.
-fn join_in_place<A, B: Send>(here: impl FnOnce() -> A, elsewhere: impl FnOnce() -> B + Send) -> (A, B) {
+fn join_on_calling_thread<A, B: Send>(here: impl FnOnce() -> A, elsewhere: impl FnOnce() -> B + Send) -> (A, B) {
     if rayon::current_num_threads() == 1 {
         return (here(), elsewhere());
     }

@@ -7,7 +7,10 @@
 //!
 //! # Terms
 //!
-//! - *Receiver*, *caster*, *caustic*: see [`PhotonKind`](crate::photon::PhotonKind).
+//! - *Receiver*: a surface or medium that stores photons, such as a diffuse wall or fog. *Caster*:
+//!   a surface that passes photons on, such as a mirror or glass. *Caustic*: light that reaches a
+//!   receiver over one or more casters. [`PhotonKind`](crate::photon::PhotonKind) has the exact
+//!   definitions.
 //! - *Prefix*: the part of a camera path up to its first receiver. *Prefix ray*: an extra camera
 //!   path that ends at its first receiver.
 //! - *Image of a lamp*: the part of the film at which camera rays meet the lamp, directly or over
@@ -39,10 +42,10 @@
 //! of the indirect map. In EXR files, the layers `radius.global` and `photons.global` describe
 //! density estimates from the indirect and the interreflection map.
 //!
-//! Which photons a pass stores is decided in three steps. `PathPolicy::photon_map_request` names
-//! the kinds of photons for the maps that a policy reads. In `hybrid`, `PhotonMapBuilder::new`
-//! drops unaimed paths if media emit light. `PhotonMapBuilder::mask_for_volume_estimator` decides
-//! between photon beams and photon points.
+//! Three functions decide which photons a pass stores. `PathPolicy::photon_map_request` names the
+//! kinds of photons for the maps that a policy reads. In `hybrid`, `PhotonMapBuilder::new` drops
+//! unaimed paths if media emit light. `PhotonMapBuilder::mask_for_volume_estimator` chooses between
+//! photon beams and photon points.
 //!
 //! # State of a camera path
 //!
@@ -52,7 +55,7 @@
 //! | `CameraRay` | ray, sampler, film position, shutter slice, weights | camera ray |
 //! | `PathTask` | the three structs below, and counts of rays | tile, or chunk of a pilot |
 //! | `PixelLight` | light kept apart from the radiance, such as light groups | pixel |
-//! | `PilotRecords` | what pilots take from the task | task |
+//! | `PilotRecords` | records that pilots take from the task | task |
 //! | `ScratchBuffers` | reused memory | vertex or medium segment |
 //! | `PathState` | ray, throughput and history of one branch | until the branch ends |
 //!

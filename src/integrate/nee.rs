@@ -1,4 +1,4 @@
-//! Next-event estimation: direct light of surfaces and media by shadow rays.
+//! Next-event estimation: direct light at surfaces and in media, by shadow rays.
 
 mod medium;
 
@@ -16,49 +16,50 @@ use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// Point of the unit square that maps to the center of a light.
+/// Sample of the unit square that maps to the center of a light.
 const CENTER: Vec2 = Vec2::splat(0.5);
 
-/// Largest number of lights for which vertices up to a path's first receiver send a shadow ray to
-/// every light.
+/// Largest number of lights to all of which a vertex sends a shadow ray, in algorithms with one
+/// shadow ray per vertex. It applies up to a path's first receiver (surface or medium that stores
+/// photons).
 const FEW_LIGHTS: usize = 4;
 
-/// Targets and number of the shadow rays of one vertex.
+/// Number of shadow rays that a vertex sends, and the lights to which it sends them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShadowRayScheme {
-    /// This many shadow rays to every light, but only one to delta lights and to lights that are
-    /// sampled at their centers.
+    /// This many shadow rays to every light, but only one to each delta light and to each light
+    /// that is sampled at its center.
     EveryLight(u32),
     /// This many shadow rays, each to a randomly chosen light.
     RandomLights(u32),
 }
 
-/// Guides of shadow rays that pilots have learned: for their directions to the environment, and for
-/// their start points in media.
+/// Guides of shadow rays that pilots have learned: one for their directions to the environment, one
+/// for their start points in media.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ShadowRayGuides {
     /// Guide of shadow rays to the environment light; `None` samples directions from the light's
     /// own distribution.
     pub environment: Option<Arc<EnvironmentGuide>>,
-    /// Choice of the points of homogeneous media from which shadow rays start.
+    /// Method that chooses the points of homogeneous media from which shadow rays start.
     pub scatter_points: ScatterPointSampling,
 }
 
-/// Choice of the points of a homogeneous medium from which shadow rays start, on segments of camera
-/// paths up to the first receiver.
+/// Method that chooses the points of a homogeneous medium from which shadow rays start, on the
+/// segments of camera paths before the first surface that stores photons.
 #[derive(Clone, Debug, Default)]
 pub(super) enum ScatterPointSampling {
-    /// One point for each shadow ray that a surface point would send, sampled without a guide.
+    /// Points that are sampled without a guide: as many as a surface point would send shadow rays.
     #[default]
     Unguided,
-    /// Many points, whose shadow rays a pilot records.
+    /// Many points, sampled without a guide. A pilot records the light that their shadow rays find.
     Recorded,
-    /// Points that follow a guide.
+    /// Points sampled by a guide, which has learned the lit parts of the media.
     Guided {
         guide: Arc<ScatterPointGuide>,
-        /// Expected number of points on a segment, for each shadow ray that a surface point would
-        /// send to the light. It is divided by the radiance that the segment adds to the pixel
-        /// according to the guide \[m² sr/W].
+        /// Expected number of points on a segment, divided by two numbers. One is the number of
+        /// shadow rays that a surface point would send to the light. The other is the radiance that
+        /// the segment adds to the pixel according to the guide \[m² sr/W].
         points_per_radiance: f32,
     },
 }
@@ -74,18 +75,19 @@ pub(super) struct NextEventEstimator<'a> {
     has_null_interfaces: bool,
     /// True if shadow rays go to the centers of lights instead of random points.
     aims_at_centers: bool,
-    /// Sampler that chooses lights; `None` if every vertex sends shadow rays to all lights, or if
-    /// no light has power.
+    /// Sampler that chooses lights at random; `None` if every vertex sends shadow rays to all
+    /// lights, or if no light has power.
     light_sampler: Option<LightBvhSampler>,
-    /// Targets and numbers of the shadow rays of a vertex. The first scheme is for vertices up to
-    /// the path's first receiver, the second for later vertices.
+    /// Numbers and targets of the shadow rays of a vertex. The first scheme is for vertices up to
+    /// the path's first receiver (surface or medium that stores photons), the second for later
+    /// vertices.
     schemes: [ShadowRayScheme; 2],
     guides: ShadowRayGuides,
 }
 
 impl<'a> NextEventEstimator<'a> {
-    /// Makes an estimator of the direct light that `policy` simulates, with shadow rays that
-    /// `guides` guide.
+    /// Makes an estimator of the direct light that `policy` simulates. `guides` improve the
+    /// directions and the start points of its shadow rays.
     pub fn new(scene: &'a Scene, policy: &PathPolicy, mut guides: ShadowRayGuides) -> Self {
         let PathPolicy { effects, light_sampling, directions, .. } = *policy;
         // A light that is sampled only at its center needs its mean radiance there.
@@ -133,8 +135,9 @@ impl<'a> NextEventEstimator<'a> {
         }
     }
 
-    /// Returns the number of lights if each vertex and medium segment up to a path's first receiver
-    /// sends shadow rays to all of them. Returns 0 if these rays go to randomly chosen lights.
+    /// Returns the number of lights if every vertex and medium segment up to a path's first
+    /// receiver (surface or medium that stores photons) sends shadow rays to all of them. Returns 0
+    /// if these rays go to randomly chosen lights.
     pub fn always_sampled_light_count(&self) -> usize {
         match self.schemes[0] {
             ShadowRayScheme::EveryLight(_) => self.lights.len(),
@@ -142,16 +145,17 @@ impl<'a> NextEventEstimator<'a> {
         }
     }
 
-    /// Returns the environment light whose shadow rays a guide could improve. Returns `None` if the
-    /// scene has none, or if its effect is off. Also returns `None` if shadow rays go to the
-    /// centers of lights, or if the effect of shadows is off.
+    /// Returns the environment light, if a guide could improve the shadow rays to it.
+    ///
+    /// Returns `None` if the scene has no environment light, or if its effect or the effect of
+    /// shadows is off. Also returns `None` if shadow rays go to the centers of lights.
     pub fn guidable_environment_light(&self) -> Option<&EnvironmentLight> {
         let environment = self.lights.iter().find_map(Light::as_environment_light)?;
         (!self.aims_at_centers && self.effects.has(Effect::Shadows)).then_some(environment)
     }
 
-    /// Samples the direct light at `p` from the light with index `light`, by the uniform sample `u`
-    /// in \[0, 1)²; `None` if no light reaches `p`.
+    /// Samples the direct light that arrives at `p` from the light with index `light`, by the
+    /// uniform sample `u` in \[0, 1)². Returns `None` if no light reaches `p`.
     #[inline]
     fn sample_li(&self, light: usize, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         match (&self.lights[light], &self.guides.environment) {
@@ -170,15 +174,17 @@ impl<'a> NextEventEstimator<'a> {
         }
     }
 
+    /// Returns the scheme of shadow rays for a vertex. `history` counts the receivers (surfaces and
+    /// media that store photons) and casters that the path has visited before the vertex.
     fn shadow_ray_scheme(&self, history: PathHistory) -> ShadowRayScheme {
         self.schemes[usize::from(history.receivers > 0)]
     }
 
     /// Estimates the direct light that `vertex` scatters towards the previous vertex \[W/(m² sr)].
     ///
-    /// If the path `continues`, its next ray may hit the same light, unless it is a delta light.
-    /// The contribution of that light is then multiplied by the MIS weight (balance heuristic) of
-    /// shadow rays against that ray.
+    /// If `continues` is true, the next ray of the path may hit the same light. The contribution of
+    /// the light is then multiplied by the MIS weight (balance heuristic) of shadow rays against
+    /// that ray. Delta lights have no such weight, because no ray hits them.
     pub fn estimate_direct_light<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
@@ -209,6 +215,9 @@ impl<'a> NextEventEstimator<'a> {
         sum
     }
 
+    /// Estimates the direct light at `vertex` by `rays` shadow rays, each to a light that
+    /// `light_sampler` chooses at random. Otherwise like
+    /// [`NextEventEstimator::estimate_direct_light`].
     fn estimate_sampled_lights<I: Interior>(
         &self,
         light_sampler: &LightBvhSampler,
@@ -219,8 +228,8 @@ impl<'a> NextEventEstimator<'a> {
     ) -> Rgb {
         let point = &vertex.surface.point;
         let mut sum = Rgb::ZERO;
-        // One uniform number shifts equal strata. So no light gets more rays than its expected
-        // number of rays, rounded up.
+        // Choose lights by equal strata with one random shift. So no light gets more rays than its
+        // expected number of rays, rounded up.
         let start = vertex.shadow_sampler.get_1d(Dimension::Light);
         for i in 0..rays {
             let u = stratified_sample(i, start, rays);
@@ -234,8 +243,8 @@ impl<'a> NextEventEstimator<'a> {
         sum
     }
 
-    /// Returns the expected number of shadow rays from `prev` to light `light`, per steradian
-    /// around unit direction `wi` \[1/sr]. MIS weights use it as a pdf.
+    /// Returns the expected number of shadow rays from `prev` to the light with index `light`, per
+    /// steradian around unit direction `wi` \[1/sr]. MIS weights use it as a pdf.
     ///
     /// `hit` is the point on the light; `None` for the environment.
     #[inline]
@@ -251,7 +260,7 @@ impl<'a> NextEventEstimator<'a> {
     }
 
     /// Returns the radiance \[W/(m² sr)] that one shadow ray to the light with index `light` adds
-    /// at `vertex`, including its MIS weight if the path `continues`.
+    /// at `vertex`. It includes the MIS weight if the path `continues`.
     ///
     /// `rays` is the expected number of shadow rays to that light, by which the radiance is
     /// divided. `u` in \[0, 1)² samples a point of the light.
@@ -297,9 +306,10 @@ impl<'a> NextEventEstimator<'a> {
         reflected * self.transmittance(vertex, &sample)
     }
 
-    /// Returns the end of a shadow ray from `p` to `target`, a point on light `light`.
+    /// Returns the point at which a shadow ray from `p` to `target` ends. `target` lies on the
+    /// light with index `light`.
     ///
-    /// The ray ends shortly before a point light, because the light may touch the surface of an
+    /// The ray ends shortly before a delta light, because the light may touch the surface of an
     /// object.
     #[inline]
     fn shadow_ray_end(&self, light: usize, sample: &DirectLightSample, target: Vec3, p: Vec3) -> Vec3 {
@@ -309,8 +319,8 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
-    /// Returns the transmittance of a shadow ray that hits at least one surface; 0 unless all
-    /// surfaces on its way are null interfaces.
+    /// Returns the transmittance from `vertex` to the sampled point of a light, if at least one
+    /// surface lies between them. The result is 0 unless all these surfaces are null interfaces.
     fn transmittance_through_null_interfaces<I: Interior>(
         &self,
         light: usize,
@@ -327,8 +337,8 @@ impl<'a> NextEventEstimator<'a> {
         self.scene.shadow_transmittance(&ray, path_ray.interior, vertex.shadow_sampler.sample_key())
     }
 
-    /// Returns the transmittance from `vertex` to the sampled point of a light, through the media
-    /// and absorbing bodies around the vertex. Surfaces on the way are ignored. For a light at
+    /// Returns the transmittance from `vertex` to the sampled point of a light, through the medium
+    /// or absorbing body around the vertex. Surfaces on the way are ignored. For a light at
     /// infinity, only media count.
     #[inline]
     fn transmittance<I: Interior>(&self, vertex: &PathVertex<'_, I>, sample: &DirectLightSample) -> Rgb {
@@ -345,9 +355,7 @@ impl<'a> NextEventEstimator<'a> {
 }
 
 /// Returns the sample (`i` + `start`)/`count`, which lies in stratum `i` of `count` equal strata of
-/// \[0, 1).
-///
-/// `start` in \[0, 1) is the position within the stratum.
+/// \[0, 1). `start` in \[0, 1) is the position within the stratum.
 #[inline]
 fn stratified_sample(i: u32, start: f32, count: u32) -> f32 {
     ((i as f32 + start) / count as f32).min(1.0 - f32::EPSILON / 2.0)

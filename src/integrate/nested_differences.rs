@@ -1,13 +1,13 @@
-//! Photon density estimates of a pixel with nested gather discs of several sizes. The differences
-//! between the sizes measure the bias.
+//! Differences between photon density estimates with nested gather discs of several sizes. They
+//! measure the bias of the estimates in a pixel.
 
 use crate::color::Rgb;
 use crate::photon::NESTED_DISC_COUNT;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Mean gather radius and photon count of a pixel's density estimates on surfaces, from one photon
-/// map or from two, in one pass or in several.
+/// Mean gather radius and photon count of a pixel's density estimates on surfaces, over one or two
+/// photon maps and one or several passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MeanGatherDisc {
     /// Mean gather radius of the density estimates \[length].
@@ -17,7 +17,7 @@ pub struct MeanGatherDisc {
     pub mean_count: f32,
 }
 
-/// Differences between a pixel's photon estimates with discs of full, half and quarter area.
+/// Differences between a pixel's photon estimates with gather discs of full, half and quarter area.
 ///
 /// The bias of a density estimate grows with its disc. Estimates with nested discs share most of
 /// their noise, so their differences measure the bias.
@@ -30,7 +30,7 @@ pub struct NestedDifferences {
     /// `None` without an estimate.
     pub caustic_disc: Option<MeanGatherDisc>,
     /// Mean radius and photon count of the density estimates on surfaces from the indirect and the
-    /// interreflection map; `None` without an estimate.
+    /// interreflection map, which hold all light except caustics; `None` without an estimate.
     pub indirect_disc: Option<MeanGatherDisc>,
 }
 
@@ -51,6 +51,7 @@ impl GatherDiscSum {
         self.count += 1;
     }
 
+    /// Returns the means over the counted density estimates; `None` without an estimate.
     fn mean(self) -> Option<MeanGatherDisc> {
         let n = self.count as f32;
         (self.count > 0).then(|| MeanGatherDisc { radius: self.radius_sum / n, mean_count: self.photon_counts / n })
@@ -70,12 +71,13 @@ pub(super) struct PixelNestedDifferenceSum {
     /// Sum of `camera_ray_sum` over the camera rays of the pixel, weighted by the pixel filter
     /// \[W/(m² sr)].
     pixel_sum: [DVec3; NESTED_DISC_COUNT - 1],
-    /// Radiance of the last estimate minus its radiance with half the disc area \[W/(m² sr)].
+    /// Radiance of the last photon estimate minus the estimate with half its disc area \[W/(m²
+    /// sr)].
     pub last_difference: Rgb,
     /// Sums of radius and photon count over the pixel's estimates from the caustic map.
     pub caustic_discs: GatherDiscSum,
     /// Sums of radius and photon count over the pixel's estimates from the indirect and the
-    /// interreflection map.
+    /// interreflection map, which hold all light except caustics.
     pub indirect_discs: GatherDiscSum,
 }
 
@@ -85,9 +87,10 @@ impl PixelNestedDifferenceSum {
         Self { is_wanted, ..Self::default() }
     }
 
-    /// Adds one photon estimate, given its radiance for each disc size, largest disc first.
+    /// Adds one photon estimate, given its radiance with each disc size, largest disc first \[W/(m²
+    /// sr)].
     ///
-    /// `throughput` is the factor from the estimate's radiance to radiance of the pixel.
+    /// `throughput` is the factor from the estimate's radiance to the radiance of the pixel.
     #[inline]
     pub fn add(&mut self, throughput: Rgb, radiance: [Rgb; NESTED_DISC_COUNT]) {
         for (sum, pair) in self.camera_ray_sum.iter_mut().zip(radiance.windows(2)) {
@@ -96,8 +99,8 @@ impl PixelNestedDifferenceSum {
         self.last_difference = radiance[0] - radiance[1];
     }
 
-    /// Adds the sums of the camera ray that was traced last, times its filter weight `weight`, to
-    /// the sums of the pixel, and resets them.
+    /// Ends a camera ray: adds its sums, times its filter weight `weight`, to the sums of the
+    /// pixel, and resets them.
     ///
     /// A weight of `None`, or a sum that is not finite, drops the ray.
     #[inline]

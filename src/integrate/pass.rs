@@ -24,8 +24,8 @@ pub trait ProgressMonitor: Sync {
     fn begin_stage(&self, stage: PassStage, total: u64);
     /// Reports that `units` more units of the current stage are done.
     fn report_progress(&self, units: u64);
-    /// True to abandon the pass: its remaining photons and pixels are skipped, and its result is
-    /// discarded.
+    /// True if the pass should be abandoned: its remaining photons and pixels are skipped, and its
+    /// result is discarded.
     fn is_cancelled(&self) -> bool {
         false
     }
@@ -51,8 +51,8 @@ pub struct StageTimes {
     pub camera: f64,
 }
 
-/// Counts and energy balance of one set of photon paths: those aimed at casters, or those in all
-/// directions.
+/// Counts and energy balance of one set of photon paths: paths aimed at casters (mirrors, glass),
+/// or paths that start in all directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 pub struct PhotonReport {
     /// Number of photon paths that lights emitted.
@@ -91,15 +91,15 @@ pub struct PassResult {
     pub seconds: StageTimes,
     /// Report on the photon paths that start in all directions.
     pub unaimed: PhotonReport,
-    /// Report on the photon paths that are aimed at casters.
+    /// Report on the photon paths that are aimed at casters, such as mirrors and glass.
     ///
     /// They fill the caustic map, and in `hybrid` the indirect map too.
     pub aimed: PhotonReport,
-    /// Differences between photon estimates with nested discs, for each pixel; empty unless the
-    /// error is estimated and the algorithm reads photon maps.
+    /// Differences between photon estimates with nested gather discs, for each pixel; empty unless
+    /// the error is estimated and the algorithm reads photon maps.
     pub nested: Vec<NestedDifferences>,
-    /// Radiance of each pixel by light group, which adds up to `image`, in the order of
-    /// [`LightGroup::ALL`](super::LightGroup::ALL) \[W/(m² sr)].
+    /// Radiance of each pixel \[W/(m² sr)], for each light group in the order of
+    /// [`LightGroup::ALL`](super::LightGroup::ALL). The groups add up to `image`.
     ///
     /// Empty unless [`CameraPathSettings::groups_light`](super::CameraPathSettings::groups_light)
     /// is true.
@@ -108,8 +108,8 @@ pub struct PassResult {
     ///
     /// Empty unless [`CameraPathSettings::clamp`](super::CameraPathSettings::clamp) is set.
     pub removed_by_clamp: Vec<Rgb>,
-    /// Pairs of the index of a pixel in `image`, and its radiance by camera paths that no other
-    /// pass traces \[W/(m² sr)].
+    /// Radiance of some pixels by camera paths that no other pass traces, as pairs of the index in
+    /// `image` and the radiance \[W/(m² sr)].
     ///
     /// Empty unless all passes share the camera paths of `image` and the error is estimated.
     pub unshared_path_pixels: Vec<(u32, Rgb)>,

@@ -15,11 +15,13 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::{self, Effect, Scene};
 use std::sync::Arc;
 
-/// Approximate number of tiles that a pass renders a second time, with camera paths of its own, if
-/// all passes share camera paths. The difference measures the error that the shared paths cause.
+/// Approximate number of tiles that a pass renders twice if all passes share camera paths: once
+/// with the shared paths, and once with paths of its own. The difference measures the error that
+/// the shared paths cause.
 const UNSHARED_PATH_TILE_COUNT: u32 = 48;
 
-/// Scene, path policy, settings and sample counts from which passes are rendered.
+/// Renderer of passes: the scene, path policy, settings, sample counts and results of pilots from
+/// which passes are rendered.
 #[derive(Debug)]
 pub(super) struct PassRenderer<'a> {
     pub scene: &'a Scene,
@@ -33,16 +35,16 @@ pub(super) struct PassRenderer<'a> {
     /// Number of camera rays of each pixel, divided by `samples_per_pixel`; `None` gives each pixel
     /// `samples_per_pixel` rays.
     pub relative_ray_counts: Option<Arc<[f32]>>,
-    /// Number of [prefix rays](super::prefix_rays) of each pixel, and their work; `None` traces
-    /// none.
+    /// Number and expected work of the [prefix rays](super::prefix_rays) of each pixel, extra
+    /// camera paths that end at the first surface that stores photons; `None` traces none.
     pub prefix_rays: Option<PrefixRayAllocation>,
 }
 
 impl<'a> PassRenderer<'a> {
     /// Makes a renderer with the numbers of camera rays and photon paths of `settings`.
     ///
-    /// Runs the pilots that guide photon emission, and the pilots that find gather radii if
-    /// `settings` give none.
+    /// Runs the pilots (small simulations) that guide photon emission, and the pilots that find
+    /// gather radii if `settings` give none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         Self {
             scene,
@@ -73,8 +75,8 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// Returns a renderer for `policy`, which must be the policy of this renderer with fewer
-    /// effects of light. The new renderer keeps the results of pilots.
+    /// Returns a renderer for `policy`, which must be this renderer's policy with fewer effects of
+    /// light. The new renderer keeps the results of pilots.
     pub fn with_policy(&self, policy: PathPolicy) -> Self {
         let nee = NextEventEstimator::new(self.scene, &policy, self.guides.clone());
         let map_builder = self.map_builder.with_policy(&policy);
@@ -96,8 +98,8 @@ impl<'a> PassRenderer<'a> {
     /// renderer, with a new guide for the environment if it would reduce the noise enough, and a
     /// report.
     ///
-    /// The report is `None` if the settings forbid the pilot, or if no shadow rays go to an
-    /// environment light that a guide could improve.
+    /// The report is `None` if the settings forbid the pilot, or if there is no environment light
+    /// to which a guide could improve shadow rays.
     pub fn find_environment_guide(&self) -> (ShadowRayGuides, Option<EnvironmentGuidingReport>) {
         let light = self.nee.guidable_environment_light().filter(|_| self.settings.allows_environment_guiding);
         let Some(light) = light.filter(|_| self.policy.uses_nee) else { return (self.guides.clone(), None) };
@@ -116,12 +118,14 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// True if something moves while the shutter is open, so that passes show different times.
+    /// True if the camera or an object moves while the shutter is open, so that passes show
+    /// different times.
     pub fn has_motion(&self) -> bool {
         self.policy.effects.has(Effect::Motion) && self.scene.has_motion()
     }
 
-    /// Returns the number of slices of the shutter interval in each pass; 1 if nothing moves.
+    /// Returns the number of slices of the shutter interval in each pass; 1 if nothing moves. Each
+    /// slice has a copy of the scene at one time.
     ///
     /// Each slice covers [`SLICE_PIXELS`] pixels of motion on the film. There are fewer slices if
     /// copies of the scene would cost too much, or if a slice would get too few camera rays or
@@ -132,15 +136,15 @@ impl<'a> PassRenderer<'a> {
         }
         let scene = self.scene;
         let wanted = (scene::max_motion_in_pixels(scene) / SLICE_PIXELS).ceil();
-        // Placing the moving parts for all slices must not cost more than tracing the camera rays.
+        // Limit the cost of placing the moving parts for all slices to the cost of the camera rays.
         let (width, height) = scene.camera().size();
         let rays = u64::from(width) * u64::from(height) * u64::from(self.samples_per_pixel);
         let affordable = rays / (scene.parts_copied_per_time() as u64).max(1);
         let most = if !self.map_builder.traces_photons() {
             MAX_SLICES
         } else if self.policy.reads_photons_each_sample() {
-            // A camera ray reads only photons of its slice, and they carry all indirect light. So
-            // use no more slices than a pixel has rays.
+            // Use no more slices than a pixel has rays: a camera ray reads only photons of its
+            // slice, and these carry all indirect light.
             self.samples_per_pixel.min(MAX_PHOTON_SLICES)
         } else {
             self.samples_per_pixel.saturating_mul(2).min(MAX_PHOTON_SLICES)
@@ -194,11 +198,11 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// Returns the camera rays and the random key of the tiles that pass `pass` renders a second
+    /// Returns the film sampling and the random key for the tiles that pass `pass` renders a second
     /// time, with camera paths of its own.
     ///
-    /// These paths measure the error of camera paths that all passes share. `None` if passes share
-    /// no paths, or if the error is not estimated.
+    /// These paths measure the error of camera paths that all passes share. Returns `None` if
+    /// passes share no paths, or if the error is not estimated.
     pub fn unshared_path_sampling<'b>(
         &'b self,
         pass: u32,

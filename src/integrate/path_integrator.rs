@@ -39,12 +39,13 @@ use std::time::Instant;
 pub(super) struct PathIntegrator<'a> {
     renderer: PassRenderer<'a>,
     plan: Plan,
-    /// Function that makes the algorithm's policy for a set of effects.
+    /// Function that makes the algorithm's path policy for a set of effects.
     make_policy: PolicyFn,
-    /// Report of the pilot that guides shadow rays to the environment light; `None` without pilot.
+    /// Report of the pilot (small simulation before the first pass) that guides shadow rays to the
+    /// environment light; `None` without pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
-    /// Report of the pilot that learns from which points of media shadow rays should start: its
-    /// work, and the gain in efficiency. `None` without pilot.
+    /// Report of the pilot (small simulation before the first pass) that learns from which points
+    /// of media shadow rays should start. `None` without pilot.
     scatter_point_guiding: Option<ScatterPointGuidingReport>,
     balance: Option<RayPhotonBalance>,
     /// Number of slices of the shutter interval in each pass. Each slice has its own photons and
@@ -75,8 +76,8 @@ impl Integrator for PathIntegrator<'_> {
             let options = MapBuildOptions::for_slice(seed, pass, slice);
             let mut slice_maps = map_builder.traces_photons().then(|| map_builder.build(&options, monitor, &mut out));
             if let Some(maps) = &mut slice_maps {
-                // Each slice estimates the light of the whole shutter interval, so the picture
-                // needs the mean over the slices.
+                // Average over slices: each slice estimates the light of the whole shutter
+                // interval.
                 let share = 1.0 / slice.count as f32;
                 maps.splats.par_iter_mut().for_each(|splat| splat.integrated_radiance *= share);
                 splats.append(&mut maps.splats);
@@ -137,7 +138,8 @@ impl Integrator for PathIntegrator<'_> {
     fn expected_work(&self, effects: Effects) -> Counters {
         let policy = (self.make_policy)(effects, &self.renderer.settings);
         let mut work = estimate_pass_counters(&self.renderer.with_policy(policy));
-        // Most prefix rays follow specular surfaces, so their work counts as work of this effect.
+        // Count the work of prefix rays as work of this effect, because most of them follow
+        // specular surfaces.
         if effects.has(Effect::Specular)
             && let Some(prefix_rays) = &self.renderer.prefix_rays
         {
@@ -208,8 +210,8 @@ impl Integrator for PathIntegrator<'_> {
 impl<'a> PathIntegrator<'a> {
     /// Makes an integrator for `scene`.
     ///
-    /// Runs the pilots. They guide photon emission and shadow rays, find gather radii, and divide
-    /// the work between camera rays and photons.
+    /// Runs the pilots (small simulations). They guide photon emission and shadow rays, find gather
+    /// radii, and divide the work between camera rays and photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
         let (effects, needed) = (plan.simulated_effects(), plan.needed_and_simulated_effects());
         let policy = make_policy(effects, &settings);
@@ -272,8 +274,8 @@ impl<'a> PathIntegrator<'a> {
             renderer.prefix_rays = run_pilot(&renderer, needed_policy(), find_prefix_ray_counts);
         }
 
-        // Distribute camera rays over the pixels. If passes share their camera paths, a pilot would
-        // measure these paths themselves, and its choice would bias the picture.
+        // Distribute camera rays over the pixels, unless passes share their camera paths. A pilot
+        // would then measure these very paths, and its choice would bias the picture.
         let adapts = settings.camera_paths.adaptive && !policy.passes_share_paths;
         renderer.relative_ray_counts = if adapts { find_relative_ray_counts(&renderer) } else { None };
 
@@ -294,7 +296,7 @@ impl<'a> PathIntegrator<'a> {
 /// Runs `pilot` for `renderer`, and returns its result. If `policy` is given, it replaces the
 /// policy of the renderer.
 ///
-/// `policy` must be that of the renderer with fewer effects of light.
+/// `policy` must be the renderer's policy with fewer effects of light.
 fn run_pilot<'a, T>(
     renderer: &PassRenderer<'a>,
     policy: Option<PathPolicy>,

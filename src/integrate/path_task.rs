@@ -9,9 +9,9 @@ use crate::medium::TransmittanceCurve;
 use crate::photon::{PhotonSearchBuffers, VisiblePoint};
 use crate::stats::Counters;
 
-/// State of a parallel task that traces camera paths one after the other, such as those of a tile.
-/// It holds what the paths have found so far, and the buffers that they reuse, but no input of a
-/// path.
+/// State of a parallel task that traces camera paths one after the other, such as the paths of a
+/// tile. It holds the results of these paths apart from radiance, and reusable buffers, but no
+/// input of a path.
 ///
 /// Each task starts with an empty state, so results do not depend on the number of threads.
 #[derive(Debug, Default)]
@@ -23,8 +23,8 @@ pub(super) struct PathTask {
     pub scratch: ScratchBuffers,
 }
 
-/// Light of the pixel that a task is rendering, and of the camera ray that it is tracing, kept
-/// apart from the radiance. It is reset after the pixel's last ray.
+/// Light that a task records besides radiance, for its current pixel and its current camera ray. It
+/// is reset after the pixel's last ray.
 #[derive(Debug, Default)]
 pub(super) struct PixelLight {
     /// Radiance that photon estimates found for the camera ray that is being traced \[W/(m² sr)].
@@ -37,47 +37,54 @@ pub(super) struct PixelLight {
     pub nested: PixelNestedDifferenceSum,
 }
 
-/// Records that pilots take from the task. A render writes only `light`, and does not read it.
+/// Records for pilots (small simulations before the first pass), which take them from the task.
+/// Passes write only `light`, and do not read it.
 #[derive(Debug, Default)]
 pub(super) struct PilotRecords {
     /// Sums of light since the pilot last took them, by the part of the camera path, or the
     /// technique, that found the light.
     pub light: LightByPart,
-    /// Light that each shadow ray from a point of a medium found, over all camera paths of the
-    /// task.
+    /// Light that each shadow ray from a point of a medium found, for all camera paths of the task.
     pub in_scattering_samples: Vec<InScatteringSample>,
-    /// Points on receivers that the camera paths of the task reached.
+    /// Points that the camera paths of the task reached on receivers, the surfaces that store
+    /// photons.
     pub visible_points: Vec<VisiblePoint>,
 }
 
 /// Light of camera paths by the part of the path, or the technique, that found it. Values are
 /// contributions to the pixel \[W/(m² sr)].
 ///
-/// *Divided* light is the indirect light at the first receiver that
-/// [both techniques](super::indirect_division) find.
+/// *Receiver*: a surface or medium that stores photons. [Two techniques](super::indirect_division)
+/// share the indirect light at a path's first receiver: continued camera paths and photon
+/// estimates.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LightByPart {
-    /// Light found up to the first receiver: emission of surfaces, environment light and direct
-    /// light at casters, with the weights of [`PrefixWeights`](super::prefix_rays::PrefixWeights).
+    /// Light found up to the first receiver (surface or medium that stores photons): emission of
+    /// surfaces, environment light, and direct light at casters such as rough glass. It includes
+    /// the weights of [`PrefixWeights`](super::prefix_rays::PrefixWeights).
     pub up_to_receiver: Rgb,
     /// Photon estimates from all maps.
     pub photon_estimates: Rgb,
-    /// Divided light found by camera paths that continue at their first receiver.
-    pub divided_light_of_paths: Rgb,
-    /// Divided light found by photon estimates. It is also a part of `photon_estimates`.
-    pub divided_light_of_photons: Rgb,
-    /// `divided_light_of_photons` with the full gather disc minus the estimate with half its area;
-    /// 0 without nested estimates.
-    pub divided_nested_difference: Rgb,
+    /// Indirect light at the first receiver (surface or medium that stores photons), found by
+    /// camera paths that continue there. Photon estimates find the rest.
+    pub indirect_by_paths: Rgb,
+    /// Indirect light at the first receiver (surface or medium that stores photons), found by
+    /// photon estimates. Continued camera paths find the rest. It is also a part of
+    /// `photon_estimates`.
+    pub indirect_by_photons: Rgb,
+    /// `indirect_by_photons` with the full gather disc, minus the same estimate with half the disc
+    /// area; 0 without nested estimates.
+    pub indirect_nested_difference: Rgb,
 }
 
-/// Buffers that vertices reuse, to save allocations. Their contents have a meaning only within one
-/// vertex or one medium segment.
+/// Buffers that all vertices of a task reuse, to save allocations. Their contents are valid only
+/// within one vertex or one medium segment.
 #[derive(Debug, Default)]
 pub(super) struct ScratchBuffers {
     /// Buffers of photon searches in each map.
     pub searches: MapSearchBuffers,
-    /// Distribution of final-gathering directions at the path's last receiver.
+    /// Distribution of final-gathering directions at the last surface on the path that stores
+    /// photons.
     pub gather_guide: GatherGuide,
     /// Transmittance along the medium segment that the path is crossing.
     pub transmittance: TransmittanceCurve,
@@ -93,16 +100,18 @@ pub(super) struct MapSearchBuffers {
     pub caustic: PhotonSearchBuffers,
     /// Buffers of searches in the indirect map.
     pub indirect: PhotonSearchBuffers,
-    /// Buffers of searches in the interreflection map, which only `hybrid` builds.
+    /// Buffers of searches in the interreflection map: indirect light of `hybrid` that does not
+    /// come from caustics.
     pub interreflection: PhotonSearchBuffers,
     /// Buffers of searches for photons that guide final-gathering rays.
     pub guides: PhotonSearchBuffers,
 }
 
 impl PathTask {
-    /// Returns a task that has traced no path. If `repeats_in_nested_discs`, its photon estimates
-    /// are repeated with smaller nested discs, to measure their bias. If `groups_light`, it divides
-    /// light by [`LightGroup`](super::light_group::LightGroup).
+    /// Returns the state of a task that has traced no path. If `repeats_in_nested_discs` is true,
+    /// its photon estimates are repeated with smaller nested gather discs, to measure their bias.
+    /// If `groups_light` is true, it divides light by
+    /// [`LightGroup`](super::light_group::LightGroup).
     pub fn new(repeats_in_nested_discs: bool, groups_light: bool) -> Self {
         let nested = PixelNestedDifferenceSum::new(repeats_in_nested_discs);
         let groups = GroupedLight::new(groups_light);

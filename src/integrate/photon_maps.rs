@@ -1,4 +1,4 @@
-//! Photon maps of a pass, and radiance estimates from them.
+//! Photon maps of a pass, and density estimates of radiance from them.
 //!
 //! The [module](super) lists the maps, the photon paths that fill them, and their names in reports.
 
@@ -25,12 +25,13 @@ pub(super) struct PhotonDensityEstimator<'a> {
     pub kernel: Kernel,
     /// Photon beams and photon points in media.
     pub volume: BeamAndPointMaps,
-    /// True if each photon stores a share. Density estimates at directly visible surfaces use only
-    /// this share of its flux. Light tracing carries the rest.
+    /// True if each photon stores a share of its flux in \[0, 1]. Density estimates at surfaces
+    /// that the camera sees directly use only this share; light tracing (photons connected to the
+    /// camera) carries the rest.
     pub has_density_estimate_shares: bool,
 }
 
-/// Choice of the photon maps that one estimate reads.
+/// Photon maps that one radiance estimate reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PhotonMapChoice {
     /// The caustic map.
@@ -39,26 +40,29 @@ pub(super) enum PhotonMapChoice {
     CausticAndIndirect,
 }
 
-/// Photon maps of one pass: the caustic, indirect and interreflection map, each as an estimator of
-/// radiance, and the map that guides final-gathering rays.
+/// Photon maps of one pass: the caustic, indirect and interreflection map, and the map that guides
+/// final-gathering rays.
 pub(super) struct PhotonMaps<'a> {
-    /// Caustic map.
+    /// Caustic map: photons that went from a light over mirrors, glass and other casters to a
+    /// surface or medium.
     pub caustic: PhotonDensityEstimator<'a>,
-    /// Indirect map.
+    /// Indirect map: photons that a diffuse surface, for example, has scattered; in `hybrid`, only
+    /// after a caustic.
     pub indirect: PhotonDensityEstimator<'a>,
-    /// Interreflection map of `hybrid`; `None` if camera paths carry all of its light.
+    /// Interreflection map of `hybrid`: photons of indirect light that does not come from a
+    /// caustic. `None` if camera paths carry all of this light.
     pub interreflection: Option<PhotonDensityEstimator<'a>>,
     /// Map of photons whose directions guide final-gathering rays.
     pub guides: PhotonMap,
-    /// Splats on the film of caustic photons that light tracing connected to the camera; empty
-    /// without light tracing.
+    /// Film splats of the caustic photons that light tracing connected to the camera; empty without
+    /// light tracing.
     pub splats: Vec<Splat>,
 }
 
 impl PhotonMaps<'_> {
     /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
-    /// maps that `lookup` names, times `lookup_scale` \[W/(m² sr)]. Also adds the estimates to the
-    /// light groups of `task`.
+    /// maps of `lookup`, times `lookup_scale` \[W/(m² sr)]. Also adds the estimates to the light
+    /// groups of `task`.
     ///
     /// `lookup_scale` is the number of camera paths for which this estimate stands, times a weight:
     /// one camera path may read the maps for all paths of its pixel.
@@ -90,11 +94,13 @@ impl PhotonMaps<'_> {
         (caustic + indirect) * lookup_scale
     }
 
-    /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
-    /// interreflection map, times `lookup_scale` \[W/(m² sr)]; 0 without that map.
+    /// Returns the radiance that `vertex` reflects towards the previous vertex, times
+    /// `lookup_scale` \[W/(m² sr)]. It is estimated from the interreflection map (indirect light
+    /// that does not come from a caustic); 0 without that map.
     ///
-    /// Also adds it, times the throughput, to `task.records.light` and the light
-    /// groups. [`PhotonMaps::radiance`] explains `lookup_scale`.
+    /// Also adds the radiance, times the throughput, to `task.records.light` and to the light
+    /// groups. `lookup_scale` is the number of camera paths for which this estimate stands, times a
+    /// weight.
     #[inline]
     pub fn interreflection_radiance<I: Interior>(
         &self,
@@ -110,8 +116,8 @@ impl PhotonMaps<'_> {
             |t| (&mut t.scratch.searches.interreflection, &mut t.pixel.nested.indirect_discs),
             task,
         );
-        task.records.light.divided_light_of_photons += vertex.throughput * radiance * lookup_scale;
-        task.records.light.divided_nested_difference +=
+        task.records.light.indirect_by_photons += vertex.throughput * radiance * lookup_scale;
+        task.records.light.indirect_nested_difference +=
             vertex.throughput * task.pixel.nested.last_difference * lookup_scale;
         task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * radiance * lookup_scale);
         radiance * lookup_scale
@@ -120,8 +126,8 @@ impl PhotonMaps<'_> {
     /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
     /// caustic and the indirect map, times `lookup_scale` \[W/(m² sr)].
     ///
-    /// Also adds the estimates to the light groups of `task`. [`PhotonMaps::radiance`] explains
-    /// `lookup_scale`.
+    /// Also adds the estimates to the light groups of `task`. `lookup_scale` is the number of
+    /// camera paths for which this estimate stands, times a weight.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
@@ -137,11 +143,13 @@ impl PhotonMaps<'_> {
         (caustic + indirect) * lookup_scale
     }
 
-    /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
-    /// interreflection map, times `lookup_scale` \[W/(m² sr)]; 0 without that map.
+    /// Returns the radiance that a medium scatters to the start of a segment, times `lookup_scale`
+    /// \[W/(m² sr)]. It is estimated from the interreflection map (indirect light that does not
+    /// come from a caustic); 0 without that map.
     ///
-    /// Also adds it, times the throughput, to `task.records.light` and the light
-    /// groups. [`PhotonMaps::radiance`] explains `lookup_scale`.
+    /// Also adds the radiance, times the throughput, to `task.records.light` and to the light
+    /// groups. `lookup_scale` is the number of camera paths for which this estimate stands, times a
+    /// weight.
     #[inline]
     pub fn interreflection_radiance_in_medium<I: Interior>(
         &self,
@@ -153,8 +161,8 @@ impl PhotonMaps<'_> {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
         task.pixel.nested.last_difference = Rgb::ZERO;
         let radiance = map.volume.radiance(map.scene, vertex, lookup_scale, rng, task);
-        task.records.light.divided_light_of_photons += vertex.throughput * radiance * lookup_scale;
-        task.records.light.divided_nested_difference +=
+        task.records.light.indirect_by_photons += vertex.throughput * radiance * lookup_scale;
+        task.records.light.indirect_nested_difference +=
             vertex.throughput * task.pixel.nested.last_difference * lookup_scale;
         task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * radiance * lookup_scale);
         radiance * lookup_scale
@@ -162,7 +170,7 @@ impl PhotonMaps<'_> {
 }
 
 impl PhotonDensityEstimator<'_> {
-    /// Returns the largest gather radius on surfaces \[length].
+    /// Returns the largest gather radius of density estimates on surfaces \[length].
     pub fn max_gather_radius(&self) -> f32 {
         self.bandwidth.radius
     }
@@ -170,8 +178,8 @@ impl PhotonDensityEstimator<'_> {
     /// Estimates the radiance that `vertex` scatters towards the previous vertex, from the photons
     /// of this map \[W/(m² sr)]. If the surface transmits, photons on both of its sides count.
     ///
-    /// `scratch` returns the task's search buffers and sums for this map. `lookup_scale` multiplies
-    /// only the nested estimates in `task`, not the result; see [`PhotonMaps::radiance`].
+    /// `scratch` returns the search buffers and sums of the task for this map. `lookup_scale` (see
+    /// [`PhotonMaps::radiance`]) multiplies only the nested estimates in `task`, not the result.
     #[inline]
     fn radiance<I: Interior>(
         &self,
@@ -189,8 +197,8 @@ impl PhotonDensityEstimator<'_> {
 
     /// Estimates the radiance that `vertex` scatters towards the previous vertex \[W/(m² sr)].
     ///
-    /// If `HAS_SHARES` is true, only the share of each photon's flux counts that light tracing
-    /// leaves to density estimates.
+    /// If `HAS_SHARES` is true, the estimate uses only a share of each photon's flux; light tracing
+    /// carries the rest.
     #[inline]
     fn radiance_weighted_by_share<I: Interior, const HAS_SHARES: bool>(
         &self,
@@ -219,8 +227,8 @@ impl PhotonDensityEstimator<'_> {
     /// Estimates the radiance that `vertex` scatters towards the previous vertex, from the photons
     /// on the side of the unit geometric `normal` \[W/(m² sr)].
     ///
-    /// `TRANSMITS` is true if the BSDF transmits. `HAS_SHARES` has the meaning that
-    /// [`Self::radiance_weighted_by_share`] explains.
+    /// `TRANSMITS` is true if the BSDF transmits. If `HAS_SHARES` is true, the estimate uses only a
+    /// share of each photon's flux; light tracing carries the rest.
     #[inline]
     fn radiance_from_side<I: Interior, const HAS_SHARES: bool, const TRANSMITS: bool>(
         &self,
@@ -279,7 +287,7 @@ impl PhotonDensityEstimator<'_> {
         let covered = disc_coverage(self.scene, p, normal, whole.radius, kernel, key);
         let estimate = whole.radiance / covered;
         if covered != 1.0 {
-            // The coverage probes differ from pass to pass, even if passes share camera paths.
+            // Use probes that differ from pass to pass, even if passes share camera paths.
             // Otherwise the noise of shared probes would count as bias.
             let key = vertex.shadow_sampler.sample_key();
             let levels = nested_disc_coverage(self.scene, p, normal, whole.radius, kernel, key);

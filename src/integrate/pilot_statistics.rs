@@ -1,6 +1,6 @@
-//! Statistics that several pilots (small simulations before a render) compute.
+//! Statistics that several pilots (small simulations before the first pass) compute.
 
-/// Returns the median of the positive `values`; the upper of the two middle ones if their number is
+/// Returns the median of the positive `values`: the upper of the two middle ones if their number is
 /// even. `None` if no value is positive.
 pub(super) fn positive_median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut positive: Vec<f64> = values.filter(|value| *value > 0.0).collect();
@@ -8,19 +8,19 @@ pub(super) fn positive_median(values: impl Iterator<Item = f64>) -> Option<f64> 
     (!positive.is_empty()).then(|| *positive.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Returns the mean of `value` over a box of pixels: those at most `reach` columns and rows from
-/// pixel `center`.
+/// Returns the mean of `value` over the box of pixels that are at most `half_width` columns and
+/// rows away from pixel `center`.
 ///
 /// Pixels are indexed by rows from the top, in a picture of (`width`, `height`) pixels.
 pub(super) fn box_mean(
     value: impl Fn(usize) -> f64,
     center: usize,
-    reach: usize,
+    half_width: usize,
     (width, height): (usize, usize),
 ) -> f64 {
     let (x, y) = (center % width, center / width);
-    let columns = x.saturating_sub(reach)..width.min(x + reach + 1);
-    let rows = y.saturating_sub(reach)..height.min(y + reach + 1);
+    let columns = x.saturating_sub(half_width)..width.min(x + half_width + 1);
+    let rows = y.saturating_sub(half_width)..height.min(y + half_width + 1);
     let count = (columns.len() * rows.len()) as f64;
     let mut sum = 0.0;
     for y in rows {

@@ -1,13 +1,12 @@
 //! `pm`: photon mapping with two maps of fixed radii (Jensen 2001, chapter 9).
 //!
-//! # Algorithm
 //! - **Prepare**: aim and guide photon emission, find gather radii, guide shadow rays, and balance
 //!   camera rays against photons.
 //! - **Each pass**: trace new photons into a caustic map and an indirect map. Trace camera paths
 //!   with next-event estimation. A path reads the caustic map at the first surface that stores
-//!   photons. What follows depends on the setting.
+//!   photons. [`FinalGathering`] sets how it finds indirect light.
 //!
-//! *Direct visualization*: the path also reads the indirect map there, and ends.
+//! *Direct visualization*: the path also reads the indirect map at that surface, and ends.
 //!
 //! *Final gathering*: the path sends a gather ray and reads both maps at its end. This hides the
 //! blur of the indirect map. Where a gather ray is too short to hide the blur, the path continues

@@ -1,17 +1,21 @@
 //! Path policies: the rules that distinguish the algorithms.
 //!
-//! A [`PathPolicy`] says what a camera path does at its vertices. Each algorithm's file makes a
-//! policy from the simulated effects. The policy also decides which photon maps are built: see
-//! [`PathPolicy::photon_map_request`].
+//! A [`PathPolicy`] says how a camera path samples, shades and continues at its vertices. Each
+//! algorithm's file makes a policy from the simulated effects. The policy also decides which photon
+//! maps are built: see [`PathPolicy::photon_map_request`].
 
 use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::photon::StoreMask;
 use crate::scene::{Effect, Effects};
 
-/// Function that makes an algorithm's policy for a set of simulated effects.
+/// Function that makes an algorithm's path policy from the set of simulated effects and the
+/// settings.
 pub(super) type PolicyFn = fn(Effects, &Settings) -> PathPolicy;
 
-/// Rules of an algorithm for its camera paths and photon lookups.
+/// Rules of one rendering algorithm for its camera paths and its lookups in photon maps.
+///
+/// *Receiver*: a surface or medium that stores photons, such as a diffuse wall. *Caster*: a surface
+/// that passes photons on, such as glass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PathPolicy {
     /// Effects of light to simulate.
@@ -24,15 +28,17 @@ pub(super) struct PathPolicy {
     pub uses_nee: bool,
     /// Number and targets of the shadow rays of next-event estimation.
     pub light_sampling: LightSampling,
-    /// Set of receivers from which a camera path continues.
+    /// Rule that says from which receivers (surfaces and media that store photons) a camera path
+    /// continues.
     pub continuation: PathContinuation,
-    /// Strategy by which a camera path samples its next direction at receivers.
+    /// Strategy by which a camera path samples its next direction at a receiver, a surface that
+    /// stores photons.
     pub directions: DirectionSampling,
-    /// True if camera paths add the light that they find over casters after a receiver. False
-    /// leaves this light, the caustics, to photons.
+    /// True if camera paths add caustics: emission that they hit after a diffuse surface, for
+    /// example, and then mirrors or glass. False leaves this light to photons.
     pub adds_caustics: bool,
-    /// Mean throughput of the RGB channels below which a path ends without compensation. If it is
-    /// 0, Russian roulette may end a faint path before a receiver is shaded.
+    /// Throughput, as a mean over RGB, below which a path ends without compensation. If it is 0,
+    /// Russian roulette may end a faint path before a surface that stores photons is shaded.
     pub min_throughput: f32,
     /// Vertices at which camera paths read photon maps.
     pub lookups: PhotonLookups,
@@ -40,8 +46,8 @@ pub(super) struct PathPolicy {
     pub shrinking_radii: bool,
     /// Division of directly visible caustics between photon estimates and light tracing.
     pub light_tracing: LightTracing,
-    /// Division of indirect light between camera paths and photon estimates, at the first receiver
-    /// of a camera path.
+    /// Division of indirect light between camera paths and photon estimates, at the first surface
+    /// or medium on a camera path that stores photons.
     pub indirect_photons: IndirectPhotons,
 }
 
@@ -51,34 +57,38 @@ pub(super) enum LightSampling {
     /// About this many shadow rays per vertex. If there are more lights than rays, each ray goes to
     /// a randomly chosen light.
     Rays(u32),
-    /// One shadow ray per vertex. In a scene with at most four lights, vertices up to the first
-    /// receiver send one to each light.
+    /// One shadow ray per vertex, to a randomly chosen light. In a scene with at most four lights,
+    /// every vertex up to the first receiver (surface or medium that stores photons) sends one
+    /// shadow ray to each light.
     OneRay,
     /// One shadow ray to the center of every light.
     Centers,
 }
 
-/// Receivers from which a camera path continues.
+/// Choice of the receivers from which a camera path continues. A receiver is a surface or medium
+/// that stores photons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathContinuation {
-    /// The path ends at its first receiver.
+    /// The path ends at its first receiver, the surface or medium that stores photons.
     Never,
-    /// The path continues from receivers whose sampled BSDF lobe is neither diffuse nor a coat over
-    /// a diffuse base.
+    /// The path continues from surfaces that store photons only if the sampled BSDF lobe is glossy:
+    /// neither diffuse nor a coat over a diffuse base.
     Glossy,
-    /// The path continues from its first receiver, by a final-gathering ray. It also continues from
-    /// the end of a gather ray that is too short to read the indirect map there.
+    /// The path continues from the first surface that stores photons by a final-gathering ray, and
+    /// ends where that ray hits the next such surface. If the ray is too short to read the indirect
+    /// map there, the path continues.
     GatherRays,
-    /// The path continues from all receivers.
+    /// The path continues from all surfaces and media that store photons.
     Always,
 }
 
-/// Strategy by which a camera path samples its next direction at receivers.
+/// Strategy by which a camera path samples its next direction at receivers: surfaces that store
+/// photons, such as diffuse walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DirectionSampling {
     /// Sampling from the BSDF.
     Bsdf,
-    /// Sampling from one randomly chosen lobe, which replaces the whole BSDF at this vertex.
+    /// Sampling from one randomly chosen BSDF lobe, which replaces the whole BSDF at this vertex.
     OneLobe,
     /// Sampling from the BSDF or from the directions from which nearby photons arrived, with equal
     /// probability.
@@ -90,28 +100,30 @@ pub(super) enum DirectionSampling {
 pub(super) enum PhotonLookups {
     /// Camera paths read no photon maps.
     Never,
-    /// A few camera paths of each pixel read the photon maps at their first receiver: on surfaces
-    /// one path per slice of the shutter interval, in media one path.
+    /// A few camera paths of each pixel read the photon maps at the first vertex that stores
+    /// photons: on surfaces one path per slice of the shutter interval, in media one path.
     ///
-    /// The pixel's other paths would read almost the same photons. Some prefix rays may read the
-    /// maps as well.
+    /// The pixel's other paths would read almost the same photons. Some prefix rays, which are
+    /// extra camera paths that end at that vertex, may read the maps as well.
     FewPerPixel,
-    /// Each path reads the caustic map and the indirect map at its first receiver.
+    /// Each path reads the caustic map and the indirect map at its first receiver, the surface or
+    /// medium that stores photons.
     FirstReceiver,
     /// Each path reads the caustic map at the start of a final-gathering ray, and the caustic map
     /// and the indirect map at its end.
     GatherRays,
-    /// Camera paths read no photon maps. They record each receiver that they reach as a visible
-    /// point, for a pilot.
+    /// Camera paths read no photon maps. They record each surface point that they reach and that
+    /// stores photons as a visible point, for a pilot (small simulation before the first pass).
     RecordVisible,
 }
 
 /// Kinds of photons that a pass must store for the maps that a policy reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PhotonMapRequest {
-    /// Kinds of photons to store from paths aimed at casters.
+    /// Kinds of photons to store from photon paths that are aimed at casters, such as mirrors and
+    /// glass.
     pub aimed: StoreMask,
-    /// Kinds of photons to store from paths in all directions.
+    /// Kinds of photons to store from photon paths that start in all directions.
     pub unaimed: StoreMask,
     /// True if passes build a separate photon map whose photons guide the directions of
     /// final-gathering rays.
@@ -127,14 +139,14 @@ impl PathPolicy {
         }
     }
 
-    /// True if every camera path reads photon maps, false if only few paths per pixel and pass do.
-    /// Meaningless if [`PathPolicy::reads_photons`] is false.
+    /// True if every camera path reads photon maps; false if only a few paths per pixel and pass
+    /// do. Meaningless if [`PathPolicy::reads_photons`] is false.
     pub fn reads_photons_each_sample(&self) -> bool {
         self.lookups != PhotonLookups::FewPerPixel
     }
 
-    /// True if a pilot may add [prefix rays](super::prefix_rays): camera paths that end at their
-    /// first receiver.
+    /// True if a pilot may add [prefix rays](super::prefix_rays): extra camera paths that end at
+    /// the first surface or medium that stores photons.
     pub fn allows_prefix_rays(&self) -> bool {
         self.lookups == PhotonLookups::FewPerPixel
     }
@@ -210,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn effects_that_are_off_need_no_map() {
+    fn disabled_effects_request_no_photon_maps() {
         let settings = Settings::default();
         let direct = Effects::ALL
             .without_effect(Effect::Caustics)

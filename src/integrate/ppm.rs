@@ -6,7 +6,7 @@
 //!   stay fixed. Gather radii shrink by the law of independent passes (Knaus and Zwicker 2011), not
 //!   by statistics of each gather point. So any pass can be computed alone.
 //!
-//! More passes reduce the noise of photons, but not that of camera paths.
+//! More passes reduce the noise of photons, but not the noise of camera paths.
 
 use super::policy::{LightSampling, PathPolicy};
 use super::settings::Settings;

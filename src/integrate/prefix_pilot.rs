@@ -1,20 +1,20 @@
-//! Pilot for prefix rays: it finds how many prefix rays each pixel needs.
+//! Pilot (small simulation before the first pass) that finds how many prefix rays each pixel needs.
 //!
-//! The *prefix* of a camera path is its part up to the first receiver. Prefixes alone find
+//! The *prefix* of a camera path is its part up to the first *receiver*, a surface or medium that
+//! stores photons. A *prefix ray* is an extra camera path that ends there. Prefixes alone find
 //! highlights of small lamps, and caustics seen in mirrors and through glass. These often cover a
-//! fraction of a pixel, so their noise is large, but a ray that ends at the first receiver costs
-//! little.
+//! fraction of a pixel, so their noise is large. A prefix ray reduces this noise and costs little.
 //!
-//! A pixel with n camera paths and m prefix rays has the variance σ_r²/n + σ_f²/(n + m) + σ_p²/(1 +
-//! l) if l prefix rays read photon maps. The terms are light after the first receiver, emission
+//! A pixel with n camera paths and m prefix rays, of which l read photon maps, has the variance
+//! σ_r²/n + σ_f²/(n + m) + σ_p²/(1 + l). The terms are light after the first receiver, emission
 //! that the prefix finds, and the photon estimate. One camera path reads photon maps too, hence 1 +
 //! l. The pilot estimates these variances and the work of a ray and of a lookup. It minimizes the
 //! variance of the picture times the work of a pass, which is the inverse of efficiency (Pharr,
 //! Jakob and Humphreys 2023, section 2.2.1).
 //!
-//! Two pictures of whole camera paths show in which pixels the photon estimate may need prefix
-//! rays. The prefix rays of the next pictures read photon maps only in these pixels, because
-//! lookups are most of their work.
+//! The first pictures of the pilot trace whole camera paths. They show in which pixels the photon
+//! estimate may need prefix rays. In the next pictures, only the prefix rays of these pixels read
+//! photon maps, because lookups are most of the work.
 //!
 //! No pass uses rays of the pilot, so the mean of the passes stays unbiased.
 
@@ -29,7 +29,7 @@ use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::prefix_rays::{FilmPointRayCounts, PixelPrefixRayCounts, PrefixRayAllocation, PrefixWeights};
+use super::prefix_rays::{LampImageRayCounts, PixelPrefixRayCounts, PrefixRayAllocation, PrefixWeights};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::sampling::{Key, Purpose};
@@ -38,54 +38,57 @@ use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Number of pictures that the prefix-ray pilot traces with whole camera paths, one path per pixel
-/// each.
+/// Number of pictures, with one ray per pixel each, that the prefix-ray pilot traces with whole
+/// camera paths.
 const WHOLE_PICTURES: u32 = 2;
 
-/// Number of pictures that the prefix-ray pilot traces with [prefix rays](super::prefix_rays), one
-/// ray per pixel each.
+/// Number of pictures, with one ray per pixel each, that the prefix-ray pilot traces with [prefix
+/// rays](super::prefix_rays): camera paths that end at the first surface that stores photons.
 const PREFIX_PICTURES: u32 = 4;
 
-/// Number of the [`PREFIX_PICTURES`] in which prefix rays also read photon maps. They do so only at
-/// the pixels that [`find_lookup_candidates`] selects.
+/// Number of the [`PREFIX_PICTURES`] in which prefix rays also evaluate photon estimates. They do
+/// so only in the pixels that [`find_lookup_candidates`] selects.
 const LOOKUP_PICTURES: u32 = 2;
 
-/// Least divisor of the number of photon paths of a pass: the prefix-ray pilot traces at most a
-/// quarter of the paths.
+/// Least number of photon paths of a pass, divided by the number in the prefix-ray pilot: the pilot
+/// traces at most a quarter of the paths.
 const MIN_PHOTON_PATH_DIVISOR: u32 = 4;
 
 /// Largest number of photon paths that the prefix-ray pilot traces for one photon map.
 const MAX_PHOTON_PATHS: u32 = 1 << 20;
 
-/// Number of iterations of each search for the numbers of prefix rays with the least variance times
+/// Number of iterations of each search for the numbers of prefix rays that minimize variance times
 /// work.
 const SEARCH_STEPS: u32 = 20;
 
-/// Largest work of prefix rays, divided by the work of the rest of a pass.
+/// Largest work of all prefix rays (extra camera rays that stop at the first surface that stores
+/// photons) of a pass, divided by the work of the rest of the pass.
 ///
-/// It limits the waste of work on a pixel where the prefix-ray pilot found a rare bright ray by
-/// chance.
+/// The bound limits wasted work where the pilot met a rare bright ray by chance.
 const MAX_RELATIVE_WORK: f64 = 0.3;
 
-/// Mean number of prefix rays per pixel below which a pass traces no prefix rays at all.
+/// Mean number of prefix rays (extra camera rays that stop at the first surface that stores
+/// photons) per pixel below which a pass traces none at all.
 const MIN_MEAN_COUNT: f64 = 1e-3;
 
-/// Least noise of a pixel's photon estimate at which prefix rays of the prefix-ray pilot read
-/// photon maps in that pixel.
+/// Least relative noise of a pixel's photon estimate for which the prefix-ray pilot measures photon
+/// estimates at prefix rays of that pixel.
 ///
 /// Let v be the variance of the estimate, and n the number of camera paths per pixel. Let V be the
 /// mean variance of one camera path over all pixels. The pilot compares v·n²/V with this threshold.
 /// In passes, more estimates pay only if v·n²/V is about eight times larger.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
 
-/// Largest number of images of lamps at which the rays of a pixel are aimed.
+/// Largest number of images of lamps at which the rays of one pixel are aimed. The image of a lamp
+/// is the part of the film where camera rays meet the lamp, directly or over specular surfaces.
 const MAX_PIXEL_IMAGES: usize = 16;
 
-/// Largest number of prefix rays of a pixel that are aimed at images of lamps.
+/// Largest number of rays of one pixel that are aimed at images of lamps: film regions where camera
+/// rays meet a lamp.
 const MAX_AIMED_RAYS: f64 = 64.0;
 
-/// Number of aimed rays that the pictures of the prefix-ray pilot assume in a pixel with images of
-/// lamps.
+/// Number of rays per pixel aimed at images of lamps that the prefix-ray pilot assumes while it
+/// measures variances. It applies to pixels that have such images.
 const ASSUMED_AIMED_RAYS: u8 = 8;
 
 /// Running mean and sum of squared differences from it (Welford 1962).
@@ -111,55 +114,63 @@ impl RunningVariance {
     }
 }
 
-/// Means and variances of the light of one pixel over the prefix-ray pilot's pictures. The light is
-/// averaged over RGB \[W/(m² sr)].
+/// Means and variances of the light of one pixel over the pictures of the prefix-ray pilot. The
+/// light is averaged over RGB \[W/(m² sr)].
+///
+/// *Receiver*: a surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default)]
 struct PixelLightStatistics {
-    /// Light that camera paths find from their first receiver on, without photon estimates, as mean
-    /// and variance.
+    /// Light that camera paths find at and after their first receiver (surface or medium that
+    /// stores photons), without photon estimates.
     from_receiver: RunningVariance,
-    /// Emission and direct light that camera paths find up to their first receiver, as mean and
-    /// variance.
+    /// Emission, and direct light at casters such as rough glass, that camera paths find before
+    /// their first receiver (surface or medium that stores photons).
     up_to_receiver: RunningVariance,
-    /// Photon estimate at the first receiver, as mean and variance.
+    /// Photon estimate at the first receiver (surface or medium that stores photons).
     photon_estimate: RunningVariance,
-    /// Sum over whole camera paths of (`from_receiver` − its mean) times (`up_to_receiver` − its
-    /// mean), from which their covariance follows.
+    /// Sum, over whole camera paths, of (`from_receiver` − its mean)·(`up_to_receiver` − its mean).
+    /// Their covariance is this sum divided by (number of paths − 1).
     deviation_product_sum: f64,
 }
 
-/// Relative variances of the light that one ray of a pixel finds; see [`pixel_variances`].
+/// Variances of the light that one ray of a pixel finds, divided by L̃·(L + L̃). L is the light of
+/// the pixel, and L̃ its median over the picture.
+///
+/// *Receiver*: a surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct RelativePixelVariances {
-    /// Variance of the light that a camera path finds from its first receiver on, without photon
-    /// estimates.
+    /// Relative variance of the light that a camera path finds at and after its first receiver
+    /// (surface or medium that stores photons), without photon estimates.
     from_receiver: f64,
-    /// Variance of the emission and direct light that the path finds up to its first receiver.
+    /// Relative variance of the emission, and direct light at casters such as rough glass, that a
+    /// path finds before its first receiver (surface or medium that stores photons).
     ///
     /// If the covariance of this light and the light of `from_receiver` is negative, twice the
     /// covariance is added: a ray near an edge finds either one light or the other.
     up_to_receiver: f64,
-    /// Variance of the photon estimate at the first receiver.
+    /// Relative variance of the photon estimate at the first receiver (surface or medium that
+    /// stores photons).
     photon_estimate: f64,
-    /// Squared light of the images of lamps at which rays may be aimed.
-    ///
-    /// It is about the variance that one aimed ray has.
+    /// Approximate relative variance of one ray that is aimed at the pixel's images of lamps (film
+    /// regions where camera rays meet a lamp): the square of their light.
     aimed: f64,
-    /// Variance of the light that one camera ray finds in the images of lamps, if no rays are aimed
-    /// at them.
+    /// Relative variance of the light that one ordinary camera ray finds in the pixel's images of
+    /// lamps, the film regions where camera rays meet a lamp.
     unaimed: f64,
 }
 
-/// Square roots of variances of [`RelativePixelVariances`], from which numbers of rays follow.
-struct PixelDeviations {
+/// Relative standard deviations of the light of one ray: the square roots of
+/// [`RelativePixelVariances`]. The best numbers of rays are proportional to them.
+struct PixelStandardDeviations {
     up_to_receiver: f64,
     photons: f64,
     aimed: f64,
     unaimed: f64,
 }
 
-/// Returns the number of [prefix rays](super::prefix_rays) that each pixel should get; `None` if
-/// they do not pay, or if media scatter or emit.
+/// Returns the number of [prefix rays](super::prefix_rays) that each pixel should get: extra camera
+/// paths that end at the first surface that stores photons. Returns `None` if such rays do not pay,
+/// or if media scatter or emit.
 ///
 /// The prefix-ray pilot does not model the light that prefix rays find in scattering or emitting
 /// media. The numbers suit the camera rays and photons of a pass by `renderer`.
@@ -257,11 +268,11 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     Some(PrefixRayAllocation { counts: counts.into(), lamp_images, expected_work })
 }
 
-/// Returns the images of lamps in each of a picture's `pixels` pixels, from `found`, which is
-/// sorted by pixels.
+/// Groups `found`, the images of lamps sorted by pixel, into one list for each of the picture's
+/// `pixels` pixels.
 ///
-/// An image gets a share of the aimed rays of a pixel in proportion to its light in the pixel. Of
-/// many images, the [`MAX_PIXEL_IMAGES`] with most light remain.
+/// Each image gets a share of the rays that a pixel aims at images, in proportion to its light in
+/// the pixel. Of many images, the [`MAX_PIXEL_IMAGES`] with most light remain.
 fn images_of_pixels(found: &[LampImageContribution], pixels: usize) -> LampImages {
     let mut images = vec![Vec::new(); pixels];
     for in_pixel in found.chunk_by(|a, b| a.pixel == b.pixel) {
@@ -278,24 +289,27 @@ fn images_of_pixels(found: &[LampImageContribution], pixels: usize) -> LampImage
     LampImages::from_pixels(&images)
 }
 
-/// Parts of a camera path that the prefix-ray pilot traces.
+/// Part of a camera path that the prefix-ray pilot traces: the whole path, or its *prefix* up to
+/// the first receiver (a surface or medium that stores photons).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PathParts {
     /// The whole path.
     Whole,
-    /// The path up to its first receiver, with the photon estimate there.
+    /// The path up to its first receiver (surface or medium that stores photons), with the photon
+    /// estimate there.
     PrefixWithLookup,
-    /// The path up to its first receiver, without photon estimate.
+    /// The path up to its first receiver (surface or medium that stores photons), without photon
+    /// estimate.
     Prefix,
 }
 
-/// Returns a flag for each pixel: true if prefix rays of the prefix-ray pilot should read photon
-/// maps in that pixel.
+/// Returns a flag for each pixel: true if the prefix-ray pilot should measure photon estimates at
+/// prefix rays of that pixel.
 ///
-/// `variances` are those of single whole camera paths. A pass traces n = `samples` camera paths in
-/// each pixel, and only one of them reads photon maps. A second photon estimate pays if the
-/// variance of the estimate is above about 1/n² of that of a camera path. The function selects
-/// pixels from [`CANDIDATE_VARIANCE`] times this value on.
+/// `variances` describe single whole camera paths. A pass traces n = `samples` camera paths in each
+/// pixel, and only one of them reads photon maps. A second photon estimate pays if the variance of
+/// the estimate is above about 1/n² of the variance of a camera path. The function selects pixels
+/// above [`CANDIDATE_VARIANCE`] times this threshold.
 fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.from_receiver + v.up_to_receiver).sum();
@@ -303,14 +317,16 @@ fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) ->
     variances.iter().map(|v| v.photon_estimate * n * n > least).collect()
 }
 
-/// Renders picture `i` of the prefix-ray pilot, with one ray per pixel. `parts` returns which parts
-/// of a camera path are traced in a pixel, given the center of the pixel.
+/// Renders picture `i` of the prefix-ray pilot, with one ray per pixel. `parts` tells which part of
+/// a camera path to trace in a pixel, given the center of the pixel.
 ///
-/// The channels of a pixel hold three parts of its light. First comes the light from the first
-/// receiver on, without photon estimates. Then come emission and direct light up to the receiver,
-/// and last the photon estimate. Each is averaged over RGB. The light up to the first receiver has
-/// the weight that it will have if [`ASSUMED_AIMED_RAYS`] rays are aimed at the images of lamps in
-/// each pixel that has some.
+/// The three channels of a pixel hold three parts of its light, each averaged over RGB. Channel x
+/// is the light at and after the first receiver (surface or medium that stores photons), without
+/// photon estimates. Channel y is emission, and direct light at casters, before the receiver.
+/// Channel z is the photon estimate.
+///
+/// In pixels with images of lamps, channel y has the weight that it would have if
+/// [`ASSUMED_AIMED_RAYS`] rays were aimed at these images.
 fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
@@ -325,7 +341,7 @@ fn render_light_parts(
     let sampling = FilmSampling { repeats_in_nested_discs: false, ..pilot.film_sampling(pass) };
     let (width, _) = renderer.scene.camera().size();
     let aimed = PixelPrefixRayCounts { aimed: ASSUMED_AIMED_RAYS, ..PixelPrefixRayCounts::default() };
-    let weights = FilmPointRayCounts::new(renderer.samples_per_pixel, aimed);
+    let weights = LampImageRayCounts::new(renderer.samples_per_pixel, aimed);
     with_interior_type!(pilot.policy.effects, <I> {
         tiles::render_tiles(&sampling, key, &SilentMonitor, |camera_ray, task, branches| {
             let center = camera_ray.weight_lookup_position;
@@ -355,10 +371,11 @@ fn render_light_parts(
 
 /// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
 ///
-/// `light` is that of the pilot's pictures, without the light of `images`. `size` is the picture's
-/// (width, height). Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃
-/// its median over the picture. This measure lies between the absolute error, which neglects dark
-/// pixels, and the relative error, which neglects bright ones.
+/// `light` holds the statistics of the pilot's pictures. These contain little light of `images`,
+/// the images of lamps, so the function adds that light. `size` is the picture's (width, height).
+/// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its median over
+/// the picture. This measure lies between the absolute error, which neglects dark pixels, and the
+/// relative error, which neglects bright ones.
 fn pixel_variances(
     light: &[PixelLightStatistics],
     images: &[LampImageContribution],
@@ -373,7 +390,7 @@ fn pixel_variances(
     let (products, photons) = (values(|l| l.deviation_product_sum), values(|l| l.photon_estimate.variance()));
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright rays.
-    let box_mean = |values: &[f64], i: usize, reach: usize| box_mean(|i| values[i], i, reach, size);
+    let box_mean = |values: &[f64], i: usize, half_width: usize| box_mean(|i| values[i], i, half_width, size);
     let smoothed = |values: &[f64], i: usize| 0.5 * (box_mean(values, i, 1) + box_mean(values, i, 4));
     let scale = |i: usize| 1.0 / (median * (box_mean(&mean, i, 1) + median));
     let variance = |i: usize| {
@@ -399,21 +416,23 @@ fn pixel_variances(
     Some(variances)
 }
 
-/// Work of the parts of a pass. The unit is the work of tracing one photon ray.
+/// Work of the parts of a pass, in units of tracing one photon ray.
 #[derive(Clone, Copy, Debug)]
 struct PassWork {
     /// Work of all camera paths of a pixel.
     camera_work_per_pixel: f64,
     /// Work of tracing, indexing and gathering photons, divided by the number of pixels.
     photon_work_per_pixel: f64,
-    /// Work of one prefix ray without photon estimate.
+    /// Work of one prefix ray (extra camera ray that stops at the first surface that stores
+    /// photons), without its photon estimate.
     work_per_prefix_ray: f64,
     /// Work of the photon estimates of one prefix ray.
     work_per_lookup: f64,
 }
 
-/// Returns the numbers of prefix rays for which variance times work of a pass is least, within
-/// [`MAX_RELATIVE_WORK`]; `None` if almost no pixel needs prefix rays.
+/// Returns the numbers of prefix rays of each pixel (extra camera rays that stop at the first
+/// surface that stores photons) that minimize variance times work of a pass, within
+/// [`MAX_RELATIVE_WORK`]. Returns `None` if almost no pixel needs prefix rays.
 ///
 /// The noise of photons is not measured here. Another pilot has balanced rays and photons. So
 /// photons are assumed to have the same ratio of variance to work as camera paths.
@@ -425,9 +444,9 @@ fn efficient_ray_counts(
     let n = f64::from(samples);
     let (ray_scale, lookup_scale) =
         (1.0 / work.work_per_prefix_ray.sqrt(), 1.0 / (work.work_per_prefix_ray + work.work_per_lookup).sqrt());
-    // Numbers of prefix rays, of photon lookups and of aimed rays in a pixel. They give all pixels
-    // the same derivative of variance by work: −1/scale².
-    let count = |deviations: &PixelDeviations, scale: f64| {
+    // Compute the numbers of prefix rays, of photon lookups and of aimed rays in a pixel. They give
+    // all pixels the same derivative of variance by work: −1/scale².
+    let count = |deviations: &PixelStandardDeviations, scale: f64| {
         // `max` ignores NaN, so a NaN variance gives no ray.
         let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));
         let lookups = whole(deviations.photons * scale * lookup_scale - 1.0);
@@ -436,18 +455,18 @@ fn efficient_ray_counts(
         let aimed = if pays { whole(deviations.aimed * scale * ray_scale).clamp(1.0, MAX_AIMED_RAYS) } else { 0.0 };
         (rays, lookups, aimed)
     };
-    let deviations = |v: &RelativePixelVariances| PixelDeviations {
+    let deviations = |v: &RelativePixelVariances| PixelStandardDeviations {
         up_to_receiver: v.up_to_receiver.sqrt(),
         photons: v.photon_estimate.sqrt(),
         aimed: v.aimed.sqrt(),
         unaimed: v.unaimed.sqrt(),
     };
-    let deviations: Vec<PixelDeviations> = variances.par_iter().map(deviations).collect();
+    let deviations: Vec<PixelStandardDeviations> = variances.par_iter().map(deviations).collect();
     let pixels = variances.len() as f64;
     // The sum is serial: its rounding depends on the order.
     let mean = |values: Vec<f64>| values.iter().sum::<f64>() / pixels;
     let prefix_work = |scale: f64| {
-        let pixel_work = |deviations: &PixelDeviations| {
+        let pixel_work = |deviations: &PixelStandardDeviations| {
             let (rays, lookups, aimed) = count(deviations, scale);
             work.work_per_prefix_ray * (rays + aimed) + work.work_per_lookup * lookups
         };
@@ -456,7 +475,7 @@ fn efficient_ray_counts(
     let rest_work = work.camera_work_per_pixel + work.photon_work_per_pixel;
     let photon_variance_factor = rest_work / work.camera_work_per_pixel.max(f64::MIN_POSITIVE);
     let variance = |scale: f64| {
-        let pixel_variance = |(v, deviations): (&RelativePixelVariances, &PixelDeviations)| {
+        let pixel_variance = |(v, deviations): (&RelativePixelVariances, &PixelStandardDeviations)| {
             let (rays, lookups, aimed) = count(deviations, scale);
             let images = if aimed > 0.0 { v.aimed / aimed } else { v.unaimed / n };
             photon_variance_factor * v.from_receiver / n
@@ -486,7 +505,7 @@ fn efficient_ray_counts(
         }
         scale = low;
     }
-    let whole = |deviations: &PixelDeviations| {
+    let whole = |deviations: &PixelStandardDeviations| {
         let (rays, lookups, aimed) = count(deviations, scale);
         PixelPrefixRayCounts { unaimed: rays as u8, lookups: lookups as u8, aimed: aimed as u8 }
     };

@@ -1,48 +1,57 @@
-//! Prefix rays: extra camera paths that end at the first receiver.
+//! Prefix rays: extra camera paths that end at the first *receiver*, a surface or medium that
+//! stores photons.
 
 use super::lamp_images::LampImages;
 use crate::stats::Counters;
 use std::sync::Arc;
 
-/// Weights of the light that a camera path or prefix ray finds up to its first receiver.
+/// Weights of the light that a camera path or prefix ray finds up to its first *receiver*: the
+/// first surface or medium that stores photons.
 ///
-/// The *prefix* of a camera path is its part up to the first receiver. *Prefix rays* trace only
-/// prefixes. A pixel's n camera paths and m prefix rays find the same emission, so they share it by
-/// weights. One camera path and l prefix rays share the photon estimate at the first receiver. If
-/// the pass has slices of the shutter interval, one camera path of each slice reads photon maps.
+/// The *prefix* of a camera path is its part up to the first receiver, and a *prefix ray* is an
+/// extra camera path that ends there. A pixel's n camera paths and m prefix rays find the same
+/// emission, so they share it by weights. One camera path and l prefix rays share the photon
+/// estimate at the first receiver. If the pass has slices of the shutter interval, one camera path
+/// of each slice reads photon maps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrefixWeights {
     /// Weight n/(n + m) of light that camera paths and prefix rays both find: emission, environment
-    /// light, and direct light at casters.
+    /// light, and direct light at glossy casters such as rough glass.
     ///
-    /// The pixel has n camera paths and m prefix rays. If prefix rays are aimed at images of lamps,
-    /// [`FilmPointRayCounts`] gives each ray a weight of its own.
+    /// The pixel has n camera paths and m prefix rays. If some prefix rays are aimed at images of
+    /// lamps, [`LampImageRayCounts`] gives each ray a weight of its own.
     pub up_to_receiver: f32,
-    /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
-    /// with the lowest sample indices.
+    /// Number of the pixel's camera paths, or of its prefix rays, that evaluate photon estimates:
+    /// those with the lowest sample indices.
     pub lookup_count: u32,
     /// Weight of a photon estimate: 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
     ///
-    /// Of the pixel's n camera paths, k read photon maps. Of its m prefix rays, l read photon maps.
-    /// The `lookup_scale` of an estimate is this weight times n, or times m for prefix rays.
+    /// The pixel has n camera paths, of which k read photon maps, and m prefix rays, of which l do.
+    /// The `lookup_scale` of an estimate is this weight times n for camera paths, and times m for
+    /// prefix rays.
     pub lookup_weight: f32,
-    /// True for prefix rays, which end at their first receiver; false for camera paths.
+    /// True for prefix rays, which end at their first receiver (surface or medium that stores
+    /// photons); false for camera paths.
     pub ends_at_receiver: bool,
 }
 
-/// Numbers of prefix rays of a pixel.
+/// Numbers of prefix rays of a pixel: extra camera paths that end at the first surface or medium
+/// that stores photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PixelPrefixRayCounts {
-    /// Number of prefix rays that the pixel filter distributes.
+    /// Number of prefix rays (extra camera rays that stop at the first surface that stores photons)
+    /// whose film points the pixel filter distributes.
     pub unaimed: u8,
-    /// Number of the unaimed prefix rays that read photon maps.
+    /// Number of the `unaimed` prefix rays that also evaluate a photon estimate.
     pub lookups: u8,
-    /// Number of prefix rays that are aimed at images of lamps; `unaimed` does not include them.
+    /// Number of prefix rays that are aimed at images of lamps, the parts of the film at which
+    /// camera rays meet a lamp. `unaimed` does not include them.
     pub aimed: u8,
 }
 
 impl Default for PrefixWeights {
-    /// Returns the weights of camera paths in a pixel without prefix rays.
+    /// Returns the weights of camera paths in a pixel without prefix rays (extra camera rays that
+    /// stop at the first surface that stores photons).
     fn default() -> Self {
         Self { up_to_receiver: 1.0, lookup_count: 1, lookup_weight: 1.0, ends_at_receiver: false }
     }
@@ -50,7 +59,8 @@ impl Default for PrefixWeights {
 
 impl PrefixWeights {
     /// Returns the weights of the light that each of a pixel's `samples` camera paths finds.
-    /// `prefix` counts the prefix rays of the pixel.
+    /// `prefix` counts the pixel's prefix rays: extra camera rays that stop at the first surface
+    /// that stores photons.
     ///
     /// The first `lookups` camera paths read photon maps.
     pub fn of_camera_paths(samples: u32, lookups: u32, prefix: PixelPrefixRayCounts) -> Self {
@@ -59,8 +69,9 @@ impl PrefixWeights {
         Self { up_to_receiver: n / (n + m), lookup_count: lookups, lookup_weight: lookup, ends_at_receiver: false }
     }
 
-    /// Returns the weights of the light that each prefix ray of a pixel finds. `prefix` counts the
-    /// pixel's prefix rays, at least one.
+    /// Returns the weights of the light that each prefix ray (extra camera ray that stops at the
+    /// first surface that stores photons) of a pixel finds. `prefix` counts these rays, at least
+    /// one.
     ///
     /// The pixel has `samples` camera paths; the first `lookups` of them read photon maps.
     pub fn of_prefix_rays(samples: u32, lookups: u32, prefix: PixelPrefixRayCounts) -> Self {
@@ -70,34 +81,40 @@ impl PrefixWeights {
         Self { lookup_count: prefix.lookups.into(), lookup_weight: lookup, ends_at_receiver: true, ..weights }
     }
 
-    /// Returns the weights of prefix rays that are aimed at images of lamps. `up_to_receiver` is 1
-    /// here; the caller replaces it by [`FilmPointRayCounts::up_to_receiver_weight`] for each ray.
+    /// Returns the weights of prefix rays that are aimed at images of lamps, the film regions where
+    /// camera rays meet a lamp. `up_to_receiver` is 1 here; the caller replaces it by
+    /// [`LampImageRayCounts::up_to_receiver_weight`] for each ray.
     pub fn of_aimed_rays() -> Self {
         Self { lookup_count: 0, lookup_weight: 0.0, ends_at_receiver: true, ..Self::default() }
     }
 }
 
-/// Numbers of rays of a pixel that find images of lamps, from which the weights of their light
-/// follow by the balance heuristic.
+/// Numbers of a pixel's rays that can find the images of lamps: camera paths, prefix rays
+/// distributed by the pixel filter, and prefix rays aimed at these images. The balance heuristic
+/// computes the weights of their light from these numbers.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FilmPointRayCounts {
+pub(super) struct LampImageRayCounts {
     /// Number of camera paths.
     camera_paths: f32,
-    /// Number of camera paths, plus the number of prefix rays that the pixel filter distributes.
+    /// Number of rays whose film points the pixel filter distributes: camera paths, and prefix rays
+    /// that are not aimed.
     filtered_rays: f32,
-    /// Number of prefix rays that are aimed at images of lamps.
+    /// Number of prefix rays that are aimed at images of lamps, the film regions where camera rays
+    /// meet a lamp.
     aimed_rays: f32,
 }
 
-impl FilmPointRayCounts {
-    /// Returns the weights of a pixel with `samples` camera paths and the prefix rays `prefix`.
+impl LampImageRayCounts {
+    /// Counts the rays of a pixel that has `samples` camera paths and the prefix rays `prefix`:
+    /// extra camera rays that stop at the first surface that stores photons.
     pub fn new(samples: u32, prefix: PixelPrefixRayCounts) -> Self {
         let camera_paths = samples as f32;
         let filtered_rays = camera_paths + f32::from(prefix.unaimed);
         Self { camera_paths, filtered_rays, aimed_rays: prefix.aimed.into() }
     }
 
-    /// Returns the weight of light that a ray finds up to its first receiver.
+    /// Returns the MIS weight (balance heuristic) of the light that a ray finds up to its first
+    /// receiver, the surface or medium that stores photons.
     ///
     /// `filter_pdf` and `aimed_pdf` are the pdfs \[1/pixel²] with which the pixel filter and aiming
     /// sample the film point of the ray. The weight is 0 if both are 0.
@@ -108,21 +125,23 @@ impl FilmPointRayCounts {
     }
 }
 
-/// Numbers of prefix rays of each pixel, which a pilot chose, the images of lamps at which some are
-/// aimed, and the expected work of all.
+/// Result of the prefix-ray pilot: the number of prefix rays of each pixel, the images of lamps at
+/// which some are aimed, and the expected work of all.
 #[derive(Clone, Debug)]
 pub(super) struct PrefixRayAllocation {
-    /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the
-    /// top.
+    /// Number of prefix rays (extra camera rays that stop at the first surface that stores photons)
+    /// of each pixel, and the number of them that read photon maps, by rows from the top.
     pub counts: Arc<[PixelPrefixRayCounts]>,
-    /// Images of lamps in the pixels that have aimed rays.
+    /// Images of lamps (film regions where camera rays meet a lamp), for the pixels that have rays
+    /// aimed at them.
     pub lamp_images: LampImages,
     /// Expected counts of the rays and gathered photons of all prefix rays of a pass.
     pub expected_work: Counters,
 }
 
 impl PrefixRayAllocation {
-    /// Returns the number of prefix rays per pixel, as a mean over the picture.
+    /// Returns the number of prefix rays (extra camera rays that stop at the first surface that
+    /// stores photons) per pixel, as a mean over the picture.
     pub fn mean_rays_per_pixel(&self) -> f64 {
         self.counts.iter().map(|n| f64::from(n.unaimed) + f64::from(n.aimed)).sum::<f64>()
             / self.counts.len().max(1) as f64
@@ -133,12 +152,14 @@ impl PrefixRayAllocation {
 mod tests {
     use super::*;
 
-    /// Rays of all kinds together count light at a film point once: their densities times the
-    /// weight, divided by the number of camera paths, add up to the pdf of the filter.
+    /// All rays of a pixel together count the light at a film point once.
+    ///
+    /// Their densities times the weight, divided by the number of camera paths, add up to the pdf
+    /// of the filter.
     #[test]
-    fn aimed_rays_share_light_with_other_rays() {
+    fn aimed_and_other_rays_count_light_once() {
         let prefix = PixelPrefixRayCounts { unaimed: 3, lookups: 0, aimed: 5 };
-        let weights = FilmPointRayCounts::new(8, prefix);
+        let weights = LampImageRayCounts::new(8, prefix);
         for (filter_pdf, aimed_pdf) in [(0.7f32, 0.0), (0.7, 1e-3), (0.2, 400.0), (0.0, 2.0)] {
             let density = 11.0 * filter_pdf + 5.0 * aimed_pdf;
             let weight = weights.up_to_receiver_weight(filter_pdf, aimed_pdf);

@@ -1,25 +1,25 @@
-//! Radius law: how gather radii shrink from pass to pass (Knaus and Zwicker 2011).
+//! Law by which gather radii of photon estimates shrink from pass to pass (Knaus and Zwicker 2011).
 
 use crate::photon::Kernel;
 
-/// Default exponent α of shrinking gather radii.
+/// Default exponent α of shrinking gather radii: the squared radius falls as N^(α−1) over N passes.
 ///
-/// After N passes, the variance falls as N^−α and the squared bias as N^2(α−1). The value ⅔
-/// balances both (Kaplanyan and Dachsbacher 2013).
+/// The variance of the mean of N passes falls as N^−α, and its squared bias as N^(2(α−1)). The
+/// value ⅔ balances both (Kaplanyan and Dachsbacher 2013).
 pub const DEFAULT_ALPHA: f64 = 2.0 / 3.0;
 
 /// Law by which gather radii shrink from pass to pass, and the kernel of density estimates.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RadiusLaw {
-    /// Exponent α of shrinking gather radii: the variance of photon estimates falls as n^−α with
-    /// the number of passes n. It is 1 for fixed radii.
+    /// Exponent α in (0, 1] of shrinking gather radii: the squared radius falls as n^(α−1) with the
+    /// number of passes n. It is 1 for fixed radii.
     pub alpha: f64,
     /// Kernel of photon density estimates.
     pub kernel: Kernel,
 }
 
-/// Returns the squared gather radius of pass `pass`, counted from 0, divided by that of the first
-/// pass.
+/// Returns the squared gather radius of pass `pass`, counted from 0, divided by the squared radius
+/// of the first pass.
 ///
 /// It is the product of (i + α)/(i + 1) for i = 1 … pass (Knaus and Zwicker 2011, equation 15).
 #[must_use]
@@ -27,8 +27,8 @@ pub fn squared_radius_ratio(alpha: f64, pass: u32) -> f64 {
     (1..=pass).map(f64::from).map(|i| (i + alpha) / (i + 1.0)).product()
 }
 
-/// Returns the kernel radius of pass `pass`, divided by that of the first pass, for a kernel in
-/// `dimensions` (d) dimensions.
+/// Returns the kernel radius of pass `pass`, counted from 0, divided by the radius of the first
+/// pass, for a kernel in `dimensions` (d) dimensions.
 ///
 /// The kernel's length, area or volume shrinks by [`squared_radius_ratio`] with the exponent 1 − (1
 /// − `alpha`)·3d/(4 + d). For the default `alpha` this is 4/(4 + d), which balances variance and
@@ -36,8 +36,8 @@ pub fn squared_radius_ratio(alpha: f64, pass: u32) -> f64 {
 #[must_use]
 pub(super) fn kernel_radius_ratio(dimensions: u32, alpha: f64, pass: u32) -> f32 {
     let d = f64::from(dimensions);
-    let own = 1.0 - (1.0 - alpha) * 3.0 * d / (4.0 + d);
-    libm::pow(squared_radius_ratio(own, pass), 1.0 / d) as f32
+    let dimension_alpha = 1.0 - (1.0 - alpha) * 3.0 * d / (4.0 + d);
+    libm::pow(squared_radius_ratio(dimension_alpha, pass), 1.0 / d) as f32
 }
 
 #[cfg(test)]

@@ -10,28 +10,29 @@ use crate::scene::{Effects, PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Largest number of photon paths of a pilot that finds gather radii. The radii are then scaled to
-/// the larger number of paths of a pass.
+/// Largest number of photon paths of a pilot (small photon simulation) that finds gather radii. The
+/// found radii are then scaled to the number of paths of a pass, which may be larger.
 pub(super) const MAX_PATHS: u32 = 1 << 16;
 
-/// Largest number of photon paths of a pilot that finds the gather radius of a map of indirect
-/// light. Few paths suffice, because the density of indirect photons varies slowly.
+/// Largest number of photon paths of a pilot (small photon simulation) that finds the gather radius
+/// of a map of indirect light. Few paths suffice, because the density of indirect photons varies
+/// slowly.
 pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
-/// Number of photon paths of a pilot that finds gather radii, as a multiple of the paths of a pass.
-/// [`MIN_PATHS`] and [`MAX_PATHS`] limit it.
+/// Number of photon paths of a pilot (small photon simulation) that finds gather radii, divided by
+/// the number of paths of a pass. [`MIN_PATHS`] and [`MAX_PATHS`] bound the number of paths.
 const PILOT_PATH_FACTOR: u32 = 4;
 
-/// Smallest number of photon paths of a pilot that finds gather radii, even if a pass traces fewer
-/// paths.
+/// Smallest number of photon paths of a pilot (small photon simulation) that finds gather radii,
+/// even if a pass traces fewer paths.
 const MIN_PATHS: u32 = 1 << 14;
 
 /// Largest number of stored photons at which a pilot measures the distance to the k-th nearest
-/// photon, to find the gather radius.
+/// photon. The gather radius is a quantile of these distances.
 const RADIUS_SAMPLES: usize = 512;
 
-/// Quantile that becomes the gather radius, among the distances from photons to their k-th nearest
-/// photon.
+/// Quantile of the distances from photons to their k-th nearest photon that becomes the gather
+/// radius.
 const RADIUS_QUANTILE: f64 = 0.75;
 
 /// Largest gather radius, divided by the scene's radius. A larger radius would blur the whole
@@ -39,8 +40,8 @@ const RADIUS_QUANTILE: f64 = 0.75;
 const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
 /// Smallest gather radius that single precision resolves, divided by the radius of the scene. If
-/// most photons are closer to the origin than the scene's radius, their distance from the origin is
-/// the divisor instead.
+/// most photons lie closer to the origin than that radius, the divisor is their distance from the
+/// origin instead.
 const MIN_RELATIVE_RADIUS: f32 = 1e-6;
 
 /// Smallest gather radius, divided by the width of a pixel's footprint on the closest visible
@@ -53,21 +54,22 @@ const DISTANCE_RAYS: u32 = 8;
 /// Number of camera rays with which a pilot measures the density of photons in media.
 const MEDIA_RAYS: u32 = 512;
 
-/// Largest number of casters on a camera path that measures the density of photons in media.
+/// Largest number of casters, such as mirrors and glass, on a camera path that measures the density
+/// of photons in media.
 const MAX_CASTERS: u32 = 8;
 
-/// Target for the number of beams or photons within the kernel radius of a camera ray. The median
-/// over rays reaches it; rays without beams or photons do not count.
+/// Number of beams or photons that the median camera ray should find within the kernel radius. Rays
+/// that find none do not count.
 const TARGET_MEDIAN_KERNEL_COUNT: f64 = 64.0;
 
 /// Smallest kernel radius of photon beams, divided by the width of a pixel's footprint in the
 /// medium.
 ///
-/// If a smaller radius would hold enough beams, passes drop beams at random instead.
+/// If a smaller radius would already hold enough beams, passes drop beams at random instead.
 const MIN_BEAM_RADIUS_PIXELS: f32 = 0.25;
 
-/// Kernel radius with which a pilot counts photons in media, divided by the scene's radius. The
-/// radius for passes follows from the count.
+/// Kernel radius within which a pilot counts photons in media, divided by the scene's radius. The
+/// kernel radius of passes follows from the count.
 const TRIAL_RELATIVE_RADIUS: f32 = 0.02;
 
 /// Largest gather radii on surfaces in the first pass \[length].
@@ -80,15 +82,15 @@ pub struct GatherRadii {
 }
 
 /// Work and benefit of guiding photon emission, for each set of photon paths; `None` if no pilot
-/// tried to guide them.
+/// (small simulation before the first pass) tried to guide them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReports {
-    /// Report for the paths that start in all directions. They fill the indirect map or, in
+    /// Report for the photon paths that start in all directions. They fill the indirect map or, in
     /// `hybrid`, the interreflection map.
     #[serde(rename = "global")]
     pub unaimed: Option<EmissionGuidingReport>,
-    /// Report for the paths aimed at casters. They fill the caustic map, and in `hybrid` the
-    /// indirect map too.
+    /// Report for the photon paths aimed at casters, such as mirrors and glass. They fill the
+    /// caustic map, and in `hybrid` the indirect map too.
     #[serde(rename = "caustic")]
     pub aimed: Option<EmissionGuidingReport>,
 }
@@ -99,8 +101,8 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
     paths.saturating_mul(PILOT_PATH_FACTOR).max(MIN_PATHS).min(most)
 }
 
-/// Runs a gather-radius pilot. Returns the gather radius \[length] that holds `k` photons around
-/// three of four stored photons; `None` if the pilot stores no photon.
+/// Runs a pilot (small photon simulation). Returns the radius \[length] within which three of four
+/// stored photons have at least `k` photons around them; `None` if the pilot stores no photon.
 ///
 /// The radius suits a pass of `paths` photon paths. It is at least `min_radius`, and at most 1/10
 /// of the scene's radius. The pilot traces at most `max_pilot_paths` paths.
@@ -152,7 +154,7 @@ pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
     ((width + spread * distance) * MIN_RADIUS_PIXELS).min(scene.photon_domain().radius * MAX_RELATIVE_RADIUS)
 }
 
-/// Kernel radii of photon estimates in media \[length].
+/// Kernel radii of density estimates from photon beams and from photon points in media \[length].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct VolumeKernelRadii {
     pub beams: f32,
@@ -167,14 +169,15 @@ impl Default for VolumeKernelRadii {
     }
 }
 
-/// Returns the kernel radii of photon estimates in media \[length], and the fraction of beams that
-/// passes keep; `None` if the pilot stores no photon in media.
+/// Runs a pilot (small photon simulation). Returns the kernel radii of density estimates in media
+/// \[length], and the fraction of beams that passes keep; `None` if the pilot stores no photon in
+/// media.
 ///
-/// Within a kernel radius, the median camera ray finds 64 beams or photons, in a pass of `paths`
-/// photon paths. Rays that find none do not count. The radius for beams is at least
-/// [`MIN_BEAM_RADIUS_PIXELS`] of a pixel's footprint. If it then holds more than 64 beams, passes
-/// keep only a fraction of the beams. This costs little sharpness and saves time: the bounding
-/// boxes of dense beams are far larger than a smaller radius.
+/// In a pass of `paths` photon paths, the median camera ray finds 64 beams or photons within the
+/// kernel radius. Rays that find none do not count. The radius for beams is at least
+/// [`MIN_BEAM_RADIUS_PIXELS`] times the width of a pixel's footprint. If it then holds more than 64
+/// beams, passes keep only a fraction of the beams. This costs little sharpness and saves time: the
+/// bounding boxes of dense beams are far larger than a smaller radius.
 pub(super) fn find_volume_kernel_radii(
     tracer: &PhotonTracer<'_>,
     effects: Effects,
@@ -228,10 +231,10 @@ pub(super) fn find_volume_kernel_radii(
 }
 
 /// Returns the width of a pixel's footprint \[length] at the median distance of the `camera_paths`
-/// that cross a medium; 0 if none of them does.
+/// that cross a medium; 0 if no path does.
 ///
-/// The distance of a path is that from the camera to its first segment in a medium, plus half the
-/// length of all such segments.
+/// `camera_paths` holds the medium segments of each path. The distance of a path is the distance
+/// from the camera to its first segment, plus half the length of all its segments.
 fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint_and_growth();
     let size = scene.photon_domain().radius;
@@ -245,7 +248,8 @@ fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
     distances.get(distances.len() / 2).map_or(0.0, |distance| width + spread * distance)
 }
 
-/// Returns the segments in scattering media of each of 512 camera paths, up to the first receiver.
+/// Traces 512 camera paths over casters, such as glass, up to the first surface that stores
+/// photons. Returns the segments of each path in scattering media.
 fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);

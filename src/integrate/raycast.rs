@@ -56,8 +56,8 @@ impl Integrator for RaycastIntegrator<'_> {
 }
 
 impl<'a> RaycastIntegrator<'a> {
-    /// Makes an integrator that sends one ray through a corner of each pixel. If `settings` ask for
-    /// several rays per pixel, the rays follow the pixel filter instead.
+    /// Makes an integrator that sends one ray through the lower left corner of each pixel. If
+    /// `settings` ask for several rays per pixel, the rays follow the pixel filter instead.
     pub fn new(scene: &'a Scene, plan: Plan, settings: &CameraPathSettings) -> Self {
         let samples = settings.samples_per_pixel.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
@@ -65,7 +65,7 @@ impl<'a> RaycastIntegrator<'a> {
         Self { scene, plan, filter, samples_per_pixel: samples, seed: settings.seed, window }
     }
 
-    /// Returns the radiance along a camera ray by Phong's shading model.
+    /// Returns the radiance along a camera ray by Phong's shading model \[W/(m² sr)].
     fn radiance(&self, ray: &Ray) -> Rgb {
         let mut ray = *ray;
         let mut cone = self.scene.camera_ray_cone(self.plan.simulated_effects());

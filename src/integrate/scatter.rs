@@ -17,7 +17,8 @@ use std::cell::RefCell;
 /// at which such a ray reads the indirect map.
 const RELATIVE_GUIDE_RADIUS: f32 = 4.0;
 
-/// Fills the task's gather guide with the directions from which photons arrived near `vertex`.
+/// Fills the task's gather guide with the directions from which photons near `vertex` arrived. The
+/// guide then samples directions of final-gathering rays.
 pub(super) fn collect_gather_directions<I: Interior>(
     maps: &PhotonMaps<'_>,
     min_gather_distance: f32,
@@ -70,7 +71,8 @@ pub(super) fn pdf<I: Interior>(
 
 /// True if directions at `vertex` are sampled from the BSDF and from the gather guide.
 ///
-/// False at casters: the guide holds directions of photons at the last receiver.
+/// False at casters, such as glass: the guide holds directions of photons at the last surface that
+/// stores photons.
 #[inline]
 fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {
     match sampling {
@@ -79,7 +81,8 @@ fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool
     }
 }
 
-/// Samples a direction from the BSDF or from the gather guide, with equal probability.
+/// Samples a direction from the BSDF or from the gather guide, with equal probability. Returns
+/// `None` if the sample carries no light.
 fn sample_bsdf_or_guide<I: Interior>(vertex: &PathVertex<'_, I>, task: &PathTask) -> Option<BsdfSample> {
     let surface = vertex.surface;
     let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));

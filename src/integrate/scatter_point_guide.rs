@@ -1,19 +1,20 @@
-//! Guide of the points in homogeneous media from which the shadow rays of next-event estimation
-//! start.
+//! Guide for next-event estimation in homogeneous media: it samples the points from which shadow
+//! rays start.
 //!
 //! Shadow rays from points of a medium find light only in its lit parts, such as the cone of a spot
-//! light or the shafts behind a window. A grid over the visible part of the media holds, for each
-//! cell and light, the root mean square of the radiance that a shadow ray from the cell finds. This
-//! is the best pdf for points along a camera ray (Rath et al. 2020, "Variance-Aware Path Guiding").
+//! light or the shafts behind a window. A grid over the visible part of the media holds a value for
+//! each cell and light: the root mean square of the radiance that a shadow ray from the cell finds.
+//! A pdf proportional to this value has the least noise for points along a camera ray (Rath et al.
+//! 2020, "Variance-Aware Path Guiding").
 
 use crate::math::{Bounds, Ray};
 use glam::{UVec3, Vec3};
 
-/// Largest number of cells of the grid.
+/// Largest number of cells of the grid over the visible media.
 const MAX_CELLS: f32 = 24_000.0;
 
-/// Weight of the surrounding cells' mean in the estimate of a cell (shrinkage estimator). The unit
-/// is the weight of one shadow ray.
+/// Weight of the mean of the surrounding cells in the estimate of a cell (shrinkage estimator), as
+/// a number of shadow rays.
 const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 
 /// Learned strength of the light that arrives from each light in each cell of a grid over the
@@ -22,34 +23,36 @@ const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 pub(super) struct ScatterPointGuide {
     grid: MediumCellGrid,
     /// Root mean square of the radiance that a shadow ray finds, for each light and cell \[W/(m²
-    /// sr)].
+    /// sr)]: all cells of the first light come first.
     rms_radiance_by_light_and_cell: Vec<f32>,
 }
 
-/// Data to which [`ScatterPointGuide`] is fitted: for each light and cell, the number of pilot rays
-/// and the sum of the squares of what they found.
+/// Data to which [`ScatterPointGuide`] is fitted: for each light and cell, the number of pilot
+/// shadow rays and the sum of the squared radiance that they found.
 pub(super) struct ScatterPointGuideFitter {
     grid: MediumCellGrid,
     ray_counts: Vec<f64>,
     squared_radiance_sums: Vec<f64>,
 }
 
-/// Radiance that one shadow ray of a pilot found from a point of a medium.
+/// Light that one shadow ray of a pilot (small simulation before the first pass) found from a point
+/// of a medium.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InScatteringSample {
     /// Index of the light.
     pub light: usize,
     /// Point of the medium where the light scatters and the shadow ray starts, in world space.
     pub p: Vec3,
-    /// Irradiance that arrives from the light, times the phase function, divided by the number of
-    /// shadow rays that a surface point sends to the light \[W/(m² sr)]. Times that number and the
+    /// Irradiance that arrives from the light, times the phase function, divided by n \[W/(m² sr)].
+    /// Here n is the number of shadow rays that a surface point sends to the light. Times n and the
     /// scattering coefficient, it is the radiance that the medium scatters per unit of length.
     pub scattered_radiance: f64,
-    /// Contribution of the ray to the light that its camera path finds \[W/(m² sr)].
+    /// Contribution of the ray to the radiance of its camera path \[W/(m² sr)].
     pub contribution: f64,
 }
 
-/// Piecewise constant distribution of distances along a ray, one piece for each cell of the grid.
+/// Piecewise constant distribution of distances along a ray, with one piece for each cell of the
+/// grid that the ray crosses.
 ///
 /// Its memory is reused from ray to ray.
 #[derive(Debug, Default)]
@@ -62,17 +65,17 @@ pub(super) struct GuidedDistanceDistribution {
     cumulative: Vec<f32>,
 }
 
-/// Grid of equal boxes over an axis-aligned box.
+/// Grid of equal cells over an axis-aligned bounding box.
 #[derive(Clone, Debug)]
 struct MediumCellGrid {
     origin: Vec3,
-    /// Edges of a cell \[length].
+    /// Edge lengths of a cell along x, y and z \[length].
     cell: Vec3,
     cells_per_axis: UVec3,
 }
 
 impl ScatterPointGuide {
-    /// Sets `distances` to the distribution of guided distances along `ray`, for the light with
+    /// Fills `distances` with the guided distribution of distances along `ray`, for the light with
     /// index `light`, in a medium of mean extinction coefficient `extinction` \[1/length].
     ///
     /// Its total weight is 0 if the ray meets no cell in which the pilot found light.
@@ -88,7 +91,7 @@ impl ScatterPointGuide {
         // The guide has no values for lights that the pilot did not record.
         let Some(values) = self.rms_radiance_by_light_and_cell.get(light * len..(light + 1) * len) else { return };
         self.grid.for_each_cell(ray, |cell, from, to| {
-            // Any positive weight is unbiased: this one is close to exp(−depth).
+            // Approximate exp(−depth) by a rational function: any positive weight is unbiased.
             let depth = extinction * 0.5 * (from + to);
             let transmittance = 1.0 / (1.0 + depth * (1.0 + 0.5 * depth));
             distances.push_piece(from, to, values[cell] * transmittance * (to - from));
@@ -97,15 +100,15 @@ impl ScatterPointGuide {
 }
 
 impl ScatterPointGuideFitter {
-    /// Makes a fitter without pilot rays for `lights` lights, over the bounding box of `points`.
-    /// Returns `None` if the box is empty, a single point, or not finite.
+    /// Makes a fitter without data for `lights` lights, with a grid over the bounding box of
+    /// `points`. Returns `None` if the box is empty, a single point, or not finite.
     pub fn new(points: impl Iterator<Item = Vec3>, lights: usize) -> Option<Self> {
         let grid = MediumCellGrid::new(&Bounds::from_points(points))?;
         let len = grid.len() * lights;
         Some(Self { grid, ray_counts: vec![0.0; len], squared_radiance_sums: vec![0.0; len] })
     }
 
-    /// Adds what one shadow ray of the pilot found.
+    /// Adds the radiance that one shadow ray of the pilot found.
     pub fn add(&mut self, sample: &InScatteringSample) {
         let i = sample.light * self.grid.len() + self.grid.cell_index(sample.p);
         self.ray_counts[i] += 1.0;
@@ -114,7 +117,8 @@ impl ScatterPointGuideFitter {
 
     /// Returns the guide fitted to the added rays.
     ///
-    /// The mean of a cell is drawn towards the mean of the block of 3×3×3 cells whose center it is.
+    /// To reduce noise, the mean of each cell is drawn towards the mean of the block of 3×3×3 cells
+    /// around it.
     pub fn fitted_guide(self) -> ScatterPointGuide {
         let len = self.grid.len();
         let mean = |i: usize| {
@@ -140,7 +144,7 @@ impl GuidedDistanceDistribution {
         self.cumulative.clear();
     }
 
-    /// Adds a piece that begins at distance `from`, where the last one ended, and ends at `to`.
+    /// Adds a piece from distance `from`, where the last piece ended, to distance `to` \[length].
     fn push_piece(&mut self, from: f32, to: f32, weight: f32) {
         if self.ends.is_empty() {
             self.start = from;
@@ -203,6 +207,7 @@ impl MediumCellGrid {
         Some(Self { origin, cell: extent / counts, cells_per_axis: counts.as_uvec3() })
     }
 
+    /// Returns the number of cells.
     fn len(&self) -> usize {
         self.cells_per_axis.element_product() as usize
     }
@@ -213,11 +218,13 @@ impl MediumCellGrid {
         self.index(cell)
     }
 
+    /// Returns the index of the cell with the integer coordinates `cell`.
     fn index(&self, cell: UVec3) -> usize {
         ((cell.z * self.cells_per_axis.y + cell.y) * self.cells_per_axis.x + cell.x) as usize
     }
 
-    /// Calls `visit` with the indices of the cells that touch cell `index`, and with `index`.
+    /// Calls `visit` with the index of each cell of the 3×3×3 block around cell `index`, including
+    /// `index` itself.
     fn for_each_cell_in_neighborhood(&self, index: usize, mut visit: impl FnMut(usize)) {
         let index = index as u32;
         let cell = UVec3::new(
@@ -243,8 +250,8 @@ impl MediumCellGrid {
         let end = self.origin + self.cell * self.cells_per_axis.as_vec3();
         let inverse = ray.direction.recip();
         let (a, b) = ((self.origin - ray.origin) * inverse, (end - ray.origin) * inverse);
-        // An axis at right angles to the ray gives infinities, or NaN on a face of the box, which
-        // `max` and `min` skip.
+        // Coordinates to which the ray is perpendicular give infinities, or NaN on a face of the
+        // box. `max` and `min` skip these.
         let mut from = a.min(b).max_element().max(0.0);
         let last = a.max(b).min_element().min(ray.t_max);
         let meets_box = from < last;
@@ -254,7 +261,7 @@ impl MediumCellGrid {
         let p = (ray.at(from) - self.origin) / self.cell;
         let mut cell = p.max(Vec3::ZERO).as_uvec3().min(self.cells_per_axis - UVec3::ONE);
         loop {
-            // Find the nearest of the planes through which the ray may leave the cell.
+            // Find the nearest of the three planes through which the ray may leave the cell.
             let forward = ray.direction.cmpgt(Vec3::ZERO);
             let side = Vec3::select(forward, Vec3::ONE, Vec3::ZERO);
             let exits = (self.origin + (cell.as_vec3() + side) * self.cell - ray.origin) * inverse;

@@ -1,8 +1,9 @@
-//! Pilot for the points of homogeneous media from which shadow rays start.
+//! Pilot (small simulation before the first pass) that learns from which points of homogeneous
+//! media shadow rays should start.
 //!
 //! Camera paths of the pilot send shadow rays from many points of each segment, and record the
-//! light that they find. A second part of the pilot finds how many points a segment needs: more
-//! points have less noise, but take longer.
+//! light that these rays find. A second part of the pilot finds how many points a segment needs:
+//! more points have less noise, but take longer.
 
 use super::balance::{camera_path_work, relative_variance};
 use super::camera_path::PathContext;
@@ -23,44 +24,47 @@ use std::sync::Arc;
 /// limits, the scatter-point pilot traces one path per pixel.
 const PATH_COUNT_RANGE: (u32, u32) = (2000, 6000);
 
-/// Mean numbers of guided points per camera path that the scatter-point pilot tries. It compares
-/// their noise and work.
+/// Mean numbers of guided scattering points per camera path that the scatter-point pilot tries. It
+/// compares their noise and work.
 const TRIAL_POINTS_PER_PATH: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 
-/// Largest noise times work, divided by that of the best number of points, at which the
-/// scatter-point pilot prefers a smaller number of points.
+/// Tolerance on noise times work: the scatter-point pilot takes the smallest number of points whose
+/// product is at most this factor times the best product.
 ///
 /// It exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a camera
 /// path.
 const NEGLIGIBLE_LOSS: f64 = 1.15;
 
-/// Least gain at which passes use the guide: noise times work without guide, divided by noise times
-/// work with guide.
+/// Least gain at which passes use the guide of scattering points: noise times work without the
+/// guide, divided by noise times work with it.
 ///
 /// It exceeds 1, because the work counts rays only, and guided points take longer to sample.
 const MIN_GAIN: f64 = 1.3;
 
-/// Report of the pilot that learns from which points of media shadow rays should start: its work,
-/// and the gain in efficiency.
+/// Work and estimated benefit of the pilot (small simulation before the first pass) that learns
+/// from which points of media shadow rays should start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ScatterPointGuidingReport {
     /// Number of shadow rays that the pilot traced to learn the lit parts of media.
     #[serde(rename = "rays")]
     pub shadow_rays: u64,
-    /// Variance times work of camera paths without the guide, divided by that with the guide.
+    /// Gain in efficiency: variance times work of camera paths without the guide, divided by the
+    /// same product with the guide.
     #[serde(rename = "gain")]
     pub efficiency_gain: f64,
     /// True if the render guides the points of media from which shadow rays start.
     pub used: bool,
 }
 
-/// Runs the scatter-point pilot. Returns how the passes of `renderer` choose the points of
-/// homogeneous media from which shadow rays start, and a report.
+/// Runs the scatter-point pilot. Returns the method by which the passes of `renderer` choose the
+/// points of homogeneous media from which shadow rays start, and a report.
 ///
-/// The result depends only on the scene, the policy and the settings. The report is `None` if the
-/// settings forbid the pilot, or if next-event estimation or media are off. It is also `None` if no
-/// homogeneous medium scatters, or if no medium gets direct light. It is also `None` if there are
-/// so many lights that shadow rays go to randomly chosen ones.
+/// The result depends only on the scene, the policy and the settings. The report is `None` if one
+/// of these conditions holds:
+///
+/// - The settings forbid the pilot, or next-event estimation or media are off.
+/// - No homogeneous medium scatters, or no medium gets direct light.
+/// - The lights are so many that shadow rays go to randomly chosen ones.
 pub(super) fn guide_scatter_points(
     renderer: &PassRenderer<'_>,
 ) -> (ScatterPointSampling, Option<ScatterPointGuidingReport>) {
@@ -114,9 +118,9 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
     Some(LearnedGuide { guide: Arc::new(fit.fitted_guide()), mean_radiance, shadow_rays: samples().count() as u64 })
 }
 
-/// Returns the guided sampling whose number of points has little noise for its work. Also returns
-/// the gain: noise times work without guide, divided by that with guide. Returns unguided sampling
-/// and 1 if the estimates have no noise.
+/// Returns the guided sampling with the number of points that has little noise for its work. Also
+/// returns the gain: noise times work without the guide, divided by the same product with the
+/// guide. Returns unguided sampling and 1 if the estimates have no noise.
 fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGuide) -> (ScatterPointSampling, f64) {
     let LearnedGuide { guide, mean_radiance, .. } = learned;
     let guided = TRIAL_POINTS_PER_PATH.map(|points| ScatterPointSampling::Guided {
@@ -151,8 +155,8 @@ fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGui
     }
 }
 
-/// Calls `trace` with the context of camera paths of `policy` that read no photons, and whose
-/// shadow rays in media start from the points of `sampling`.
+/// Calls `trace` with a context for camera paths of `policy` that read no photons. Their shadow
+/// rays in media start from the points of `sampling`.
 fn with_path_context<T>(
     renderer: &PassRenderer<'_>,
     policy: &PathPolicy,

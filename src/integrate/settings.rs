@@ -9,8 +9,8 @@ use crate::plan::EffectOverrides;
 /// Settings of camera paths, which all algorithms use.
 #[derive(Clone, Debug)]
 pub struct CameraPathSettings {
-    /// Number of camera rays per pixel and pass; `None` uses the default of the algorithm. A pilot
-    /// may then change the number: see [`Settings::allows_ray_photon_balance`].
+    /// Number of camera rays per pixel and pass; `None` stands for the default of the algorithm,
+    /// which a pilot may change (see [`Settings::allows_ray_photon_balance`]).
     pub samples_per_pixel: Option<u32>,
     /// Largest number of bounces of a camera or photon path.
     pub max_bounces: u32,
@@ -18,7 +18,8 @@ pub struct CameraPathSettings {
     pub seed: u64,
     /// Reconstruction filter of pixels.
     pub filter: Filter,
-    /// True if a pilot gives noisier pixels more camera rays.
+    /// True if a pilot (small simulation before the first pass) gives noisier pixels more camera
+    /// rays.
     pub adaptive: bool,
     /// True if passes return the data from which the error of the picture is estimated, such as
     /// photon estimates with smaller nested discs.
@@ -29,11 +30,12 @@ pub struct CameraPathSettings {
     ///
     /// [`Algorithm::Raycast`](super::Algorithm::Raycast) ignores it.
     pub groups_light: bool,
-    /// Window of pixels that passes render; `None` for the whole picture. Its pixels are
-    /// bit-identical to those of the whole picture.
+    /// Window of pixels that passes render; `None` for the whole picture. The pixels of the window
+    /// are bit-identical to the same pixels of the whole picture.
     pub crop: Option<CropWindow>,
-    /// Upper bound \[W/(m² sr)] on the largest channel of the light of one camera path, without its
-    /// photon estimates; `None` for no bound.
+    /// Upper bound \[W/(m² sr)] on the largest RGB channel of the radiance of one camera path,
+    /// without its photon estimates; `None` for no bound. It suppresses fireflies, but biases the
+    /// picture.
     pub clamp: Option<f32>,
     /// Effects of light that are forced on or off, whatever the plan decides.
     pub effects: EffectOverrides,
@@ -57,7 +59,7 @@ impl Default for CameraPathSettings {
 }
 
 impl CameraPathSettings {
-    /// Returns the window of pixels that is rendered of a picture of `size` (width, height) pixels.
+    /// Returns the window of pixels to render, in a picture of `size` (width, height) pixels.
     ///
     /// A `crop` window that does not fit into the picture counts as the whole picture.
     #[must_use]
@@ -74,17 +76,18 @@ impl CameraPathSettings {
 pub struct Settings {
     /// Settings that all algorithms use.
     pub camera_paths: CameraPathSettings,
-    /// Number of unaimed photon paths per pass, which start in all directions.
+    /// Number of photon paths per pass that lights emit in all directions (*unaimed* paths).
     ///
-    /// They fill the interreflection map of `hybrid`, and the indirect map of `sppm`, `ppm` and
-    /// `pm`.
+    /// They fill the interreflection map of `hybrid` (indirect light that does not come from
+    /// caustics), and the indirect map of `sppm`, `ppm` and `pm`.
     pub unaimed_paths: u32,
     /// Number of photon paths per pass that are aimed at casters, such as glass or mirrors.
     ///
-    /// They fill the caustic map. In `hybrid`, they also fill the indirect map, with light that
-    /// receivers reflect after a caustic.
+    /// They fill the caustic map. In `hybrid`, they also fill the indirect map, with the light that
+    /// other surfaces and media scatter after a caustic.
     pub aimed_paths: u32,
-    /// True if a pilot may trade camera rays for photon paths, to get less noise for the same work.
+    /// True if a pilot (small simulation before the first pass) may trade camera rays for photon
+    /// paths, to get less noise for the same work.
     ///
     /// `unaimed_paths`, `aimed_paths` and the camera rays per pixel are then starting values. If
     /// [`CameraPathSettings::samples_per_pixel`] is set, a pilot may only reduce `unaimed_paths` of
@@ -98,8 +101,9 @@ pub struct Settings {
     /// proportion. The farthest photon only sets the radius, so a limit of 1 acts like 2. If a
     /// limit above 0 is set, pilots choose gather radii that hold about that many photons.
     pub gather_k: Option<u32>,
-    /// Largest gather radius of the first pass, on surfaces and in media \[length]. `None` lets
-    /// pilots choose a radius for each map.
+    /// Largest gather radius of density estimates in the first pass, on surfaces and in media
+    /// \[length]. `None` lets pilots (small simulations before the first pass) choose a radius for
+    /// each photon map.
     pub initial_gather_radius: Option<f32>,
     /// Exponent α in (0, 1] of shrinking gather radii: the squared radius falls as n^(α−1) with the
     /// number of passes n. 1 keeps radii fixed. [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
@@ -107,13 +111,16 @@ pub struct Settings {
     /// Kernel of photon density estimates.
     pub kernel: Kernel,
     /// True if [`Algorithm::Hybrid`](super::Algorithm::Hybrid) may trace prefix rays: extra camera
-    /// paths that end at their first receiver. A pilot finds how many each pixel needs.
+    /// paths that end at the first surface or medium that stores photons. A pilot finds how many
+    /// each pixel needs.
     pub allows_prefix_rays: bool,
-    /// True if a pilot may guide shadow rays to the environment light: towards the directions from
-    /// which the light reaches each part of the scene.
+    /// True if a pilot (small simulation before the first pass) may guide shadow rays to the
+    /// environment light: it learns the directions from which this light reaches each part of the
+    /// scene.
     pub allows_environment_guiding: bool,
-    /// True if a pilot may choose from which points of homogeneous media shadow rays start. It
-    /// prefers points in lit parts, and finds a number of points with little noise for their work.
+    /// True if a pilot (small simulation before the first pass) may guide next-event estimation in
+    /// homogeneous media: it learns from which points of a medium, and from how many, shadow rays
+    /// should start.
     pub allows_scatter_point_guiding: bool,
     /// Division of directly visible caustics between photon estimates and light tracing, in
     /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
@@ -137,13 +144,13 @@ pub enum FinalGathering {
     /// At the end of a gather ray whose direction is sampled from the BSDF.
     #[default]
     Bsdf,
-    /// At the end of a gather ray. Its direction is sampled from the BSDF or from the directions of
-    /// nearby photons, with equal probability.
+    /// At the end of a gather ray whose direction is sampled from the BSDF or from the directions
+    /// of nearby photons, with equal probability.
     Importance,
 }
 
-/// Division of indirect light between camera paths and photon estimates, at the first receiver of a
-/// camera path.
+/// Division of indirect light between camera paths and photon estimates, at the first surface or
+/// medium on a camera path that stores photons.
 ///
 /// The indirect light of caustics is not divided: in
 /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid), photon estimates always carry it.
@@ -151,20 +158,22 @@ pub enum FinalGathering {
 pub enum IndirectPhotons {
     /// Camera paths carry all indirect light.
     Off,
-    /// Camera paths and photon estimates each carry a share, which a pilot finds.
+    /// Camera paths and photon estimates each carry a share, which a pilot (small simulation before
+    /// the first pass) finds.
     #[default]
     Weighted,
     /// Photon estimates carry all indirect light.
     Full,
 }
 
-/// Division of directly visible caustics between photon estimates and light tracing, which connects
-/// photons to the camera.
+/// Division of directly visible caustics between photon estimates and light tracing. Light tracing
+/// connects photons to the camera, as splats on the film.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightTracing {
     /// Photon estimates carry all light of directly visible caustics.
     Off,
-    /// Photon estimates and light tracing each carry a share at each pixel, which a pilot finds.
+    /// Photon estimates and light tracing each carry a share at each pixel, which a pilot (small
+    /// simulation before the first pass) finds.
     #[default]
     Weighted,
     /// Light tracing carries all light of directly visible caustics.

@@ -8,21 +8,22 @@ use crate::camera::Camera;
 use crate::math::gcd;
 use crate::sampling::{Dimension, Key, Purpose};
 
-/// Distance on the film that the fastest part of the scene moves in one slice of the shutter
+/// Distance on the film that the fastest part of the scene moves during one slice of the shutter
 /// interval \[pixels].
 ///
-/// The times of passes interleave. So in four passes, the fastest part is seen at one position per
-/// pixel.
+/// Passes sample different times within each slice. So in four passes, the fastest part is seen at
+/// one position per pixel.
 pub(super) const SLICE_PIXELS: f32 = 4.0;
 
-/// Largest number of slices of the shutter interval in a pass.
+/// Largest number of slices of the shutter interval in a pass without photons.
 pub(super) const MAX_SLICES: u32 = 64;
 
 /// Largest number of slices of the shutter interval in a pass that traces photons. With more
-/// slices, the maps would take longer to search, and hold too few photons for an estimate.
+/// slices, photon maps would take longer to search, and hold too few photons for an estimate.
 pub(super) const MAX_PHOTON_SLICES: u32 = 8;
 
-/// One slice of the shutter interval of a pass.
+/// One slice of the shutter interval of a pass. A slice has a copy of the scene at one time, with
+/// its own photons and camera rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ShutterSlice {
     /// Index of this slice of the shutter interval, in order of time.
@@ -58,17 +59,17 @@ impl ShutterSlice {
 pub(super) struct SlicedCameras<'a> {
     /// Camera at the time of each slice of the shutter interval.
     pub cameras: Vec<&'a Camera>,
-    /// Random key of purpose [`Purpose::Shutter`].
+    /// Random key for the division of camera rays among the slices ([`Purpose::Shutter`]).
     pub key: Key,
     pub pass: u32,
 }
 
 /// Division of the camera rays of one pixel among the slices of the shutter interval.
 ///
-/// Ray i of n takes stratum i·s mod n of the interval, where s is coprime to n. So the first few
-/// rays already spread over the interval. A random offset for each pixel shifts the strata. So each
-/// ray takes each slice with the same probability. If there are more slices than rays, neighbouring
-/// pixels take different slices.
+/// Ray i of n takes stratum i·s mod n of the interval, where the stride s is coprime to n. So the
+/// first few rays already spread over the interval. A random offset for each pixel shifts the
+/// strata, so each ray takes each slice with the same probability. If there are more slices than
+/// rays, neighbouring pixels take different slices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PixelRaySlices {
     slices: u32,
@@ -82,8 +83,8 @@ impl PixelRaySlices {
     /// Division of the camera rays of a pass with a single slice of the shutter interval.
     pub const WHOLE: Self = Self { slices: 1, rays: 1, stride: 1, offset: 0.0 };
 
-    /// Returns the number of slices of the shutter interval that get at least one camera ray of the
-    /// pixel.
+    /// Returns the number of slices of the shutter interval in which the pixel has at least one
+    /// camera ray.
     pub fn used_slice_count(self) -> u32 {
         self.slices.min(self.rays)
     }
@@ -118,7 +119,7 @@ impl SlicedCameras<'_> {
     }
 }
 
-/// Returns a number coprime to `count`, near `count` over the golden ratio.
+/// Returns a number coprime to `count`, close to `count` divided by the golden ratio.
 fn spreading_stride(count: u32) -> u32 {
     let near = ((u64::from(count) * 0x9e37_79b9) >> 32) as u32;
     (near.max(1)..).find(|stride| gcd(*stride, count) == 1).unwrap_or(1)

@@ -1,7 +1,7 @@
 //! Chains of specular vertices that camera rays follow, traced with their derivatives.
 //!
-//! The derivatives come from finite differences: a [`RayBundle`] holds a camera ray and neighbours
-//! of it on the film and on the lens, and traces them over the same vertices.
+//! The derivatives come from finite differences: a [`RayBundle`] holds a camera ray and its
+//! neighbours on the film and on the lens, and traces them over the same vertices.
 
 use crate::bsdf::TransportMode;
 use crate::color::Rgb;
@@ -20,7 +20,7 @@ const RELATIVE_LENS_STEP: f64 = 0.02;
 /// Number of rays of a bundle: a camera ray, two neighbours on the film, and two on the lens.
 const BUNDLE_RAYS: usize = 5;
 
-/// Largest number of vertices of a chain.
+/// Largest number of vertices of a chain of specular vertices.
 const MAX_VERTICES: u32 = 24;
 
 /// Choice between reflection and transmission at each vertex of a chain of specular vertices.
@@ -28,11 +28,12 @@ const MAX_VERTICES: u32 = 24;
 pub(super) struct SpecularChain {
     /// Number of vertices.
     length: u32,
-    /// Bit i is set if the chain is transmitted at vertex i.
+    /// Bit i is set if the chain transmits at vertex i, and clear if it reflects there.
     transmitted_bits: u32,
 }
 
 impl SpecularChain {
+    /// Returns the chain with one more vertex at its end, which transmits or reflects.
     fn with_vertex(self, is_transmitted: bool) -> Self {
         Self {
             length: self.length + 1,
@@ -40,6 +41,7 @@ impl SpecularChain {
         }
     }
 
+    /// True if the chain transmits at vertex `vertex`, counted from 0.
     fn is_transmitted_at(self, vertex: u32) -> bool {
         self.transmitted_bits >> vertex & 1 == 1
     }
@@ -63,13 +65,14 @@ impl CameraPoint {
     }
 }
 
-/// A camera ray and its neighbours on the film and on the lens, traced over the same vertices.
+/// A camera ray with its close neighbours on the film and on the lens, traced over the same
+/// specular vertices. Finite differences of the rays give derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RayBundle<I> {
     /// The camera ray, its neighbours right and below on the film, and its neighbours right and up
     /// on the lens.
     rays: [PathRay<I>; BUNDLE_RAYS],
-    /// Number of rays that are traced: without a lens, the first three.
+    /// Number of rays that are traced: all five, or the first three without a lens.
     traced_ray_count: usize,
     /// Distance between neighbours on the lens \[length].
     lens_step: f64,
@@ -81,7 +84,7 @@ pub(super) struct RayBundle<I> {
     sampler: Sampler,
 }
 
-/// A sphere around a lamp.
+/// Bounding sphere of an area light.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampSphere {
     pub center: DVec3,
@@ -90,10 +93,12 @@ pub(super) struct LampSphere {
     pub light: u32,
 }
 
-/// Linear approximation of how the rays near a camera ray pass a lamp.
+/// Position of a lamp relative to a camera ray, as a linear function of the ray's film and lens
+/// point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampPassage {
-    /// Distance of the camera ray from the center of the lamp, relative to the lamp's radius.
+    /// Distance between the camera ray and the center of the lamp, relative to the lamp's radius.
+    /// Below 1, the ray meets the lamp's bounding sphere.
     pub relative_miss: f64,
     /// Vector on the film from the camera ray to the center of the lamp's image \[pixels].
     pub to_image: DVec2,
@@ -141,9 +146,9 @@ impl<I: Interior> RayBundle<I> {
         self.rays[0].next_vertex(scene, self.sampler.sample_key(), |_| None)
     }
 
-    /// Returns the bundles that continue from `vertex`, the next vertex of the camera ray: the
-    /// reflected and the transmitted one. A bundle is `None` if its throughput, as a mean over RGB,
-    /// is below `min_throughput`, or if the surface of a ray does not scatter that way.
+    /// Returns the bundles that continue from `vertex`, the next vertex of the camera ray: first
+    /// the reflected, then the transmitted one. A bundle is `None` if its throughput, as a mean
+    /// over RGB, is below `min_throughput`, or if the surface of a ray does not scatter that way.
     ///
     /// Both are `None` if `vertex` or a neighbour's next vertex is not on a specular surface, or if
     /// the chain already has [`MAX_VERTICES`] vertices.
@@ -177,8 +182,8 @@ impl<I: Interior> RayBundle<I> {
         })
     }
 
-    /// Traces the bundle of the camera ray through `point` over the vertices of `chain`. Returns
-    /// `None` if the bundle cannot follow them.
+    /// Traces the bundle of the camera ray through `point` along the vertices of `chain`. Returns
+    /// `None` if the bundle cannot follow the chain.
     pub fn follow(
         scene: &Scene,
         effects: Effects,
@@ -194,17 +199,18 @@ impl<I: Interior> RayBundle<I> {
         Some(bundle)
     }
 
-    /// True if the rays carry one wavelength, which determines their way.
+    /// True if the rays carry a single wavelength, because they have met dispersive glass.
     pub fn has_wavelength(&self) -> bool {
         self.rays[0].interior.wavelength().is_some()
     }
 
-    /// Returns how the rays pass `lamp` after their last vertex. Returns `None` if the lamp lies
-    /// behind them or beyond `reach` \[length], or if the linear approximation is singular.
-    pub fn lamp_passage(&self, lamp: &LampSphere, reach: f64) -> Option<LampPassage> {
+    /// Returns how closely the rays pass `lamp` after their last vertex. Returns `None` if the lamp
+    /// lies behind the vertex or beyond `max_distance` \[length], or if the linear approximation is
+    /// singular.
+    pub fn lamp_passage(&self, lamp: &LampSphere, max_distance: f64) -> Option<LampPassage> {
         let Ray { origin, direction, .. } = self.rays[0].ray;
         let distance = (lamp.center - origin.as_dvec3()).dot(direction.as_dvec3());
-        if !(distance > 0.0 && distance < reach + 2.0 * lamp.radius) {
+        if !(distance > 0.0 && distance < max_distance + 2.0 * lamp.radius) {
             return None;
         }
         let frame = Frame::from_normal(direction);
@@ -238,7 +244,7 @@ impl<I: Interior> RayBundle<I> {
     }
 }
 
-/// True if light leaves `surface` in delta lobes only.
+/// True if `surface` scatters light only into delta lobes.
 fn is_specular(surface: &SurfaceInteraction<'_>) -> bool {
     surface.bsdf.is_specular()
 }

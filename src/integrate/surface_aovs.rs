@@ -1,7 +1,8 @@
 //! Surface AOVs (arbitrary output variables): albedo, normal, depth, position and identifiers of
 //! the surfaces that the camera sees.
 //!
-//! They need no light, so rays of their own find them. No pass of the picture changes.
+//! Separate camera rays find the AOVs, because they need no light transport. So AOVs do not change
+//! the passes of the picture.
 
 use super::film_sampling::FilmSampling;
 use super::pass::{PassStage, ProgressMonitor};
@@ -15,17 +16,18 @@ use crate::scene::{
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Number of camera rays per pixel that find the surface AOVs for layers of files.
+/// Number of camera rays per pixel for the surface AOVs that are written as layers of files.
 pub const SURFACE_AOV_RAYS: u32 = 32;
 
-/// Number of directions that are sampled at each hit to estimate its albedo.
+/// Number of BSDF samples at each hit that estimate its albedo.
 const ALBEDO_SAMPLES: u32 = 4;
 
-/// Largest number of specular surfaces on the way to a hit.
+/// Largest number of specular surfaces that a ray follows on the way to the surface that the AOVs
+/// describe.
 const MAX_SPECULAR_BOUNCES: u32 = 16;
 
-/// Weight of a branch of a camera ray, as the mean of its channels, below which the branch is not
-/// followed.
+/// Weight of a branch of a camera ray, as the mean of its RGB channels, below which the branch is
+/// not followed.
 ///
 /// Smooth dielectrics split a ray into a reflected and a refracted branch.
 const MIN_WEIGHT: f32 = 0.01;
@@ -33,10 +35,11 @@ const MIN_WEIGHT: f32 = 0.01;
 /// Choice of the surface along a camera ray that the AOVs describe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AovSurface {
-    /// The first surface that is not specular. Rays follow mirrors and smooth glass up to it.
+    /// The first surface that is not specular: rays continue at mirrors and smooth glass until they
+    /// reach it.
     #[default]
     FirstNonSpecular,
-    /// The first surface.
+    /// The first surface that the camera ray hits.
     First,
 }
 
@@ -45,8 +48,8 @@ pub enum AovSurface {
 /// Pixels without a surface have depth 0, position 0 and identifiers 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceAovs {
-    /// Directional albedo, in \[0, 1]. Where light is emitted or the ray leaves the scene, the
-    /// radiance \[W/(m² sr)] counts instead if it is larger, up to 1.
+    /// Directional albedo, in \[0, 1], for light from the viewer. On emitters, and where rays leave
+    /// the scene, the larger of the albedo and the radiance \[W/(m² sr)], clipped to 1.
     pub albedo: Vec<Rgb>,
     /// Shading normal in world space on the side of the viewer, as a mean over the pixel. Rays that
     /// leave the scene count as zero.
@@ -56,20 +59,20 @@ pub struct SurfaceAovs {
     pub depth: Vec<f32>,
     /// Position in world space \[length], as a mean over the rays that reach a surface.
     pub position: Vec<Vec3>,
-    /// Number of the object that most rays reach, counted from 1: shapes, then meshes, then planes.
+    /// Index of the object that most rays reach, counted from 1: shapes, then meshes, then planes.
     pub object_id: Vec<u32>,
-    /// Number of the material of most rays, counted from 1 in the order of the scene.
+    /// Index of the material that most rays reach, counted from 1 in the order of the scene.
     pub material_id: Vec<u32>,
     /// Motion on the film from the opening to the closing of the shutter \[pixels to the right and
     /// down], as a mean over the rays.
     ///
-    /// It is the motion of the first surface that a ray meets, even if the surface is specular, or
-    /// else of the surroundings at infinity. A ray counts as zero if what it sees is behind the
-    /// camera at the opening or at the closing of the shutter.
+    /// The motion is that of the first surface that a ray meets, even if the surface is specular.
+    /// If the ray meets no surface, it is the motion of the surroundings at infinity. A ray counts
+    /// as zero if the point that it sees is behind the camera when the shutter opens or closes.
     pub motion: Vec<Vec2>,
 }
 
-/// AOVs of one pixel; see [`SurfaceAovs`] for units.
+/// AOVs (albedo, normal, depth and so on) of one pixel; see [`SurfaceAovs`] for units.
 #[derive(Clone, Copy, Default)]
 struct PixelAovs {
     albedo: Rgb,
@@ -92,7 +95,8 @@ struct RayAovs {
     /// Surface at the end of the branch with the largest weight; `None` if no branch ends at a
     /// surface.
     heaviest: Option<BranchEndSurface>,
-    /// Motion on the film of what the ray sees first \[pixels to the right and down].
+    /// Motion on the film of the first surface that the ray meets, or else of the surroundings
+    /// \[pixels to the right and down].
     motion: Vec2,
 }
 
@@ -122,23 +126,24 @@ struct RayBranch<I> {
     sampler: Sampler,
 }
 
-/// Copy of the scene at one time of the shutter interval, with the data that all its rays share.
+/// Copy of the scene at one time of the shutter interval, with the options of its camera rays.
 struct SceneAtTime<'a> {
     scene: &'a Scene,
     /// Time in \[0, 1]: 0 is the opening of the shutter, 1 its closing.
     time: f64,
     film: FilmSampling<'a>,
-    /// Measure of motion on the film; `None` if nothing moves.
+    /// Meter of the motion of scene points on the film; `None` if nothing moves.
     motion: Option<FilmMotionMeter>,
     effects: Effects,
     /// True if rays continue at specular surfaces, until they reach another surface or escape.
     follows_specular: bool,
 }
 
-/// Finds the surface AOVs of the pixels of `scene` that `settings` render, with `rays` rays for
-/// each pixel.
+/// Returns the surface AOVs of the pixels in the window of `settings`, from `rays` camera rays per
+/// pixel; `None` if `monitor` is cancelled.
 ///
-/// Media and dispersion are left out of `effects`. Returns `None` if `monitor` is cancelled.
+/// `surface` selects the surface along each ray. `effects` are the simulated effects of light;
+/// media and dispersion do not affect AOVs.
 #[must_use]
 pub fn render_surface_aovs(
     scene: &Scene,
@@ -200,7 +205,8 @@ pub fn render_surface_aovs(
     })
 }
 
-/// Follows a camera ray of `at_time`, over specular surfaces if wanted, and returns what it finds.
+/// Follows a camera ray of `at_time`, over specular surfaces if its option asks for that. Returns
+/// the AOVs of the surface that the ray reaches.
 fn trace_ray<I: Interior>(at_time: &SceneAtTime<'_>, path_ray: PathRay<I>, sampler: Sampler) -> RayAovs {
     let SceneAtTime { scene, effects, follows_specular, .. } = *at_time;
     let mut found = RayAovs::default();
@@ -266,8 +272,8 @@ fn clip_to_albedo(color: Rgb) -> Rgb {
 }
 
 impl<I: Interior> RayBranch<I> {
-    /// Adds the continuations of the branch at a specular `surface` to `branches`: two at a smooth
-    /// dielectric, else at most one.
+    /// Adds to `branches` the rays that continue this branch at a specular `surface`: two at a
+    /// smooth dielectric, else at most one.
     fn push_continuations(&self, surface: &SurfaceInteraction<'_>, branches: &mut Vec<Self>) {
         let mut push = |direction: Vec3, weight: Rgb, is_transmitted: bool| {
             let mut next = *self;
@@ -293,8 +299,8 @@ impl<I: Interior> RayBranch<I> {
 }
 
 impl RayAovs {
-    /// Adds the albedo and the normal of `surface`, at which `branch` ends. Also sets `heaviest` to
-    /// it if no earlier branch has a larger weight.
+    /// Adds the albedo and the normal of `surface`, where `branch` ends. If no earlier branch has a
+    /// larger weight, also stores the surface in `heaviest`.
     fn add_surface<I: Interior>(&mut self, scene: &Scene, branch: &RayBranch<I>, surface: &SurfaceInteraction<'_>) {
         let albedo = directional_albedo(surface, branch.sampler).max(surface.emission);
         self.albedo += branch.weight * clip_to_albedo(albedo);
@@ -317,7 +323,8 @@ impl RayAovs {
     }
 }
 
-/// Estimates the fraction of light from the viewer that `surface` scatters, by channel.
+/// Estimates the directional albedo of `surface` for each channel: the fraction of light from the
+/// direction of the viewer that it scatters.
 fn directional_albedo(surface: &SurfaceInteraction<'_>, sampler: Sampler) -> Rgb {
     let weights = (0..ALBEDO_SAMPLES).filter_map(|i| {
         let sampler = sampler.subsample_sampler(i, ALBEDO_SAMPLES);
@@ -331,8 +338,8 @@ impl PixelAovs {
     /// Returns the AOVs of a pixel: means over its rays, and the object and the material that most
     /// rays reach.
     ///
-    /// Each ray comes with its filter weight. Rays without positive weight are left out, so that
-    /// all values stay in their ranges. The others count equally.
+    /// `rays` are pairs of a ray's AOVs and its filter weight. Rays without positive weight are
+    /// left out, so that all values stay in their ranges. The others count equally.
     fn from_rays(rays: impl Iterator<Item = (RayAovs, f32)>) -> Self {
         let (mut albedo, mut normal, mut motion) = (DVec3::ZERO, DVec3::ZERO, DVec2::ZERO);
         let (mut depth, mut position) = (0.0, DVec3::ZERO);

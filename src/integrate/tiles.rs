@@ -15,24 +15,25 @@ use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 use std::iter;
 
-/// Edge length of a tile \[pixels]. Neighbouring pixels need the same photons and bounding boxes,
-/// which then stay in the CPU cache.
+/// Edge length of a tile \[pixels]. Neighbouring pixels need the same photons and BVH nodes, which
+/// then stay in the CPU cache.
 const TILE_SIZE: u32 = 16;
 
-/// Rendered window of a picture with the counters of its camera rays.
+/// Rendered window of a picture, with the counters of its camera rays.
 pub(super) struct FilmImage {
     /// Radiance of each pixel of the window, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
-    /// Differences between nested photon estimates of each pixel; empty unless
+    /// Differences between photon estimates with nested gather discs, for each pixel; empty unless
     /// [`FilmSampling::repeats_in_nested_discs`] is true.
     pub nested: Vec<NestedDifferences>,
-    /// Radiance of each pixel by light group, which adds up to `image`, in the order of
-    /// [`LightGroup::ALL`] \[W/(m² sr)]; empty unless [`FilmSampling::groups_light`] is true.
+    /// Radiance of each pixel \[W/(m² sr)], for each light group in the order of
+    /// [`LightGroup::ALL`]. The groups add up to `image`. Empty unless
+    /// [`FilmSampling::groups_light`] is true.
     pub light_groups: Vec<Vec<Rgb>>,
     /// Radiance that clamping removed from each pixel \[W/(m² sr)]; empty unless light is clamped.
     pub removed_by_clamp: Vec<Rgb>,
     /// Indices in `image` of the rendered pixels, if only one of every n tiles is rendered; empty
-    /// if all are.
+    /// if all tiles are rendered.
     pub rendered_pixel_indices: Vec<u32>,
     pub counters: Counters,
 }
@@ -64,31 +65,33 @@ impl FilmImage {
     }
 }
 
-/// Returns the part of `pixels` in the window `inner`; `pixels` show the window `outer` or are
-/// empty.
+/// Returns the part of `pixels` that lies in the window `inner`. `pixels` show the window `outer`,
+/// or are empty.
 fn cropped_pixels<T: Copy>(pixels: &[T], outer: CropWindow, inner: CropWindow) -> Vec<T> {
     let columns = (inner.left - outer.left) as usize..(inner.right - outer.left) as usize;
     let rows = pixels.chunks(outer.size().0 as usize).skip((inner.top - outer.top) as usize);
     rows.take(inner.size().1 as usize).flat_map(|row| &row[columns.clone()]).copied().collect()
 }
 
-/// One tile of a picture: mutable slices of the rows of the picture.
+/// One tile of a picture, as mutable slices of the picture's rows.
 struct Tile<'a> {
     /// Index of the tile, by rows from the top.
     index: u32,
     /// Parts of the picture's rows that lie in the tile, from the top.
     image: Vec<&'a mut [Rgb]>,
-    /// Rows of nested differences in the tile; empty unless
+    /// Rows of nested differences in the tile, from the top; empty unless
     /// [`FilmSampling::repeats_in_nested_discs`] is true.
     nested: Vec<&'a mut [NestedDifferences]>,
-    /// Rows of each light group in the tile; empty unless [`FilmSampling::groups_light`] is true.
+    /// Rows of each light group in the tile, from the top; empty unless
+    /// [`FilmSampling::groups_light`] is true.
     light_groups: Vec<Vec<&'a mut [Rgb]>>,
-    /// Rows of the radiance that clamping removes, in the tile; empty unless light is clamped.
+    /// Rows of the radiance that clamping removes in the tile, from the top; empty unless light is
+    /// clamped.
     removed_by_clamp: Vec<&'a mut [Rgb]>,
 }
 
 impl<'a> Tile<'a> {
-    /// Splits a picture of `width` columns into tiles, by rows from the top.
+    /// Splits a picture of `width` columns into tiles, in order of rows from the top.
     fn split_image_into_tiles(
         image: &'a mut [Rgb],
         nested: &'a mut [NestedDifferences],
@@ -129,8 +132,8 @@ impl<'a> Tile<'a> {
     }
 }
 
-/// Cuts the rows of a picture at tile borders. Returns the pieces from the top, each with the index
-/// of its tile.
+/// Cuts the rows of a picture of `width` columns at tile borders. Returns the pieces from the top,
+/// each with the index of its tile.
 fn row_pieces_by_tile<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
     let (width, edge) = (width as usize, TILE_SIZE as usize);
     let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
@@ -138,19 +141,21 @@ fn row_pieces_by_tile<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = 
     rows.flat_map(move |(y, row)| row.chunks_mut(edge).enumerate().map(move |(x, piece)| (tile(x, y), piece)))
 }
 
-/// Renders the pixels in the window of `sampling` by tiles, in parallel.
+/// Renders the pixels in the window of `sampling`, in parallel by tiles. `key` is the random key of
+/// the camera rays.
 ///
 /// `trace_ray` returns the radiance along a camera ray \[W/(m² sr)]. For all algorithms except
 /// `raycast`, it calls [`trace_camera_path`](super::camera_path::trace_camera_path). Its arguments
-/// are the ray, the task of the tile, and a stack of branches that all rays of a tile share.
+/// are the ray, the task of the tile, and a stack of path branches that all rays of a tile share.
 pub(super) fn render_tiles<Stack: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
     monitor: &dyn ProgressMonitor,
     trace_ray: impl Fn(&CameraRay, &mut PathTask, &mut Stack) -> Rgb + Sync,
 ) -> FilmImage {
-    // Searches for photons begin with the radius of the pixel before in the tile, which can change
-    // last bits. So tiles lie as in the whole picture, and all their pixels are rendered.
+    // Tiles lie as in the whole picture, and all their pixels are rendered, so that a crop window
+    // is bit-identical. The reason: a photon search starts with the radius of the pixel before it
+    // in the tile, which can change last bits.
     let window = sampling.window.grown_to_tiles(TILE_SIZE, sampling.camera.size());
     let (width, height) = window.size();
     let (columns, stride) = (width.div_ceil(TILE_SIZE), sampling.tile_stride);
@@ -227,8 +232,8 @@ pub(super) fn render_tiles<Stack: Default>(
 struct RenderedPixel {
     /// Radiance \[W/(m² sr)].
     radiance: Rgb,
-    /// Differences of nested photon estimates; 0 unless [`FilmSampling::repeats_in_nested_discs`]
-    /// is true.
+    /// Differences between photon estimates with nested gather discs; 0 unless
+    /// [`FilmSampling::repeats_in_nested_discs`] is true.
     nested: NestedDifferences,
     /// Radiance by light group \[W/(m² sr)]; 0 unless [`FilmSampling::groups_light`] is true.
     light_groups: [Rgb; LightGroup::ALL.len()],
@@ -236,12 +241,14 @@ struct RenderedPixel {
     removed_by_clamp: Rgb,
 }
 
-/// Returns the stride n ≥ 2 for which rendering one of every n tiles renders about `wanted` tiles.
+/// Returns the stride n ≥ 2 for which about `wanted` tiles are rendered if one of every n tiles is
+/// rendered.
 pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> u32 {
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
 
-/// True if the tile with index `tile` is rendered, when only one of `stride` tiles is rendered.
+/// True if the tile with index `tile` is one of the rendered tiles, when only one of every `stride`
+/// tiles is rendered. `columns` is the number of tiles in a row.
 ///
 /// Rendered tiles lie on diagonal lines, so they are spread over all rows and columns.
 fn is_tile_rendered(tile: u32, columns: u32, stride: u32) -> bool {
@@ -250,27 +257,28 @@ fn is_tile_rendered(tile: u32, columns: u32, stride: u32) -> bool {
     (tile % columns + tile / columns * slant).is_multiple_of(stride)
 }
 
-/// Returns the column and row of each pixel of a tile.
+/// Returns the column and row of each pixel of tile `tile`, in a picture of `width` × `height`
+/// pixels with `columns` tiles in a row.
 fn tile_pixels(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
     let (left, top) = (tile % columns * TILE_SIZE, tile / columns * TILE_SIZE);
     (top..height.min(top + TILE_SIZE)).flat_map(move |y| (left..width.min(left + TILE_SIZE)).map(move |x| (x, y)))
 }
 
-/// Sums over the rays of one pixel, of all light that the pixel reports.
+/// Sums over the rays of one pixel, for all kinds of light that the pixel reports.
 #[derive(Default)]
 struct PixelSums {
     radiance: RaySums,
     light_groups: [RaySums; LightGroup::ALL.len()],
-    /// Radiance that clamping removed.
+    /// Radiance that clamping removed from the rays.
     removed_by_clamp: RaySums,
 }
 
 impl PixelSums {
     /// Adds the light of `camera_ray`: its `radiance` \[W/(m² sr)], and the light that `task` kept
-    /// apart. `weight` is the weight of the pixel filter.
+    /// apart, such as light groups. `weight` is the ray's weight by the pixel filter.
     ///
-    /// Clamps `radiance` first if `sampling` has a bound. Leaves out a ray whose radiance is not
-    /// finite, and counts it as rejected.
+    /// If `sampling` has a bound for clamping, clamps `radiance` first. Leaves out a ray whose
+    /// radiance is not finite, and counts it as rejected.
     #[inline]
     fn add_ray(
         &mut self,
@@ -313,11 +321,13 @@ impl PixelSums {
     }
 }
 
-/// Sum of radiance over a pixel's camera rays, and over its prefix rays.
+/// Sums of radiance over a pixel's camera rays, and over its prefix rays: extra camera paths that
+/// end at the first surface that stores photons.
 #[derive(Default)]
 struct RaySums {
     camera_rays: FilteredSum,
-    /// Sum over the prefix rays of radiance times filter weight.
+    /// Sum of radiance times filter weight over the prefix rays: extra camera rays that stop at the
+    /// first surface that stores photons.
     prefix_rays: CompensatedSum,
 }
 
@@ -349,7 +359,7 @@ struct FilteredSum {
     /// Sum of radiance values, each times its filter weight.
     weighted: CompensatedSum,
     /// Sum of (filter weight − 1) over the samples.
-    excess: f64,
+    weight_excess: f64,
     count: u32,
 }
 
@@ -359,7 +369,7 @@ impl FilteredSum {
         let value = value.as_dvec3();
         self.values.add(value);
         self.weighted.add(value * f64::from(weight));
-        self.excess += f64::from(weight - 1.0);
+        self.weight_excess += f64::from(weight - 1.0);
         self.count += 1;
     }
 
@@ -368,7 +378,7 @@ impl FilteredSum {
         self.values.value()
     }
 
-    /// Returns an unbiased estimate of the sum of radiance values times filter weights.
+    /// Returns an unbiased estimate of the sum of radiance values Lᵢ times filter weights wᵢ.
     ///
     /// Each sample adds wᵢLᵢ + (1 − wᵢ)·(mean of the other values), which has less noise than wᵢLᵢ
     /// alone. The sum is unbiased, because weights have mean 1. It is exact if all values are
@@ -381,16 +391,16 @@ impl FilteredSum {
         }
         // Add Σ (1 − wᵢ)(S − Lᵢ)/(n − 1) for n values Lᵢ with weights wᵢ, where S is the sum of all
         // values.
-        let lacks = (weighted - values) - values * self.excess;
-        weighted + lacks / others
+        let correction = (weighted - values) - values * self.weight_excess;
+        weighted + correction / others
     }
 }
 
-/// Scales the part of `value` that does not come from photon estimates, so that none of its
-/// channels exceeds `limit` \[W/(m² sr)]. Returns the radiance that this removes from `value`.
+/// Scales down the part of `value` that does not come from photon estimates, so that its largest
+/// channel is at most `limit` \[W/(m² sr)]. Returns the radiance that this removes from `value`.
 ///
-/// Each channel of the ray's light groups in `task` shrinks by the same factor as that channel of
-/// `value`. A `value` that is not finite stays as it is, because the caller rejects it.
+/// The ray's light groups in `task` shrink by the same factor in each channel. A `value` that is
+/// not finite stays as it is, because the caller rejects it.
 fn clamp_path_light(value: &mut Rgb, limit: f32, task: &mut PathTask) -> Rgb {
     let found = *value - task.pixel.photon_radiance;
     let largest = found.max_element();

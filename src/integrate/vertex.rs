@@ -7,18 +7,22 @@ use crate::scene::{Effects, Interior, MediumSegment, PathRay, RayCone, Scene, Su
 use glam::Vec3;
 
 /// Numbers of receivers and casters that a camera path has visited up to a vertex.
-/// [`PhotonKind`](crate::photon::PhotonKind) defines receivers and casters.
+///
+/// *Receiver*: a surface or medium that stores photons, such as a diffuse wall. *Caster*: a surface
+/// that passes photons on, such as a mirror or glass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PathHistory {
-    /// Number of receivers visited since the camera.
+    /// Number of receivers (surfaces and media that store photons) visited since the camera.
     pub receivers: u32,
-    /// Number of casters visited since the last receiver, or since the camera if there is no
-    /// receiver.
+    /// Number of casters (mirrors, glass and the like) visited since the last receiver, or since
+    /// the camera if there is no receiver.
     pub casters_since_receiver: u32,
 }
 
 impl PathHistory {
-    /// True if a light that the path hits now would form a caustic on the path's last receiver.
+    /// True if light that the path finds next forms a caustic: light that comes over one or more
+    /// casters, such as glass, to the path's last receiver, a surface or medium that stores
+    /// photons.
     #[inline]
     pub fn is_caustic(self) -> bool {
         self.receivers > 0 && self.casters_since_receiver > 0
@@ -31,8 +35,8 @@ pub(super) struct PathVertex<'a, I> {
     pub surface: &'a SurfaceInteraction<'a>,
     /// Nested bodies and medium on the side of the surface from which the path arrived.
     pub interior: &'a I,
-    /// Numbers of receivers and casters that the path visited before this vertex. If this vertex is
-    /// a caster, it counts too.
+    /// Numbers of receivers (surfaces and media that store photons) and casters (such as glass)
+    /// that the path visited before this vertex. If this vertex is a caster, it counts too.
     pub history: PathHistory,
     /// Factor from radiance that leaves the vertex to radiance of the pixel.
     pub throughput: Rgb,
@@ -53,7 +57,7 @@ impl<I: Interior> PathVertex<'_, I> {
     }
 
     /// Returns the path ray that leaves the surface in unit direction `wi`: a ray with the nested
-    /// bodies and the medium around it.
+    /// bodies and the medium around its origin.
     #[inline]
     pub fn outgoing_path_ray(&self, wi: Vec3) -> PathRay<I> {
         let cone = RayCone::zero_width_cone(Effects::NONE);
@@ -79,7 +83,8 @@ impl<I: Interior> PathVertex<'_, I> {
 pub(super) struct MediumPathSegment<'a, I> {
     /// Ray and medium of the segment.
     pub segment: &'a MediumSegment<'a, I>,
-    /// Numbers of receivers and casters that the camera path visited before the segment.
+    /// Numbers of receivers (surfaces and media that store photons) and casters (such as glass)
+    /// that the camera path visited before the segment.
     pub history: PathHistory,
     /// Factor from radiance at the start of the segment to radiance of the pixel.
     pub throughput: Rgb,
@@ -97,9 +102,10 @@ pub(super) struct PrevVertex {
     /// Unit normal of the hemisphere from which the previous vertex scatters light; `None` for the
     /// whole sphere.
     pub hemisphere: Option<Vec3>,
-    /// Numbers of receivers and casters that the camera path visited before the previous vertex. If
-    /// the previous vertex is a caster, it counts too.
+    /// Numbers of receivers (surfaces and media that store photons) and casters (such as glass)
+    /// that the camera path visited before the previous vertex. If the previous vertex is a caster,
+    /// it counts too.
     pub history: PathHistory,
-    /// Pdf of the direction in which the path left the vertex \[1/sr].
+    /// Pdf of the direction in which the path left the previous vertex \[1/sr].
     pub pdf: f32,
 }

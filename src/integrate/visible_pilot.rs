@@ -1,4 +1,4 @@
-//! Pilot that finds points visible to the camera.
+//! Pilot (small simulation before the first pass) that finds points visible to the camera.
 
 use super::camera_path::PathContext;
 use super::film_points::trace_paths_through_film_points;
@@ -16,12 +16,12 @@ use glam::Vec2;
 /// are four rays per pixel.
 const RAY_COUNT_RANGE: (u32, u32) = (2000, 20_000);
 
-/// Largest distance between a photon and a visible point at which the photon counts as visible,
-/// divided by the diagonal of the bounding box of all visible points.
+/// Largest distance from a photon to a visible point at which the photon counts as visible, divided
+/// by the diagonal of the bounding box of all visible points.
 const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
-/// Returns a map of the points on receivers that the camera sees directly or over casters, such as
-/// glass or mirrors.
+/// Returns a map of the points that the camera sees on *receivers* (surfaces that store photons),
+/// directly or over casters such as glass or mirrors.
 ///
 /// A photon within `radius` \[length] of such a point counts as visible. The radius is smaller if
 /// the visible part of the scene is small, and larger if the found points are sparse.
@@ -40,11 +40,11 @@ pub(super) fn find_visible_points(
     VisiblePointMap::new(visible, radius)
 }
 
-/// Traces `rays` camera paths, and returns the points where they reach receivers, in the order of
-/// the paths.
+/// Traces `rays` camera paths, and returns the points where they reach *receivers* (surfaces that
+/// store photons), in the order of the paths.
 ///
-/// `continuation` says from which receivers a path continues; it ends after `max_bounces` bounces.
-/// If a receiver transmits light, its point is returned once for each side.
+/// `continuation` selects the receivers from which a path continues; it ends after `max_bounces`
+/// bounces. If a receiver transmits light, its point is returned once for each side.
 pub(super) fn record_receiver_points(
     scene: &Scene,
     effects: Effects,

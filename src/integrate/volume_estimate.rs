@@ -1,4 +1,5 @@
-//! Photon estimates in media: the radiance that a medium scatters along a segment of a camera path.
+//! Photon estimates in media: the radiance that a medium scatters to the start of a camera-path
+//! segment.
 
 use super::path_task::PathTask;
 use super::vertex::MediumPathSegment;
@@ -13,7 +14,7 @@ use glam::Vec3;
 use rand::{Rng, RngExt};
 use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-/// Estimator of in-scattered radiance from photons in media.
+/// Density estimator of the radiance that media scatter along a camera ray, from photons in media.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VolumeEstimator {
     /// Photon beams near the ray (Jarosz et al. 2011). Heterogeneous media use `BeamRadiance`
@@ -27,8 +28,8 @@ pub enum VolumeEstimator {
 }
 
 impl VolumeEstimator {
-    /// Returns the kernel's number of dimensions in homogeneous media, and that in heterogeneous
-    /// media.
+    /// Returns the number of dimensions of the density-estimation kernel: first in homogeneous,
+    /// then in heterogeneous media.
     pub(super) fn kernel_dimensions(self) -> (u32, u32) {
         match self {
             Self::Beams => (1, 2),
@@ -50,8 +51,8 @@ pub(super) struct BeamAndPointMaps {
 /// Sums of the radiance from photons in a medium, for a kernel of the full radius and for kernels
 /// of smaller nested radii.
 ///
-/// Surfaces hide a part of the kernel. Probe rays from its center measure that part. The first of
-/// them goes towards one photon, chosen with a probability proportional to its radiance.
+/// Walls may hide a part of the kernel. Probe rays from its center measure the hidden part. The
+/// first probe ray goes towards one photon, chosen with a probability proportional to its radiance.
 struct NestedKernelSums {
     sums: [Rgb; NESTED_DISC_COUNT],
     /// Number of dimensions in which the kernel spreads: 1 to 3.
@@ -61,26 +62,27 @@ struct NestedKernelSums {
     chosen: Option<ChosenPhoton>,
 }
 
-/// Photon chosen from all photons of a kernel. Probe rays towards it and around it measure which
-/// part of the kernel is hidden by surfaces.
+/// Photon chosen at random from all photons of a kernel. Probe rays towards it and around it
+/// measure the part of the kernel that surfaces hide.
 struct ChosenPhoton {
-    /// Radiance of the photon times the phase function and the kernel value for the full radius.
+    /// Contribution of the photon: its radiance times the phase function and the kernel value for
+    /// the full radius.
     radiance: Rgb,
     /// Squared distance of the photon from the kernel's center, divided by the squared full radius.
     squared_relative_distance: f32,
-    /// Ray from the kernel's center towards the photon, of unit direction.
+    /// Ray from the kernel's center towards the photon, with unit direction.
     towards: Ray,
 }
 
 impl NestedKernelSums {
     /// Makes empty sums for a kernel in `dimensions` dimensions. If `repeats_in_nested_discs` is
-    /// true, the kernels of smaller radii are summed too.
+    /// true, also sums the kernels of smaller radii.
     fn new(dimensions: u32, repeats_in_nested_discs: bool) -> Self {
         Self { sums: [Rgb::ZERO; NESTED_DISC_COUNT], dimensions, repeats_in_nested_discs, chosen: None }
     }
 
-    /// Adds `radiance`, that of one photon, times `weight`. `weight` is the phase function times
-    /// the kernel value of the full radius at the photon.
+    /// Adds the `radiance` of one photon, times `weight`: the phase function times the value of the
+    /// full-radius kernel at the photon.
     ///
     /// `x2` is the squared distance of the photon from the kernel's center, divided by the squared
     /// full radius, in \[0, 1). `towards` returns the ray from the center towards the photon.
@@ -98,12 +100,13 @@ impl NestedKernelSums {
     }
 
     /// Returns all sums times `factor`, corrected for the part of each kernel that surfaces hide.
-    /// `radius` is the full radius \[length], `axis` the unit direction of the ray.
+    /// `radius` is the full radius \[length], and `axis` the unit direction of the camera ray.
     ///
-    /// A photon's radiance f should be divided by the coverage c: the part of the kernel that is
-    /// not hidden. Photons behind a surface should be left out. Measuring c for all photons takes
-    /// too many probe rays. So one photon is chosen with probability f/F, where F is the sum. The
-    /// function adds F/c − F for it, or −F if it is hidden. This has the same mean.
+    /// A photon's contribution f should be divided by the coverage c, the visible part of the
+    /// kernel. Photons behind a surface should be left out. To measure c for all photons would take
+    /// too many probe rays. So one photon is chosen with probability f/F, where F is the sum of all
+    /// f. For this photon, the function adds F/c − F, or −F if it is hidden. The result has the
+    /// same mean.
     fn with_coverage_correction(
         mut self,
         scene: &Scene,
@@ -113,12 +116,12 @@ impl NestedKernelSums {
     ) -> [Rgb; NESTED_DISC_COUNT] {
         if let Some(ChosenPhoton { radiance, squared_relative_distance: x2, towards }) = self.chosen {
             let probes = KernelProbes::trace(scene, &towards, axis, self.dimensions, radius);
-            let sees = probes.first_probe_is_clear(x2.sqrt() * radius);
+            let is_visible = probes.first_probe_is_clear(x2.sqrt() * radius);
             let all = self.sums[0].element_sum() / radiance.element_sum();
             let mut radius = radius;
             for (sum, ratio) in self.sums.iter_mut().zip(kernel_ratios(self.dimensions, x2)) {
-                let share = if sees { 1.0 / probes.visible_fraction(radius) } else { 0.0 };
-                *sum += radiance * (ratio * all * (share - 1.0));
+                let coverage_factor = if is_visible { 1.0 / probes.visible_fraction(radius) } else { 0.0 };
+                *sum += radiance * (ratio * all * (coverage_factor - 1.0));
                 radius *= FRAC_1_SQRT_2;
             }
         }
@@ -126,8 +129,8 @@ impl NestedKernelSums {
     }
 }
 
-/// Returns the kernel values of all nested radii at one photon, divided by the value of the kernel
-/// of the full radius.
+/// Returns the value of the kernel of each nested radius at one photon, divided by the value of the
+/// full-radius kernel there.
 ///
 /// At the fraction x of its radius, a kernel is proportional to 1 − x² in one and three dimensions,
 /// and to (1 − x²)² in two. `x2` is x² for the full radius. Each nested radius is the next larger
@@ -147,7 +150,7 @@ fn kernel_ratios(dimensions: u32, x2: f32) -> [f32; NESTED_DISC_COUNT] {
 }
 
 impl BeamAndPointMaps {
-    /// Builds the search structures of photons in media.
+    /// Builds the search structures of the photons `volume` in media.
     ///
     /// `beams` and `points` are the kernel radii of photon beams and of photon points \[length].
     /// `band` is the half width of the kernel over wavelengths \[nm].
@@ -163,7 +166,7 @@ impl BeamAndPointMaps {
 
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// `lookup_scale` is the number of camera paths for which the estimate stands, times a weight.
+    /// `lookup_scale` is the number of camera paths for which this estimate stands, times a weight.
     /// It multiplies only the nested estimates in `task`, not the result.
     pub fn radiance<I: Interior>(
         &self,
@@ -203,8 +206,9 @@ impl BeamAndPointMaps {
         levels[0]
     }
 
-    /// Estimates radiance from photon beams, with a one-dimensional kernel over the distance
-    /// between ray and beam. Returns one value for each kernel size, largest first.
+    /// Estimates in-scattered radiance from photon beams, with a one-dimensional kernel over the
+    /// distance between ray and beam. Returns one value for each nested kernel radius, largest
+    /// first.
     fn estimate_by_beams<I: Interior>(
         &self,
         scene: &Scene,
@@ -214,7 +218,7 @@ impl BeamAndPointMaps {
         repeats_in_nested_discs: bool,
     ) -> [Rgb; NESTED_DISC_COUNT] {
         let MediumSegment { ray, medium, medium_index: index, interior, .. } = path_segment.segment;
-        let (own, extinction) = (interior.wavelength(), medium.extinction());
+        let (path_wavelength, extinction) = (interior.wavelength(), medium.extinction());
         let mut sums = NestedKernelSums::new(1, repeats_in_nested_discs);
         self.beams.visit_near_ray(ray, |beam, crossing| {
             if beam.medium != *index {
@@ -225,15 +229,15 @@ impl BeamAndPointMaps {
             let phase = medium.phase.evaluate(-crossing.cos);
             let radiance = beam.flux
                 * transmittance
-                * wavelength_kernel_weight(own, beam.wavelength_code, self.wavelength_kernel_half_width);
+                * wavelength_kernel_weight(path_wavelength, beam.wavelength_code, self.wavelength_kernel_half_width);
             let towards = || ray_towards_beam(ray, beam, &crossing);
             sums.add(radiance, phase * crossing.weight, crossing.squared_relative_distance, rng, towards);
         });
         sums.with_coverage_correction(scene, ray.direction, self.beams.radius(), medium.scattering)
     }
 
-    /// Estimates radiance from photon points, with a two-dimensional kernel around the ray. Returns
-    /// one value for each kernel size, largest first.
+    /// Estimates in-scattered radiance from photon points, with a two-dimensional kernel around the
+    /// ray. Returns one value for each nested kernel radius, largest first.
     fn estimate_along_ray<I: Interior>(
         &self,
         scene: &Scene,
@@ -243,7 +247,7 @@ impl BeamAndPointMaps {
         repeats_in_nested_discs: bool,
     ) -> [Rgb; NESTED_DISC_COUNT] {
         let MediumSegment { ray, medium, medium_index: index, interior, .. } = path_segment.segment;
-        let own = interior.wavelength();
+        let path_wavelength = interior.wavelength();
         let mut sums = NestedKernelSums::new(2, repeats_in_nested_discs);
         self.points.visit_near_ray(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
@@ -254,7 +258,7 @@ impl BeamAndPointMaps {
             let phase = medium.phase.evaluate(-cos);
             let radiance = photon.flux()
                 * transmittance
-                * wavelength_kernel_weight(own, photon.wavelength_code, self.wavelength_kernel_half_width);
+                * wavelength_kernel_weight(path_wavelength, photon.wavelength_code, self.wavelength_kernel_half_width);
             let towards = || {
                 let center = ray.at(t);
                 let offset = photon.position - center;
@@ -265,8 +269,9 @@ impl BeamAndPointMaps {
         sums.with_coverage_correction(scene, ray.direction, self.points.radius(), Rgb::ONE)
     }
 
-    /// Estimates radiance from photon points, with a three-dimensional kernel around one sampled
-    /// point of the ray. Returns one value for each kernel size, largest first.
+    /// Estimates in-scattered radiance from photon points, with a three-dimensional kernel around
+    /// one sampled point of the ray. Returns one value for each nested kernel radius, largest
+    /// first.
     fn estimate_at_sampled_point<I: Interior>(
         &self,
         scene: &Scene,
@@ -276,7 +281,7 @@ impl BeamAndPointMaps {
         repeats_in_nested_discs: bool,
     ) -> [Rgb; NESTED_DISC_COUNT] {
         let MediumSegment { ray, medium, medium_index: index, interior, .. } = path_segment.segment;
-        let own = interior.wavelength();
+        let path_wavelength = interior.wavelength();
         let distance_sample = medium.distance_sample(ray, ray.t_max, path_segment.throughput, rng);
         let Some(t) = distance_sample.scattering_distance else { return [Rgb::ZERO; NESTED_DISC_COUNT] };
         let p = ray.at(t);
@@ -288,7 +293,7 @@ impl BeamAndPointMaps {
             *count += 1;
             let phase = medium.phase.evaluate(-photon.direction().dot(ray.direction));
             let radiance = photon.flux()
-                * wavelength_kernel_weight(own, photon.wavelength_code, self.wavelength_kernel_half_width);
+                * wavelength_kernel_weight(path_wavelength, photon.wavelength_code, self.wavelength_kernel_half_width);
             sums.add(radiance, phase * weight, x2, rng, || ray_along(p, photon.position - p, ray.direction));
         });
         // The weight is σs·T over the pdf of the distance. Photons already carry scattered light,
@@ -298,8 +303,8 @@ impl BeamAndPointMaps {
     }
 }
 
-/// Returns the ray from the point of `ray` that is closest to `beam` towards the closest point of
-/// the beam.
+/// Returns the shortest connection from `ray` to `beam`: the ray from the point of `ray` that is
+/// closest to the beam, towards the closest point of the beam.
 fn ray_towards_beam(ray: &Ray, beam: &PhotonBeam, crossing: &BeamIntersection) -> Ray {
     let normal = ray.direction.as_dvec3().cross(beam.direction.as_dvec3()).normalize();
     let side = normal.dot(beam.start.as_dvec3() - ray.origin.as_dvec3());
@@ -321,17 +326,19 @@ fn divide_by_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
 /// Returns the factor on a photon's flux that accounts for the difference between the wavelengths
 /// of the photon and of the camera path.
 ///
-/// `own` is the wavelength of the camera path, `other` the wavelength code of the photon. If both
-/// are set, the factor replaces the photon's spectral weight by a box kernel of half width `band`
-/// \[nm]. Otherwise it is 1.
-pub(super) fn wavelength_kernel_weight(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
-    let (Some(own), Some(other)) = (own, Wavelength::from_byte_code(other)) else { return Rgb::ONE };
-    let apart = (own.nanometres() - other.nanometres()).abs();
+/// `path_wavelength` is the wavelength of the camera path, and `photon_code` the wavelength code of
+/// the photon. If both are set, the factor replaces the photon's spectral weight by a box kernel of
+/// half width `band` \[nm]. Otherwise it is 1.
+pub(super) fn wavelength_kernel_weight(path_wavelength: Option<Wavelength>, photon_code: u8, band: f32) -> Rgb {
+    let (Some(path), Some(photon)) = (path_wavelength, Wavelength::from_byte_code(photon_code)) else {
+        return Rgb::ONE;
+    };
+    let apart = (path.nanometres() - photon.nanometres()).abs();
     if apart > band {
         return Rgb::ZERO;
     }
-    let response = other.weight() * other.pdf();
-    let nm = own.nanometres();
+    let response = photon.weight() * photon.pdf();
+    let nm = path.nanometres();
     let width = (nm + band).min(Wavelength::LONGEST_NM) - (nm - band).max(Wavelength::SHORTEST_NM);
     Rgb::select(response.cmpgt(Rgb::ZERO), 1.0 / (response * width), Rgb::ZERO)
 }

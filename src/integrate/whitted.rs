@@ -10,7 +10,7 @@ use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPoli
 use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::scene::Effects;
 
-/// Mean throughput of the RGB channels below which a camera path ends: 1/256, one level of an 8-bit
+/// Throughput, as a mean over RGB, below which a camera path ends: 1/256, one level of an 8-bit
 /// picture.
 const MIN_THROUGHPUT: f32 = 1.0 / 256.0;
 

@@ -12,19 +12,18 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use crate::stats::Counters;
 
-/// Divisor of the number of photon paths of a pass: the ray-photon-balance pilot traces 1/16 of the
-/// paths.
+/// Number of photon paths of a pass, divided by the number in the ray-photon-balance pilot.
 const PHOTON_PATH_DIVISOR: u32 = 16;
 
-/// Radiance at the ray-photon-balance pilot's film points, and counts of the rays of their camera
-/// paths.
+/// Radiance at each film point of the ray-photon-balance pilot, and counts of the rays and photons
+/// of all camera paths through these points.
 struct FilmPointEstimates {
     radiance: Vec<Rgb>,
     counters: Counters,
 }
 
-/// Runs the ray-photon-balance pilot. Returns the numbers of camera rays and photon paths for which
-/// a pass has the least noise, at the work of the numbers that `renderer` holds.
+/// Runs the ray-photon-balance pilot. Returns the numbers of camera rays and photon paths with
+/// which a pass has the least noise, at the same work as with the numbers of `renderer`.
 ///
 /// Returns `None` without photons. The result depends only on the scene and the settings.
 pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<RayPhotonBalance> {
@@ -41,7 +40,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
         };
         (renderer.map_builder.build(&options, &SilentMonitor, &mut out), out)
     };
-    let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
+    let ((mut maps, pilot_result), (mut other_maps, _)) = (build(0), build(1));
 
     // Estimate the radiance at each point four times: once as reference, and once with each of the
     // three sources of noise replaced.
@@ -51,15 +50,15 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let other_camera = estimate_at_points(renderer, Some(&maps), &other_points);
     std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
     // In `hybrid`, aimed paths fill the caustic map and the indirect map, so both are replaced.
-    let one_source = renderer.map_builder.request.aimed.separates_after_caustic;
-    if one_source {
+    let aimed_fill_both_maps = renderer.map_builder.request.aimed.separates_after_caustic;
+    if aimed_fill_both_maps {
         std::mem::swap(&mut maps.indirect, &mut other_maps.indirect);
     }
     let other_aimed = estimate_at_points(renderer, Some(&maps), &points);
-    let has_unaimed = !one_source || other_maps.interreflection.is_some();
+    let has_unaimed = !aimed_fill_both_maps || other_maps.interreflection.is_some();
     let other_unaimed = has_unaimed.then(|| estimate_at_points(renderer, Some(&other_maps), &points));
-    // Without the interreflection map, only photons of aimed paths are gathered: in `hybrid`, those
-    // of the caustic map and of the indirect map.
+    // Remove the interreflection map, so that only photons of aimed paths are gathered: in
+    // `hybrid`, photons of the caustic map and of the indirect map.
     maps.interreflection = None;
     let gathered_aimed = estimate_at_points(renderer, Some(&maps), &points).counters;
 
@@ -76,15 +75,15 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     // Measure the work of each source.
     let pixel_count = pixel_count(renderer.scene);
     let points = f64::from(FILM_POINT_COUNT);
-    // A pass traces more photon paths than the pilot, so each density estimate of the pass gathers
-    // more photons.
+    // Scale by the number of photon paths: density estimates of a pass gather more photons than
+    // those of the pilot.
     let gathering =
         |counters: &Counters| balance::gathering_work(counters) / points * pixel_count * f64::from(PHOTON_PATH_DIVISOR);
     let gathered = gathering(&reference.counters);
     let gathered_unaimed =
         if other_maps.interreflection.is_some() { gathered - gathering(&gathered_aimed) } else { 0.0 };
-    let paths = (made.unaimed.emitted_paths + made.aimed.emitted_paths) as f64;
-    let rays = made.counters.photon_rays as f64;
+    let paths = (pilot_result.unaimed.emitted_paths + pilot_result.aimed.emitted_paths) as f64;
+    let rays = pilot_result.counters.photon_rays as f64;
     let photons = |noise: f64, report: &PhotonReport, count: u32, gathered: f64, gathered_paths: f64| {
         let emitted = report.emitted_paths as f64;
         let work = rays / paths
@@ -100,15 +99,16 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     };
     let unaimed_noise = other_unaimed.map_or(0.0, |other| noise(&other));
     let (unaimed, aimed) = if other_maps.interreflection.is_some() {
-        let (aimed_paths, unaimed_paths) = (made.aimed.emitted_paths as f64, made.unaimed.emitted_paths as f64);
+        let (aimed_paths, unaimed_paths) =
+            (pilot_result.aimed.emitted_paths as f64, pilot_result.unaimed.emitted_paths as f64);
         (
-            photons(unaimed_noise, &made.unaimed, counts.unaimed, gathered_unaimed, unaimed_paths),
-            photons(noise(&other_aimed), &made.aimed, counts.aimed, gathered - gathered_unaimed, aimed_paths),
+            photons(unaimed_noise, &pilot_result.unaimed, counts.unaimed, gathered_unaimed, unaimed_paths),
+            photons(noise(&other_aimed), &pilot_result.aimed, counts.aimed, gathered - gathered_unaimed, aimed_paths),
         )
     } else {
         (
-            photons(unaimed_noise, &made.unaimed, counts.unaimed, gathered, paths),
-            photons(noise(&other_aimed), &made.aimed, counts.aimed, gathered, paths),
+            photons(unaimed_noise, &pilot_result.unaimed, counts.unaimed, gathered, paths),
+            photons(noise(&other_aimed), &pilot_result.aimed, counts.aimed, gathered, paths),
         )
     };
 
@@ -117,8 +117,8 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
     Some(RayPhotonBalance {
         samples_per_pixel: samples.round().max(1.0) as u32,
-        unaimed_paths: paths(unaimed, made.unaimed.emitted_paths),
-        aimed_paths: paths(aimed, made.aimed.emitted_paths),
+        unaimed_paths: paths(unaimed, pilot_result.unaimed.emitted_paths),
+        aimed_paths: paths(aimed, pilot_result.aimed.emitted_paths),
     })
 }
 

@@ -45,7 +45,7 @@ pub struct AreaLight {
     pub texture: Option<Arc<EmissionTexture>>,
 }
 
-/// A texture that defines the emitted radiance of a surface.
+/// A texture that varies the radiance over an emitting surface.
 #[derive(Clone, Debug)]
 pub struct EmissionTexture {
     /// The texture, whose values `scale` converts to radiance.
@@ -56,7 +56,7 @@ pub struct EmissionTexture {
     pub scale: Rgb,
 }
 
-/// Parametric coordinates of a sampled point on the surface of an area light, for texture lookup.
+/// Parametric coordinates of a point on the surface of an area light, for texture lookup.
 #[derive(Clone, Copy, Debug)]
 enum SurfaceCoord {
     /// Parametric coordinates on an analytic shape.
@@ -116,8 +116,7 @@ impl LightSurface {
         }
     }
 
-    /// Texture coordinates of the point `p` of the surface. `coord` holds the parametric
-    /// coordinates of `p`.
+    /// Texture coordinates of the surface point `p`, whose parametric coordinates are `coord`.
     fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
         match (self, coord) {
             (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.tex_coord(p, uv),
@@ -128,8 +127,8 @@ impl LightSurface {
         }
     }
 
-    /// Returns a world-space point that stands for the surface: its sample at (1/2, 1/2), moved to
-    /// the outer side by more than the rounding error of positions.
+    /// Returns a world-space point just outside the middle of the surface. It is the surface sample
+    /// at (½, ½), moved to the outer side by more than the rounding error.
     pub(super) fn representative_point(&self) -> Vec3 {
         let point = self.sample(Vec2::splat(0.5)).point;
         offset_ray_origin(point.p, point.position_error, point.ng, point.ng)
@@ -153,7 +152,7 @@ impl LightSurface {
         }
     }
 
-    /// Bounding box of the surface, and a cone that contains all its outer normals.
+    /// Bounding box of the surface, and a cone that contains all outer normals of the surface.
     fn bounds_and_normal_cone(&self) -> (Bounds, DirectionCone) {
         match self {
             Self::Shape(shape) => {
@@ -181,7 +180,7 @@ impl LightSurface {
 }
 
 impl EmissionTexture {
-    /// Emitted radiance at the surface point of `context` \[W/(m² sr)].
+    /// Emitted radiance \[W/(m² sr)] at the surface point that `context` describes.
     #[must_use]
     pub fn radiance(&self, context: &TextureEvalContext) -> Rgb {
         self.texture.evaluate_color(context) * self.scale

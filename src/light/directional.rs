@@ -9,7 +9,7 @@ use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// A delta light at infinity whose rays are parallel.
+/// A light at infinity whose rays are parallel, such as the sun without its extent.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectionalLight {
     /// Unit direction in which the light travels.

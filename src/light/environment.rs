@@ -11,7 +11,8 @@ use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// Environment light: light from infinity, with the radiance of an equirectangular map.
+/// Environment light: light from infinity whose radiance in each direction is the value of an
+/// equirectangular map.
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
     map: EquirectangularMap,
@@ -122,8 +123,8 @@ impl LightSource for EnvironmentLight {
         Some(EmissionSample { ray: Ray::new(start, -from), weight: self.radiance(from) / (pdf * pdf_start) })
     }
 
-    /// Flux \[W] through a disc with the radius r of `domain`, integrated over all directions: π r²
-    /// ∫ L dω.
+    /// Flux \[W] that enters the sphere `domain` of radius r: π r² ∫ L dω, with the integral over
+    /// all directions.
     fn power(&self, domain: BoundingSphere) -> Rgb {
         self.map.integral() * (PI * domain.radius * domain.radius)
     }

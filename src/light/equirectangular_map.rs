@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
 use std::f64::consts::{PI, TAU};
 
-/// Reason why a picture cannot define the emission of a light.
+/// Error: the picture cannot define the emission of a light.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EmissionPictureError {
     /// A pixel is negative or not finite after scaling.
@@ -48,7 +48,7 @@ pub(super) fn scale_and_validate_picture(mut picture: Image, scale: Rgb) -> Resu
 #[derive(Clone, Debug)]
 pub struct EquirectangularMap {
     map: Image,
-    /// Distribution over the pixels; `None` if the map is black.
+    /// Sampling distribution over the pixels; `None` if the map is black.
     ///
     /// The weight of a pixel is the mean of the interpolated value over the pixel, averaged over
     /// channels, times the pixel's solid angle.
@@ -165,7 +165,8 @@ impl EquirectangularMap {
     }
 }
 
-/// Integral over cos θ of row `row`'s vertical interpolation weight, in a map of `rows` rows.
+/// Integral over cos θ of the weight of row `row` in vertical interpolation, for a map of `rows`
+/// rows.
 ///
 /// θ is the angle to the upper pole of the map. The weight is a hat function of θ. Above the center
 /// of the first row, and below the center of the last row, the weight is 1.

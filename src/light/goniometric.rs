@@ -20,7 +20,8 @@ pub struct GoniometricLight {
     /// Axes x, y and z of the map's frame, as unit vectors in world space. The center of the map
     /// lies at −z, its top at +y.
     axes: [Vec3; 3],
-    /// Map over all directions. The intensity is the value of the map times `scale`.
+    /// Relative intensity over all directions. The intensity is the value of this map times
+    /// `scale`.
     map: Arc<EquirectangularMap>,
     /// Factor from map value to intensity \[W/sr].
     pub scale: Rgb,

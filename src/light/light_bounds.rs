@@ -8,7 +8,8 @@ use crate::math::Bounds;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Bounds of the positions and emitted directions of one or more lights.
+/// Bounds of the positions and emitted directions of one or more lights, as in a node of a light
+/// BVH.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBounds {
     /// Box around the positions of the lights, in world space.
@@ -33,7 +34,7 @@ pub(super) struct DirectionCone {
     pub half_angle: f64,
 }
 
-/// Upper bound of the rounding error of a unit normal in f32 \[radians].
+/// Upper bound of the angle \[radians] between an exact unit normal and the normal rounded to f32.
 pub(super) const NORMAL_ERROR: f64 = 1e-6;
 
 impl DirectionCone {
@@ -66,7 +67,8 @@ pub(super) fn angle_between(a: DVec3, b: DVec3) -> f64 {
 }
 
 impl LightBounds {
-    /// Creates the bounds of one light with the given flux \[W].
+    /// Creates the bounds of one light, whose positions lie in the box `space`, and whose flux is
+    /// `flux` \[W].
     ///
     /// `normal_cone` contains all surface normals of the light. For a light at a point, it contains
     /// the axes from which emitted directions are measured. `spread` is the largest angle
@@ -92,11 +94,11 @@ impl LightBounds {
         }
     }
 
-    /// Weighted solid angle of the emitted directions \[sr]. The flux divided by it is about the
-    /// intensity along the normals.
+    /// Solid angle of the emitted directions, weighted by relative intensity \[sr]. Flux divided by
+    /// this angle is about the intensity along the normals.
     ///
-    /// Directions inside the cone of normals have weight 1. A direction outside, within `spread` of
-    /// the cone, has the cosine of its angle to the cone as weight.
+    /// Directions inside the cone of normals have weight 1. Directions outside, up to the angle
+    /// `spread` from the cone, have the cosine of their angle to the cone as weight.
     fn weighted_solid_angle(&self) -> f64 {
         let o = self.normal_cone.half_angle;
         let w = (o + self.spread).min(PI);
@@ -112,29 +114,32 @@ impl LightBounds {
     }
 }
 
-/// Lower bound of the squared distance by which [`CompactLightBounds::importance_at`] divides, as a
-/// multiple of the squared radius r² of the lights' bounding sphere.
+/// Lower bound of the squared distance d² in the importance of lights, as a multiple of the squared
+/// radius r² of their bounding sphere. It keeps the importance finite for points among the lights.
 ///
-/// With this bound, a point among the lights gets about the mean of 1/d² over their box. Over a
-/// ball of radius R, this mean is 3/R², as if d² were R²/3. A cube inside the bounding sphere has
-/// the volume of a ball with R² = r²/2, which gives r²/6.
+/// The bound makes 1/d² about its mean over a cube inside the sphere. This mean is about the mean
+/// over a ball of equal volume, whose radius R has R² ≈ r²/2. There, it is 3/R² ≈ 6/r².
 const MIN_RELATIVE_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
-/// Bounds of one or more lights, in a form from which their importance at a point is computed fast.
+/// Bounds of one or more lights, stored so that their importance at a point is computed fast.
 ///
 /// A bounding sphere replaces the box of [`LightBounds`], and cosines replace angles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CompactLightBounds {
     /// Center of the bounding sphere of all lights.
     center: Vec3,
+    /// Squared radius of the bounding sphere of all lights \[length²], above 0.
     radius_squared: f64,
-    /// Axis of the cone that contains all surface normals; see [`LightBounds::new`].
+    /// Unit axis of the cone that contains all surface normals, or the emission axes of lights at a
+    /// point.
     axis: Vec3,
-    /// Cosine and sine of the half angle of the cone that contains all surface normals.
+    /// Cosine and sine of the half angle of the cone around `axis`.
     normal_half_angle: CosSin,
+    /// Cosine of the largest angle between an emitted direction and the nearest direction in the
+    /// cone around `axis`.
     cos_spread: f64,
     /// Approximate radiant intensity \[W/sr] of all lights together, in directions inside the cone
-    /// of normals. It is greatest there.
+    /// around `axis`. Other directions have lower intensity.
     intensity: f64,
 }
 
@@ -143,6 +148,7 @@ pub(super) struct CompactLightBounds {
 struct CosSin(f64, f64);
 
 impl CosSin {
+    /// Creates the angle in \[0, π] with the given cosine.
     fn from_cos(cos: f64) -> Self {
         Self(cos, (1.0 - cos * cos).max(0.0).sqrt())
     }

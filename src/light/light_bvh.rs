@@ -6,7 +6,8 @@ use crate::color;
 use crate::math::{BoundingSphere, Bounds};
 use glam::Vec3;
 
-/// Samples one of many lights for a given point, by flux, distance and orientation.
+/// Samples one of many lights for a given point, with a probability that depends on flux, distance
+/// and orientation.
 ///
 /// A binary tree holds all lights that have a position. Sampling descends the tree, and chooses
 /// each child with a probability proportional to its importance (Conty Estevez and Kulla 2018;
@@ -16,15 +17,16 @@ use glam::Vec3;
 pub struct LightBvhSampler {
     /// Nodes in depth-first order: the first child comes directly after its parent.
     nodes: Vec<LightBvhNode>,
-    /// Indices of the lights at infinity. They are outside of the tree, and share their probability
-    /// equally.
+    /// Indices of the lights at infinity, which are outside of the tree. All are sampled with equal
+    /// probability.
     infinite_light_indices: Vec<u32>,
-    /// Location of each light in the sampler. The list index is the index of the light.
+    /// Location of each light in the sampler, by the index of the light.
     locations: Vec<LightBvhLocation>,
     /// Probability of sampling one of the lights at infinity instead of a light of the tree.
     infinite_probability: f64,
 }
 
+/// Node of the light BVH: bounds of all lights in its subtree, and its children or its light.
 #[derive(Clone, Debug)]
 struct LightBvhNode {
     bounds: CompactLightBounds,
@@ -49,23 +51,23 @@ enum LightBvhLocation {
     Absent,
     /// The light is at infinity, so it is outside of the tree.
     Infinite,
-    /// The light is in the tree. The bits of the number lead from the root to its leaf, lowest bit
-    /// first: a bit 0 to the first child of a node, a bit 1 to the second.
+    /// The light is in the tree. The bits of the number, lowest first, are the path from the root
+    /// to the light's leaf: 0 for the first child of a node, 1 for the second.
     Tree(u64),
 }
 
-/// Depth of the light BVH from which lights are split into halves of equal count. The depth of the
-/// tree then stays below 64, even for 2³² lights.
+/// Tree depth from which nodes of the light BVH are split into halves of equal count. This keeps
+/// the depth below 64, even for 2³² lights.
 const HALVING_DEPTH: u32 = 31;
 
 /// Number of buckets along each axis in the search for a light BVH node's split plane.
-const BUCKETS: usize = 12;
+const SPLIT_BUCKETS: usize = 12;
 
 /// Largest f32 below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl LightBvhSampler {
-    /// Creates a sampler of those `lights` that have power; `None` if none has.
+    /// Creates a sampler of all `lights` of nonzero power; `None` if there is none.
     ///
     /// `domain` is the bounding sphere of the scene.
     #[must_use]
@@ -104,8 +106,8 @@ impl LightBvhSampler {
     /// Appends a subtree with `lights` to `nodes`. There must be at least one light. The root of
     /// the subtree has the given `depth` in the tree.
     ///
-    /// The bits of `trail` lead from the root of the tree to the subtree, as in
-    /// [`LightBvhLocation::Tree`].
+    /// The bits of `trail`, lowest first, are the path from the root of the tree to the subtree: 0
+    /// for a first child, 1 for a second.
     fn build_subtree(&mut self, lights: &mut [BoundedLight], depth: u32, trail: u64) {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
@@ -123,10 +125,10 @@ impl LightBvhSampler {
 
     /// Samples a light for the point `p` by `u` in \[0, 1).
     ///
-    /// Returns the index of the light, its probability, and a remapped `u` that is uniform again.
-    /// If a unit normal `n` is given, lights of the tree that cannot illuminate the side of `n` are
-    /// not sampled. Returns `None` if the descent reaches a node whose lights cannot illuminate
-    /// `p`, or if the probability rounds to 0.
+    /// Returns the index of the light, its probability, and a uniform number in \[0, 1) made from
+    /// the unused part of `u`. If a unit normal `n` is given, lights of the tree that cannot
+    /// illuminate the side of `n` are not sampled. Returns `None` if the descent reaches a node
+    /// whose lights cannot illuminate `p`, or if the probability rounds to 0.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
@@ -215,17 +217,17 @@ fn split_lights_by_cost(lights: &mut [BoundedLight], depth: u32) -> (&mut [Bound
     let extent = centers.extent();
     let bucket = |l: &BoundedLight, axis: usize| {
         let x = (center(l)[axis] - centers.min[axis]) / extent[axis];
-        ((x * BUCKETS as f32) as usize).min(BUCKETS - 1)
+        ((x * SPLIT_BUCKETS as f32) as usize).min(SPLIT_BUCKETS - 1)
     };
     let mut best = (f64::INFINITY, 0, 0);
     for axis in (0..3).filter(|axis| extent[*axis] > 0.0 && depth < HALVING_DEPTH) {
-        let mut buckets: [Option<LightBounds>; BUCKETS] = [None; BUCKETS];
+        let mut buckets: [Option<LightBounds>; SPLIT_BUCKETS] = [None; SPLIT_BUCKETS];
         let add = |to: &mut Option<LightBounds>, b: LightBounds| *to = Some(to.map_or(b, |a| a.union(b)));
         for light in lights.iter() {
             add(&mut buckets[bucket(light, axis)], light.1);
         }
         let slimness = f64::from(extent.max_element() / extent[axis]);
-        for plane in 1..BUCKETS {
+        for plane in 1..SPLIT_BUCKETS {
             let side = |part: &[Option<LightBounds>]| part.iter().flatten().copied().reduce(LightBounds::union);
             if let (Some(a), Some(b)) = (side(&buckets[..plane]), side(&buckets[plane..])) {
                 let split_cost = slimness * (a.bvh_node_cost() + b.bvh_node_cost());

@@ -101,16 +101,16 @@ impl Light {
 
     /// Pdf \[1/sr] with which [`Light::sample_li`] at `p` samples unit direction `wi`.
     ///
-    /// `hit` is the point that a ray along `wi` hits on the light's surface; `None` if the ray
-    /// escapes to infinity. Delta lights return 0.
+    /// `hit` is the point where the ray from `p` along `wi` hits the light's surface; `None` if the
+    /// ray escapes to infinity. Delta lights return 0.
     #[inline]
     #[must_use]
     pub fn pdf_li(&self, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
         dispatch!(self, light => light.pdf_li(p, wi, hit))
     }
 
-    /// Samples a ray that leaves the light, by `position` and `direction` in \[0, 1)². Either point
-    /// may be unused; see [`Light::emission_dimensions`].
+    /// Samples a ray that leaves the light, by the random points `position` and `direction` in \[0,
+    /// 1)². Lights at one point ignore `position`, directional lights ignore `direction`.
     ///
     /// `domain` is the bounding sphere of the scene. Rays of lights at infinity start on a disc
     /// that touches this sphere. Returns `None` if the ray carries no light.
@@ -122,7 +122,8 @@ impl Light {
     /// Samples a ray that leaves the light and enters one of the spheres of `aim`; `None` if the
     /// ray carries no light.
     ///
-    /// The remaining arguments are those of [`Light::sample_le`].
+    /// `domain` is the bounding sphere of the scene. `position` and `direction` are random points
+    /// in \[0, 1)², as for [`Light::sample_le`].
     #[must_use]
     pub fn sample_le_towards(
         &self,
@@ -134,7 +135,8 @@ impl Light {
         dispatch!(self, light => light.sample_le_towards(aim, domain, position, direction))
     }
 
-    /// Tells on which arguments of [`Light::sample_le`] the rays of this light depend.
+    /// Tells which of the random points `position` and `direction` of [`Light::sample_le`]
+    /// determine the rays of this light.
     #[must_use]
     pub fn emission_dimensions(&self) -> EmissionDimensions {
         match self.geometry() {
@@ -185,7 +187,8 @@ impl Light {
         }
     }
 
-    /// World-space point that stands for the light; `None` for lights at infinity.
+    /// World-space point that stands for the position of the whole light; `None` for lights at
+    /// infinity.
     ///
     /// For an area light, it is a point near the surface, on its outer side.
     #[must_use]
@@ -209,7 +212,8 @@ impl Light {
         }
     }
 
-    /// Strength of a delta light, as a scene states it; `None` for area and environment lights.
+    /// Strength of a delta light, as a scene file states it; `None` for area and environment
+    /// lights.
     ///
     /// For a directional light, it is the irradiance at normal incidence \[W/m²]. For a point or
     /// spot light, it is the largest intensity \[W/sr]. For a projector or goniometric light, it is
@@ -219,7 +223,8 @@ impl Light {
         dispatch!(self, light => light.nominal_strength())
     }
 
-    /// True if light may enter `sphere`, ignoring occlusion; false only if it certainly does not.
+    /// True if the light may shine into `sphere`, ignoring occlusion; false only if it certainly
+    /// does not.
     ///
     /// If `sphere` is `None`, which stands for all of space, the result is true. `domain` is the
     /// bounding sphere of the scene.
@@ -231,10 +236,10 @@ impl Light {
         dispatch!(self, light => light.may_illuminate(BoundingSphere { radius: sphere.radius + margin, ..sphere }))
     }
 
-    /// True if no emitted ray lies in the plane through `p` with unit normal `n`, up to rounding;
-    /// false for all area and environment lights.
+    /// True if the light emits no ray within the plane through `p` with unit normal `n`, up to
+    /// rounding. Always false for area and environment lights.
     ///
-    /// If it emits such a ray, rounding decides whether an object in the plane occludes the ray.
+    /// Rounding decides whether an object in the plane occludes a ray within the plane.
     #[must_use]
     pub fn emits_no_ray_within_plane(&self, p: Vec3, n: Vec3) -> bool {
         match self.geometry() {
@@ -297,7 +302,7 @@ impl Light {
     }
 
     /// Returns the light without its emission texture: its radiance is the texture's mean. A light
-    /// without texture is returned as it is.
+    /// without emission texture is returned unchanged.
     #[must_use]
     pub fn with_mean_emission(&self) -> Self {
         dispatch!(self, light => light.untextured_light()).unwrap_or_else(|| self.clone())
@@ -317,8 +322,8 @@ impl Light {
     }
 }
 
-/// A delta light without its strength: it emits from one point or from one direction. Coordinates
-/// are world coordinates.
+/// A delta light without its strength: it emits from one point or in one direction. Its coordinates
+/// are those of the scene description, in f64.
 #[derive(Clone, Debug)]
 pub enum UnscaledDeltaLight {
     /// A point light, which emits equally in all directions.
@@ -346,7 +351,8 @@ pub enum UnscaledDeltaLight {
     },
 }
 
-/// Position or direction from which a delta light comes, in world coordinates.
+/// Position of a delta light, or direction in which its parallel light travels, in the coordinates
+/// of the scene description.
 #[derive(Clone, Copy, Debug)]
 pub enum LightPositionOrDirection {
     /// Position of the light.
@@ -356,7 +362,7 @@ pub enum LightPositionOrDirection {
 }
 
 impl UnscaledDeltaLight {
-    /// Position or direction from which the light comes.
+    /// Position of the light, or direction of travel of a directional light.
     #[must_use]
     pub fn position_or_direction(&self) -> LightPositionOrDirection {
         match self {
@@ -397,8 +403,9 @@ impl UnscaledDeltaLight {
         }
     }
 
-    /// Returns the factor \[1/sr] from the flux of a light with a position \[W] to the intensity
-    /// that [`Self::to_light`] expects. It is 1 for a directional light, which has no flux.
+    /// Returns the factor \[1/sr] that converts the flux of the light \[W] to the intensity \[W/sr]
+    /// that [`Self::to_light`] takes as `strength`. It is 1 for a directional light, whose strength
+    /// is an irradiance.
     #[must_use]
     pub fn intensity_per_watt(&self) -> f32 {
         match self {
@@ -411,10 +418,11 @@ impl UnscaledDeltaLight {
         }
     }
 
-    /// Returns the light in coordinates relative to `origin`.
+    /// Creates the light with the given strength, in coordinates relative to `origin`.
     ///
-    /// `strength` is the irradiance \[W/m²] of a directional light, else the largest intensity
-    /// \[W/sr] or the intensity where the pattern is 1.
+    /// `strength` is the irradiance \[W/m²] of a directional light, and the largest intensity
+    /// \[W/sr] of a point light or spotlight. For a projector or goniometric light, it is the
+    /// intensity where the picture or map has the value 1.
     #[must_use]
     pub fn to_light(&self, origin: DVec3, strength: Rgb) -> Light {
         let relative = |position: &DVec3| (*position - origin).as_vec3();
@@ -432,6 +440,6 @@ impl UnscaledDeltaLight {
     }
 }
 
-/// Upper bound of the relative rounding error of f32 positions: the error, divided by the distance
-/// from the origin or by the distance between two positions.
+/// Upper bound of the rounding error of an f32 position, divided by its distance from the origin or
+/// from another position.
 const RELATIVE_POSITION_ERROR: f32 = 1e-5;

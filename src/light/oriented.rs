@@ -6,7 +6,7 @@ use crate::math::{BoundingSphere, Transform};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Intensity of a point light in each direction of the light's own frame, up to a factor.
+/// Relative intensity of a point light in each direction, in the light's own frame.
 #[derive(Clone, Debug)]
 pub enum IntensityPattern {
     /// The picture of a projector, which emits into a pyramid.
@@ -15,8 +15,8 @@ pub enum IntensityPattern {
     Map(Arc<EquirectangularMap>),
 }
 
-/// A projector or goniometric light, in the frame of the scene description. Its strength is not yet
-/// known.
+/// A projector or goniometric light without its strength, in the coordinates of the scene
+/// description.
 #[derive(Clone, Debug)]
 pub struct OrientedPointLight {
     /// Position of the light in the frame of the scene description.
@@ -26,7 +26,7 @@ pub struct OrientedPointLight {
     pub direction: DVec3,
     /// Direction towards the top of the pattern, not parallel to `direction`.
     pub up: DVec3,
-    /// Intensity in each direction, up to the factor `scale` of [`Self::to_light`].
+    /// Relative intensity in each direction. [`Self::to_light`] multiplies it by a scale \[W/sr].
     pub pattern: IntensityPattern,
 }
 
@@ -57,8 +57,8 @@ impl OrientedPointLight {
     /// Returns the factor \[1/sr] that converts the flux of the light \[W] to its intensity at
     /// pattern value 1 \[W/sr].
     ///
-    /// It is 1 over the integral of the pattern over all directions, averaged over the color
-    /// channels.
+    /// The factor is 1/I, where I is the integral of the pattern over all directions \[sr],
+    /// averaged over the color channels.
     #[must_use]
     pub fn intensity_scale_per_watt(&self) -> f32 {
         let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };

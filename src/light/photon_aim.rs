@@ -1,4 +1,4 @@
-//! Photon aim: samples emitted rays that enter chosen spheres.
+//! Photon aim: samples emitted rays that enter the bounding spheres of chosen objects.
 
 use crate::math::{BoundingSphere, Bounds, Frame, warp};
 use glam::{Vec2, Vec3};
@@ -57,7 +57,7 @@ fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>)
 }
 
 impl PhotonAim {
-    /// Creates an aim at `spheres`. If there are more than 32 spheres, neighbours are merged.
+    /// Creates an aim at `spheres`. If there are more than 32, neighbouring spheres are merged.
     ///
     /// Each sphere is expanded by the rounding errors of the positions inside.
     #[must_use]

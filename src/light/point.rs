@@ -21,8 +21,8 @@ pub struct PointLight {
 
 /// A light whose rays leave from one point, with an intensity that depends on the direction.
 ///
-/// So a ray depends on the argument `direction` of [`LightSource::sample_le`] alone, not on
-/// `position`.
+/// Its emitted rays depend on the random point `direction` of [`LightSource::sample_le`] alone, not
+/// on `position`.
 pub(super) trait PositionalLight {
     /// Position of the light in world space.
     fn position(&self) -> Vec3;
@@ -36,22 +36,22 @@ pub(super) trait PositionalLight {
     /// Radiant flux of the light \[W].
     fn flux(&self) -> Rgb;
 
-    /// Radiant intensity by which a scene states the strength of the light \[W/sr]: the largest
-    /// one. For a projector or goniometric light, it is the intensity where the picture or map has
-    /// the value 1.
+    /// Radiant intensity \[W/sr] that a scene file states for the light: the largest intensity of
+    /// any direction. For a projector or goniometric light, it is the intensity where the picture
+    /// or map has the value 1.
     fn nominal_intensity(&self) -> Rgb;
 
-    /// Returns a cone of axes and the largest angle \[radians] between an emitted direction and the
-    /// nearest axis in this cone.
+    /// Returns bounds of the emitted directions: a cone of axes, and an angle \[radians]. Each
+    /// emitted direction lies within this angle of an axis in the cone.
     ///
-    /// They are the arguments `normal_cone` and `spread` of [`LightBounds::new`]. The default
-    /// stands for all directions, so it is correct for every light.
+    /// The two values become `normal_cone` and `spread` of [`LightBounds::new`]. The default stands
+    /// for all directions, so it is correct for every light.
     fn emission_cone(&self) -> (DirectionCone, f64) {
         (DirectionCone::ALL, FRAC_PI_2)
     }
 
-    /// True if light may enter `sphere`, ignoring occlusion; false only if it certainly does not.
-    /// The default `true` is correct for every light.
+    /// True if the light may shine into `sphere`, ignoring occlusion; false only if it certainly
+    /// does not. The default `true` is correct for every light.
     fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
@@ -134,8 +134,8 @@ impl<L: PositionalLight> LightSource for L {
     }
 }
 
-/// True if a ray from `position` inside the cone around unit `axis` may enter `sphere`; false only
-/// if certainly none does.
+/// True if a ray from `position` inside the cone around the unit vector `axis` may enter `sphere`;
+/// false only if no such ray enters it.
 ///
 /// `one_minus_cos` is 1 − cosine of the cone's half angle.
 pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, one_minus_cos: f32, sphere: BoundingSphere) -> bool {

@@ -12,13 +12,13 @@ use crate::sampling::PiecewiseConstant2d;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
-/// A point light that projects a picture. Its intensity in a direction is the value of the pixel
-/// there times `scale`.
+/// A point light that projects a picture through a pinhole. Its intensity in a direction is the
+/// value of the pixel there times `scale`.
 #[derive(Clone, Debug)]
 pub struct ProjectorLight {
     /// Position of the pinhole in world space.
     pub position: Vec3,
-    /// Unit vectors in world space: right on the picture, up on the picture, and direction of
+    /// World-space unit vectors: to the right of the picture, to its top, and along the axis of
     /// projection.
     axes: [Vec3; 3],
     picture: Arc<ProjectedPicture>,
@@ -35,9 +35,9 @@ pub struct ProjectedPicture {
     picture: Image,
     /// Half width and half height of the picture in the plane at distance 1.
     half_size: DVec2,
-    /// Distribution over the pixels, proportional to pixel value times solid angle.
+    /// Sampling distribution over the pixels, proportional to pixel value times solid angle.
     distribution: PiecewiseConstant2d,
-    /// Integral of the picture's value over all directions \[sr].
+    /// Integral of the picture's value over all directions \[pixel value · sr].
     integral: DVec3,
 }
 

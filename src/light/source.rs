@@ -1,4 +1,4 @@
-//! The interface [`LightSource`] of every kind of light, and what its methods return.
+//! The interface [`LightSource`] of every kind of light, and the types that its methods return.
 
 use super::light_bounds::LightBounds;
 use super::{Light, LightSurface, PhotonAim};
@@ -43,12 +43,13 @@ pub struct EmissionSample {
     pub weight: Rgb,
 }
 
-/// Arguments of [`Light::sample_le`] on which the rays of a light depend.
+/// The random points of [`Light::sample_le`] that determine the emitted rays of a light:
+/// `position`, `direction` or both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EmissionDimensions {
-    /// True if the ray depends on the argument `position` of [`Light::sample_le`].
+    /// True if the emitted ray depends on the random point `position`.
     pub uses_position: bool,
-    /// True if the ray depends on the argument `direction` of [`Light::sample_le`].
+    /// True if the emitted ray depends on the random point `direction`.
     pub uses_direction: bool,
 }
 
@@ -64,8 +65,8 @@ pub(super) enum LightGeometry<'a> {
     AllDirections,
 }
 
-/// Interface of one kind of light. [`Light`] documents the methods of the same name, and derives
-/// its other methods from `geometry`.
+/// Interface that each kind of light implements. [`Light`] calls these methods, and derives its
+/// other methods from `geometry`.
 ///
 /// `sample_li` and `sample_le` must describe the same emitted radiance: camera paths sample direct
 /// light by `sample_li`, and photon paths start by `sample_le`.
@@ -81,16 +82,20 @@ pub(super) trait LightSource {
     /// Position, direction or surface from which the light comes.
     fn geometry(&self) -> LightGeometry<'_>;
 
-    /// Implements [`Light::sample_li`].
+    /// Samples a direction from which light arrives at `p`, by `u` in \[0, 1)²; `None` if no light
+    /// can arrive. Occlusion is ignored ([`Light::sample_li`]).
     fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectLightSample>;
 
-    /// Implements [`Light::pdf_li`].
+    /// Pdf \[1/sr] with which `sample_li` at `p` samples unit direction `wi`, which hits the
+    /// light's surface at `hit`; 0 for delta lights ([`Light::pdf_li`]).
     fn pdf_li(&self, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32;
 
-    /// Implements [`Light::sample_le`].
+    /// Samples a ray that leaves the light, by two random points in \[0, 1)²; `None` if it carries
+    /// no light. `domain` is the scene's bounding sphere ([`Light::sample_le`]).
     fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample>;
 
-    /// Implements [`Light::sample_le_towards`].
+    /// Samples a ray that leaves the light and enters one of the spheres of `aim`; `None` if it
+    /// carries no light ([`Light::sample_le_towards`]).
     fn sample_le_towards(
         &self,
         aim: &PhotonAim,
@@ -99,23 +104,24 @@ pub(super) trait LightSource {
         direction: Vec2,
     ) -> Option<EmissionSample>;
 
-    /// Implements [`Light::power`].
+    /// Emitted flux \[W]; for a light at infinity, the flux through a disc with the radius of
+    /// `domain`, integrated over directions ([`Light::power`]).
     fn power(&self, domain: BoundingSphere) -> Rgb;
 
     /// Bounds of the light's positions and emitted directions; `None` for lights at infinity.
     fn bounds(&self) -> Option<LightBounds>;
 
-    /// Implements [`Light::nominal_strength`]. The default `None` is right for all lights except
-    /// delta lights.
+    /// Strength of a delta light, as a scene file states it: intensity \[W/sr] or irradiance
+    /// \[W/m²]. The default `None` is right for all other lights.
     fn nominal_strength(&self) -> Option<Rgb> {
         None
     }
 
-    /// Implements [`Light::may_illuminate`]. The caller has already expanded `sphere` by rounding
-    /// errors.
+    /// True if the light may shine into `sphere`, ignoring occlusion. The caller has already
+    /// expanded `sphere` by rounding errors.
     ///
-    /// The default `true` is correct for every light, but photons are then aimed at spheres that
-    /// the light may not reach.
+    /// The default `true` is correct for every light. It is inefficient if the light cannot reach
+    /// all of space: photons are then aimed at spheres that they cannot enter.
     fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }

@@ -17,8 +17,7 @@ pub struct SpotLight {
     pub position: Vec3,
     /// Unit axis of both cones.
     pub axis: Vec3,
-    /// 1 − cosine of the inner cone's half angle. The cosine itself would be imprecise for narrow
-    /// cones.
+    /// 1 − cosine of the inner cone's half angle. This form keeps its digits for narrow cones.
     pub inner_one_minus_cos: f32,
     /// 1 − cosine of the outer cone's half angle.
     pub outer_one_minus_cos: f32,
@@ -43,8 +42,8 @@ impl SpotLight {
         }
     }
 
-    /// Intensity \[W/sr] in directions for which 1 − cosine of the angle to the axis is
-    /// `one_minus_cos`.
+    /// Intensity \[W/sr] in the directions at angle θ to the axis, where `one_minus_cos` is 1 − cos
+    /// θ.
     ///
     /// The falloff is a smooth step in the cosine (Pharr, Jakob, Humphreys 2023, section 12.2.1).
     #[inline]

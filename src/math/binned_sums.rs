@@ -12,15 +12,15 @@ const QUANTUM_RATIO_LOG2: i32 = 31;
 /// A quantum is the unit of an integer sum; [`BinnedSums`] describes both.
 const QUANTUM_RATIO: f64 = (1u64 << QUANTUM_RATIO_LOG2) as f64;
 
-/// Number of levels. The level of a pixel selects its two quanta.
+/// Number of levels. The level of a pixel selects its two quanta, the units of its integer sums.
 ///
 /// The sum of three squares of f32 values is below the limit of the last level.
 const LEVELS: usize = 18;
 
-/// Exponent of the upper quantum of level 0, which is a power of two.
+/// Binary exponent of the upper quantum of level 0: the unit of the upper integer sum is 2⁻²⁹⁴.
 ///
-/// The limits of the levels are the powers 2^(15 + 31 k) with integers k. So values from 2⁻¹⁶ to
-/// 2¹⁵ share one level, and its lower quantum is 2⁻⁴⁶.
+/// With this exponent, absolute values from 2⁻¹⁶ to 2¹⁵ share one level, whose lower quantum is
+/// 2⁻⁴⁶.
 const FIRST_EXPONENT: i32 = -294;
 
 /// Upper quantum of each level: the unit of the upper integer sum.
@@ -33,34 +33,35 @@ const INVERSE_UPPER_QUANTA: [f64; LEVELS] = powers_of_two(-FIRST_EXPONENT, -QUAN
 /// below the limit of its level.
 const LEVEL_LIMITS: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT + QUANTUM_RATIO_LOG2 - 1, QUANTUM_RATIO_LOG2);
 
-/// Number that rounds a small f64 to an integer when it is added.
-///
-/// The last bits of the sum then hold the integer.
+/// The number 1.5·2⁵². Adding it to a small f64 rounds this f64 to an integer, which the low bits
+/// of the sum then hold.
 const ROUNDER: f64 = (3u64 << 51) as f64;
 
-/// Number of low bits of a tag that hold the level. Above these bits, two bits of each channel mark
-/// sums of +∞, −∞ or NaN.
+/// Number of low bits of a pixel's tag that hold its level. The bits above are two per channel,
+/// which mark sums of +∞, −∞ or NaN.
 const LEVEL_BITS: u16 = 5;
 
-/// Smallest number of pixels of a task of a parallel loop.
+/// Smallest number of pixels that one Rayon task handles.
 const MIN_PIXELS_PER_TASK: usize = 2048;
 
-/// Sums of N channels, for each pixel of a picture. They do not depend on the order of the values.
+/// Sums of N channels for each pixel of a picture, whose bits do not depend on the order of the
+/// values.
 ///
-/// Each sum is two integers. The upper integer is the sum of all values, rounded to multiples of an
-/// upper quantum. The lower integer is the sum of the remainders, rounded to multiples of a lower
-/// quantum. The lower quantum is 2⁻³¹ times the upper one. The largest absolute value of a pixel
-/// selects the quanta. It lies between 2⁻¹ and 2³⁰ upper quanta, so the error of a value is at most
-/// 2⁻³¹ of the pixel's largest value. When a larger value arrives, the upper integers become the
-/// lower ones, and the lower ones are dropped. So the state is a function of the set of values.
-/// Method: Ahrens, Demmel and Nguyen 2020, with integers as bins.
+/// Each sum is two integers. The upper integer sums the values, rounded to multiples of an *upper
+/// quantum*. The lower integer sums the remainders, rounded to multiples of a *lower quantum*,
+/// which is 2⁻³¹ times the upper one. The largest absolute value of a pixel selects the quanta: it
+/// lies between 2⁻¹ and 2³⁰ upper quanta. So the error of a value is at most 2⁻³¹ of the pixel's
+/// largest value. When a larger value arrives, the upper integers become the lower ones, and the
+/// old lower ones are dropped. So the integers depend only on the set of values (Ahrens, Demmel and
+/// Nguyen 2020, with integers as bins).
 ///
-/// A pixel holds at most 2³² − 1 values. Values of 2²⁶³ and more count as infinite.
+/// A pixel holds at most 2³² − 1 values. Absolute values of 2²⁶³ and more count as infinite.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BinnedSums<const N: usize> {
     /// Upper integers, then lower integers, of the sums of each pixel.
     bins: Vec<[[i64; N]; 2]>,
-    /// Tag of each pixel: its level, and flags for sums of +∞, −∞ or NaN; see [`LEVEL_BITS`].
+    /// Tag of each pixel: its level in the low [`LEVEL_BITS`] bits, and flags for sums of +∞, −∞ or
+    /// NaN above them.
     tags: Vec<u16>,
 }
 
@@ -87,7 +88,7 @@ impl<const N: usize> BinnedSums<N> {
         self.tags.is_empty()
     }
 
-    /// Adds one value of each channel to each pixel: `value(i)` to pixel `i`.
+    /// Adds the N values `value(i)`, one for each channel, to each pixel `i`.
     #[inline]
     pub fn add_to_all_pixels(&mut self, value: impl Fn(usize) -> [f64; N] + Sync) {
         let pixels = self.bins.par_iter_mut().zip(&mut self.tags).enumerate();
@@ -127,7 +128,8 @@ impl<const N: usize> BinnedSums<N> {
         let quantum = self.lower_quantum(i);
         let mut sums = [0.0; N];
         for channel in 0..N {
-            // Carry whole upper quanta of the lower bin, so only the last addition rounds.
+            // Carry whole upper quanta from the lower to the upper bin, so that only the last
+            // addition rounds.
             let carry = lower[channel] >> QUANTUM_RATIO_LOG2;
             let rest = lower[channel] - (carry << QUANTUM_RATIO_LOG2);
             sums[channel] = ((upper[channel] + carry) as f64 * QUANTUM_RATIO + rest as f64) * quantum;
@@ -145,8 +147,8 @@ impl<const N: usize> BinnedSums<N> {
         sums
     }
 
-    /// Returns the lower quantum of pixel `i`. Each value of the pixel is rounded to a multiple of
-    /// this quantum.
+    /// Returns the lower quantum of pixel `i`: the unit to whose multiples all values of the pixel
+    /// are rounded.
     #[inline]
     #[must_use]
     pub fn lower_quantum(&self, i: usize) -> f64 {
@@ -200,9 +202,9 @@ fn level_of(tag: u16) -> usize {
     usize::from(tag & ((1 << LEVEL_BITS) - 1))
 }
 
-/// Adds `values` to the integers of a pixel of the level `level`.
+/// Adds `values`, one for each channel, to the integer sums `bins` of a pixel of the given level.
 ///
-/// All absolute values are below the limit of this level.
+/// All absolute values must be below the limit of this level.
 #[inline]
 fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [f64; N]) {
     let inverse = INVERSE_UPPER_QUANTA[level];
@@ -218,8 +220,7 @@ fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [
     }
 }
 
-/// Adds `values` to a pixel, if one of them is not finite or not below the limit of the pixel's
-/// level.
+/// Adds `values` to a pixel if one of them is too large for the pixel's level, or not finite.
 ///
 /// Raises the level, or sets a flag in `tag`.
 #[cold]

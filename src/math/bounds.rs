@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// Axis-aligned box; empty if any component of `min` exceeds that of `max`.
+/// Axis-aligned box. It is empty if `min` exceeds `max` along any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Corner with the smallest coordinates.
@@ -42,14 +42,14 @@ impl Bounds {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// Edge lengths; zero for an empty box.
+    /// Edge lengths of the box along x, y and z; zero for an empty box.
     #[inline]
     #[must_use]
     pub fn extent(&self) -> Vec3 {
         (self.max - self.min).max(Vec3::ZERO)
     }
 
-    /// Centre; the origin for an empty box.
+    /// Center of the box; the origin for an empty box.
     #[inline]
     #[must_use]
     pub fn center(&self) -> Vec3 {
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn bounding_spheres_contain() {
+    fn bounding_spheres_contain_boxes_and_spheres() {
         let b = Bounds::from_points([Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 0.5, 9.0)]);
         let s = b.bounding_sphere();
         assert!(b.corners().iter().all(|c| (*c - s.center).length() <= s.radius * (1.0 + 1e-6)));

@@ -7,7 +7,7 @@ use glam::DVec3;
 struct DoubleDouble(f64, f64);
 
 impl DoubleDouble {
-    /// a · b without rounding error, by the algorithm of Dekker.
+    /// Returns the exact product a · b, as the f64 product and its rounding error (Dekker 1971).
     fn exact_product(a: f64, b: f64) -> Self {
         // Splits `x` into two numbers of 26 bits. Products of such numbers are exact.
         let halves = |x: f64| {
@@ -51,7 +51,7 @@ impl DoubleDoubleVec3 {
         Self([minor(a.y, b.z, a.z, b.y), minor(a.z, b.x, a.x, b.z), minor(a.x, b.y, a.y, b.x)])
     }
 
-    /// Dot product with `b` in double-double arithmetic, rounded to f64.
+    /// Dot product of this vector with `b` in double-double arithmetic, rounded to f64.
     pub fn dot(self, b: DVec3) -> f64 {
         let [x, y, z] = self.0;
         x.times_f64(b.x).plus(y.times_f64(b.y)).plus(z.times_f64(b.z)).0

@@ -1,4 +1,4 @@
-//! Scalar functions with known bounds on their rounding errors.
+//! Scalar functions with small rounding errors, and bounds on rounding errors.
 
 use glam::Vec3;
 
@@ -51,10 +51,10 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
     }
 }
 
-/// Squared distance from `from` to `to`, then the unit direction from `from` to `to`, then the
-/// distance.
+/// Returns three quantities of the segment from `from` to `to`: squared length, unit direction and
+/// length.
 ///
-/// `None` if the squared distance is 0 or not finite.
+/// `None` if the squared length is 0 or not finite.
 #[inline]
 #[must_use]
 pub fn distance2_direction_distance(from: Vec3, to: Vec3) -> Option<(f32, Vec3, f32)> {

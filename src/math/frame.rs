@@ -14,7 +14,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Frame with the unit vector `n` as third axis (Duff et al. 2017, JCGT 6(1)).
+    /// Creates a frame with the unit vector `n` as third axis (Duff et al. 2017, JCGT 6(1)).
     #[inline]
     #[must_use]
     pub fn from_normal(n: Vec3) -> Self {

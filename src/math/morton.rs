@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// Number of items whose bounding box one Rayon task computes.
 const ITEMS_PER_TASK: usize = 4096;
 
-/// Indices of `items`, sorted by the Morton codes of their positions.
+/// Returns the indices of `items`, sorted by the Morton codes of their positions.
 ///
 /// `position` returns an item's position, which must be finite. The grid of the codes covers the
 /// bounding box of all positions, with about 2²⁰ cells along each axis. Items in one cell keep

@@ -1,8 +1,8 @@
-//! Affine maps that depend on the time while the shutter is open.
+//! Motion: affine maps that depend on the time while the shutter is open.
 
 use glam::{DAffine3, DMat3, DVec3};
 
-/// One factor of a [`Motion`], which is a product of affine maps.
+/// One factor of a [`Motion`]: an affine map that is constant or changes with time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotionFactor {
     /// A map that does not depend on time.
@@ -13,9 +13,9 @@ pub enum MotionFactor {
     ///
     /// The angle at time t in \[0, 1] is t times the given number \[degrees].
     RotateDegrees(DVec3, f64),
-    /// Scaling along the axes by factors that are linear in time.
+    /// Scaling along the axes by factors that change linearly in time.
     ///
-    /// The factors are 1 at time 0. The given factors, above 0, hold at time 1.
+    /// The factors are 1 at time 0, and the given positive factors at time 1.
     Scale(DVec3),
 }
 
@@ -45,15 +45,15 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Motion that equals `map` at all times.
+    /// Creates a motion that equals `map` at all times.
     #[must_use]
     pub fn constant_motion(map: DAffine3) -> Self {
         Self::default().preceded_by_factors([MotionFactor::Fixed(map)])
     }
 
-    /// This motion with `factors` applied before it.
+    /// Returns this motion, preceded by `factors`.
     ///
-    /// A point is mapped by the last of `factors` first, and by this motion last.
+    /// The last of `factors` is applied to points first, and this motion last.
     #[must_use]
     pub fn preceded_by_factors(&self, factors: impl IntoIterator<Item = MotionFactor>) -> Self {
         let mut all = self.factors.clone();
@@ -66,15 +66,15 @@ impl Motion {
         Self { factors: all }
     }
 
-    /// This motion with the point `place` instead of the origin as centre of its rotations and
-    /// scales.
+    /// Returns this motion with the point `pivot`, instead of the origin, as the center of its
+    /// rotations and scalings.
     #[must_use]
-    pub fn pivoted_at_point(&self, place: DVec3) -> Self {
-        let back = MotionFactor::Fixed(DAffine3::from_translation(-place));
-        self.followed_by_map(DAffine3::from_translation(place)).preceded_by_factors([back])
+    pub fn pivoted_at_point(&self, pivot: DVec3) -> Self {
+        let back = MotionFactor::Fixed(DAffine3::from_translation(-pivot));
+        self.followed_by_map(DAffine3::from_translation(pivot)).preceded_by_factors([back])
     }
 
-    /// This motion with `map` applied after it.
+    /// Returns this motion, followed by the constant `map`.
     #[must_use]
     pub fn followed_by_map(&self, map: DAffine3) -> Self {
         Self::constant_motion(map).preceded_by_factors(self.factors.iter().copied())
@@ -83,13 +83,13 @@ impl Motion {
     /// Returns the affine map at `time` in \[0, 1]: 0 is the opening of the shutter, 1 its closing.
     #[must_use]
     pub fn at_time(&self, time: f64) -> DAffine3 {
-        self.factors.iter().fold(DAffine3::IDENTITY, |map, step| map * step.at_time(time))
+        self.factors.iter().fold(DAffine3::IDENTITY, |map, factor| map * factor.at_time(time))
     }
 
     /// True if the map does not depend on time.
     #[must_use]
     pub fn is_constant(&self) -> bool {
-        self.factors.iter().all(|step| matches!(step, MotionFactor::Fixed(_)))
+        self.factors.iter().all(|factor| matches!(factor, MotionFactor::Fixed(_)))
     }
 }
 
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn adjacent_fixed_steps_merge() {
+    fn adjacent_fixed_factors_merge() {
         let (a, b) = (DAffine3::from_scale(DVec3::splat(2.0)), DAffine3::from_translation(DVec3::X));
         let motion = Motion::constant_motion(a).preceded_by_factors([MotionFactor::Fixed(b)]);
         assert!(motion.is_constant() && motion.factors.len() == 1);

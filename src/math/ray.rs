@@ -16,14 +16,14 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// Ray with infinite `t_max`.
+    /// Creates a ray with infinite `t_max`.
     #[inline]
     #[must_use]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_max: f32::INFINITY }
     }
 
-    /// Ray from `origin` to `target`, with t = 1 at `target`.
+    /// Creates the ray from `origin` that reaches `target` at t = 1, its exclusive end.
     #[inline]
     #[must_use]
     pub fn between_points(origin: Vec3, target: Vec3) -> Self {
@@ -38,8 +38,8 @@ impl Ray {
     }
 }
 
-/// Origin for a ray that leaves the surface point `p` in `direction` without hitting the surface at
-/// `p` again.
+/// Returns an offset origin for a ray that leaves the surface point `p` in `direction`, so that the
+/// ray does not hit the surface at `p` again.
 ///
 /// `error` bounds the error of `p` along each axis, and `normal` is the unit geometric normal. `p`
 /// is moved along the normal beyond the box of possible points, then rounded outward (Pharr, Jakob,

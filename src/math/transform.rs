@@ -18,16 +18,17 @@ pub struct Transform {
     determinant: f64,
 }
 
-/// Largest accepted entry of the inverse of a matrix whose columns are scaled to about unit length.
+/// Largest entry that the inverse of a matrix may have; beyond it, the matrix counts as singular.
+/// The columns of the matrix are first scaled to about unit length.
 ///
-/// Up to this limit, a rounding error in the matrix changes the inverse by less than 2 %.
+/// Below this limit, a rounding error in the matrix changes the inverse by less than 2 %.
 const MAX_INVERSE_ENTRY: f64 = 1e14;
 
 impl Transform {
     /// The identity map.
     pub const IDENTITY: Self = Self { forward: DAffine3::IDENTITY, inverse: DAffine3::IDENTITY, determinant: 1.0 };
 
-    /// Transform with the object-to-world map `forward`; computes the inverse.
+    /// Creates the transform with the object-to-world map `forward`, and computes the inverse.
     ///
     /// Cofactors and determinant are computed in double-double arithmetic, since they cancel if the
     /// columns are nearly coplanar. Each entry of the inverse is correct to its last two bits.
@@ -96,7 +97,7 @@ impl Transform {
         self.inverse.matrix3.transpose() * n
     }
 
-    /// This map followed by a world-space translation by `by`.
+    /// Returns this map, followed by a world-space translation by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         let (mut forward, mut inverse) = (self.forward, self.inverse);
@@ -121,7 +122,8 @@ impl Transform {
         self.determinant.abs() * self.transform_normal(n).length()
     }
 
-    /// Factor above 0 by which the map scales all lengths; `None` if it scales unevenly.
+    /// Positive factor by which the map scales all lengths; `None` if it scales directions
+    /// differently.
     ///
     /// The tolerance for rounding errors is 10⁻¹², relative to the squared factor. The map may also
     /// rotate and mirror.

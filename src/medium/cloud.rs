@@ -13,7 +13,7 @@ pub struct Cloud {
     pub octaves: u32,
     /// Number of wavelengths of the first noise octave along each side of the unit cube.
     pub frequency: f64,
-    /// Coverage from 0 to 1: the fraction of the range of noise values that becomes cloud.
+    /// Cloud cover from 0 to 1: the upper fraction of the range of noise values that becomes cloud.
     ///
     /// At 0 the unit cube is empty. At 1 all of the inscribed ball is cloud, except at its soft
     /// edge.
@@ -40,8 +40,8 @@ impl Cloud {
         move |p| {
             let inwards = 1.0 - (2.0 * p - 1.0).length();
             let edge = if inwards > 0.0 { smoothstep(inwards / softness.max(f64::MIN_POSITIVE)) } else { 0.0 };
-            // Near the edge, the coverage decreases instead of the density, so the cloud frays
-            // instead of fading.
+            // Near the edge, the cover decreases instead of the density. So the cloud breaks up at
+            // its edge instead of fading.
             let cover = cover.clamp(0.0, 1.0) * edge;
             if cover <= 0.0 {
                 return 0.0;
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn cloud_density_is_in_range_and_in_the_ellipsoid() {
+    fn cloud_density_is_bounded_and_inside_the_ball() {
         for softness in [0.0, 0.4, 1.0] {
             let density = Cloud { softness, cover: 1.0, ..CLOUD }.density_function(0.0);
             for p in unit_cube_grid_points() {
@@ -86,13 +86,14 @@ mod tests {
         }
     }
 
-    /// Checks the effect of each setting; the mean density at full cover is π/12.
+    /// The mean density is π/12 at full cover, increases with cover, decreases with softness, and
+    /// depends on the seed.
     ///
     /// The ball fills π/6 of the cube, and the mean of the noise is ½. The noise has about 4π/3·2³
     /// = 34 independent values in the ball, with standard deviation ¼. The tolerance is five
     /// standard errors of their mean.
     #[test]
-    fn cloud_cover_softness_and_seed_have_their_effect() {
+    fn cover_softness_and_seed_change_cloud_density() {
         let full = mean_density(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });
         let truth = std::f64::consts::PI / 12.0;
         assert!((full / truth - 1.0).abs() < 5.0 * 0.5 / 34f64.sqrt(), "{full}");

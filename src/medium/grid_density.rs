@@ -6,7 +6,8 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Number of cells along each side of a majorant block.
+/// Number of grid cells along each side of a majorant block: a cube of cells with one bound of
+/// their density.
 pub(super) const BLOCK_SIDE: u32 = 8;
 
 /// Reason why a density grid is invalid.
@@ -45,9 +46,9 @@ pub enum GridDensityError {
 
 /// Density of a medium on a regular grid that fills a box; 0 outside the box.
 ///
-/// Values lie at cell centers and are stored with x fastest. The density is trilinear between
-/// centers, and constant in the outer half of the outer cells. Clones share the memory of the
-/// values.
+/// Values lie at cell centers and are stored with x fastest. The density is interpolated
+/// trilinearly between centers, and constant in the outer half of the outermost cells. Clones share
+/// the memory of the values.
 #[derive(Clone, Debug)]
 pub struct GridDensity {
     grid: Arc<SharedDensityGrid>,
@@ -100,8 +101,8 @@ impl GridDensity {
         })
     }
 
-    /// Creates a grid of `size` cells (along x, y and z), whose values are those of `density` at
-    /// the cell centers.
+    /// Creates a grid of `size` cells (along x, y and z) by evaluating `density` at each cell
+    /// center.
     ///
     /// The argument of `density` is a point of the unit cube, which `placement` maps to scene
     /// coordinates.
@@ -193,10 +194,11 @@ pub(super) struct GridRay<'a> {
 }
 
 impl GridRay<'_> {
-    /// Returns the majorant blocks along the ray that have a positive majorant, from near to far.
+    /// Iterates over the majorant blocks along the ray, from near to far, without blocks of
+    /// majorant 0.
     ///
-    /// Each item holds the distances \[length] where the ray enters and leaves the block, and the
-    /// majorant.
+    /// Each item is (distance where the ray enters the block \[length], distance where it leaves
+    /// the block \[length], majorant).
     pub(super) fn majorant_segments(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         let SharedDensityGrid { block_counts: blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);
@@ -249,7 +251,7 @@ fn lerp(t: f32, a: f32, b: f32) -> f32 {
 
 /// Returns the number of cells of a grid with `size` cells along x, y and z.
 ///
-/// It returns an error if this number is 0 or if the values do not fit into memory.
+/// Returns an error if this number is 0, or if the densities do not fit into the address space.
 fn checked_cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     let [x, y, z] = size;
     if x.min(y).min(z) == 0 {

@@ -34,10 +34,10 @@ pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     exp_neg(optical_depth(sigma, f64::from(distance.max(0.0))))
 }
 
-/// Samples a scattering distance by the extinction of one color channel. The probability of a
-/// channel is proportional to its throughput.
+/// Samples a scattering distance from the exponential distribution of one color channel, chosen
+/// with probability proportional to its throughput.
 ///
-/// The weight uses the pdf of the mixture of all channels (balance heuristic). If the chosen
+/// The weight divides by the pdf of the mixture of all channels (balance heuristic). If the chosen
 /// channel has no extinction, the ray passes through.
 pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
     let sigma = medium.extinction();
@@ -59,17 +59,17 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
     let distance = f64::from(distance.max(0.0));
     let t = if rate > 0.0 { -libm::log(1.0 - rng.random::<f64>()) / rate } else { f64::INFINITY };
     if t < distance {
-        let left = exp_neg(optical_depth(sigma, t));
-        let density = probability.dot(sigma.as_dvec3() * left);
+        let transmittance = exp_neg(optical_depth(sigma, t));
+        let density = probability.dot(sigma.as_dvec3() * transmittance);
         DistanceSample {
             scattering_distance: Some(t as f32),
-            weight: zero_unsampled_channels(medium.scattering.as_dvec3() * left / density, probability),
+            weight: zero_unsampled_channels(medium.scattering.as_dvec3() * transmittance / density, probability),
         }
     } else {
-        let left = exp_neg(optical_depth(sigma, distance));
+        let transmittance = exp_neg(optical_depth(sigma, distance));
         DistanceSample {
             scattering_distance: None,
-            weight: zero_unsampled_channels(left / probability.dot(left), probability),
+            weight: zero_unsampled_channels(transmittance / probability.dot(transmittance), probability),
         }
     }
 }
@@ -83,9 +83,10 @@ pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     channel_probabilities(throughput).dot(sigma.as_dvec3() * exp_neg(optical_depth(sigma, f64::from(t)))) as f32
 }
 
-/// Radiance that reaches the ray's origin from the medium's emission along the distance d.
+/// Radiance \[W/(m² sr)] that reaches a ray's origin from the medium's emission along the distance
+/// d = `distance` \[length].
 ///
-/// With emission ε and extinction σ, it is ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
+/// With emission ε and extinction σ, the radiance is ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
 pub(super) fn emitted_radiance(medium: &Medium, distance: f32) -> Rgb {
     let sigma = medium.extinction();
     let distance = f64::from(distance.max(0.0));

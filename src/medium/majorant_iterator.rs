@@ -25,7 +25,8 @@ pub(super) struct MajorantIterator {
 }
 
 impl MajorantIterator {
-    /// Creates an iterator over the blocks along the ray `origin + t·step` for 0 < t < `distance`.
+    /// Creates an iterator over the blocks along the ray `origin` + t·`step` for 0 < t <
+    /// `distance`.
     ///
     /// The grid is the box from 0 to `far`, in units of blocks. `count` is the number of blocks
     /// along each axis.
@@ -66,8 +67,8 @@ impl MajorantIterator {
 }
 
 impl Iterator for MajorantIterator {
-    /// Distances along the ray where it enters and leaves a block, and the block's index (x
-    /// fastest).
+    /// Distance where the ray enters a block, distance where it leaves the block, and the block's
+    /// index (x fastest).
     type Item = (f64, f64, usize);
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -36,8 +36,8 @@ pub struct Medium {
     density: Option<Arc<GridDensity>>,
 }
 
-/// Result of distance sampling in a medium: the distance at which the ray scatters, if it does, and
-/// the factor for the path throughput.
+/// Result of distance sampling along a ray in a medium: where the ray scatters, and the factor for
+/// the path throughput.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceSample {
     /// Distance from the ray's origin to the scattering point \[length]; `None` if the ray passes
@@ -45,17 +45,19 @@ pub struct DistanceSample {
     pub scattering_distance: Option<f32>,
     /// Factor by which the throughput changes.
     ///
-    /// After scattering, it is σs·T divided by the pdf of the distance, where T is the
-    /// transmittance. If the ray passes through, it is T divided by the probability of passing
-    /// through. In a heterogeneous medium, it is an estimate, which Russian roulette may set to 0.
+    /// After scattering, the factor is σs·T divided by the pdf of the distance, where T is the
+    /// transmittance. If the ray passes through, the factor is T divided by the probability of
+    /// passing through. In a heterogeneous medium, the factor is an estimate, which Russian
+    /// roulette may set to 0.
     ///
-    /// In a medium that scatters, it is 0 in channels without throughput.
+    /// In a medium that scatters, the factor is 0 in channels where the throughput is 0.
     pub weight: Rgb,
 }
 
-/// Transmittance as a function of distance along a ray.
+/// Estimated transmittance as a function of distance along a ray, by one run of ratio tracking.
 ///
-/// Each value is an unbiased estimate. Values at different distances are correlated.
+/// Each value is unbiased, and exact in a homogeneous medium. Values at different distances are
+/// correlated.
 #[derive(Clone, Debug, Default)]
 pub struct TransmittanceCurve {
     /// Extinction coefficient of a homogeneous medium \[1/length]; zero for a medium with a density
@@ -70,7 +72,7 @@ impl TransmittanceCurve {
     /// Samples a new curve along the first `distance` \[length] of `ray`, which has a unit
     /// direction.
     ///
-    /// The new curve replaces the old one in `self` and reuses its memory.
+    /// The curve replaces the previous one in `self` and reuses its memory.
     pub fn sample(&mut self, medium: &Medium, ray: &Ray, distance: f32, rng: &mut impl Rng) {
         self.steps.clear();
         self.homogeneous_extinction = Rgb::ZERO;
@@ -136,13 +138,15 @@ impl Medium {
         nowhere || (self.extinction() == Rgb::ZERO && self.emission == Rgb::ZERO)
     }
 
-    /// True if the medium scatters in a color channel; false if its density is 0 everywhere.
+    /// True if the medium scatters in at least one color channel; false if its density is 0
+    /// everywhere.
     #[must_use]
     pub fn scatters(&self) -> bool {
         self.scattering != Rgb::ZERO && !self.is_empty()
     }
 
-    /// True if the medium emits in a color channel; false if its density is 0 everywhere.
+    /// True if the medium emits in at least one color channel; false if its density is 0
+    /// everywhere.
     #[must_use]
     pub fn emits(&self) -> bool {
         self.emission != Rgb::ZERO && !self.is_empty()
@@ -157,8 +161,8 @@ impl Medium {
 
     /// Transmittance along the first `distance` \[length] of `ray`, which has a unit direction.
     ///
-    /// It is exact in a homogeneous medium, else an unbiased estimate by ratio tracking (Novák,
-    /// Selle, Jarosz 2014). The distance may be infinite.
+    /// The value is exact in a homogeneous medium, else an unbiased estimate by ratio tracking
+    /// (Novák, Selle, Jarosz 2014). The distance may be infinite.
     #[must_use]
     pub fn transmittance(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
         match &self.density {
@@ -180,9 +184,10 @@ impl Medium {
     /// Samples the distance of the first scattering within the first `distance` \[length] of `ray`,
     /// which has a unit direction.
     ///
-    /// The weight of the sample never increases the channel mean of `throughput`, except through
-    /// Russian roulette. In a homogeneous grey medium, the weight is σs/σt after scattering, and 1
-    /// if the ray passes through.
+    /// `throughput` is the throughput of the path at the start of the ray. Its product with the
+    /// weight has no larger channel mean than `throughput`, except through Russian roulette. In a
+    /// homogeneous gray medium, the weight is σs/σt after scattering, and 1 if the ray passes
+    /// through.
     ///
     /// In a medium that does not scatter, the ray always passes through, and the weight is the
     /// [`transmittance`](Self::transmittance). The distance may be infinite.
@@ -212,8 +217,9 @@ impl Medium {
     /// Radiance \[W/(m² sr)] that reaches the ray's origin from the medium's emission along the
     /// first `distance` \[length] of `ray`, which has a unit direction.
     ///
-    /// It is exact in a homogeneous medium, else an unbiased estimate. Over an infinite distance, a
-    /// homogeneous medium gives infinite radiance in a channel that emits without extinction.
+    /// The value is exact in a homogeneous medium, else an unbiased estimate. Over an infinite
+    /// distance, a homogeneous medium gives infinite radiance in a channel that emits without
+    /// extinction.
     #[must_use]
     pub fn emitted_radiance(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
         if !self.emits() {

@@ -1,8 +1,8 @@
 //! Null-collision methods for heterogeneous media.
 //!
-//! Tentative collisions are sampled with the majorant of each block as extinction. Each tentative
-//! collision is a real collision or a null collision (Woodcock 1965). Absorption does not end a
-//! path but reduces its weight.
+//! Tentative collisions are sampled as if the extinction in each block were constant and equal to
+//! its majorant. Each tentative collision is real or null (Woodcock 1965). Absorption does not end
+//! a path but reduces its weight.
 
 use super::grid_density::{GridDensity, GridRay};
 use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, zero_unsampled_channels};
@@ -14,18 +14,21 @@ use rand::{Rng, RngExt};
 /// Path weight below which Russian roulette may end the tracking of collisions.
 const ROULETTE_THRESHOLD: f64 = 0.1;
 
-/// Number of tentative collisions after which Russian roulette ends tracking with probability ½,
-/// again and again.
+/// Interval of tentative collisions at which Russian roulette ends tracking with probability ½, at
+/// any path weight.
 ///
-/// It bounds the mean time of tracking at high majorants.
+/// The roulette bounds the mean time of tracking at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 
 /// Smallest mean number of tentative collisions along a ray for an estimate of its emitted
-/// radiance. In thin media, it raises the rate of collisions.
+/// radiance.
+///
+/// In thin media, the collision rate is raised to reach this number, for less noise.
 const MIN_EMISSION_COLLISIONS: f64 = 4.0;
 
-/// Smallest mean number of tentative collisions along a ray for a [`TransmittanceCurve`]. In thin
-/// media, it raises the rate of collisions.
+/// Smallest mean number of tentative collisions along a ray for a [`TransmittanceCurve`].
+///
+/// In thin media, the collision rate is raised to reach this number, for a smoother curve.
 const MIN_CURVE_COLLISIONS: f64 = 16.0;
 
 /// A tentative collision of delta tracking, which may be real or null.
@@ -35,8 +38,9 @@ struct TentativeCollision {
     /// Density of the medium divided by the mean number of tentative collisions per length
     /// \[length].
     ///
-    /// Its product with σs \[1/length] is the probability that the collision scatters, its product
-    /// with σa the probability that the collision absorbs.
+    /// The collision scatters with the probability σs·`density_over_rate`, where σs \[1/length] is
+    /// the scattering coefficient at density 1. It absorbs with the probability
+    /// σa·`density_over_rate`.
     density_over_rate: f64,
 }
 
@@ -45,8 +49,9 @@ enum TrackingDecision {
     Stop,
 }
 
-/// Samples tentative collisions along `line`, from near to far, and calls `visit` for each. Returns
-/// false if `visit` stopped the tracking, true at the end of the line.
+/// Samples tentative collisions along `line`, from near to far, and calls `visit` for each.
+///
+/// Returns true if tracking reached the end of the line, and false if `visit` stopped it.
 ///
 /// The mean number of tentative collisions per length is `rate` \[1/length] times the majorant
 /// density of the block.
@@ -84,33 +89,34 @@ fn sample_exponential(rng: &mut impl Rng) -> f64 {
     -libm::log(1.0 - rng.random::<f64>())
 }
 
-/// Plays Russian roulette on a path of weight `left` after `steps` tentative collisions.
+/// Plays Russian roulette on a tracked path of weight `weight`, after `steps` tentative collisions.
 ///
 /// Returns the factor by which the caller must multiply the weight, or `None` if tracking ends.
-fn russian_roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
-    let faint = if left < ROULETTE_THRESHOLD { left / ROULETTE_THRESHOLD } else { 1.0 };
+fn russian_roulette(weight: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
+    let faint = if weight < ROULETTE_THRESHOLD { weight / ROULETTE_THRESHOLD } else { 1.0 };
     let stay = if steps.is_multiple_of(COLLISIONS_PER_ROULETTE) { 0.5 * faint } else { faint };
     if stay >= 1.0 { Some(1.0) } else { (rng.random::<f64>() < stay).then(|| 1.0 / stay) }
 }
 
-/// Estimates the transmittance of the first `distance` of `ray` by ratio tracking: the product of
-/// the null-collision probabilities.
+/// Estimates the transmittance of the first `distance` \[length] of `ray` by ratio tracking: the
+/// product of the null-collision probabilities.
 pub(super) fn transmittance(medium: &Medium, grid: &GridDensity, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
     let sigma = medium.extinction().as_dvec3();
     let rate = sigma.max_element();
     if rate <= 0.0 {
         return Rgb::ONE;
     }
-    let (mut left, mut steps) = (DVec3::ONE, 0u32);
-    let through = track_collisions(&grid.ray_in_grid(ray, distance), rate, rng, |collision, rng| {
-        left *= DVec3::ONE - sigma * collision.density_over_rate;
-        transmittance_roulette(&mut left, &mut steps, rng)
+    let (mut weight, mut steps) = (DVec3::ONE, 0u32);
+    let reached_end = track_collisions(&grid.ray_in_grid(ray, distance), rate, rng, |collision, rng| {
+        weight *= DVec3::ONE - sigma * collision.density_over_rate;
+        transmittance_roulette(&mut weight, &mut steps, rng)
     });
-    if through { left.as_vec3() } else { Rgb::ZERO }
+    if reached_end { weight.as_vec3() } else { Rgb::ZERO }
 }
 
-/// Estimates the transmittance from the start of `ray` to all distances up to `distance`, by one
-/// run of ratio tracking; appends its steps to `curve`.
+/// Estimates the transmittance from the start of `ray` to all distances up to `distance` \[length].
+///
+/// One run of ratio tracking appends a step to `curve` at each tentative collision.
 pub(super) fn sample_transmittance_curve(
     medium: &Medium,
     grid: &GridDensity,
@@ -125,30 +131,30 @@ pub(super) fn sample_transmittance_curve(
     if sigma == DVec3::ZERO || depth <= 0.0 {
         return;
     }
-    // A higher rate than needed gives more steps and so a smoother curve.
+    // A rate above the largest extinction gives more steps, and so a smoother curve.
     let rate = sigma.max_element().max(MIN_CURVE_COLLISIONS / depth);
-    let (mut left, mut steps) = (DVec3::ONE, 0u32);
-    let through = track_collisions(&line, rate, rng, |collision, rng| {
-        left *= DVec3::ONE - sigma * collision.density_over_rate;
-        let step = transmittance_roulette(&mut left, &mut steps, rng);
-        curve.steps.push((collision.t as f32, left.as_vec3()));
+    let (mut weight, mut steps) = (DVec3::ONE, 0u32);
+    let reached_end = track_collisions(&line, rate, rng, |collision, rng| {
+        weight *= DVec3::ONE - sigma * collision.density_over_rate;
+        let step = transmittance_roulette(&mut weight, &mut steps, rng);
+        curve.steps.push((collision.t as f32, weight.as_vec3()));
         step
     });
-    if !through && let Some((_, left)) = curve.steps.last_mut() {
-        *left = Rgb::ZERO;
+    if !reached_end && let Some((_, weight)) = curve.steps.last_mut() {
+        *weight = Rgb::ZERO;
     }
 }
 
-/// Increments the collision count `steps`, and plays Russian roulette on the transmittance `left`.
-/// Tells whether tracking continues.
+/// Increments the collision count `steps`, plays Russian roulette on the path weight `weight`, and
+/// decides whether tracking continues.
 ///
-/// If tracking continues, `left` is divided by the probability of this.
-fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> TrackingDecision {
-    *left = left.max(DVec3::ZERO);
+/// If tracking continues, `weight` is divided by the survival probability.
+fn transmittance_roulette(weight: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> TrackingDecision {
+    *weight = weight.max(DVec3::ZERO);
     *steps = steps.wrapping_add(1);
-    match russian_roulette(left.max_element(), *steps, rng) {
+    match russian_roulette(weight.max_element(), *steps, rng) {
         Some(gain) => {
-            *left *= gain;
+            *weight *= gain;
             TrackingDecision::Continue
         }
         None => TrackingDecision::Stop,
@@ -173,40 +179,43 @@ pub(super) fn distance_sample(
     let sigma = DVec3::select(alive, medium.extinction().as_dvec3(), DVec3::ZERO);
     let scattering = DVec3::select(alive, medium.scattering.as_dvec3(), DVec3::ZERO);
     let rate = sigma.max_element();
-    let (mut left, mut steps, mut scattered) = (DVec3::ONE, 0u32, None);
-    let through = rate <= 0.0
+    let (mut weight, mut steps, mut scattered) = (DVec3::ONE, 0u32, None);
+    let reached_end = rate <= 0.0
         || track_collisions(&grid.ray_in_grid(ray, distance), rate, rng, |collision, rng| {
-            let real = left * scattering * collision.density_over_rate;
-            let null = left * (DVec3::ONE - sigma * collision.density_over_rate).max(DVec3::ZERO);
+            let real = weight * scattering * collision.density_over_rate;
+            let null = weight * (DVec3::ONE - sigma * collision.density_over_rate).max(DVec3::ZERO);
             let (a, b) = (probabilities.dot(real), probabilities.dot(null));
             if a + b <= 0.0 {
                 return TrackingDecision::Stop;
             }
             let probability = a / (a + b);
             if rng.random::<f64>() < probability {
-                left = real / probability;
+                weight = real / probability;
                 scattered = Some(collision.t as f32);
                 return TrackingDecision::Stop;
             }
-            left = null / (1.0 - probability);
+            weight = null / (1.0 - probability);
             steps = steps.wrapping_add(1);
-            match russian_roulette(probabilities.dot(left), steps, rng) {
+            match russian_roulette(probabilities.dot(weight), steps, rng) {
                 Some(gain) => {
-                    left *= gain;
+                    weight *= gain;
                     TrackingDecision::Continue
                 }
                 None => TrackingDecision::Stop,
             }
         });
-    let lost = !through && scattered.is_none();
+    let lost = !reached_end && scattered.is_none();
     DistanceSample {
         scattering_distance: scattered,
-        weight: if lost { Rgb::ZERO } else { zero_unsampled_channels(left, probabilities) },
+        weight: if lost { Rgb::ZERO } else { zero_unsampled_channels(weight, probabilities) },
     }
 }
 
-/// Estimates the radiance that reaches the origin of `ray` from the emission of `medium` along the
-/// first `distance` \[length]: the sum over tentative collisions of transmittance times emission.
+/// Estimates the radiance \[W/(m² sr)] that reaches the origin of `ray` from the emission of
+/// `medium` along the first `distance` \[length].
+///
+/// The estimate is the sum over tentative collisions of transmittance times emission, divided by
+/// the collision rate.
 pub(super) fn emitted_radiance(
     medium: &Medium,
     grid: &GridDensity,
@@ -222,11 +231,11 @@ pub(super) fn emitted_radiance(
     }
     // The minimum makes thin media collide often enough for a low variance.
     let rate = sigma.max_element().max(MIN_EMISSION_COLLISIONS / depth);
-    let (mut sum, mut left, mut steps) = (DVec3::ZERO, DVec3::ONE, 0u32);
+    let (mut sum, mut weight, mut steps) = (DVec3::ZERO, DVec3::ONE, 0u32);
     track_collisions(&line, rate, rng, |collision, rng| {
-        sum += left * emission * collision.density_over_rate;
-        left *= DVec3::ONE - sigma * collision.density_over_rate;
-        transmittance_roulette(&mut left, &mut steps, rng)
+        sum += weight * emission * collision.density_over_rate;
+        weight *= DVec3::ONE - sigma * collision.density_over_rate;
+        transmittance_roulette(&mut weight, &mut steps, rng)
     });
     sum.as_vec3()
 }

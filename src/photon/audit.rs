@@ -6,8 +6,8 @@ use std::ops::AddAssign;
 
 /// Sums of the flux \[W] that the paths of a photon pass emit and lose, for each RGB channel.
 ///
-/// Energy is conserved: emitted = absorbed + escaped + stopped + roulette, up to rounding. The
-/// expected value of `net_roulette_loss` is zero.
+/// Energy is conserved: `emitted` = `absorbed` + `escaped` + `stopped` + `net_roulette_loss`, up to
+/// rounding. The expected value of `net_roulette_loss` is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EnergyAudit {
     /// Flux emitted by the lights \[W].
@@ -39,7 +39,7 @@ impl AddAssign for EnergyAudit {
     }
 }
 
-/// Adds `flux` \[W] to `account`, which is one field of an [`EnergyAudit`].
+/// Adds `flux` \[W] to `account`, one of the sums of an [`EnergyAudit`].
 pub(super) fn add_flux(account: &mut [f64; 3], flux: Rgb) {
     *account = (DVec3::from(*account) + flux.as_dvec3()).to_array();
 }

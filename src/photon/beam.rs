@@ -11,8 +11,8 @@ use rayon::prelude::*;
 /// A photon beam: a segment of a photon path in a homogeneous medium.
 ///
 /// The beam starts where the photon entered the medium or scattered. It extends to the medium's
-/// boundary along the photon's direction, beyond the sampled scattering point (long beam). In a
-/// medium without a boundary, it ends where hardly any flux remains, or beyond the scene.
+/// boundary along the photon's direction, beyond the sampled scattering point (long beam). In an
+/// unbounded medium, it ends at optical depth 20, or outside the scene if that is nearer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonBeam {
     /// Position of the beam's start.
@@ -68,14 +68,15 @@ pub struct BeamIntersection {
     pub cos: f32,
     /// Weight of the beam estimate, K₁(d)/sin θ \[1/length].
     ///
-    /// K₁ is the 1D Epanechnikov kernel, d the distance between ray and beam, and θ their angle.
+    /// K₁ is the 1D Epanechnikov kernel, d the distance between ray and beam, and θ the angle
+    /// between them.
     pub weight: f32,
     /// Squared distance between ray and beam, divided by the squared kernel radius.
     pub squared_relative_distance: f32,
 }
 
-/// Largest sine of the angle at which a ray and a photon beam count as parallel: twice the rounding
-/// error of a normalised direction.
+/// Largest sine of the angle between a ray and a photon beam at which they count as parallel. It is
+/// twice the rounding error of a normalised direction.
 const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
 impl BeamIntersection {
@@ -112,8 +113,8 @@ impl BeamIntersection {
 /// Photon beams in a bounding volume hierarchy, for the beam × beam estimate with a 1D kernel.
 ///
 /// The radiance that arrives at the ray's origin is the sum, over the beams near the ray, of flux ·
-/// σs · p(cos) · T(ray, t) · T(beam, s) · weight. σs is the scattering coefficient, p the phase
-/// function and T the transmittance. `cos`, `t`, `s` and `weight` are the fields of
+/// σs · p(cos) · T(ray, t) · T(beam, s) · weight. Here, σs is the scattering coefficient, p the
+/// phase function and T the transmittance. `cos`, `t`, `s` and `weight` are the fields of
 /// [`BeamIntersection`] (Jarosz et al. 2011, "A comprehensive theory of volumetric radiance
 /// estimation", section 4.3).
 pub struct PhotonBeamMap {
@@ -173,8 +174,8 @@ impl PhotonBeamMap {
         self.radius
     }
 
-    /// Calls `visitor` once for each beam whose closest approach to `ray` is within the kernel
-    /// radius, with the beam and that approach.
+    /// Calls `visitor` once for each beam that passes within the kernel radius of `ray`, with the
+    /// beam and its closest approach to the ray.
     ///
     /// `ray` must have a unit direction. A beam is skipped if one of the two closest points lies
     /// beyond an end of the ray or of the beam.
@@ -250,7 +251,7 @@ fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
 /// bounding boxes of all pieces.
 ///
 /// `radius` is the kernel radius \[length], by which boxes are expanded. The mean number of pieces
-/// per beam stays below [`MAX_MEAN_BEAM_PIECES`].
+/// per beam is at most [`MAX_MEAN_BEAM_PIECES`].
 fn optimal_beam_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
     let lengths = beams.par_iter().with_min_len(BEAMS_PER_TASK).map(|b| f64::from(b.length) * sqrt_half_box_area(b));
     // The sum is serial: its rounding depends on the order.

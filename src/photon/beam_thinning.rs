@@ -1,35 +1,36 @@
-//! Thinning of photon beams: fewer beams of more flux, with the same expected flux.
+//! Random thinning of photon beams: fewer beams with more flux each, and the same expected flux.
 
 use super::PhotonBeam;
 
-/// Thins `beams`: keeps at most about the fraction `share` of them, preferably those of much flux.
+/// Keeps about the fraction `kept_fraction` of `beams`, chosen at random. The flux of the kept
+/// beams is raised, so that the expected flux of each beam stays the same.
 ///
-/// Systematic sampling (Kitagawa 1996) draws each beam a number of times. The mean of this number
-/// is proportional to the flux of the beam. `start` in \[0, 1) is the only random number. Beams
-/// that are not drawn are left out. The flux of a drawn beam is multiplied by the number of its
-/// draws, and divided by the mean of this number. So the expected flux of each beam stays the same.
+/// Systematic sampling (Kitagawa 1996) draws each beam a number of times. The mean number of draws
+/// is proportional to the flux of the beam. Beams that are not drawn are left out. The flux of a
+/// drawn beam is multiplied by its number of draws, and divided by the mean of this number.
 ///
-/// Beams keep their order. A `share` that is not between 0 and 1 keeps all beams unchanged.
+/// `random_offset` in \[0, 1) is the only random number. Beams keep their order. A `kept_fraction`
+/// that is not between 0 and 1 keeps all beams unchanged.
 #[must_use]
-pub fn thin_beams(mut beams: Vec<PhotonBeam>, share: f32, start: f32) -> Vec<PhotonBeam> {
+pub fn thin_beams(mut beams: Vec<PhotonBeam>, kept_fraction: f32, random_offset: f32) -> Vec<PhotonBeam> {
     let flux = |beam: &PhotonBeam| f64::from(beam.flux.x) + f64::from(beam.flux.y) + f64::from(beam.flux.z);
     let total: f64 = beams.iter().map(flux).sum();
-    let kept = f64::from(share) * beams.len() as f64;
-    if !(share < 1.0 && kept > 0.0 && total > 0.0 && total.is_finite()) {
+    let total_draws = f64::from(kept_fraction) * beams.len() as f64;
+    if !(kept_fraction < 1.0 && total_draws > 0.0 && total > 0.0 && total.is_finite()) {
         return beams;
     }
-    let per_step = kept / total;
-    let (mut sum, mut steps) = (0.0, 0.0);
+    let draws_per_flux = total_draws / total;
+    let (mut sum, mut draws_before) = (0.0, 0.0);
     beams.retain_mut(|beam| {
         let own = flux(beam);
         sum += own;
-        let reached = (sum * per_step + f64::from(start)).floor();
-        let count = reached - steps;
-        steps = reached;
-        if count > 0.0 {
-            beam.flux *= (count / (own * per_step)) as f32;
+        let draws_after = (sum * draws_per_flux + f64::from(random_offset)).floor();
+        let draws = draws_after - draws_before;
+        draws_before = draws_after;
+        if draws > 0.0 {
+            beam.flux *= (draws / (own * draws_per_flux)) as f32;
         }
-        count > 0.0
+        draws > 0.0
     });
     beams
 }
@@ -40,8 +41,8 @@ mod tests {
     use crate::color::Rgb;
     use glam::Vec3;
 
-    /// For evenly spaced values of `start`, weak and strong beams keep their mean flux, and the
-    /// number of kept beams does not exceed the share.
+    /// Over evenly spaced values of `random_offset`, weak and strong beams keep their mean flux.
+    /// The mean number of kept beams does not exceed the given fraction.
     #[test]
     fn thinning_keeps_the_mean_flux_of_each_beam() {
         let flux = |i: u32| Rgb::new(1.0, 0.5, 0.25) * [1.0, 3.0, 0.01, 60.0][i as usize % 4] * (1 + i % 7) as f32;

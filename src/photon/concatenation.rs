@@ -7,9 +7,9 @@ use std::ops::Range;
 use std::slice;
 
 /// Smallest number of items that one Rayon task copies.
-const MIN_ITEMS: usize = 4096;
+const MIN_ITEMS_PER_TASK: usize = 4096;
 
-/// Returns the items of all `parts` in order. Copies them in parallel.
+/// Concatenates `parts` to one list, in order. The items are copied in parallel.
 pub(super) fn concatenate<T: Copy + Send + Sync>(parts: &[&[T]]) -> Vec<T> {
     let starts: Vec<usize> = parts
         .iter()
@@ -20,12 +20,12 @@ pub(super) fn concatenate<T: Copy + Send + Sync>(parts: &[&[T]]) -> Vec<T> {
         })
         .collect();
     let len = starts.last().map_or(0, |start| start + parts[parts.len() - 1].len());
-    Concatenation { parts, starts: &starts, range: 0..len }.with_min_len(MIN_ITEMS).copied().collect()
+    Concatenation { parts, starts: &starts, range: 0..len }.with_min_len(MIN_ITEMS_PER_TASK).copied().collect()
 }
 
-/// Parallel iterator over a range of the items of a concatenation.
+/// Parallel iterator over a range of the items of several concatenated lists.
 ///
-/// Unlike `flatten`, it knows its length, so that its items can be collected without another copy.
+/// Unlike `flatten`, it knows its length, so its items are collected without another copy.
 struct Concatenation<'a, T> {
     parts: &'a [&'a [T]],
     /// Index in the concatenation of the first item of each part.
@@ -151,7 +151,7 @@ impl<T> FusedIterator for ConcatenationIter<'_, T> {}
 mod tests {
     use super::*;
 
-    /// Lists of any lengths, among them empty ones, give the list that a serial copy gives.
+    /// Lists of any lengths, even empty ones, are joined to the list that a serial copy gives.
     #[test]
     fn parts_are_joined_in_order() {
         let lists = |lengths: &[usize]| {

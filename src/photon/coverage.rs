@@ -8,20 +8,22 @@ use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::{NearPrimitives, Scene};
 use glam::Vec3;
 
-/// Number of probe rays that measure the coverage of a gather disc: the fraction of the disc that
-/// is surface.
+/// Number of probe rays that measure the coverage of a density estimate's disc: the fraction of the
+/// disc that is surface.
 const PROBES: u32 = 16;
 
-/// Lower bound of a coverage, the visible fraction of a kernel.
+/// Lower bound of the coverage, the fraction of a density estimate's kernel that lies on surfaces
+/// or is visible.
 ///
 /// Density estimates are divided by the coverage, so the correction brightens them at most 20
 /// times.
 pub(super) const MIN_COVERAGE: f32 = 0.05;
 
-/// Largest rise of a probe hit above the plane of the disc that counts as flat, divided by the
-/// radius.
+/// Largest height of a probe hit above or below the plane of the disc that counts as zero, divided
+/// by the radius.
 ///
-/// A flat surface is hit in this plane up to rounding errors. Such hits must count as flat.
+/// Hits on a flat surface lie in this plane up to rounding errors, so that their height must count
+/// as zero.
 const MAX_FLAT_RISE: f32 = 1e-3;
 
 /// Bound on the rounding error of a probe ray's origin, divided by the largest coordinate of the
@@ -45,7 +47,8 @@ pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: 
     coverage_near(scene, &primitives, p, normal, radius, kernel, key)
 }
 
-/// Returns a box that contains all probe rays of [`disc_coverage`] at `p`.
+/// Returns a box that contains all probe rays that measure the coverage of the disc of `radius`
+/// \[length] around `p`.
 fn probe_bounds(p: Vec3, normal: Vec3, radius: f32) -> Bounds {
     let height = normal.abs() * (radius * MAX_RELATIVE_HEIGHT);
     let around = (Vec3::ONE - normal * normal).max(Vec3::ZERO).map(f32::sqrt) * radius;
@@ -54,7 +57,8 @@ fn probe_bounds(p: Vec3, normal: Vec3, radius: f32) -> Bounds {
     Bounds { min: p - half, max: p + half }
 }
 
-/// Computes [`disc_coverage`]; `primitives` must be the scene's primitives near the disc.
+/// Returns the coverage of the disc of `radius` \[length] around `p`, as [`disc_coverage`] defines
+/// it. `primitives` must hold all primitives of the scene near the disc.
 #[inline]
 fn coverage_near(
     scene: &Scene,
@@ -77,8 +81,9 @@ fn coverage_near(
     }
 }
 
-/// Computes [`disc_coverage`] from probe rays. The rays are intersected only with `primitives`, the
-/// scene's primitives near the disc.
+/// Returns the coverage of a disc, as [`disc_coverage`] defines it, measured by 16 probe rays. The
+/// rays are intersected only with `primitives`, which must hold all primitives of the scene near
+/// the disc.
 fn coverage_by_probes(
     scene: &Scene,
     primitives: &NearPrimitives<'_>,
@@ -90,34 +95,36 @@ fn coverage_by_probes(
 ) -> f32 {
     let frame = Frame::from_normal(normal);
     let height = radius * MAX_RELATIVE_HEIGHT;
-    let (mut covered, mut whole) = (0.0, 0.0);
+    let (mut covered_integral, mut flat_integral) = (0.0, 0.0);
     for i in 0..PROBES {
         let d = warp::square_to_uniform_disc(sobol_2d(i, key, Dimension::CoverageProbe));
-        let shape = kernel.unnormalized_value(d.length_squared());
-        whole += shape;
+        let kernel_value = kernel.unnormalized_value(d.length_squared());
+        flat_integral += kernel_value;
         let above = p + (frame.s * d.x + frame.t * d.y) * radius + normal * height;
         let ray = Ray { t_max: 2.0 * height, ..Ray::new(above, -normal) };
         let Some(hit) = primitives.intersect(&ray) else { continue };
         let cos = scene.geometric_normal_at(&ray, &hit).dot(normal).abs();
         if cos > MIN_NORMAL_COSINE {
             let rise = (height - hit.t) / radius;
-            let shape = if rise.abs() < MAX_FLAT_RISE {
-                shape
+            let kernel_value = if rise.abs() < MAX_FLAT_RISE {
+                kernel_value
             } else {
                 kernel.unnormalized_value_or_zero(d.length_squared() + rise * rise)
             };
             let cos = if cos > 0.999_999 { 1.0 } else { cos };
-            covered += shape / cos;
+            covered_integral += kernel_value / cos;
         }
     }
-    if whole > 0.0 { (covered / whole).max(MIN_COVERAGE) } else { 1.0 }
+    if flat_integral > 0.0 { (covered_integral / flat_integral).max(MIN_COVERAGE) } else { 1.0 }
 }
 
-/// Returns the coverage, as [`disc_coverage`] defines it, of each disc of a
-/// [`NestedRadianceEstimate`](super::NestedRadianceEstimate), largest disc first.
+/// Returns the coverage of each of the concentric discs of a
+/// [`NestedRadianceEstimate`](super::NestedRadianceEstimate), largest disc first. The coverage is
+/// the fraction of the disc that is surface ([`disc_coverage`]).
 ///
-/// `radius` is the radius of the largest disc \[length]. Each disc that needs probe rays has its
-/// own 16: with fewer rays, the coverage would be noisier, which would bias the division by it.
+/// `radius` is the radius of the largest disc \[length]. Each disc that needs probe rays gets 16 of
+/// its own. With fewer rays, the coverage would be noisier, and dividing by it would be more
+/// biased.
 #[must_use]
 pub fn nested_disc_coverage(
     scene: &Scene,

@@ -49,16 +49,14 @@ impl VolumePhotons {
 pub struct Deposits {
     /// Photons on surfaces, except the photons in `after_caustic_surface_photons`.
     pub surface_photons: Vec<Photon>,
-    /// Surface photons that a receiver has scattered after a caustic
-    /// ([`PhotonKind::AfterCaustic`]).
+    /// Surface photons of the indirect light that caustics cause ([`PhotonKind::AfterCaustic`]).
     ///
     /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `surface_photons`
     /// holds these photons instead, and this list is empty.
     pub after_caustic_surface_photons: Vec<Photon>,
     /// Photons in media, except the photons in `after_caustic_volume_photons`.
     pub volume_photons: VolumePhotons,
-    /// Photons in media that a receiver has scattered after a caustic
-    /// ([`PhotonKind::AfterCaustic`]).
+    /// Volume photons of the indirect light that caustics cause ([`PhotonKind::AfterCaustic`]).
     ///
     /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `volume_photons`
     /// holds these photons instead, and this list is empty.
@@ -101,13 +99,13 @@ impl Deposits {
             rejected_deposits: chunks.iter().map(|chunk| chunk.rejected_deposits).sum(),
             splats: concatenated_lists(&chunks, |chunk| &chunk.splats),
         };
-        // Returning memory to the system takes as long as a copy, so it is done in parallel too.
+        // Freeing large lists takes as long as copying them, so it is done in parallel too.
         chunks.into_par_iter().for_each(drop);
         all
     }
 
-    /// Stores one deposit of a photon path of `tracer` in the list for its place and kind. An
-    /// invalid deposit increments `rejected_deposits` instead.
+    /// Stores one deposit of a photon path of `tracer` in the list for its place and kind. A
+    /// deposit with an invalid position or flux increments `rejected_deposits` instead.
     #[inline]
     pub(super) fn store_deposit(&mut self, tracer: &PhotonTracer<'_>, deposit: &Deposit<'_>) {
         let is_separate = tracer.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
@@ -144,7 +142,7 @@ impl Deposits {
     }
 }
 
-/// Returns the concatenation of one list of each of the `owners`.
+/// Concatenates the lists that `list` returns for each of the `owners`, in order.
 fn concatenated_lists<'a, O, T: Copy + Send + Sync + 'a>(
     owners: &'a [O],
     list: impl Fn(&'a O) -> &'a Vec<T>,
@@ -162,13 +160,14 @@ pub struct Splat {
     pub integrated_radiance: Rgb,
 }
 
-/// Flux that a photon path deposits on a surface, in a medium or on the film.
+/// Flux that a photon path deposits at one place: on a surface, in a medium or on the film.
 pub(super) struct Deposit<'a> {
     /// Kind of the photon that carries the flux.
     pub kind: PhotonKind,
     /// Surface point, medium or film position that receives the flux.
     pub place: DepositPlace<'a>,
-    /// Flux \[W]; on the film, the integrated radiance of a [`Splat`].
+    /// Flux \[W] of a photon or beam; for a splat on the film, the radiance integrated over the
+    /// film \[W/(m² sr)·pixel²].
     pub flux: Rgb,
     /// Wavelength of the path; `None` if the path carries all wavelengths.
     pub wavelength: Option<Wavelength>,
@@ -176,10 +175,10 @@ pub(super) struct Deposit<'a> {
 
 /// Place where a photon path deposits flux: on a surface, in a medium or on the film.
 pub(super) enum DepositPlace<'a> {
-    /// A point on a surface, and the share of the photon's flux that density estimates use, in
-    /// steps of 1/[`SHARE_STEPS`](super::surface_photon::SHARE_STEPS).
+    /// A point on a surface, and the fraction of the photon's flux that density estimates use, in
+    /// units of 1/[`SHARE_STEPS`](super::surface_photon::SHARE_STEPS).
     ///
-    /// Light tracing splats the remaining flux on the film. The share is `None` without light
+    /// Light tracing splats the remaining flux on the film. The fraction is `None` without light
     /// tracing, and for photons that are not caustic.
     Surface(&'a SurfaceInteraction<'a>, Option<u8>),
     /// A film position \[pixels from the top left], where a splat is recorded.

@@ -11,11 +11,12 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Number of emission samples from which the power of one light towards the casters is estimated.
+/// Number of emission samples that estimate the power of one light towards casters, the surfaces
+/// that cast caustics.
 const POWER_SAMPLES: u32 = 256;
 
-/// Weight of a light's total power in the probability of sampling the light, for photon paths aimed
-/// at casters (defensive sampling).
+/// Weight of a light's total power in the probability of sampling the light (defensive sampling).
+/// It applies to photon paths aimed at casters, the surfaces that cast caustics.
 ///
 /// The other 90 % of the weight is on the light's estimated power towards the casters. So a light
 /// that can reach a caster keeps a probability above zero even if this estimate is zero.
@@ -27,13 +28,13 @@ pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     /// Discrete distribution from which the light of a photon path is sampled.
     pub(super) light_distribution: DiscreteDistribution,
-    /// Bounding spheres of the [casters](super::PhotonKind), towards which photons are emitted.
-    /// `None` emits in all directions.
+    /// Bounding spheres of the [casters](super::PhotonKind), such as glass and mirrors, towards
+    /// which photons are emitted. `None` emits in all directions.
     aim: Option<PhotonAim>,
-    /// Guided distribution of each light's positions and directions; `None` for an unguided light.
-    /// The list is empty without emission guiding.
+    /// Guided distribution of the emitted positions and directions, for each light; `None` for an
+    /// unguided light. The list is empty without emission guiding.
     pub(super) guiding: Vec<Option<EmissionGuidingDistribution>>,
-    /// Effects that photon paths simulate.
+    /// Parts of light transport that photon paths simulate, such as textures or media.
     effects: Effects,
 }
 
@@ -69,7 +70,7 @@ impl<'a> PhotonSource<'a> {
     }
 
     /// Creates a source that emits only towards the bounding spheres of
-    /// [casters](super::PhotonKind).
+    /// [casters](super::PhotonKind), such as glass and mirrors.
     ///
     /// The probability of a light is mainly proportional to its power towards the spheres, which is
     /// estimated by sampling. If a caster is unbounded, the source emits in all directions. Returns
@@ -94,8 +95,8 @@ impl<'a> PhotonSource<'a> {
         let (total, total_aimed) = (light_powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
         let weight = |(power, aimed): (&f64, &f64)| {
             let plain = power / total;
-            // An estimated power of zero does not prove that no light reaches a caster. The total
-            // powers then decide.
+            // If all estimated powers are zero, light may still reach a caster. Lights are then
+            // chosen by their total powers.
             if total_aimed > 0.0 {
                 DEFENSIVE_FRACTION * plain + (1.0 - DEFENSIVE_FRACTION) * aimed / total_aimed
             } else {
@@ -117,8 +118,8 @@ impl<'a> PhotonSource<'a> {
     /// Returns the source without the environment light; `None` if no other light has power.
     #[must_use]
     pub fn without_environment_light(self) -> Option<Self> {
-        // Without an environment light, the probabilities stay as they are, because recomputing
-        // would change their rounding.
+        // Recomputing equal probabilities could round them differently, so a source without
+        // environment light is returned unchanged.
         let Some(environment) = self.scene.environment_light_index() else { return Some(self) };
         let weight = |i| if i == environment { 0.0 } else { f64::from(self.light_distribution.probability(i)) };
         let light_distribution = DiscreteDistribution::new((0..self.scene.lights().len()).map(weight))?;
@@ -137,7 +138,8 @@ impl<'a> PhotonSource<'a> {
         PhotonSource { scene, light_distribution, aim, guiding, ..*self }
     }
 
-    /// Returns the source, whose photon paths now simulate only `effects`.
+    /// Returns the source with its photon paths restricted to `effects`, the parts of light
+    /// transport to simulate.
     #[must_use]
     pub fn with_effects(self, effects: Effects) -> Self {
         Self { effects, ..self }
@@ -194,13 +196,13 @@ impl<'a> PhotonSource<'a> {
         }
     }
 
-    /// Returns the primary sample in \[0, 1) that selects the wavelength of photon path `index`.
+    /// Returns the uniform sample in \[0, 1) that selects the wavelength of photon path `index`.
     ///
-    /// The path starts at light number `light`, in a pass of `paths` paths. Path indices of one
-    /// light are consecutive, and the sample grows in equal steps along them. One random number per
-    /// pass is added modulo 1 (Cranley and Patterson 1976), so each path has a uniform sample. Runs
-    /// of Sobol' points fill the unit square evenly. So positions and directions are spread evenly
-    /// in each range of wavelengths, as in a Hammersley set.
+    /// The path starts at light number `light`, in a pass of `paths` paths. The paths of one light
+    /// have consecutive indices. Along them, the sample grows in equal steps from a random offset
+    /// of the pass, modulo 1 (Cranley and Patterson 1976). So each range of wavelengths is a run of
+    /// Sobol' points, whose positions and directions fill the unit square evenly, as in a
+    /// Hammersley set.
     fn wavelength_sample(&self, pass_key: Key, index: u32, paths: u32, light: usize) -> f32 {
         let u = systematic_light_sample(pass_key, index, paths);
         (self.light_distribution.remapped_sample(u, light) + pass_key.uniform_1d(Dimension::Wavelength)).fract()
@@ -221,27 +223,28 @@ impl<'a> PhotonSource<'a> {
         }?;
         let ray = match (light.is_infinite(), light.is_delta()) {
             (true, _) => self.scene.move_origin_beyond_planes(emission.ray),
-            // A delta light at a position: the ray starts beyond surfaces that the light may touch.
+            // A point light may touch a surface, so the ray starts beyond this surface.
             (false, true) => {
                 Ray { origin: emission.ray.at(self.scene.light_contact_distance(point.light)), ..emission.ray }
             }
-            // An emitting surface: the ray already starts off the surface, beyond rounding errors.
+            // The ray of an emitting surface already starts off the surface, beyond rounding
+            // errors.
             (false, false) => emission.ray,
         };
         Some((self.scene.start_light_path(point.light, ray, self.effects), emission.weight))
     }
 }
 
-/// Returns the primary sample in \[0, 1) that chooses the light of photon path `index` in a pass of
-/// `paths` paths. It increases with `index` in equal steps (systematic sampling).
+/// Returns the uniform sample in \[0, 1) that chooses the light of photon path `index` in a pass of
+/// `paths` paths. The sample increases with `index` in equal steps (systematic sampling).
 #[inline]
 fn systematic_light_sample(pass_key: Key, index: u32, paths: u32) -> f32 {
     let u = (f64::from(index) + f64::from(pass_key.uniform_1d(Dimension::Light))) / f64::from(paths);
     (u as f32).min(1.0 - f32::EPSILON / 2.0)
 }
 
-/// Returns the effects that photon paths in `scene` simulate by default: all, but without
-/// [`Effect::Interiors`] if no object has an interior.
+/// Returns the parts of light transport that photon paths in `scene` simulate by default: all,
+/// except [`Effect::Interiors`] if no object has an interior.
 fn effects_of_scene(scene: &Scene) -> Effects {
     if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without_effect(Effect::Interiors) }
 }

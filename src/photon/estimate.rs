@@ -5,7 +5,8 @@ use super::{Kernel, PhotonAttributes, PhotonMap};
 use crate::color::Rgb;
 use glam::{DVec3, Vec3};
 
-/// Bandwidth of a density estimate: two upper bounds of the size of its disc.
+/// Bandwidth of a photon density estimate: the largest radius of its disc, and the largest number
+/// of photons in the disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bandwidth {
     /// Largest radius of the disc \[length].
@@ -22,14 +23,14 @@ pub struct Bandwidth {
 pub struct RadianceEstimate {
     /// Radiance \[W/(m² sr)].
     pub radiance: Rgb,
-    /// Radius of the disc over which photons were summed \[length].
+    /// Radius of the disc whose photons were summed \[length].
     pub radius: f32,
     /// Number of photons in the disc.
     pub photon_count: u32,
 }
 
-/// Number of nested discs of a [`NestedRadianceEstimate`]. The discs are concentric, and each has
-/// half the area of the next larger one.
+/// Number of concentric discs of a [`NestedRadianceEstimate`]. Each disc has half the area of the
+/// next larger one.
 pub const NESTED_DISC_COUNT: usize = 3;
 
 /// Radiance estimates from concentric discs of decreasing size. Photons in a small disc also count
@@ -42,7 +43,8 @@ pub struct NestedRadianceEstimate {
     pub radiance: [Rgb; NESTED_DISC_COUNT],
 }
 
-/// Buffers of k-nearest-photon searches, which the caller keeps from one search to the next.
+/// Reusable buffers of k-nearest-photon searches. A caller keeps them between searches, because
+/// each search starts from the radius of the last one.
 #[derive(Debug, Default)]
 pub struct PhotonSearchBuffers {
     /// Photons that the last search found, each with its squared distance from the query point.
@@ -89,10 +91,11 @@ impl PhotonMap {
     /// photon flux ΔΦ and kernel K (Jensen 2001, section 7.2).
     ///
     /// `brdf` returns f \[1/sr] for a photon's incident direction. `normal` is the unit geometric
-    /// normal on the viewer's side. Photons on other surfaces are left out: their normal differs
+    /// normal on the viewer's side. Photons of other surfaces are left out. Their normal differs
     /// from `normal` by more than 60°, or their tangent plane is farther from `p` than a quarter of
     /// [`Bandwidth::radius`]. `scratch` keeps the found photons and the start radius for the next
-    /// search. The estimate is not divided by the coverage of the disc.
+    /// search. The estimate is not divided by the coverage, which is the fraction of the disc that
+    /// is surface.
     pub fn estimate_radiance(
         &self,
         p: Vec3,
@@ -106,7 +109,7 @@ impl PhotonMap {
     }
 
     /// Estimates the reflected radiance at `p` by [`PhotonMap::estimate_radiance`] in
-    /// [`NESTED_DISC_COUNT`] nested discs, to measure how radiance depends on the disc.
+    /// [`NESTED_DISC_COUNT`] nested discs, to measure how the estimate depends on the radius.
     ///
     /// The largest disc gives the same bits as [`PhotonMap::estimate_radiance`].
     pub fn estimate_radiance_in_nested_discs(
@@ -118,8 +121,8 @@ impl PhotonMap {
         scratch: &mut PhotonSearchBuffers,
         brdf: impl Fn(&PhotonAttributes) -> Rgb,
     ) -> NestedRadianceEstimate {
-        let (whole, radiance) = self.estimate_radiance_in_discs(p, normal, bandwidth, kernel, scratch, brdf);
-        NestedRadianceEstimate { full_disc: whole, radiance }
+        let (full_disc, radiance) = self.estimate_radiance_in_discs(p, normal, bandwidth, kernel, scratch, brdf);
+        NestedRadianceEstimate { full_disc, radiance }
     }
 
     fn estimate_radiance_in_discs<const N: usize>(
@@ -135,12 +138,12 @@ impl PhotonMap {
             return (RadianceEstimate { radius: bandwidth.radius, ..RadianceEstimate::default() }, [Rgb::ZERO; N]);
         }
         let plane = TangentPlane::new(p, normal);
-        let resolved = p.length() * MIN_RADIUS_PER_DISTANCE;
-        let bandwidth = Bandwidth { radius: bandwidth.radius.max(resolved), ..bandwidth };
+        let resolvable_radius = p.length() * MIN_RADIUS_PER_DISTANCE;
+        let bandwidth = Bandwidth { radius: bandwidth.radius.max(resolvable_radius), ..bandwidth };
         let mut radius = bandwidth.radius;
         // Height of `p` over a photon's tangent plane, divided by the limit for the largest disc.
         // Smaller discs have lower limits.
-        let height = |data: &PhotonAttributes| {
+        let relative_height = |data: &PhotonAttributes| {
             if N > 1 {
                 data.normal_cosine_and_height(&plane).1.abs() / (bandwidth.radius * MAX_RELATIVE_HEIGHT)
             } else {
@@ -148,9 +151,9 @@ impl PhotonMap {
             }
         };
         if bandwidth.k > 0 {
-            let least = resolved.max(radius * MIN_KNN_RADIUS_FRACTION).max(self.min_radius).min(radius);
+            let least_radius = resolvable_radius.max(radius * MIN_KNN_RADIUS_FRACTION).max(self.min_radius).min(radius);
             let r2 = match self.find_k_nearest(p, normal, bandwidth, scratch) {
-                Some(r2) if r2 >= least * least => Some(r2),
+                Some(r2) if r2 >= least_radius * least_radius => Some(r2),
                 Some(_) => None,
                 None => Some(radius * radius),
             };
@@ -160,7 +163,7 @@ impl PhotonMap {
                     // The k-th photon defines the radius. The density (k − 1)/(πr²) of the others
                     // is unbiased.
                     if kernel.vanishes_at_edge() || *d2 < r2 || scratch.found.len() < bandwidth.k as usize {
-                        sums.add(*d2, height(data), brdf(data) * data.flux());
+                        sums.add(*d2, relative_height(data), brdf(data) * data.flux());
                     }
                 }
                 let count = scratch.found.len() as u32;
@@ -170,14 +173,14 @@ impl PhotonMap {
             }
             // The k-th photon is nearer than the least radius, so all photons within the least
             // radius count.
-            radius = least;
+            radius = least_radius;
         }
         let mut sums = KernelSums::<N>::new(kernel, radius * radius);
         let mut count = 0;
         self.visit_within_radius(p, radius, |data, d2| {
             if is_on_query_surface(data, &plane, bandwidth.radius) {
                 count += 1;
-                sums.add(d2, height(data), brdf(data) * data.flux());
+                sums.add(d2, relative_height(data), brdf(data) * data.flux());
             }
         });
         sums.into_radiance(radius, count)
@@ -186,10 +189,10 @@ impl PhotonMap {
     /// Writes the k photons nearest to `p` to `scratch`, and returns the squared distance of the
     /// k-th.
     ///
-    /// Only photons on the surface of `p` count; see [`is_on_query_surface`]. If fewer than k lie
-    /// within `bandwidth.radius`, the function writes all of them and returns `None`. The search
-    /// radius grows from a first guess, because the kd-tree of crate kiddo cannot shrink a radius
-    /// during a query.
+    /// Photons on other surfaces are left out, by their normals and tangent planes. If fewer than k
+    /// lie within `bandwidth.radius`, the function writes all of them and returns `None`. The
+    /// search radius grows from a first guess, because the kd-tree of crate kiddo cannot shrink a
+    /// radius during a query.
     fn find_k_nearest(
         &self,
         p: Vec3,
@@ -233,7 +236,7 @@ impl PhotonMap {
     /// the unit geometric normal at `p`.
     ///
     /// Returns `None` if fewer than k photons lie within the distance `most` \[length]. Photons on
-    /// other surfaces do not count, as in [`PhotonMap::estimate_radiance`].
+    /// other surfaces, with another normal or tangent plane, do not count.
     #[must_use]
     pub fn kth_photon_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
         let mut scratch = PhotonSearchBuffers { last_radius: most * 1e-3, ..PhotonSearchBuffers::default() };
@@ -250,9 +253,9 @@ struct KernelSums<const N: usize> {
     /// Partial sums in f32 since the last flush, over fewer than [`PHOTONS_PER_BLOCK`] photons; one
     /// sum for each disc.
     block_sums: [Rgb; N],
-    /// Number of photons that are summed in `block_sums`.
+    /// Number of photons whose contributions are in `block_sums`.
     block_photon_count: u32,
-    /// Sums in f64 over all photons before those of `block_sums`, one sum for each disc.
+    /// Sums in f64 over all photons of earlier blocks, one sum for each disc.
     total: [DVec3; N],
 }
 
@@ -268,10 +271,11 @@ impl<const N: usize> KernelSums<N> {
         }
     }
 
-    /// Adds a photon at squared distance `d2` from the query point, with `reflected` = BRDF · flux.
+    /// Adds the kernel-weighted `reflected` = BRDF · flux of a photon at squared distance `d2` from
+    /// the query point.
     ///
     /// `height` is the distance between the query point and the photon's tangent plane, divided by
-    /// the largest distance at which a photon counts in the largest disc.
+    /// its limit for the largest disc.
     #[inline]
     fn add(&mut self, d2: f32, height: f32, reflected: Rgb) {
         let x = d2 * self.inverse_r2;
@@ -292,7 +296,7 @@ impl<const N: usize> KernelSums<N> {
         self.total
             .iter_mut()
             .zip(&mut self.block_sums)
-            .for_each(|(whole, sum)| *whole += std::mem::take(sum).as_dvec3());
+            .for_each(|(total, sum)| *total += std::mem::take(sum).as_dvec3());
         self.block_photon_count = 0;
     }
 
@@ -308,7 +312,8 @@ impl<const N: usize> KernelSums<N> {
     }
 }
 
-/// True if a photon lies on the same surface as the query point, whose tangent plane is `plane`.
+/// True if a photon lies on the same surface as the query point of a density estimate, whose
+/// tangent plane is `plane`.
 ///
 /// The photon's normal must be within 60° of the plane's normal. The photon's tangent plane must
 /// pass within [`MAX_RELATIVE_HEIGHT`] · `radius` of the query point. `radius` is the largest
@@ -332,7 +337,8 @@ mod tests {
     use super::*;
     use crate::photon::Photon;
 
-    /// The distance to the k-th photon is exact even if one photon is very far away.
+    /// The distance to the k-th photon is exact, even if the map also holds a photon at distance
+    /// 10⁶.
     #[test]
     fn kth_distance_ignores_scene_extent() {
         let photon = |x: f32| Photon::new(Vec3::X * x, Rgb::ONE, Vec3::Z, Vec3::Z).unwrap();

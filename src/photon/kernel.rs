@@ -36,7 +36,7 @@ impl FromStr for Kernel {
 }
 
 impl Kernel {
-    /// Kernel value before multiplication by [`Kernel::normalization_factor`].
+    /// Kernel value at x, up to the factor [`Kernel::normalization_factor`].
     ///
     /// `x` is d²/r² < 1, for distance d and disc radius r.
     #[inline]
@@ -49,7 +49,7 @@ impl Kernel {
         }
     }
 
-    /// Kernel value before multiplication by [`Kernel::normalization_factor`]; 0 outside the disc.
+    /// Kernel value at x, up to the factor [`Kernel::normalization_factor`]; 0 outside the disc.
     ///
     /// `x` is d²/r² ≥ 0, for distance d and disc radius r.
     #[inline]
@@ -73,9 +73,9 @@ impl Kernel {
 
     /// True if the kernel is zero at the edge of its disc.
     ///
-    /// In a k-nearest-neighbour estimate, the k-th photon lies at the edge, and must have no
-    /// weight, or the estimate is biased. If this function returns false, the caller must leave out
-    /// the k-th photon.
+    /// In a k-nearest-neighbour estimate, the k-th photon lies at the edge. It must have no weight,
+    /// or the estimate is biased. If this function returns false, the caller must leave out the
+    /// k-th photon.
     #[must_use]
     pub fn vanishes_at_edge(self) -> bool {
         self != Self::Box

@@ -1,12 +1,12 @@
 //! Light tracing: connects caustic photons to the camera and splats their light on the film.
 //!
 //! A density estimate blurs a caustic over its disc. Splats do not blur, but are noisy where few
-//! photons fall in a pixel. Each caustic photon therefore gives a fraction of its flux, its
-//! *share*, to density estimates, and the remaining flux to its splat. The share is a function of
-//! film position alone, so all light is counted exactly once.
+//! photons fall in a pixel. Each caustic photon therefore divides its flux: a fraction, the
+//! *share*, goes to density estimates, and the rest to its splat. The share depends only on film
+//! position, so all light is counted exactly once.
 //!
-//! The method is that of Veach 1997, section 10.3. Shares take the place of multiple importance
-//! sampling weights (Georgiev et al. 2012).
+//! The method is described by Veach 1997, section 10.3. Shares take the place of multiple
+//! importance sampling weights (Georgiev et al. 2012).
 
 use super::PhotonKind;
 use super::deposits::{Deposit, DepositPlace, Splat};
@@ -20,11 +20,11 @@ use crate::scene::{Interior, PathRay, Scene, SurfaceInteraction};
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
-/// Number of caustic photons per pixel and pass at which the density estimate and the splat of a
-/// photon each get half of its flux.
+/// Number of caustic photons per pixel and pass at which density estimates and splats each get half
+/// of the caustic flux.
 ///
 /// In pixels with fewer photons, splats are noisier, so density estimates get more than half.
-const EQUAL_SHARE_COUNT: f64 = 10.0;
+const EQUAL_SHARE_PHOTON_COUNT: f64 = 10.0;
 
 /// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film. A
 /// splat by light tracing carries the remaining flux.
@@ -32,18 +32,20 @@ const EQUAL_SHARE_COUNT: f64 = 10.0;
 pub struct DensityEstimateShares {
     width: u32,
     height: u32,
-    /// Share of caustic flux that density estimates use at each pixel, in steps of
+    /// Fraction of caustic flux that density estimates use at each pixel, in units of
     /// 1/[`SHARE_STEPS`], by rows from the top.
-    steps: Vec<u8>,
+    share_steps: Vec<u8>,
 }
 
 impl DensityEstimateShares {
-    /// Computes the share of density estimates at each pixel from the `splats` of a pilot.
+    /// Computes, for each pixel, the fraction of caustic flux that density estimates use, from the
+    /// `splats` of a pilot simulation.
     ///
-    /// The share is 1/(1 + n²/10²), where n is the estimated number of caustic photons per pixel
-    /// and pass. n is the effective number of `splats` per pixel, measured over 3 × 3 pixels, times
-    /// `ratio`. `ratio` is the number of photon paths of a pass, divided by that of the pilot. The
-    /// square reduces the share quickly at foci, where density estimates have rare large errors.
+    /// The fraction is 1/(1 + n²/10²), where n is the estimated number of caustic photons per pixel
+    /// and pass. The number n is the effective number of `splats` per pixel, measured over 3 × 3
+    /// pixels, times `ratio`. `ratio` is the number of photon paths of a pass, divided by the
+    /// number of photon paths of the pilot. The square reduces the fraction quickly at foci, where
+    /// density estimates have rare large errors.
     #[must_use]
     pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
@@ -62,27 +64,27 @@ impl DensityEstimateShares {
                 .flat_map(|y| columns.clone().map(move |x| index(x, y)))
                 .fold((0.0, 0.0), |(sum, squares), i| (sum + sums[i].0, squares + sums[i].1));
             let count = if squares > 0.0 { ratio * sum * sum / squares / pixels } else { 0.0 };
-            let relative = count / EQUAL_SHARE_COUNT;
+            let relative = count / EQUAL_SHARE_PHOTON_COUNT;
             let share = 1.0 / (1.0 + relative * relative);
             (share * f64::from(SHARE_STEPS)).round() as u8
         };
-        let steps = (0..height).flat_map(|y| (0..width).map(move |x| share(x, y))).collect();
-        Self { width, height, steps }
+        let share_steps = (0..height).flat_map(|y| (0..width).map(move |x| share(x, y))).collect();
+        Self { width, height, share_steps }
     }
 
-    /// Creates shares that are `steps`/[`SHARE_STEPS`] in all pixels of a film of the given width
-    /// and height.
+    /// Creates the fraction `steps`/[`SHARE_STEPS`] in all pixels of a film of the given width and
+    /// height \[pixels].
     #[must_use]
     pub fn with_uniform_share(steps: u8, (width, height): (u32, u32)) -> Self {
-        Self { width, height, steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
+        Self { width, height, share_steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
     }
 
-    /// Returns the share of caustic flux that density estimates use at `film_position` \[pixels
-    /// from the top left], in steps of 1/[`SHARE_STEPS`]. Outside the film, the share is 1.
+    /// Returns the fraction of caustic flux that density estimates use at `film_position` \[pixels
+    /// from the top left], in units of 1/[`SHARE_STEPS`]. Outside the film, the fraction is 1.
     #[inline]
     fn share_steps_at_film_position(&self, film_position: Vec2) -> u8 {
         pixel_at_film_position(film_position, self.width, self.height)
-            .map_or(SHARE_STEPS, |(x, y)| self.steps[y as usize * self.width as usize + x as usize])
+            .map_or(SHARE_STEPS, |(x, y)| self.share_steps[y as usize * self.width as usize + x as usize])
     }
 }
 
@@ -102,7 +104,8 @@ pub struct LightTracer<'a> {
     camera: &'a Camera,
     /// True if camera rays start at random points of the lens; false if at its center.
     samples_lens: bool,
-    /// True if some bodies are null interfaces, which do not block connections.
+    /// True if the scene has null interfaces: boundaries that light crosses unchanged, so that they
+    /// do not block connections.
     has_null_interfaces: bool,
     /// Fraction of a photon's flux that density estimates use, for each pixel; splats get the
     /// remaining flux. If it is `None`, as in a pilot, density estimates and splats each get the
@@ -123,13 +126,14 @@ impl<'a> LightTracer<'a> {
     }
 
     /// Connects a caustic photon at `surface` to the camera, and passes the splat to `deposit`.
-    /// Returns the share of the photon's flux that density estimates use, in steps of
+    /// Returns the fraction of the photon's flux that density estimates use, in units of
     /// 1/[`SHARE_STEPS`].
     ///
     /// `flux` \[W] is the photon's whole flux. `path_ray` is the path's ray that hit `surface`.
     /// `key` gives the random numbers of the path vertex. The function adds its shadow ray to
-    /// `rays`. There is no splat if the camera does not see the point or if `surface` stores no
-    /// photons. The function is not inlined, which keeps passes without light tracing fast.
+    /// `rays`. There is no splat if the camera does not see the point, if the fraction is 1, or if
+    /// `surface` stores no photons. The function is not inlined, which keeps passes without light
+    /// tracing fast.
     #[inline(never)]
     pub(super) fn splat_and_return_share<I: Interior>(
         &self,
@@ -149,8 +153,8 @@ impl<'a> LightTracer<'a> {
             None => 1.0,
             Some(_) => 1.0 - f32::from(share) / f32::from(SHARE_STEPS),
         };
-        // The surface may be a mix of materials, at which the photon met a caster. Camera paths
-        // find the light that casters reflect to the camera.
+        // A mix may resolve to a material that casts caustics, such as glass. Camera paths find the
+        // light that such a material sends to the camera.
         if splat_share == 0.0 || !surface.bsdf.stores_photons() {
             return share;
         }
@@ -184,8 +188,8 @@ impl<'a> LightTracer<'a> {
             return Rgb::ZERO;
         }
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
-        // As in density estimates: `normal` tells on which side of a transmitting surface the
-        // camera is.
+        // `normal` tells on which side of a transmitting surface the camera is, as in density
+        // estimates.
         let ng = if transmits { normal } else { ns };
         let bsdf = surface.bsdf.evaluate(connection.direction_to_camera, surface.wo, ns, ng, TransportMode::Radiance);
         bsdf * (cosine.abs() * connection.importance)
@@ -217,11 +221,11 @@ impl<'a> LightTracer<'a> {
     }
 }
 
-/// Adds a copy of each splat at each other film position with the same camera ray from which
-/// `filter` still reaches the film.
+/// Copies each splat of a panorama to the other film positions of the same camera ray, if `filter`
+/// reaches the film from there.
 ///
-/// Camera rays of a panorama also see points across the seam and over a pole. There, density
-/// estimates give only their share of caustic flux, so splats must give the rest.
+/// Pixels at the seam and at the poles also filter light from beyond the edge of the film. There,
+/// density estimates give only their share of caustic flux, so splats must give the rest.
 pub fn add_splats_across_seams(splats: &mut Vec<Splat>, camera: &Camera, filter: &Filter) {
     // The centers of the outermost pixels lie half a pixel inside the film.
     let margin = filter.radius() - 0.5;

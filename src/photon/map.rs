@@ -8,14 +8,14 @@ use kiddo::{Eytzinger, KdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
 /// Largest number of photons in a leaf of the kd-tree.
-const BUCKET: usize = 32;
+const LEAF_SIZE: usize = 32;
 
-type Tree = KdTree<f32, PhotonAttributes, Eytzinger, VecOfArenas<f32, PhotonAttributes, 3, BUCKET>, 3, BUCKET>;
+type Tree = KdTree<f32, PhotonAttributes, Eytzinger, VecOfArenas<f32, PhotonAttributes, 3, LEAF_SIZE>, 3, LEAF_SIZE>;
 
 /// Surface photons in a kd-tree, for density estimates.
 ///
 /// The tree splits x, y and z in turn, so every third split would be useless for photons on an
-/// axis-aligned wall. The map therefore turns all positions, of photons and of queries, by a fixed
+/// axis-aligned wall. The map therefore rotates all positions of photons and queries by a fixed
 /// oblique rotation.
 pub struct PhotonMap {
     tree: Option<Tree>,
@@ -40,12 +40,12 @@ const ROTATION: Mat3 = Mat3::from_cols(
     Vec3::new(0.394_739_8, -0.071_392_5, 0.916_015_1),
 );
 
-/// Largest number of photons at one position that are not merged. The kd-tree holds all photons of
-/// one position in one leaf, which grows if there are more than the size of a bucket.
-const MAX_COINCIDENT: usize = BUCKET;
+/// Number of photons at one position above which they are merged. The kd-tree holds all photons of
+/// one position in one leaf, which would grow beyond its normal size.
+const MAX_COINCIDENT_PHOTONS: usize = LEAF_SIZE;
 
-/// Smallest number of runs of consecutive photons that one Rayon task tests for coincidence.
-const MIN_WINDOWS: usize = 4096;
+/// Smallest number of windows of consecutive photons that one Rayon task tests for equal positions.
+const MIN_WINDOWS_PER_TASK: usize = 4096;
 
 /// Number of photons from which the two halves of a node of the kd-tree are built in parallel.
 const PARALLEL_BUILD_THRESHOLD: usize = 4096;
@@ -104,8 +104,8 @@ impl PhotonMap {
     }
 }
 
-/// Merges photons of equal position, normal, wavelength and share of density estimates, at each
-/// position with more than [`MAX_COINCIDENT`] photons.
+/// Merges photons that have equal position, normal, wavelength and fraction for density estimates,
+/// at each position with more than [`MAX_COINCIDENT_PHOTONS`] photons.
 ///
 /// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {
@@ -113,14 +113,14 @@ fn merge_coincident_photons(photons: &mut Vec<Photon>) {
     // cell.
     let coincide = |run: &[Photon]| {
         let position = run[0].position;
-        run[MAX_COINCIDENT].position == position && run.iter().all(|photon| photon.position == position)
+        run[MAX_COINCIDENT_PHOTONS].position == position && run.iter().all(|photon| photon.position == position)
     };
-    if !photons.par_windows(MAX_COINCIDENT + 1).with_min_len(MIN_WINDOWS).any(coincide) {
+    if !photons.par_windows(MAX_COINCIDENT_PHOTONS + 1).with_min_len(MIN_WINDOWS_PER_TASK).any(coincide) {
         return;
     }
     let mut merged: Vec<Photon> = Vec::with_capacity(photons.len());
     for run in photons.chunk_by(|a, b| a.position == b.position) {
-        if run.len() <= MAX_COINCIDENT {
+        if run.len() <= MAX_COINCIDENT_PHOTONS {
             merged.extend_from_slice(run);
             continue;
         }

@@ -11,37 +11,40 @@ use wide::f32x8;
 /// Number of points or beam pieces in a packet.
 pub(super) const LANES: usize = 8;
 
-type VectorLanes = [f32x8; 3];
+/// Eight 3D vectors, one in each SIMD lane: the x, y and z components.
+type Vec3x8 = [f32x8; 3];
 
-fn broadcast_to_lanes(v: Vec3) -> VectorLanes {
+/// Copies the vector `v` to all SIMD lanes.
+fn broadcast_to_lanes(v: Vec3) -> Vec3x8 {
     v.to_array().map(f32x8::splat)
 }
 
 #[inline]
-fn subtract(a: VectorLanes, b: VectorLanes) -> VectorLanes {
+fn subtract(a: Vec3x8, b: Vec3x8) -> Vec3x8 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline]
-fn dot(a: VectorLanes, b: VectorLanes) -> f32x8 {
+fn dot(a: Vec3x8, b: Vec3x8) -> f32x8 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline]
-fn cross(a: VectorLanes, b: VectorLanes) -> VectorLanes {
+fn cross(a: Vec3x8, b: Vec3x8) -> Vec3x8 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Returns |x| + |y| + |z|, an upper bound of the length of `v`.
 #[inline]
-fn manhattan_length(v: VectorLanes) -> f32x8 {
+fn manhattan_length(v: Vec3x8) -> f32x8 {
     v[0].abs() + v[1].abs() + v[2].abs()
 }
 
-/// A line and a search radius, broadcast to all SIMD lanes.
+/// A query for all points or beams near a line: the line and the search radius, broadcast to all
+/// SIMD lanes.
 pub(super) struct LineQuery {
-    origin: VectorLanes,
-    direction: VectorLanes,
+    origin: Vec3x8,
+    direction: Vec3x8,
     radius: f32x8,
 }
 
@@ -70,7 +73,7 @@ pub(super) fn indices_of_set_bits(mut mask: u32) -> impl Iterator<Item = usize> 
 }
 
 /// Positions of up to eight points; unused lanes hold infinity.
-pub(super) struct PointPacket(VectorLanes);
+pub(super) struct PointPacket(Vec3x8);
 
 impl PointPacket {
     /// Creates a packet of the first eight positions of `points`.
@@ -87,10 +90,10 @@ impl PointPacket {
     /// Returns a bit mask: bit i is set if point i of the packet may lie within `query`'s radius of
     /// its line.
     ///
-    /// The test is conservative: rounding never clears the bit of a point inside the radius. The
-    /// bound γ(24) on the relative error covers the vector from the line's origin (γ(1)), its
-    /// projection on the line (γ(4)) and its perpendicular component (γ(3)), times √3 for three
-    /// axes. γ(n) bounds the relative error of n roundings.
+    /// The test is conservative: rounding never clears the bit of a point inside the radius. γ(n)
+    /// bounds the relative error of n roundings. The bound γ(24) covers the errors of the vector
+    /// from the line's origin, γ(1), of its projection on the line, γ(4), and of its perpendicular
+    /// component, γ(3), times √3 for three axes.
     #[inline]
     pub fn points_near_line(&self, query: &LineQuery) -> u32 {
         let to = subtract(self.0, query.origin);
@@ -101,8 +104,8 @@ impl PointPacket {
         dot(off, off).simd_le(reach * reach).to_bitmask()
     }
 
-    /// Returns a bit mask of the points closer to `center` than a radius r, and d²/r² for each
-    /// lane, where d is the distance from `center`.
+    /// Returns a bit mask of the points at distances d < r from `center`, and the value d²/r² for
+    /// each lane.
     ///
     /// Bit i of the mask stands for point i of the packet. `inverse_radius` is 1/r \[1/length].
     #[inline]
@@ -128,12 +131,12 @@ pub(super) struct BeamPiece {
 
 /// Up to eight beam pieces; unused lanes hold empty intervals.
 pub(super) struct BeamPiecePacket {
-    beam_start: VectorLanes,
-    direction: VectorLanes,
+    beam_start: Vec3x8,
+    direction: Vec3x8,
     from: f32x8,
     to: f32x8,
-    /// Index in [`PhotonBeamMap`](super::PhotonBeamMap) of the beam of each piece; the index in an
-    /// unused lane has no meaning.
+    /// Index of the beam of each piece in the [`PhotonBeamMap`](super::PhotonBeamMap); meaningless
+    /// in unused lanes.
     pub beams: [u32; LANES],
 }
 

@@ -1,7 +1,7 @@
 //! Receivers and casters, kinds of photons by path history, and the mask that selects the kinds to
 //! store.
 
-/// Kind of a stored photon, which follows from the earlier vertices of its path.
+/// Kind of a stored photon: direct, caustic or indirect, by the earlier vertices of its path.
 ///
 /// - *Receiver*: a surface that stores photons, such as a matte one
 ///   ([`Bsdf::stores_photons`](crate::bsdf::Bsdf::stores_photons)), or a scattering event in a
@@ -30,18 +30,18 @@ pub struct StoreMask {
     pub direct: bool,
     /// True to store caustic photons ([`PhotonKind::Caustic`]).
     pub caustic: bool,
-    /// True to store photons that receivers have scattered after a caustic
+    /// True to store photons of the indirect light that caustics cause
     /// ([`PhotonKind::AfterCaustic`]).
     pub after_caustic: bool,
     /// True to store photons of indirect light without a caustic ([`PhotonKind::AfterDirect`]).
     pub after_direct: bool,
-    /// True to store photons of kind [`PhotonKind::AfterCaustic`] in separate lists, and to thin
-    /// them.
+    /// True to store the indirect light of caustics ([`PhotonKind::AfterCaustic`]) in separate
+    /// lists, and to thin it.
     ///
-    /// `hybrid` builds its indirect map from these photons, and so traces no second photon pass.
-    /// Few photons suffice, because their density is smooth. Russian roulette therefore continues
-    /// one in [`AFTER_CAUSTIC_THINNING`] paths after a caustic photon, and multiplies the path's
-    /// flux by that number.
+    /// The algorithm `hybrid` builds its indirect map from these photons, and so needs no second
+    /// photon pass. Few photons suffice, because their density is smooth. Russian roulette
+    /// therefore continues one in [`AFTER_CAUSTIC_THINNING`] paths after a caustic photon, and
+    /// multiplies the path's flux by that number.
     pub separates_after_caustic: bool,
     /// True to store photon beams in homogeneous media; false to store photons at scattering
     /// points.
@@ -51,12 +51,14 @@ pub struct StoreMask {
 impl StoreMask {
     /// Stores direct photons only.
     pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
-    /// Stores caustic photons only. Each path then ends at its first receiver.
+    /// Stores caustic photons only. Each path then ends at the first surface or medium that stores
+    /// photons.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
-    /// Stores only indirect light: photons of paths that have scattered at one or more receivers.
+    /// Stores only indirect light: photons whose paths have scattered at one or more surfaces that
+    /// store photons, or in media.
     pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
-    /// Stores no photons. [`StoreMask::stores_beams`] is true here and in all other constants of
-    /// this type, so media that store photons store beams.
+    /// Stores no photons. [`StoreMask::stores_beams`] is true in this constant, so a mask that adds
+    /// kinds to it stores beams in homogeneous media.
     pub const NONE: Self = Self {
         direct: false,
         caustic: false,
@@ -85,8 +87,8 @@ impl StoreMask {
         kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
-    /// True if the mask stores a photon of kind `kind`, or may store a later photon of the same
-    /// path. Always true for [`PhotonKind::Direct`].
+    /// True if a path whose next photon has kind `kind` may still store a photon, this one or a
+    /// later one. Always true for [`PhotonKind::Direct`].
     pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
@@ -97,21 +99,22 @@ impl StoreMask {
     }
 }
 
-/// Thinning factor of [`StoreMask::separates_after_caustic`]: one in 8 photon paths continues after
-/// its caustic photon, with 8 times the flux.
+/// Thinning factor of the indirect light of caustics: one in 8 photon paths continues after its
+/// caustic photon, with 8 times the flux ([`StoreMask::separates_after_caustic`]).
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
-    /// Returns the kind of the path's next photon after the path crossed the boundary of a caster
-    /// without scattering. `self` is the kind before the crossing.
+    /// Returns the kind of the photons that a path stores after it crossed the boundary of a caster
+    /// without scattering there. `self` is its kind before.
     pub(super) fn kind_after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// Returns the kind of the path's next photon after a photon of kind `self` has scattered.
+    /// Returns the kind of the photons that a path stores after it scattered. `self` is its kind
+    /// before.
     ///
-    /// `is_receiver` is true if the photon scattered at a receiver, false if it scattered at a
-    /// caster.
+    /// `is_receiver` is true if it scattered at a receiver, such as a diffuse surface or a medium;
+    /// false if at a caster, such as glass.
     pub(super) fn kind_after_scattering(self, is_receiver: bool) -> Self {
         match (is_receiver, self) {
             (false, Self::Direct) => Self::Caustic,

@@ -6,8 +6,9 @@ use glam::{Vec2, Vec3};
 /// RGB flux \[W] in 8 bytes: the sum of the channels in f32, and the fractions of red and green in
 /// 16 bits each.
 ///
-/// Between 10⁻³⁷ and 10³⁸ W, the sum has relative precision 2⁻²⁴; 2⁻¹⁹ if it also holds a share.
-/// Each channel is precise to 1.5·10⁻⁵ of the sum.
+/// Between 10⁻³⁷ and 10³⁸ W, the sum has relative precision 2⁻²⁴. It has precision 2⁻¹⁹ if its
+/// lowest bits also store the fraction of the flux that density estimates use. Each channel is
+/// precise to 1.5·10⁻⁵ of the sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(super) struct PackedFlux {
     channel_sum: f32,
@@ -27,11 +28,10 @@ impl PackedFlux {
         Some(Self { channel_sum: sum, red_fraction: fraction(flux.x), green_fraction: fraction(flux.y) })
     }
 
-    /// Returns the flux with a density estimate share stored in the lowest four bits of its channel
-    /// sum.
+    /// Returns the flux with `steps` < 16 stored in the lowest four bits of its channel sum.
     ///
-    /// The share is the fraction of the flux that density estimates use: `steps`/[`SHARE_STEPS`],
-    /// with `steps` < 16. Storing it changes the flux by less than the factor 1 ± 2⁻¹⁹.
+    /// Density estimates use the fraction `steps`/[`SHARE_STEPS`] of the flux. Storing `steps`
+    /// changes the flux by less than the factor 1 ± 2⁻¹⁹.
     #[inline]
     fn with_packed_share(self, steps: u8) -> Self {
         Self { channel_sum: f32::from_bits(self.channel_sum.to_bits() & !15 | u32::from(steps)), ..self }
@@ -46,7 +46,8 @@ impl PackedFlux {
     }
 }
 
-/// Attributes of a stored photon: all but its position, in 20 bytes.
+/// Data of a stored photon except its position, in 20 bytes: flux, incident direction, tangent
+/// plane and wavelength.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct PhotonAttributes {
     flux: PackedFlux,
@@ -111,8 +112,8 @@ impl Photon {
     }
 }
 
-/// Number of steps of a stored [`PhotonAttributes::density_estimate_share`]: the integer
-/// `SHARE_STEPS` stands for a share of 1.
+/// Number of steps from 0 to 1 of the fraction of a photon's flux that density estimates use. A
+/// photon stores this fraction as an integer up to `SHARE_STEPS`.
 pub(super) const SHARE_STEPS: u8 = 15;
 
 /// Factor from a unit normal to its stored components, which are 8-bit integers.
@@ -139,10 +140,10 @@ impl TangentPlane {
 }
 
 impl PhotonAttributes {
-    /// Returns the cosine between the photon's normal and the normal of `plane`, and the signed
-    /// height \[length] of the query point over the photon's tangent plane.
+    /// Returns two numbers: the cosine between the photon's normal and the normal of `plane`, and
+    /// the signed height \[length] of the query point over the photon's tangent plane.
     ///
-    /// `plane` is the tangent plane at the query point.
+    /// `plane` is the tangent plane at the query point of a density estimate.
     #[inline]
     #[must_use]
     pub fn normal_cosine_and_height(&self, plane: &TangentPlane) -> (f32, f32) {
@@ -167,7 +168,8 @@ impl PhotonAttributes {
         f32::from(self.density_estimate_share_steps()) * (1.0 / SHARE_STEPS as f32)
     }
 
-    /// The share as an integer number of steps of 1/[`SHARE_STEPS`].
+    /// Fraction of the flux that density estimates use, as an integer in units of
+    /// 1/[`SHARE_STEPS`].
     pub(super) fn density_estimate_share_steps(&self) -> u8 {
         (self.flux.channel_sum.to_bits() & 15) as u8
     }
@@ -195,8 +197,8 @@ impl PhotonAttributes {
         Vec3::from(self.normal.map(f32::from)) / NORMAL_SCALE
     }
 
-    /// Returns this data with the `plane_offset` of `other`. The quantized normals of both must be
-    /// equal.
+    /// Returns this data with the tangent plane offset of `other`. The quantized normals of both
+    /// must be equal.
     pub(super) fn with_plane_offset_of(self, other: &Self) -> Self {
         Self { plane_offset: other.plane_offset, ..self }
     }
@@ -224,8 +226,8 @@ pub(super) fn decode_octahedral(e: [u16; 2]) -> Vec3 {
     p.extend(z).normalize()
 }
 
-/// Maps octahedral coordinates of a vector in the upper hemisphere to those of its mirror image in
-/// the lower one, and back.
+/// Converts the octahedral coordinates of a vector to the coordinates of its mirror image on the
+/// other side of the plane z = 0.
 #[inline]
 fn fold_octahedron(p: Vec2) -> Vec2 {
     Vec2::new((1.0 - p.y.abs()) * 1f32.copysign(p.x), (1.0 - p.x.abs()) * 1f32.copysign(p.y))

@@ -18,28 +18,29 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Result of tracing photon paths: stored photons, splats, energy audit and counts.
 #[derive(Debug, Default)]
 pub struct TracedPhotons {
-    /// Photons and splats that the paths left.
+    /// Photons and splats that the paths stored.
     pub deposits: Deposits,
-    /// Flux \[W] that the paths emitted, and that they lost by absorption, escape, stopping and
-    /// Russian roulette.
+    /// Flux \[W] that the paths carried at emission, and that they lost by absorption, escape,
+    /// stopping and Russian roulette.
     pub audit: EnergyAudit,
-    /// Number of traced rays: path segments between vertices, and connections to the camera.
+    /// Number of traced rays: segments of photon paths, and connections to the camera.
     pub rays: u64,
-    /// Number of emitted paths.
+    /// Number of photon paths that were asked for, including paths without flux.
     pub paths: u64,
 }
 
 /// Energy audit and number of rays, summed over several photon paths while they are traced.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PhotonTracingTotals {
-    /// Flux \[W] that the paths emitted, and that they lost by absorption, escape, stopping and
-    /// Russian roulette.
+    /// Flux \[W] that the paths carried at emission, and that they lost by absorption, escape,
+    /// stopping and Russian roulette.
     pub audit: EnergyAudit,
     /// Number of rays that these paths traced, including connections to the camera.
     pub rays: u64,
 }
 
-/// Tracer of photon paths: their scene, source and limits, and the kinds of photons that it stores.
+/// Tracer of photon paths, with their scene and source, their largest length, and the kinds of
+/// photons to store.
 #[derive(Debug)]
 pub struct PhotonTracer<'a> {
     /// Scene in which photons are traced.
@@ -60,9 +61,9 @@ impl PhotonTracer<'_> {
     /// Traces `paths` photon paths with random numbers from `pass_key`; returns their photons,
     /// energy audit and counts.
     ///
-    /// After each chunk of paths, calls `done` with the number of paths in the chunk, from any
-    /// thread. The result does not depend on the number of threads: chunks have a fixed size and
-    /// are joined in order.
+    /// Calls `done` after each chunk of paths, from any thread, with the number of paths in the
+    /// chunk. The result does not depend on the number of threads: chunks have a fixed size and are
+    /// joined in order.
     pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> TracedPhotons {
         let done = |paths| {
             done(paths);
@@ -75,7 +76,7 @@ impl PhotonTracer<'_> {
     /// the camera if there is a `light_tracer`. The connections add splats to the result.
     ///
     /// If `done` returns [`ControlFlow::Break`], all chunks of paths that have not begun are
-    /// skipped.
+    /// skipped. The result is then incomplete, and its field `paths` also counts the skipped paths.
     pub fn trace_and_connect(
         &self,
         pass_key: Key,
@@ -192,7 +193,7 @@ impl PhotonTracer<'_> {
                 deposit(Deposit { kind, place: DepositPlace::Surface(surface, share), flux: stored_flux, wavelength });
             }
 
-            // Stop if the mask stores no later photon of this path.
+            // Stop at the bounce limit, or if the mask stores no later photon of this path.
             let receives = surface.as_ref().is_none_or(|surface| surface.bsdf.stores_photons());
             let next_kind = kind.kind_after_scattering(receives);
             if bounce == self.max_bounces || !self.mask.can_reach_stored_kind(next_kind) {
@@ -241,12 +242,12 @@ impl PhotonTracer<'_> {
         }
     }
 
-    /// Samples the distance \[length] at which a path scatters in a medium segment; `None` if the
-    /// path passes through.
+    /// Samples the distance \[length] along `segment` at which a path scatters in the medium;
+    /// `None` if the path passes through.
     ///
-    /// Calls `deposit` with a beam or a point if `mask` stores `kind` in media. `flux` \[W] is the
-    /// flux at the last vertex. `weight` is the product of the distance sampling weights of all
-    /// segments since that vertex. The function multiplies it by the weight of this segment.
+    /// Calls `deposit` with a beam or a point if `mask` stores photons of kind `kind` in media.
+    /// `flux` \[W] is the flux at the last vertex. `weight` is the product of the distance sampling
+    /// weights since that vertex; the function multiplies it by the weight of this segment.
     #[inline]
     fn sample_distance_and_deposit<I: Interior>(
         &self,

@@ -1,4 +1,5 @@
-//! Importance of photons for the picture, from the density of visible points on surfaces.
+//! Importance of photons for the picture, estimated from the density of surface points that the
+//! camera sees.
 
 use super::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
 use crate::color::Rgb;
@@ -30,16 +31,16 @@ pub struct VisiblePointMap {
     /// Visible points, stored as photons whose flux is the squared weight.
     points: PhotonMap,
     bandwidth: Bandwidth,
-    /// Distance \[length] at which a search expects the 16th neighbour: the tenth percentile of the
-    /// distances from a visible point to its 16th neighbour. A search begins with 1.25 times this
-    /// distance.
+    /// Expected distance \[length] of the 16th nearest visible point: the tenth percentile of this
+    /// distance over the visible points. A search begins with 1.25 times this distance.
     expected_kth_distance: f32,
 }
 
-/// Number of nearest visible points from which the importance of a photon is estimated.
+/// Number of visible points nearest to a photon from which the importance of the photon is
+/// estimated.
 const NEIGHBOURS: u32 = 16;
 
-/// Largest number of visible points at which the distance to the 16th neighbour is measured. These
+/// Largest number of visible points at which the distance to the 16th neighbour is measured. The
 /// distances determine the search radii.
 const MAX_RADIUS_SAMPLES: usize = 256;
 
@@ -54,19 +55,20 @@ impl VisiblePointMap {
     pub fn new(points: impl IntoIterator<Item = VisiblePoint>, radius: f32) -> Self {
         let point = |p: VisiblePoint| Photon::new(p.position, Rgb::splat(p.weight * p.weight), p.normal, p.normal);
         let stored: Vec<Photon> = points.into_iter().filter_map(point).collect();
-        let size = Bounds::from_points(stored.iter().map(|p| p.position)).extent().length();
+        let diagonal = Bounds::from_points(stored.iter().map(|p| p.position)).extent().length();
         let radius_samples: Vec<Photon> =
             stored.iter().step_by(stored.len().div_ceil(MAX_RADIUS_SAMPLES).max(1)).copied().collect();
         let points = PhotonMap::build(stored);
-        let spacing =
-            |p: &Photon| points.kth_photon_distance(p.position, p.attributes.normal().normalize(), NEIGHBOURS, size);
+        let spacing = |p: &Photon| {
+            points.kth_photon_distance(p.position, p.attributes.normal().normalize(), NEIGHBOURS, diagonal)
+        };
         let mut spacings: Vec<f32> = radius_samples.par_iter().filter_map(spacing).collect();
         spacings.sort_by(f32::total_cmp);
-        let typical = spacings.get(spacings.len() / 2).copied().unwrap_or(0.0);
+        let median_spacing = spacings.get(spacings.len() / 2).copied().unwrap_or(0.0);
         let first_search_radius = spacings.get(spacings.len() / 10).copied().unwrap_or(0.0);
         Self {
             points,
-            bandwidth: Bandwidth { radius: radius.max(typical), k: NEIGHBOURS },
+            bandwidth: Bandwidth { radius: radius.max(median_spacing), k: NEIGHBOURS },
             expected_kth_distance: first_search_radius,
         }
     }

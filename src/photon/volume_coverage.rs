@@ -13,8 +13,8 @@ const MAX_PROBES: usize = 12;
 /// Probe rays from the center of a kernel in a medium, each with the distance to the first surface
 /// it hits. Surfaces may hide a part of the kernel from its center.
 ///
-/// A kernel of a density estimate spreads over one, two or three dimensions. The probe rays lie in
-/// these dimensions.
+/// Kernels of volumetric density estimates have one, two or three dimensions. The probe rays lie on
+/// the line, in the plane or in the space of the kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct KernelProbes {
     distances: [f32; MAX_PROBES],
@@ -89,8 +89,8 @@ fn kernel_fraction_within(x: f32, dimensions: u32) -> f32 {
     }
 }
 
-/// Returns unit vectors from the center of a regular icosahedron to six of its twelve corners, no
-/// two of them opposite. The first vector is `first`.
+/// Returns unit vectors from the center of a regular icosahedron to six of its twelve corners, one
+/// of each opposite pair. The first vector is `first`.
 fn icosahedron_diagonal_directions(first: Vec3) -> [Vec3; 6] {
     // cos 72°, sin 72°, cos 144° and sin 144°.
     const TURNS: [(f32, f32); 5] = [

@@ -39,7 +39,7 @@ impl VolumePhoton {
         Some(Self { position, medium, flux, direction: encode_octahedral(direction), wavelength_code })
     }
 
-    /// Flux of the photon \[W], all of which scatters at the point.
+    /// Flux of the photon \[W]. All of this flux scatters at the point.
     #[inline]
     #[must_use]
     pub fn flux(&self) -> Rgb {
@@ -54,8 +54,8 @@ impl VolumePhoton {
     }
 }
 
-/// Volume photons at scattering points, in a bounding volume hierarchy. Density estimates use a
-/// kernel of fixed radius.
+/// Photons at scattering points in media, in a bounding volume hierarchy, for density estimates
+/// with a kernel of fixed radius.
 pub struct VolumePhotonMap {
     /// Photons of the map in Morton order.
     photons: Vec<VolumePhoton>,
@@ -106,10 +106,10 @@ impl VolumePhotonMap {
     /// unit vector.
     ///
     /// `visitor` receives the photon and four numbers: the distance t along the ray, the cosine
-    /// between the directions of ray and photon, the 2D kernel K₂ \[1/length²], and d²/r², with
-    /// distance d from the ray and kernel radius r. The radiance that arrives at the ray's origin
-    /// is Σ flux · p(cos) · T(t) · K₂, with phase function p and transmittance T. This is the beam
-    /// radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5).
+    /// between the directions of ray and photon, the 2D kernel K₂ \[1/length²], and d²/r². Here, d
+    /// is the photon's distance from the ray, and r the kernel radius. The radiance that arrives at
+    /// the ray's origin is Σ flux · p(cos) · T(t) · K₂, with phase function p and transmittance T.
+    /// This is the beam radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5).
     #[inline]
     pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
         let query = LineQuery::new(ray, self.radius);
@@ -133,9 +133,9 @@ impl VolumePhotonMap {
 
     /// Calls `visitor` for each photon within the kernel radius of the point `p`.
     ///
-    /// `visitor` receives the photon, the 3D kernel K₃ \[1/length³], and d²/r², with distance d
-    /// from `p` and kernel radius r. The in-scattered radiance per length is Σ flux · p(cos) · K₃,
-    /// with phase function p (Jensen and Christensen 1998, section 3.2).
+    /// `visitor` receives the photon, the 3D kernel K₃ \[1/length³], and d²/r². Here, d is the
+    /// photon's distance from `p`, and r the kernel radius. The in-scattered radiance per length is
+    /// Σ flux · p(cos) · K₃, with phase function p (Jensen and Christensen 1998, section 3.2).
     #[inline]
     pub fn visit_near_point(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
         let inverse_radius = 1.0 / self.radius;

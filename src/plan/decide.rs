@@ -1,4 +1,4 @@
-//! Decides which effects a render simulates, with reasons.
+//! Decides which effects of light a render simulates, with reasons.
 
 use super::{EffectOverrides, SceneFeatures};
 use crate::scene::{CASTER_DESCRIPTION, Effect, Effects, Scene};
@@ -19,10 +19,10 @@ pub enum EffectReason {
     UnsupportedByAlgorithm,
     /// No light has power. For [`Effect::Interreflection`], no medium emits either.
     NoLight,
-    /// No object is a caustic caster, see
+    /// No object is a caustic caster, such as a mirror or glass: see
     /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     NoCaster,
-    /// No light can reach a caustic caster on a straight path.
+    /// No light reaches a caustic caster, such as a mirror or glass, on a straight path.
     NoLitCaster,
     /// No surface and no medium of the scene stores photons.
     NoReceiver,
@@ -56,7 +56,7 @@ pub enum EffectReason {
     AmbientMedium,
     /// No glass is dispersive.
     NoDispersion,
-    /// The effect requires another effect, which the scene does not need.
+    /// The effect requires another effect, which the scene does not need. Holds that effect.
     RequiredEffectUnneeded(Effect),
 }
 
@@ -96,7 +96,7 @@ impl fmt::Display for EffectReason {
     }
 }
 
-/// Decision whether a render simulates one effect.
+/// Decision of the plan whether a render simulates one effect of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EffectDecision {
     /// Effect of light to which the decision applies.
@@ -129,7 +129,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Plans the render of `scene` by an algorithm that supports the effects `supported`.
+    /// Decides which effects the render of `scene` simulates, by an algorithm that supports the
+    /// effects `supported`.
     ///
     /// `overrides` are effects that the user turned on or off.
     #[must_use]
@@ -153,8 +154,8 @@ impl Plan {
         Self { features, decisions }
     }
 
-    /// Returns the effects that the scene needs and that the render simulates. Effects that the
-    /// user forces on without need are left out.
+    /// Returns the effects that the scene needs and that the render simulates. It leaves out
+    /// effects that the user forces on without need.
     #[must_use]
     pub fn needed_and_simulated_effects(&self) -> Effects {
         self.decisions
@@ -170,8 +171,8 @@ impl Plan {
     }
 }
 
-/// Decides whether a scene needs `effect`. Returns the reason: as `Ok` if the scene needs it, as
-/// `Err` if not.
+/// Decides whether a scene with the given `features` needs `effect`. Returns the reason: as `Ok` if
+/// the scene needs the effect, as `Err` if not.
 ///
 /// `before` holds the needed effects that precede `effect` in [`Effect::ALL`].
 fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<EffectReason, EffectReason> {
@@ -181,7 +182,7 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
         assert!((other as u16) < effect as u16, "{effect:?} is decided before {other:?}");
         need(before.has(other), EffectReason::RequiredEffectUnneeded(other))
     };
-    // Media that scatter count as receivers.
+    // Scattering media store photons, so count them as receivers.
     let receivers = features.receivers + features.scattering_media;
     let scattering = features.scattering_receivers + features.scattering_media;
     match effect {

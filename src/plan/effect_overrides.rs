@@ -3,7 +3,7 @@
 use crate::scene::{Effect, Effects};
 use std::str::FromStr;
 
-/// Effects that the user forces on or off. The plan decides about all others.
+/// Effects of light that the user forces on or off. The plan decides about all other effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EffectOverrides {
     forced_on: Effects,
@@ -15,7 +15,8 @@ impl EffectOverrides {
     pub const NO_OVERRIDES: Self = Self { forced_on: Effects::NONE, forced_off: Effects::NONE };
     /// All effects are forced on.
     pub const ALL_FORCED_ON: Self = Self { forced_on: Effects::ALL, forced_off: Effects::NONE };
-    /// All effects are forced off. Unshadowed direct light from the center of each light remains.
+    /// All effects are forced off. Unshadowed direct light from the center of each light remains in
+    /// the picture.
     pub const ALL_FORCED_OFF: Self = Self { forced_on: Effects::NONE, forced_off: Effects::ALL };
 
     /// Returns the overrides with `effect` forced on.
@@ -30,7 +31,8 @@ impl EffectOverrides {
         Self { forced_on: self.forced_on.without_effect(effect), forced_off: self.forced_off.with_effect(effect) }
     }
 
-    /// True if `effect` is forced on, false if it is forced off; `None` if the plan decides.
+    /// Returns true if `effect` is forced on, and false if it is forced off; `None` if the plan
+    /// decides.
     #[must_use]
     pub fn effect_override(self, effect: Effect) -> Option<bool> {
         if self.forced_on.has(effect) {
@@ -43,7 +45,7 @@ impl EffectOverrides {
     }
 }
 
-/// Error: a word in the text of [`EffectOverrides`] is unknown.
+/// Error for a word in the text form of [`EffectOverrides`] that is unknown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{word}` is no effect override: write auto, all, none, or effects with a sign such as +caustics or -shadows, \
@@ -51,10 +53,11 @@ impl EffectOverrides {
     effect_names()
 )]
 pub struct UnknownOverrideError {
-    /// The word that is not an override.
+    /// The unknown word.
     pub word: String,
 }
 
+/// Returns the names of all effects, separated by commas.
 fn effect_names() -> String {
     Effect::ALL.map(Effect::name).join(", ")
 }
@@ -62,7 +65,8 @@ fn effect_names() -> String {
 impl FromStr for EffectOverrides {
     type Err = UnknownOverrideError;
 
-    /// Parses `auto`, `all`, `none`, `+effect` and `-effect`, separated by commas.
+    /// Parses a list of `auto`, `all`, `none`, `+effect` and `-effect`, separated by commas, such
+    /// as `none,+shadows`.
     ///
     /// If words contradict each other, the later one counts.
     fn from_str(text: &str) -> Result<Self, UnknownOverrideError> {

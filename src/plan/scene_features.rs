@@ -1,4 +1,4 @@
-//! Scene features that determine the plan, found without tracing a ray.
+//! Scene features that determine the plan, found without tracing rays.
 
 use crate::color::Rgb;
 use crate::light::Light;
@@ -8,18 +8,21 @@ use glam::Vec3;
 
 /// Scene features that determine which effects of light a render needs.
 ///
-/// An uncertain feature has the value for which the plan simulates more effects.
+/// A feature that is uncertain has the value for which the plan simulates more effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct SceneFeatures {
     /// Number of shapes, meshes and planes with a material.
     pub objects: usize,
-    /// Number of objects that are [receivers](crate::photon::PhotonKind).
+    /// Number of objects that are [receivers](crate::photon::PhotonKind): objects that store
+    /// photons, such as diffuse walls.
     pub receivers: usize,
-    /// Number of receivers that are not black.
+    /// Number of receivers (objects that store photons) that are not black.
     pub scattering_receivers: usize,
-    /// Number of caustic casters, see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
+    /// Number of caustic casters, such as mirrors and glass: see
+    /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     pub casters: usize,
-    /// Number of caustic casters that a light may reach on a straight path.
+    /// Number of caustic casters, such as mirrors and glass, that a light may reach on a straight
+    /// path.
     pub lit_casters: usize,
     /// Number of objects with an interior that light enters, such as glass.
     pub bodies: usize,
@@ -58,7 +61,7 @@ pub struct SceneFeatures {
     /// True if an object or the camera moves while the shutter is open.
     #[serde(rename = "moving")]
     pub has_motion: bool,
-    /// True if the scene is one flat object at rest, without media, and no light emits in its
+    /// True if the scene is one flat object at rest, without media, and no light emits within its
     /// plane.
     ///
     /// The object can then neither shadow nor light itself. False if an area light or an

@@ -1,4 +1,4 @@
-//! The loop over passes and its stop criteria.
+//! The render loop over passes, and the criteria that end it.
 
 use super::error_estimate::{Confidence, ErrorEstimate, ErrorEstimator, ErrorForecast, EstimateSchedule};
 use super::film::Film;
@@ -11,35 +11,35 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Conditions that end a render, and their minimum of passes. They are checked after each pass. One
-/// condition that holds suffices.
+/// Criteria that end a render, checked after each pass. The first criterion that holds ends it.
 #[derive(Clone, Copy, Debug)]
 pub struct StopCriteria<'a> {
     /// Minimum number of passes. Until then, neither `time_limit` nor `target` ends the render.
     pub min_passes: u32,
     /// Largest number of passes; `None` for no limit.
     pub max_passes: Option<u32>,
-    /// Wall time of the render; `None` for no limit. The render ends after the pass whose end is
-    /// expected to be nearest to it. The next pass is expected to take the mean time of the passes
-    /// so far.
+    /// Wall time of the render; `None` for no limit.
+    ///
+    /// The render ends after the pass whose end is nearest to the limit. The next pass is expected
+    /// to take the mean time of the passes so far.
     pub time_limit: Option<Duration>,
     /// Wall time before the first pass that counts towards `time_limit`: loading and pilots.
     pub time_before_passes: Duration,
     /// Error target at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
-    /// True to give up `target` if bias keeps the error above it after any number of passes. The
-    /// render then still goes on until its noise is at most the target error.
+    /// True to end the render if bias alone keeps the error above `target`, once the noise is at
+    /// most `target`.
     ///
-    /// A render without limits of passes and time gives up such a target in any case, even with
-    /// more noise. No render gives up before 16 passes, or if 0.8 times the bias is at most the
-    /// target.
+    /// Independently of this flag, a render without limits of passes and time ends at such a bias,
+    /// even with more noise. In both cases, at least 16 passes are made, and 0.8 times the bias
+    /// must exceed the target.
     pub ends_at_bias_floor: bool,
-    /// Flag of another thread: true ends the render after the current pass.
+    /// Flag that another thread sets to end the render after the current pass.
     pub interrupted: &'a AtomicBool,
 }
 
-/// Error target of a render. The render ends once it estimates that its error is at most `error`,
-/// with the probability `confidence`.
+/// Error target of a render: the render ends once its estimated error is at most `error`, with the
+/// probability `confidence`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorTarget {
     /// Relative error, see [`ErrorEstimate`]; 0.01 is 1 %.
@@ -49,8 +49,10 @@ pub struct ErrorTarget {
 }
 
 impl ErrorTarget {
-    /// Returns the confidence that a two-sided error interval needs, so that its upper end exceeds
-    /// the true error with the probability `self.confidence`. For a probability of ½ or less, it is
+    /// Returns the confidence of the two-sided error interval whose upper end exceeds the true
+    /// error with the probability `self.confidence`.
+    ///
+    /// For the one-sided probability p, the two-sided confidence is 2p − 1; for p ≤ ½, it is
     /// [`Confidence::LEAST`].
     #[must_use]
     pub fn interval_confidence(self) -> Confidence {
@@ -62,13 +64,14 @@ impl ErrorTarget {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EndReason {
-    /// The largest number of passes was reached, or no requested pass number is left.
+    /// The largest number of passes was reached, or all requested passes are rendered.
     Passes,
-    /// The end of the last pass is nearest to the time limit.
+    /// The time limit was reached: no further pass would end nearer to it.
     Time,
     /// The error target was reached.
     Target,
-    /// The error target is out of reach, because more passes do not remove bias.
+    /// The error target cannot be reached, because bias exceeds it and more passes do not reduce
+    /// the bias.
     #[serde(rename = "floor")]
     BiasFloor,
     /// The user interrupted the render.
@@ -90,18 +93,18 @@ pub struct RenderResult {
     pub light_group_films: Vec<Film>,
     /// Film of the radiance that clamping removed; `None` without clamping.
     pub clamping_loss_film: Option<Film>,
-    /// Reason why the render ended. It has no meaning while the render goes on.
+    /// Reason why the render ended; meaningless while it continues.
     pub end_reason: EndReason,
     /// Counts of rays and density estimates of all passes.
     pub counters: Counters,
     /// Wall time of all passes \[s], by stage.
     pub seconds: StageTimes,
-    /// Counts and flux of the photon paths that start in all directions.
+    /// Counts and flux of unaimed photon paths, which start in all directions.
     pub unaimed: PhotonReport,
-    /// Counts and flux of the photon paths that are aimed at casters.
+    /// Counts and flux of aimed photon paths, which start towards caustic casters.
     pub aimed: PhotonReport,
-    /// Wall time of all passes, from the start of the first one. The times of a continued render,
-    /// and of merged renders, add up.
+    /// Wall time of all passes, without loading and pilots. The times of continued and merged
+    /// renders add up.
     pub wall_time: Duration,
 }
 
@@ -136,24 +139,27 @@ pub struct PassProgress<'a> {
     pub error: Option<(ErrorEstimate, ErrorForecast)>,
 }
 
-/// Number of passes before which a render does not give up its error target.
-pub(super) const GIVE_UP_PASSES: u32 = 16;
+/// Least number of passes before a render gives up an error target that bias makes unreachable.
+pub(super) const MIN_PASSES_BEFORE_GIVING_UP: u32 = 16;
 
-/// Safety factor on the permanent bias of a render, the bias that more passes do not remove. A
-/// render gives up its error target only if factor times bias exceeds the target.
+/// Safety factor on the estimated bias that more passes do not remove.
+///
+/// A render gives up its error target only if this factor times the bias exceeds the target.
 pub(super) const GIVE_UP_BIAS_FACTOR: f64 = 0.8;
 
-/// Renders those passes of `numbers` that `rendered` lacks, and returns `rendered` with them. Ends
-/// when a criterion of `stop` holds or no pass is left.
+/// The render loop: renders the passes with numbers in `numbers` that `rendered` lacks, in
+/// ascending order, and returns `rendered` with them.
 ///
-/// A new render begins with [`RenderResult::without_passes`] and the passes `0..u32::MAX`. A
-/// render that continues an earlier one gets its result. Picture and error estimate have the same
-/// bits as after one render without interruption. The pass limit of `stop` counts all passes of
-/// `rendered`, but its time limit only [`StopCriteria::time_before_passes`] and the time of this
-/// call.
+/// The loop ends when a criterion of `stop` holds or no pass is left.
 ///
-/// Calls `after_pass` after each pass. If [`ProgressMonitor::is_cancelled`] becomes true, the
-/// render ends without the current pass.
+/// A render from the start begins with [`RenderResult::without_passes`] and the numbers
+/// `0..u32::MAX`. To continue an earlier render, pass its result as `rendered`: picture and error
+/// estimate then have the same bits as after one uninterrupted render. The pass limit of `stop`
+/// counts all passes of `rendered`. Its time limit counts only [`StopCriteria::time_before_passes`]
+/// and the time of this call.
+///
+/// `after_pass` is called after each pass. If [`ProgressMonitor::is_cancelled`] becomes true, the
+/// render ends and the current pass is discarded.
 pub fn render(
     mut rendered: RenderResult,
     numbers: Range<u32>,
@@ -165,7 +171,7 @@ pub fn render(
     let start = Instant::now();
     let (passes_before, wall) = (rendered.film.passes(), rendered.wall_time);
 
-    // Estimate the error of the earlier passes, which may suffice.
+    // Estimate the error of the earlier passes, which may meet a criterion already.
     let mut schedule = EstimateSchedule::default();
     (1..=rendered.film.passes()).for_each(|passes| _ = schedule.advance_if_due(passes));
     if rendered.film.passes() > 0 {
@@ -245,7 +251,8 @@ impl RenderResult {
     }
 
     /// Returns the light that clamping removed from the picture, as a fraction of the light without
-    /// clamping. The fraction is 0 without light, and `None` if light was not clamped.
+    /// clamping. The fraction is 0 for a black picture. `None` means that the render does not clamp
+    /// light.
     #[must_use]
     pub fn clamping_loss_fraction(&self) -> Option<f64> {
         let light = |film: &Film| film.pixel_means().map(|mean| mean.element_sum()).sum::<f64>();
@@ -293,8 +300,8 @@ impl RenderResult {
 
     /// Returns the estimated error of the picture, and a forecast of the error after more passes.
     ///
-    /// The interval of the error has the confidence that `target` needs, or 90 % without a target.
-    /// `None` if there is no error estimator, or there are too few passes.
+    /// The error interval has the confidence [`ErrorTarget::interval_confidence`] of `target`, or
+    /// 90 % without a target. Returns `None` without an error estimator, or after too few passes.
     #[must_use]
     pub fn estimate_error(&self, target: Option<ErrorTarget>) -> Option<(ErrorEstimate, ErrorForecast)> {
         let estimator = self.estimator.as_ref()?;
@@ -338,9 +345,10 @@ impl<'a> StopCriteria<'a> {
         }
     }
 
-    /// Returns the reason to end the render after `passes` passes; `None` to go on. `times` are the
-    /// wall times of those passes that count towards the time limit. `error` is the estimated
-    /// error, if it was estimated now.
+    /// Returns the reason to end the render after `passes` passes; `None` to continue.
+    ///
+    /// `times` are the wall times of the passes that count towards the time limit. `error` is the
+    /// error estimate after the current pass; `None` if the error was not estimated after it.
     #[must_use]
     pub fn end_reason(
         &self,
@@ -358,21 +366,22 @@ impl<'a> StopCriteria<'a> {
             return None;
         }
         let by_error = error.and_then(|(estimate, forecast)| self.end_reason_by_error(estimate, forecast));
-        // Half a pass more than the limit is as far from it as half a pass less.
+        // The end of the next pass is nearer to the limit than the current time if its middle is
+        // before the limit.
         let expected_middle_of_next_pass = self.time_before_passes + times.total + times.mean / 2;
         let is_time_up = self.time_limit.is_some_and(|limit| expected_middle_of_next_pass >= limit);
         by_error.or(is_time_up.then_some(EndReason::Time))
     }
 
     /// Returns [`EndReason::Target`] if the error target is reached, [`EndReason::BiasFloor`] if
-    /// bias keeps the render from reaching it, and `None` to go on.
+    /// bias keeps the render from reaching it, and `None` to continue.
     fn end_reason_by_error(&self, estimate: &ErrorEstimate, forecast: &ErrorForecast) -> Option<EndReason> {
         let target = self.target?;
         if estimate.high <= target.error {
             return Some(EndReason::Target);
         }
         let floor = forecast.bias_floor().filter(|floor| *floor >= target.error)?;
-        let hopeless = estimate.passes >= GIVE_UP_PASSES && GIVE_UP_BIAS_FACTOR * floor > target.error;
+        let hopeless = estimate.passes >= MIN_PASSES_BEFORE_GIVING_UP && GIVE_UP_BIAS_FACTOR * floor > target.error;
         let has_no_other_limit = self.max_passes.is_none() && self.time_limit.is_none();
         let is_only_bias = self.ends_at_bias_floor && estimate.noise <= target.error;
         (hopeless && (has_no_other_limit || is_only_bias)).then_some(EndReason::BiasFloor)

@@ -1,12 +1,12 @@
 //! Prediction of the end of a render, from the error estimate of a pilot.
 
-use super::driver::{EndReason, GIVE_UP_BIAS_FACTOR, GIVE_UP_PASSES, StopCriteria};
+use super::driver::{EndReason, GIVE_UP_BIAS_FACTOR, MIN_PASSES_BEFORE_GIVING_UP, StopCriteria};
 use super::error_estimate::{ErrorForecast, StopForecast};
 
 /// Prediction of when and why a render ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExpectedEnd {
-    /// Criterion of [`StopCriteria`] that is expected to end the render.
+    /// Reason for which the render is expected to end.
     pub reason: EndReason,
     /// Expected number of passes at the end.
     pub passes: u32,
@@ -30,7 +30,8 @@ impl StopCriteria<'_> {
             (EndReason::Time, passes_in(time.as_secs_f64()).max(self.min_passes))
         });
         let by_error = self.expected_end_by_error(forecast);
-        // If two criteria hold after equally many passes, the first one counts, as in `render`.
+        // If two criteria hold after the same pass, the first one of the list counts, as in
+        // `render`.
         let ends = [by_passes, by_error, by_time];
         let (reason, passes) = ends.into_iter().flatten().min_by_key(|(_, passes)| *passes)?;
         Some(ExpectedEnd { reason, passes, error: forecast.error_after_passes(passes) })
@@ -42,7 +43,7 @@ impl StopCriteria<'_> {
             StopForecast::Passes(range) => Some((EndReason::Target, range.median.max(self.min_passes))),
             StopForecast::Never { floor } if self.ends_at_bias_floor && GIVE_UP_BIAS_FACTOR * floor > target.error => {
                 let n = forecast.passes_to_reach_noise(target.error)?;
-                Some((EndReason::BiasFloor, n.max(GIVE_UP_PASSES).max(self.min_passes)))
+                Some((EndReason::BiasFloor, n.max(MIN_PASSES_BEFORE_GIVING_UP).max(self.min_passes)))
             }
             StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
         }

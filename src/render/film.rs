@@ -7,12 +7,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Smallest number of pixels of a task of a parallel loop.
+/// Smallest number of pixels of one task in parallel loops.
 const MIN_PIXELS_PER_TASK: usize = 2048;
 
-/// Sums over passes of the radiance of each pixel; see [`Film::mean_picture`] for the picture.
+/// Accumulation buffer of a render: sums over passes of the radiance of each pixel.
+/// [`Film::mean_picture`] returns the picture.
 ///
-/// The sums depend only on the set of passes, to the bit; see [`BinnedSums`]. Neither the order of
+/// The sums depend only on the set of passes, bit for bit; see [`BinnedSums`]. Neither the order of
 /// passes nor the merging of films changes them. A sum with infinite values is infinite, or NaN if
 /// their signs differ.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -97,7 +98,7 @@ impl Film {
 /// Returns the number of passes of two renders together.
 ///
 /// # Errors
-/// [`MergeError::TooManyPasses`] if it exceeds `u32::MAX`.
+/// [`MergeError::TooManyPasses`] if the number exceeds `u32::MAX`.
 pub(super) fn total_pass_count(own: u32, other: u32) -> Result<u32, MergeError> {
     own.checked_add(other).ok_or(MergeError::TooManyPasses { own, other })
 }

@@ -1,11 +1,11 @@
-//! Film files: the stored sums of a render, with which the render can be continued or merged with
+//! Film files: stored sums of a render. From a film file, a render can be continued, or merged with
 //! others.
 //!
-//! A file begins with the line `CAUSTICA FILM 2`. Then come blocks. Each block has a head of three
-//! little-endian 32-bit numbers: the size of its content, the size of the content compressed by
-//! LZ4, and the CRC-32 of the compressed bytes. Then come the compressed bytes. The first block
-//! holds the header as JSON. The others hold the sums in the format of the crate `postcard`. An
-//! empty block ends the file.
+//! A file begins with the line `CAUSTICA FILM 2`, followed by blocks. A block consists of three
+//! little-endian 32-bit numbers and LZ4-compressed bytes. The numbers are the uncompressed size,
+//! the compressed size, and the CRC-32 of the compressed bytes. The first block holds the header as
+//! JSON. The other blocks hold the sums in the format of the crate `postcard`. An empty block ends
+//! the file.
 
 use super::driver::RenderResult;
 use super::pass_set::PassSet;
@@ -18,24 +18,24 @@ const MAGIC: &[u8; 16] = b"CAUSTICA FILM 2\n";
 /// Largest uncompressed content of a block of a film file \[bytes].
 const MAX_BLOCK_BYTES: usize = 1 << 20;
 
-/// Largest size of the content of a film file beside the sums of its pixels \[bytes].
+/// Largest uncompressed size of a film file without the sums of its pixels \[bytes].
 const MAX_FIXED_BYTES: u64 = 1 << 20;
 
-/// Largest size of the content of a film file per pixel \[bytes].
+/// Largest uncompressed size of the sums in a film file, per pixel \[bytes].
 ///
 /// The format of the crate `postcard` stores a 64-bit integer in at most 10 bytes.
 const MAX_BYTES_PER_PIXEL: u64 = 1024;
 
-/// Size of the buffer for single numbers of the sums \[bytes].
-const SCRATCH: usize = 16;
+/// Size of the buffer in which `postcard` decodes a single number \[bytes].
+const NUMBER_BUFFER_BYTES: usize = 16;
 
 /// Name of an input file of a scene, and the SHA-256 digest of its content.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputDigest {
-    /// Path of the file from the folder of the scene, with `/` between folders. A file outside of
-    /// that folder has its name alone.
+    /// Path of the file relative to the folder of the scene, with `/` between folders. For a file
+    /// outside that folder, only the file name.
     pub name: String,
-    /// Digest in hexadecimal digits.
+    /// SHA-256 digest of the file's content, in hexadecimal digits.
     pub digest: String,
 }
 
@@ -54,12 +54,13 @@ pub struct FilmHeader {
     pub width: u32,
     /// Height of the rendered picture or crop window \[pixels].
     pub height: u32,
-    /// Command-line flags of all settings that differ from their default, except the seed.
+    /// Command-line flags and values of all settings that differ from their defaults, except the
+    /// seed.
     pub settings: Vec<String>,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Number of passes of the whole render, if this film is to hold only a share of them
-    /// (`--shard`); else `None`.
+    /// Number of passes of the whole render, if this film is for a share of them (`--shard`); else
+    /// `None`.
     pub planned_passes: Option<u32>,
 }
 
@@ -81,7 +82,7 @@ pub enum FilmFileError {
     /// The file ends before its last block.
     #[error("it is cut off: copy it again, or delete it to begin anew")]
     CutOff,
-    /// The content of the file contradicts its checksum or itself.
+    /// The content of the file contradicts its checksum, or its parts contradict each other.
     #[error("it is damaged ({what}): copy it again, or delete it to begin anew")]
     Damaged {
         /// Name of the damaged part for the message, such as `its header`.
@@ -93,8 +94,8 @@ pub enum FilmFileError {
 }
 
 impl FilmHeader {
-    /// Returns the differences that forbid adding the passes of the two renders, one line each;
-    /// empty if the passes can be added.
+    /// Returns the differences for which the passes of the two renders must not be added, one line
+    /// each; empty if they can be added.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let mut lines = Vec::new();
@@ -118,7 +119,7 @@ impl FilmHeader {
             lines.push(format!("file `{}` has another content or is new", input.name));
         }
         for input in &other.inputs {
-            // A changed file is listed above already.
+            // Skip a changed file: the first loop lists it.
             if !self.inputs.contains(input) && !is_listed(&input.name) {
                 lines.push(format!("file `{}` is missing here", input.name));
             }
@@ -126,9 +127,9 @@ impl FilmHeader {
         lines
     }
 
-    /// Returns the passes that a whole render still lacks after the passes `done`.
+    /// Returns the passes that the whole render still lacks, if the passes `done` are made.
     ///
-    /// The whole render has the planned passes, and at least all passes up to the last one of
+    /// The whole render has the planned passes, and at least all passes up to the last pass of
     /// `done`.
     #[must_use]
     pub fn missing_passes(&self, done: &PassSet) -> PassSet {
@@ -160,7 +161,7 @@ impl FilmFile {
         let pixels = u64::from(header.width) * u64::from(header.height);
         let most = pixels.saturating_mul(MAX_BYTES_PER_PIXEL) + MAX_FIXED_BYTES;
         let mut blocks = BlockReader { input, block: Vec::new(), next: 0, left: most, failure: None };
-        let mut scratch = [0; SCRATCH];
+        let mut scratch = [0; NUMBER_BUFFER_BYTES];
         let read = postcard::from_io((&mut blocks, &mut scratch)).map(|(rendered, _)| rendered);
         if let Some(error) = blocks.failure.take() {
             return Err(error);
@@ -208,7 +209,7 @@ fn read_header(input: &mut impl Read) -> Result<FilmHeader, FilmFileError> {
     serde_json::from_slice(&read_block(input)?).map_err(|_| FilmFileError::Damaged { what: "its header" })
 }
 
-/// Reader of the contents of the blocks of a film file. Holds one block at a time.
+/// Reader of the uncompressed content of all blocks of a film file. It holds one block at a time.
 struct BlockReader<R> {
     input: R,
     block: Vec<u8>,
@@ -216,7 +217,8 @@ struct BlockReader<R> {
     next: usize,
     /// Largest number of bytes that further blocks may hold. A file with more is damaged.
     left: u64,
-    /// Error of reading the last block. [`io::Error`] cannot carry it through `postcard`.
+    /// Error of reading the last block, kept here because `postcard` does not pass on the error of
+    /// its reader.
     failure: Option<FilmFileError>,
 }
 

@@ -7,12 +7,12 @@ use crate::integrate::{LightGroup, MeanGatherDisc, SurfaceAovs};
 use glam::Vec3;
 use std::ops::Index;
 
-/// Returns the layers of a picture file: first the picture, whose layer has no name. Then come the
-/// light groups, the radiance that clamping removed, and maps of the estimated error.
+/// Returns the layers of a picture file: the picture (an unnamed layer), light groups, the radiance
+/// that clamping removed, and maps of the estimated error.
 ///
-/// Light groups and removed radiance exist only if `rendered` has them. There are no maps if the
-/// error is not estimated, or before [`MIN_ERROR_ESTIMATE_PASSES`] passes. Layers `bias`, `radius`
-/// and `photons` exist only for algorithms with density estimates.
+/// Light groups and removed radiance are included only if `rendered` has them. Error maps are
+/// included only if the error is estimated, after at least [`MIN_ERROR_ESTIMATE_PASSES`] passes.
+/// The layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
 #[must_use]
 pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb_layer("", &rendered.film.mean_picture())];
@@ -37,8 +37,8 @@ pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
 
 /// Returns the layers `albedo`, `normal`, `depth`, `position`, `object`, `material` and `motion`.
 ///
-/// Colours have channels R, G and B, vectors X, Y and Z. Depth has the channel Z, as OpenEXR
-/// recommends, and identifiers have the channel X, as those of Blender. Motion has X and Y.
+/// Colors have the channels R, G and B; vectors X, Y and Z. Depth has the channel Z, as OpenEXR
+/// recommends. Identifiers have the channel X, as in files of Blender. Motion has X and Y.
 #[must_use]
 pub fn surface_layers(aovs: &SurfaceAovs) -> Vec<ExrLayer> {
     let numbers = |name: &str, channel: &str, values: Vec<f32>| ExrLayer {

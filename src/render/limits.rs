@@ -1,4 +1,4 @@
-//! Limits of a render: limits that its caller sets, and defaults for a caller that sets none.
+//! Limits of a render that a user sets, with defaults if no limit is set.
 
 use super::driver::{ErrorTarget, StopCriteria};
 use super::error_estimate::Confidence;
@@ -12,7 +12,7 @@ pub const DEFAULT_TARGET_ERROR: f64 = 0.03;
 /// Estimated relative error at which a preview ends.
 pub const PREVIEW_TARGET_ERROR: f64 = 0.1;
 
-/// Wall time after which a render without limits ends.
+/// Wall time after which a render without limits ends: five minutes.
 pub const DEFAULT_TIME_LIMIT: Duration = Duration::from_secs(5 * 60);
 
 /// Limits of a render. The render ends at the first limit that it reaches.
@@ -22,9 +22,9 @@ pub const DEFAULT_TIME_LIMIT: Duration = Duration::from_secs(5 * 60);
 /// [`PREVIEW_TARGET_ERROR`] instead. The render also ends once its noise is at most this error, if
 /// bias keeps the total error above it.
 ///
-/// An integrator without error estimates ignores `target_error` and `preview`. Without `max_passes`
-/// and `time_limit`, it makes [`Algorithm::default_passes`] passes. Ray casting does so even with a
-/// `time_limit`.
+/// A render without error estimates ignores `target_error` and `preview`. Without `max_passes` and
+/// `time_limit`, it makes [`Algorithm::default_passes`] passes. Ray casting makes this number even
+/// with a `time_limit`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderLimits {
     /// Largest number of passes; `None` for no limit.
@@ -46,7 +46,7 @@ impl RenderLimits {
         self.max_passes.is_none() && self.time_limit.is_none() && self.target_error.is_none()
     }
 
-    /// Returns the criteria that end a render with these limits by `integrator`, which `algorithm`
+    /// Converts the limits to the stop criteria of a render by `integrator`, which `algorithm`
     /// prepared.
     ///
     /// Errors are estimated if [`Integrator::estimates_error`] is true.

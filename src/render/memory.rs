@@ -1,43 +1,44 @@
-//! Checks before a render that its pictures and photons fit into memory.
+//! Checks, before a render starts, that its pictures and photons fit into memory.
 
 use crate::image::{MAX_PIXELS, PictureSizeError};
 use crate::integrate::ExpectedPhotons;
 use crate::stats::format_bytes;
 
-/// Memory per pixel of a render that estimates no error and stores no further layers \[bytes].
+/// Memory per pixel of a render that estimates no error and stores no layers besides the picture
+/// \[bytes].
 ///
 /// The film takes 50 bytes, the current pass 13, and the ray distribution of `--adaptive` 20. After
 /// the last pass, the mean and the encoded file reuse the memory of the pass.
 const BASE_BYTES_PER_PIXEL: u64 = 88;
 
-/// Memory per pixel that a render needs beside [`BASE_BYTES_PER_PIXEL`] if it estimates the error
-/// \[bytes].
+/// Memory per pixel that an error estimate needs, in addition to [`BASE_BYTES_PER_PIXEL`] \[bytes].
 ///
-/// The estimate keeps 284 bytes per pixel, for noise and for density estimates with smaller radii.
-/// Both constants together are 470 bytes: 445 were measured, error maps take 17, and 8 are spare.
+/// The error estimator holds 284 bytes per pixel, for noise and for density estimates with smaller
+/// radii. Both constants together are 470 bytes: 445 were measured, error maps take 17, and 8 are a
+/// reserve.
 const ERROR_BYTES_PER_PIXEL: u64 = 382;
 
-/// Memory per pixel that a render needs beside [`BASE_BYTES_PER_PIXEL`] for light groups \[bytes].
+/// Memory per pixel that light groups need, in addition to [`BASE_BYTES_PER_PIXEL`] \[bytes].
 ///
 /// The films of the three groups take 150 bytes, and those of the current pass 36. Layers to write
 /// reuse the memory of the pass.
 const GROUP_BYTES_PER_PIXEL: u64 = 210;
 
-/// Memory per pixel that a render with clamping needs beside [`BASE_BYTES_PER_PIXEL`], to store the
-/// light that clamping removes \[bytes].
+/// Memory per pixel for the light that clamping removes, in addition to [`BASE_BYTES_PER_PIXEL`]
+/// \[bytes].
 ///
 /// The film of the removed light takes 50 bytes, its sums in the error estimate 67, and the current
 /// pass 12.
 const CLAMPING_BYTES_PER_PIXEL: u64 = 140;
 
-/// Memory per pixel that a render needs beside [`BASE_BYTES_PER_PIXEL`] for pictures that wait to
-/// be sent to the viewer tev \[bytes].
+/// Memory per pixel for pictures that wait to be sent to the viewer tev, in addition to
+/// [`BASE_BYTES_PER_PIXEL`] \[bytes].
 ///
 /// Two pictures and a packet take 40 bytes. Pictures with light groups take 80 more.
 const TEV_BYTES_PER_PIXEL: u64 = 120;
 
-/// Memory per pixel that a render needs beside [`BASE_BYTES_PER_PIXEL`] for surface AOVs after the
-/// last pass \[bytes].
+/// Memory per pixel that surface AOVs need after the last pass, in addition to
+/// [`BASE_BYTES_PER_PIXEL`] \[bytes].
 ///
 /// The AOVs take 56 bytes. All layers of the picture and their copy in the file take the rest:
 /// 303 bytes were measured without motion, which takes 24 in all.
@@ -56,7 +57,7 @@ pub enum MemoryError {
     #[error(transparent)]
     #[diagnostic(help("choose a smaller --size"))]
     Pixels(#[from] PictureSizeError),
-    /// The pictures of a render need more memory (`needed`) than there is (`free`) \[bytes].
+    /// The pictures of a render need more memory than is free.
     #[error(
         "{} of {width} × {height} pixels {} of memory, and {} are free",
         if *count == 1 { "a picture".to_owned() } else { format!("{count} pictures") },
@@ -78,7 +79,7 @@ pub enum MemoryError {
         /// Free memory \[bytes].
         free: u64,
     },
-    /// Reading films needs more memory (`needed`) than there is (`free`) \[bytes].
+    /// Film files, when read, need more memory than is free.
     #[error(
         "{} of {width} × {height} pixels take{} {} of memory, and {} are free",
         if *count == 1 { "a film".to_owned() } else { format!("{count} films at a time") },
@@ -99,7 +100,7 @@ pub enum MemoryError {
         /// Free memory \[bytes].
         free: u64,
     },
-    /// One photon map would store more photons (`stored`) than 32-bit indices can address.
+    /// One photon map would store more photons than 32-bit indices can address.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
     #[diagnostic(help("{PHOTON_MEMORY_REMEDY}"))]
     Indices {
@@ -108,7 +109,7 @@ pub enum MemoryError {
         /// Number of photons that the pass is expected to store.
         stored: u64,
     },
-    /// The photons of one pass need more memory (`needed`) than there is (`free`) \[bytes].
+    /// The photons of one pass need more memory than is free.
     #[error(
         "a pass of {paths} photon paths would store about {stored} photons, which take {} of memory, and {} are free",
         format_bytes(*needed),
@@ -154,7 +155,7 @@ pub fn check_picture_and_error_memory(count: usize, size: (u32, u32), free: Opti
     check_pixel_memory(count, size, BASE_BYTES_PER_PIXEL + ERROR_BYTES_PER_PIXEL, free)
 }
 
-/// Layers that a render stores beside its picture. Each of them needs memory.
+/// Layers that a render stores in addition to its picture, for the estimate of its memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LayerSelection {
     /// True if the render estimates the error of its picture.
@@ -197,11 +198,11 @@ pub fn check_layered_picture_memory(
     check_pixel_memory(1, size, layers.bytes_per_pixel(), free)
 }
 
-/// Checks that `count` film files of `size` (width, height) pixels with `layers` can be in memory
-/// at a time.
+/// Checks that `count` films of `size` (width, height) pixels with `layers` fit into memory
+/// together.
 ///
-/// `free` is the free memory \[bytes]; `None` if unknown. While a film is read, its sums take no
-/// more memory than a render.
+/// `free` is the free memory \[bytes]; `None` if unknown. Reading a film takes no more memory than
+/// rendering it.
 ///
 /// # Errors
 /// [`MemoryError`] if the films need more than `free` bytes, or have too many pixels.

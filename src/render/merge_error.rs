@@ -1,4 +1,4 @@
-//! Error of merging the passes of two renders.
+//! Error type for merging the passes of two renders.
 
 use super::pass_set::PassSet;
 

@@ -1,4 +1,5 @@
-//! The render loop: it runs passes of an integrator, averages them and estimates the error.
+//! The render loop: runs passes of an integrator, averages them, and estimates the error of the
+//! mean.
 
 mod driver;
 pub mod error_estimate;

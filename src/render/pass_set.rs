@@ -24,7 +24,7 @@ impl PassSet {
         self.ranges.is_empty()
     }
 
-    /// Adds the pass numbers of `range`, which may be in the set already.
+    /// Adds the pass numbers of `range`; numbers that are in the set already have no effect.
     pub fn insert(&mut self, range: Range<u32>) {
         if range.is_empty() {
             return;
@@ -37,7 +37,7 @@ impl PassSet {
         self.ranges.splice(first..last, [joined]);
     }
 
-    /// Adds the pass numbers of `other`, which may be in the set already.
+    /// Adds the pass numbers of `other`; numbers that are in the set already have no effect.
     pub fn insert_all(&mut self, other: &Self) {
         other.ranges.iter().for_each(|range| self.insert(range.clone()));
     }
@@ -80,7 +80,7 @@ impl PassSet {
         self.ranges.last().map_or(0, |range| range.end)
     }
 
-    /// True if the ranges are in ascending order with gaps between them, as the other functions
+    /// True if the ranges are in ascending order with gaps between them, as all other methods
     /// assume.
     ///
     /// False for some sets that were read from damaged files.

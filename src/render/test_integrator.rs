@@ -11,12 +11,12 @@ use crate::stats::Counters;
 /// Width and height of the passes of [`NoisyIntegrator`] \[pixels].
 pub(super) const SIZE: (u32, u32) = (40, 40);
 
-/// Integrator whose passes have radiance 1 with noise and a bias that no pass removes.
+/// Integrator whose passes have radiance 1 plus noise and a constant bias.
 pub(super) struct NoisyIntegrator {
     /// Standard deviation of each channel of a pixel.
     pub sigma: f32,
-    /// Error of each channel that no pass removes. It behaves like the blur of fixed gather radii
-    /// in smooth light.
+    /// Constant error of each channel. It behaves like the blur of fixed gather radii in smooth
+    /// light.
     pub bias: f32,
     /// True if the render estimates its error: value of [`Integrator::estimates_error`].
     pub estimates_error: bool,

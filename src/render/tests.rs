@@ -17,8 +17,8 @@ fn uniform_random_number(key: Key) -> f64 {
     key.uniform_1d(Dimension::Film).into()
 }
 
-/// Returns pass `number` with radiance from `10^-decades` to `10^decades`, nested differences and
-/// pixels by unshared paths.
+/// Returns pass `number` with random radiance from about `10^-decades` to `10^decades`, random
+/// nested differences, and three pixels by unshared paths.
 fn noisy_pass(number: u32, decades: f64) -> PassResult {
     let key = Key::new(8).purpose_key(Purpose::Test).child_key(number.into());
     let value = |key: Key| {
@@ -82,7 +82,7 @@ fn result_bits_and_error((film, estimator): &Render) -> (Vec<u64>, Vec<u32>, Err
 }
 
 #[test]
-fn partitions_and_orders_change_no_bit() {
+fn pass_order_and_merging_change_no_bit() {
     for (decades, count) in [(0.5, 40), (6.0, 23), (30.0, 40), (1.0, 5)] {
         let passes: Vec<PassResult> = (0..count).map(|number| noisy_pass(number, decades)).collect();
         let mut whole = empty_render();
@@ -99,7 +99,8 @@ fn partitions_and_orders_change_no_bit() {
     }
 }
 
-/// Infinite radiance of both signs is NaN. The other pixels stay finite.
+/// A pixel whose passes have infinite radiance of both signs becomes NaN. Pixels with finite passes
+/// stay finite.
 #[test]
 fn infinities_and_nan_survive_merging() {
     let mut passes: Vec<PassResult> = (0..9).map(|number| noisy_pass(number, 1.0)).collect();
@@ -121,7 +122,7 @@ fn infinities_and_nan_survive_merging() {
 }
 
 #[test]
-fn films_that_do_not_fit_are_refused() {
+fn films_of_different_pictures_are_not_merged() {
     let mut film = Film::new(6, 5);
     assert_eq!(film.merge(&Film::new(5, 6)), Err(MergeError::SizeMismatch { own: (6, 5), other: (5, 6) }));
     let mut many = Film::new(1, 1);

@@ -1,6 +1,6 @@
 //! Discrete distribution over finitely many items.
 
-/// Discrete distribution over `0..len`, sampled by inversion.
+/// Discrete probability distribution over the indices `0..len`, sampled by inversion.
 #[derive(Clone, Debug)]
 pub struct DiscreteDistribution {
     /// Cumulative probabilities of the items; the last entry is 1.
@@ -12,7 +12,7 @@ pub struct DiscreteDistribution {
 const MIN_PROBABILITY: f64 = f32::MIN_POSITIVE as f64;
 
 impl DiscreteDistribution {
-    /// Distribution with probabilities in proportion to `weights`.
+    /// Creates the distribution with probabilities in proportion to `weights`.
     ///
     /// Weights below about 10⁻³⁸ of the sum count as 0. `None` if there are no weights, if one is
     /// negative, or if their sum is 0 or not finite.
@@ -79,8 +79,8 @@ impl DiscreteDistribution {
     /// Returns the number in \[0, 1) at the position `within` of item `i`'s interval of cumulative
     /// probability.
     ///
-    /// This inverts [`DiscreteDistribution::sample`] together with
-    /// [`DiscreteDistribution::remapped_sample`].
+    /// This inverts sampling: [`DiscreteDistribution::sample`] of the result gives item `i`, and
+    /// [`DiscreteDistribution::remapped_sample`] gives `within`, up to rounding.
     #[inline]
     #[must_use]
     pub fn inverse_sample(&self, i: usize, within: f32) -> f32 {

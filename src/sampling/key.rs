@@ -46,8 +46,8 @@
 use glam::Vec2;
 use rand::{SeedableRng, rngs::SmallRng};
 
-/// Use of random numbers, such as camera paths or a pilot simulation. No random number serves two
-/// purposes.
+/// Part of a render that draws random numbers, such as camera paths or a pilot simulation. Each
+/// part has random numbers of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {
@@ -57,46 +57,50 @@ pub enum Purpose {
     AimedPhotons,
     /// Camera paths.
     CameraPaths,
-    /// Pilot simulation that finds gather radii before the first pass.
+    /// Pilot simulation that finds the radii of photon density estimates before the first pass.
     RadiusPilot,
-    /// Pilot simulation that finds the probability with which each light emits caustic photons.
+    /// Pilot simulation that estimates the power that each light emits towards surfaces that cast
+    /// caustics.
     AimedLightPower,
-    /// Statistical tests.
+    /// Random numbers of tests.
     Test,
-    /// Pilot simulation that finds points visible to the camera.
+    /// Pilot simulation that finds surface points that the camera sees.
     VisiblePoints,
     /// Pilot simulation that trains the guiding of photon emission.
     EmissionGuiding,
-    /// Photon paths whose photons guide the directions of gather rays.
+    /// Photon paths of each pass whose photons guide the directions of final gather rays.
     GatherRayGuides,
-    /// Pilot simulation that divides the work between camera rays and photons.
+    /// Pilot simulation that divides the work of a pass between camera rays and photons.
     RayPhotonBalance,
     /// Shutter times of passes and of camera rays.
     Shutter,
-    /// Pilot simulation that divides caustics between photon density estimates and light tracing.
+    /// Pilot simulation that finds, for each pixel, how much of the caustics comes from photon
+    /// density estimates and how much from light tracing.
     DensityEstimateShares,
-    /// Prefix rays of `hybrid`: extra camera paths that end at the first surface that stores
-    /// photons.
+    /// Prefix rays of the algorithm `hybrid`: extra camera paths that end at the first surface that
+    /// stores photons.
     PrefixRays,
     /// Pilot simulation that divides indirect light between camera paths and photons.
     IndirectDivision,
-    /// Choice of the photon beams that a pass keeps.
+    /// Random choice of the photon beams that a pass keeps; it drops the others to save time.
     BeamThinning,
     /// Pilot simulation that finds the directions from which the environment light reaches each
     /// part of a scene.
     EnvironmentGuiding,
     /// Rays that find surface AOVs, such as albedo and depth.
     SurfaceAovs,
-    /// Pilot simulation that finds the lit parts of media.
+    /// Pilot simulation that finds the parts of media that direct light reaches. Shadow rays from
+    /// media then start there more often.
     ScatterPointGuiding,
     /// Pilot simulation that finds where small lamps appear on the film, directly or over specular
     /// surfaces.
     LampImages,
-    /// Prefix rays that are aimed at the film positions where small lamps appear.
+    /// Prefix rays through the film positions where small lamps appear.
     AimedPrefixRays,
 }
 
-/// A random decision at one vertex of a path. Each decision has its own random numbers.
+/// A random decision at one vertex of a path, such as the choice of a light. Each decision has its
+/// own random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Dimension {
@@ -116,18 +120,18 @@ pub enum Dimension {
     BsdfDirection,
     /// Russian roulette that decides whether a path continues.
     Roulette,
-    /// Choice of a component of a mix material.
+    /// Choice of one component of a mix material, which blends several materials.
     Mix,
     /// Position of a probe ray in the gather disc of a photon density estimate. Probe rays measure
     /// how much of the disc is surface.
     CoverageProbe,
     /// Choice that a camera path makes at a surface that stores photons.
     ///
-    /// The algorithm `distributed` chooses the diffuse or the glossy lobe. `hybrid` chooses whether
-    /// the path ends or continues.
+    /// The algorithm `distributed` chooses the diffuse or the glossy lobe. The algorithm `hybrid`
+    /// chooses whether the path ends or continues.
     ReceiverBranch,
-    /// Russian roulette of three kinds: before a vertex of low throughput is shaded, before shadow
-    /// rays from a medium, and after a caustic photon.
+    /// Russian roulette in three places: before a camera path of low throughput shades a surface,
+    /// before shadow rays start in a medium, and after a caustic photon.
     ShadingRoulette,
     /// Position on the lens of the camera.
     Lens,
@@ -138,14 +142,16 @@ pub enum Dimension {
     /// Camera paths use the key of their pixel, photon paths the key of their pass. Wavelengths
     /// that are sampled later use the key of the vertex.
     Wavelength,
-    /// Direction after scattering in a medium.
+    /// Direction after scattering in a medium, sampled from the phase function.
     Phase,
     /// Choice of the point of a medium from which a shadow ray starts.
     ScatterPoint,
 }
 
-/// A 64-bit hash that identifies an independent source of random numbers. The module documentation
-/// lists all keys.
+/// A 64-bit hash from which independent random numbers are derived.
+///
+/// Hashing a key with a number gives a child key, such as the key of a pass, a pixel or a path
+/// vertex. The module documentation lists all keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(u64);
 
@@ -214,14 +220,16 @@ impl Key {
         self.child_key(SHUTTER_SLICE_BIT | u64::from(slice))
     }
 
-    /// Key of the vertex after `bounce` bounces of a photon path.
+    /// Key of the photon path vertex that comes after `bounce` scattering events. `self` is the key
+    /// of the path.
     #[inline]
     #[must_use]
     pub fn photon_vertex_key(self, bounce: u32) -> Self {
         self.child_key(u64::from(bounce))
     }
 
-    /// Key of the connection from a vertex of a photon path to the camera.
+    /// Key of the random numbers that estimate the transmittance from a photon path vertex to the
+    /// camera, for light tracing. `self` is the key of the vertex.
     #[inline]
     #[must_use]
     pub fn camera_connection_key(self) -> Self {
@@ -235,59 +243,63 @@ impl Key {
         self.child_key(u64::from(y) << 32 | u64::from(x))
     }
 
-    /// Key of the random numbers that sample distances in media, in pass `pass`.
+    /// Key of the random numbers that sample distances in media along the path segment that ends at
+    /// a vertex.
     ///
-    /// It derives from the key of a path vertex. The distances are along the path segment to this
-    /// vertex. The number of the pass is part of it, because passes may share the keys of camera
-    /// paths.
+    /// `self` is the key of this vertex. Passes may share the keys of camera paths, so the number
+    /// `pass` makes the key differ between passes.
     #[inline]
     #[must_use]
     pub fn medium_tracking_key(self, pass: u32) -> Self {
         self.child_key(MEDIUM_TRACKING_BIT | u64::from(pass))
     }
 
-    /// Key of choice `n` of a mix component along the path segment to a path vertex.
+    /// Key of the choice number `n` of a mix material's component, along the path segment that ends
+    /// at a vertex.
     ///
-    /// It derives from the key of the vertex, and is this key itself for choice 0. The path makes
-    /// further choices if it crosses mixes that do not scatter it.
+    /// `self` is the key of this vertex, and is also the key of choice 0. The path makes further
+    /// choices if it crosses mixes that do not scatter it.
     #[inline]
     #[must_use]
     pub fn nth_mix_choice_key(self, n: u32) -> Self {
         if n == 0 { self } else { self.child_key(MIX_CHOICE_BIT | u64::from(n)) }
     }
 
-    /// Key of the choice of a mix component at the faces of coincidence group `group` that coincide
-    /// with boundary number `boundary` of a path segment.
+    /// Key of the choice of a mix material's component for faces that coincide with a boundary that
+    /// the path crosses.
     ///
-    /// It derives from the key of the path vertex that ends the segment.
+    /// `self` is the key of the path vertex that ends the segment. `boundary` is the number of
+    /// boundaries that the path has crossed since its last vertex. All faces with the same number
+    /// `group` make the same choice.
     #[must_use]
     pub fn coincident_face_key(self, boundary: u32, group: u32) -> Self {
         self.child_key(COINCIDENT_FACE_BIT | u64::from(boundary) << 32 | u64::from(group))
     }
 
-    /// Key of the random numbers that choose the scattering point in a medium from which a shadow
-    /// ray starts.
+    /// Key of the random numbers that choose the point in a medium from which a shadow ray starts.
+    /// `self` is the key of the shadow ray.
     #[inline]
     #[must_use]
     pub fn shadow_ray_scatter_point_key(self) -> Self {
         self.child_key(1)
     }
 
-    /// Key of repetition `trial` of a pilot simulation. Repetitions have independent random
+    /// Key of repetition number `trial` of a pilot simulation. Repetitions have independent random
     /// numbers.
     #[must_use]
     pub fn pilot_trial_key(self, trial: u32) -> Self {
         self.child_key(u64::from(trial))
     }
 
-    /// Key of film point `point` in set `set`. Pilot simulations use independent sets of points on
-    /// the film.
+    /// Key of point number `point` on the film, in set number `set`. Pilot simulations use several
+    /// independent sets of film points.
     #[must_use]
     pub fn film_point_key(self, set: u32, point: u32) -> Self {
         self.child_key(u64::from(set) << 32 | u64::from(point))
     }
 
-    /// Key of the random numbers that estimate the power that light `light` sends towards casters.
+    /// Key of the random numbers that estimate the power that the light with index `light` emits
+    /// towards surfaces that cast caustics.
     #[must_use]
     pub fn light_power_pilot_key(self, light: usize) -> Self {
         self.child_key(light as u64)
@@ -299,7 +311,7 @@ impl Key {
         self.child_key(u64::from(round))
     }
 
-    /// Returns 64 random bits for `dimension`: each random decision has its own bits.
+    /// Returns 64 random bits for the decision `dimension`. Each decision has its own bits.
     #[inline]
     #[must_use]
     pub fn random_bits(self, dimension: Dimension) -> u64 {
@@ -321,7 +333,8 @@ impl Key {
         Vec2::new(uniform_from_24_bits((bits >> 40) as u32), uniform_from_24_bits((bits >> 8) as u32 & 0xff_ffff))
     }
 
-    /// Sequential random number generator, for uses that need an unknown count of numbers.
+    /// Creates a sequential random number generator with this key as seed, for loops that need an
+    /// unknown count of numbers.
     #[must_use]
     pub fn rng(self) -> SmallRng {
         SmallRng::seed_from_u64(self.0)

@@ -3,18 +3,19 @@
 use super::DiscreteDistribution;
 use glam::{UVec2, Vec2};
 
-/// Distribution on \[0, 1)² with a constant pdf in each cell of a rectangular grid.
+/// Probability distribution on \[0, 1)² with a constant pdf in each cell of a rectangular grid.
 #[derive(Clone, Debug)]
 pub struct PiecewiseConstant2d {
-    /// Marginal distribution of the rows.
+    /// Marginal distribution over the rows.
     rows: DiscreteDistribution,
-    /// Conditional distribution of the columns in each row; `None` in a row of weight 0.
+    /// Conditional distribution over the columns, for each row; `None` for a row of weight 0.
     columns: Vec<Option<DiscreteDistribution>>,
     width: usize,
 }
 
 impl PiecewiseConstant2d {
-    /// Distribution in proportion to `weight(column, row)` for `width` × `height` cells.
+    /// Creates the distribution in proportion to `weight(column, row)` for `width` × `height`
+    /// cells.
     ///
     /// `None` if there are no cells, if a weight is negative, or if their sum is 0 or not finite.
     #[must_use]
@@ -60,7 +61,7 @@ impl PiecewiseConstant2d {
         Vec2::new(columns.map_or(within.x, |columns| columns.inverse_sample(cell.x as usize, within.x)), y)
     }
 
-    /// Pdf on the unit square in the cell (column, row).
+    /// Pdf on the unit square, anywhere in the cell (column, row).
     #[inline]
     #[must_use]
     pub fn pdf(&self, cell: UVec2) -> f32 {

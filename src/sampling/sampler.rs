@@ -14,13 +14,14 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Sampler for sample `index` of `count` samples that have the same `key`.
+    /// Creates the sampler of sample number `index` among `count` samples that share `key`.
     #[must_use]
     pub fn new(key: Key, index: u32, count: u32) -> Self {
         Self { key, index, count }
     }
 
-    /// Sampler for the same sample with another key: the hash of this key and the number `n`.
+    /// Sampler for the same sample with a child key, which is the hash of this key and the number
+    /// `n`.
     ///
     /// Other code should call a function with a specific name instead, such as
     /// [`Sampler::shadow_ray_sampler`].
@@ -40,7 +41,8 @@ impl Sampler {
         self.child_sampler(u64::from(bounce) << 1 | u64::from(transmitted))
     }
 
-    /// Sampler for the vertex after `bounce` bounces of a pilot's path, which never splits.
+    /// Sampler for the vertex after `bounce` bounces of a path of a pilot simulation. Such paths
+    /// never split.
     #[inline]
     #[must_use]
     pub fn pilot_bounce_sampler(self, bounce: u32) -> Self {
@@ -64,8 +66,8 @@ impl Sampler {
         self.child_sampler(index as u64)
     }
 
-    /// Sampler for subsample `index`. This sample is split into `count` subsamples, which are
-    /// stratified.
+    /// Sampler for subsample number `index`, if this sample is split into `count` subsamples. The
+    /// subsamples of all samples are stratified together.
     #[inline]
     #[must_use]
     pub fn subsample_sampler(self, index: u32, count: u32) -> Self {
@@ -76,7 +78,8 @@ impl Sampler {
         }
     }
 
-    /// Key that belongs to this sample alone.
+    /// Key that belongs to this sample alone, for random numbers that are not stratified over the
+    /// samples.
     #[inline]
     #[must_use]
     pub fn sample_key(self) -> Key {
@@ -113,7 +116,7 @@ mod tests {
     use crate::sampling::Purpose;
 
     #[test]
-    fn split_samples_are_stratified() {
+    fn subsamples_are_jointly_stratified() {
         let key = Key::new(4).purpose_key(Purpose::Test);
         let mut occupied = [false; 64];
         for sample in 0..16 {

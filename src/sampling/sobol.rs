@@ -20,8 +20,8 @@ pub fn sobol_2d(index: u32, key: Key, dimension: Dimension) -> Vec2 {
     )
 }
 
-/// Second Sobol' coordinate of `index` as a 32-bit fraction; the generator matrix is Pascal's
-/// triangle modulo 2.
+/// Second coordinate of the unscrambled Sobol' point `index`, as a 32-bit binary fraction. Its
+/// generator matrix is Pascal's triangle modulo 2.
 #[inline]
 fn sobol_second_dimension(index: u32) -> u32 {
     let mut v = index.reverse_bits();

@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 
-/// Distribution on \[0, 1)² with a constant pdf in each of `side` × `side` cells.
+/// Probability distribution on \[0, 1)² with a constant pdf in each of `side` × `side` cells.
 ///
 /// It samples the row by inversion, then the column in the row. Stratified points stay stratified,
 /// since inversion is monotonic. Probabilities of rows, and of columns in a row, are multiples of
@@ -14,8 +14,9 @@ pub struct SquareGridDistribution {
     row_cdf: Vec<f32>,
     /// Cumulative probabilities of the columns in each row: `side + 1` numbers per row.
     column_cdfs: Vec<f32>,
-    /// [`first_candidates`] of the rows, then those of the columns in each row: `side` numbers
-    /// each.
+    /// Lookup tables of [`first_candidates`], which speed up searches in the cumulative
+    /// probabilities. The table of the rows comes first, then one table for the columns of each
+    /// row. Each has `side` numbers.
     first_candidates: Vec<u16>,
 }
 
@@ -53,7 +54,7 @@ impl SquareGridDistribution {
         Some(Self { side, row_cdf: rows, column_cdfs: columns, first_candidates })
     }
 
-    /// Samples a point; returns it and its pdf. `u` is uniform in \[0, 1)².
+    /// Samples a point in \[0, 1)² by the uniform point `u` in \[0, 1)²; returns it and its pdf.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
@@ -90,15 +91,15 @@ impl SquareGridDistribution {
         &self.column_cdfs[row * stride..(row + 1) * stride]
     }
 
-    /// Pdf in a cell. `height` is the probability of its row, and `width` that of its column in the
-    /// row.
+    /// Pdf in a cell, from the probability `height` of the cell's row and the probability `width`
+    /// of its column in this row.
     fn cell_pdf(&self, width: f32, height: f32) -> f32 {
         let side = self.side as f32;
         (width * side) * (height * side)
     }
 }
 
-/// Cumulative probabilities in proportion to `weights`, rounded to multiples of 2⁻²⁴.
+/// Cumulative probabilities from 0 to 1 in proportion to `weights`, rounded to multiples of 2⁻²⁴.
 ///
 /// Each weight above 0 gets a probability of at least [`MIN_CELL_STEPS`] such steps. The
 /// probabilities are equal if all weights are 0.
@@ -115,10 +116,11 @@ fn cumulative_probabilities(weights: &[f64]) -> Vec<f32> {
     std::iter::once(0.0).chain(inner).collect()
 }
 
-/// Returns, for n intervals with the ends `bounds`, the index of the first end above each of 0,
-/// 1/n, 2/n … 1 − 1/n.
+/// Returns a lookup table for searches in the cumulative probabilities `bounds` of n intervals:
+/// number i is the index of the first bound above i/n.
 ///
-/// A search that begins there takes few steps on average (cutpoint method, Chen and Asau 1974).
+/// A search for u in \[i/n, (i + 1)/n) begins at number i, and takes few steps on average (cutpoint
+/// method, Chen and Asau 1974).
 fn first_candidates(bounds: &[f32]) -> impl Iterator<Item = u16> + '_ {
     let count = bounds.len() - 1;
     (0..count).map(move |i| bounds.partition_point(|b| *b <= i as f32 / count as f32) as u16)
@@ -127,8 +129,8 @@ fn first_candidates(bounds: &[f32]) -> impl Iterator<Item = u16> + '_ {
 /// Returns the index of the interval that contains `u`, the relative position of `u` in it, and its
 /// length, which is above 0.
 ///
-/// `bounds` are the ends of the intervals, whose number must be a power of two. `candidates` are
-/// their [`first_candidates`].
+/// `bounds` are the ends of the intervals, from 0 to 1. The number of intervals must be a power of
+/// two. `candidates` is the lookup table that [`first_candidates`] makes of `bounds`.
 #[inline]
 fn find_interval(bounds: &[f32], candidates: &[u16], u: f32) -> (usize, f32, f32) {
     let part = ((u * candidates.len() as f32) as usize).min(candidates.len() - 1);

@@ -1,7 +1,7 @@
 //! Animation: the moving parts of a scene, and copies of the scene at a given time.
 //!
-//! Each pass renders one instant of the shutter interval, so rays carry no time. Only the hierarchy
-//! over moving shapes is rebuilt for each pass.
+//! A pass renders one or more instants of the shutter interval, each with its own copy of the
+//! scene, so rays carry no time. Only the hierarchy over moving shapes is rebuilt for each copy.
 
 use super::build::{derive_scene_data, mean_emission_lights};
 use super::delta_light::{mit_6837_area_light, place_delta_light};
@@ -21,7 +21,7 @@ pub(super) const MID_SHUTTER: f64 = 0.5;
 /// The moving shapes, planes, lights, camera, texture mappings and media of a scene, each with its
 /// motion.
 ///
-/// Each part is stored before its motion is applied, except media. For each time, the motion gives
+/// Each part is stored before its motion is applied, except media. At each time, the motion gives
 /// the transform from the stored part to coordinates relative to [`Scene::origin`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Animation {
@@ -32,8 +32,8 @@ pub(super) struct Animation {
     /// Moving delta lights: index in [`Scene::lights`], light before its motion is applied,
     /// strength and motion.
     pub lights: Vec<(usize, UnscaledDeltaLight, LightStrength, Motion)>,
-    /// The camera before its motion is applied, and this motion, which acts about the camera's
-    /// position.
+    /// The camera before its motion is applied, and its motion, whose rotations and scales are
+    /// about the camera's position.
     pub camera: Option<(Camera, Motion)>,
     /// Moving texture mappings: index in the mappings of [`Scene`], kind and motion.
     pub mappings: Vec<(usize, TextureMappingKind, Motion)>,
@@ -106,11 +106,11 @@ pub(super) fn medium_at_time(medium: &Medium, motion: &Motion, time: f64) -> Opt
     medium.with_transformed_grid(motion.at_time(time) * *opening.inverse())
 }
 
-/// Strength of a moving delta light in physical units.
-///
-/// [`LightStrength::Mit6837Color`] depends on the distance of the light from the origin, so it is
-/// converted for the light's position at mid-shutter. The light keeps this strength while it moves.
+/// Converts the strength [`LightStrength::Mit6837Color`] of a moving delta light to physical units.
 /// Other strengths are returned unchanged.
+///
+/// A `Mit6837Color` depends on the distance of the light from the origin. It is converted for the
+/// light's position at mid-shutter, and the light keeps the result while it moves.
 pub(super) fn physical_light_strength_at_mid_shutter(
     kind: &UnscaledDeltaLight,
     strength: LightStrength,
@@ -168,7 +168,7 @@ pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
 }
 
 /// Replaces moving shape `i`, counted from the first moving shape, by `shape`. If the shape emits
-/// light, its area light changes too.
+/// light, its area light is replaced too.
 fn replace_moving_shape(scene: &mut Scene, i: usize, shape: Shape) {
     let object = scene.geometry.objects[scene.geometry.shapes.first_moving_index() as usize + i];
     if let Some(light) = object.light {

@@ -1,4 +1,5 @@
-//! Strengths of delta lights, and counterparts of lights in the shading model of MIT course 6.837.
+//! Strengths of delta lights, and the lights of algorithm `raycast`, which shades as MIT course
+//! 6.837 does.
 
 use crate::color::Rgb;
 use crate::light::{Light, LightPositionOrDirection, UnscaledDeltaLight};
@@ -6,7 +7,8 @@ use crate::math::BoundingSphere;
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 
-/// Light in the shading model of MIT course 6.837. Its colour does not fall off with distance.
+/// Light of algorithm `raycast`, in the shading model of MIT course 6.837: its colour does not fall
+/// off with distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mit6837Light {
     /// Point light: its position and colour.
@@ -27,8 +29,8 @@ pub enum LightStrength {
     Power(Rgb),
 }
 
-/// Returns the light in coordinates relative to `origin`, and its counterpart in the shading model
-/// of MIT course 6.837.
+/// Returns the light in coordinates relative to `origin`, and the light that stands for it in
+/// algorithm `raycast`.
 ///
 /// The strength [`LightStrength::Mit6837Color`] with colour c becomes irradiance π·c, on a surface
 /// at `origin` that faces the light. A white diffuse surface there reflects radiance c.
@@ -63,8 +65,8 @@ pub(super) fn place_delta_light(
     }
 }
 
-/// Counterpart of an area light in the shading model of MIT course 6.837: a point light at the area
-/// light's center.
+/// The light that stands for an area light in algorithm `raycast`: a point light at the center of
+/// the area light.
 ///
 /// Its colour is the radiance that a white diffuse surface at the origin reflects, if the area
 /// light and the surface face each other.

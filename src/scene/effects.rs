@@ -3,18 +3,18 @@
 use super::InteriorKind;
 use std::str::FromStr;
 
-/// Text of [`CASTER_DESCRIPTION`].
+/// Expands to the text of [`CASTER_DESCRIPTION`], for use in `concat!`.
 macro_rules! caster_description {
     () => {
         "mirrors, glass, panes, and conductors and coats of low roughness"
     };
 }
 
-/// Names of all casters, as [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics) defines
-/// them, for texts about a scene.
+/// List of all kinds of casters in English, for messages about a scene.
+/// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics) has the definition.
 pub const CASTER_DESCRIPTION: &str = caster_description!();
 
-/// Former name of [`Effect::Specular`], still accepted.
+/// Alias of the name of [`Effect::Specular`].
 const SPECULAR_ALIAS: &str = "casters";
 
 enum_with_all! {
@@ -33,8 +33,8 @@ enum_with_all! {
         CausticBounces,
         /// Interreflection between diffuse or glossy surfaces.
         Interreflection,
-        /// Final gathering: rays sampled at diffuse or glossy surfaces look up indirect light in a
-        /// photon map where they hit.
+        /// Final gathering: rays leave a diffuse or glossy surface in sampled directions, and look
+        /// up indirect light in a photon map where they hit.
         Gathering,
         /// Shadows: shadow rays test whether surfaces block the light.
         Shadows,
@@ -111,7 +111,7 @@ impl Effect {
     }
 }
 
-/// The effects that the program can simulate: all, unless the build leaves one out.
+/// The effects that this build of the program can simulate: all, or all except one.
 ///
 /// The environment variable `CAUSTICA_WITHOUT` names an effect to leave out at build time.
 /// `.ci/cost-of-effects` uses it to measure what the code of an effect costs in other scenes.
@@ -183,7 +183,7 @@ impl Effects {
         set
     }
 
-    /// True if the set contains `effect` and the program can simulate it (see `COMPILED_EFFECTS`).
+    /// True if the set contains `effect` and this build can simulate it (see `COMPILED_EFFECTS`).
     #[inline]
     #[must_use]
     pub const fn has(self, effect: Effect) -> bool {

@@ -1,12 +1,11 @@
-//! Motion on the film of points that the camera sees, from the opening to the closing of the
-//! shutter.
+//! Motion vectors: displacement on the film of visible points while the shutter is open.
 
 use super::animation::{camera_at_time, motion_of_hit};
 use super::{Hit, Scene};
 use crate::camera::Camera;
 use glam::{Vec2, Vec3};
 
-/// Cameras at both ends of the shutter interval, which measure motion on the film.
+/// Measures how far a point moves on the film from the opening to the closing of the shutter.
 #[derive(Clone, Copy, Debug)]
 pub struct FilmMotionMeter {
     /// Camera at the opening of the shutter.

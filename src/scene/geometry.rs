@@ -1,4 +1,4 @@
-//! The geometry of a resolved scene, with the hierarchies that find intersections.
+//! The geometry of a built scene, with the bounding volume hierarchies that find intersections.
 
 use super::shape_list::ShapeList;
 use crate::accel::{Bvh, PrimitiveHit, PrimitiveIndex, ShapeHit};
@@ -30,8 +30,7 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Converts an intersection that [`Geometry::resting_hierarchy`] found: with a triangle or a
-    /// shape at rest.
+    /// Converts a hit in [`Geometry::resting_hierarchy`]: on a triangle or on a shape at rest.
     #[inline]
     pub(super) fn from_resting_primitive(hit: PrimitiveHit) -> Self {
         let uv = Vec2::new(hit.u, hit.v);
@@ -42,8 +41,8 @@ impl Hit {
         Self { t: hit.t, primitive }
     }
 
-    /// Converts an intersection that [`Geometry::moving_hierarchy`] found: with a moving shape.
-    /// `first_moving` is the index of the first moving shape in the list of all shapes.
+    /// Converts a hit in [`Geometry::moving_hierarchy`]: on a moving shape. `first_moving` is the
+    /// index of the first moving shape in the list of all shapes.
     #[inline]
     pub(super) fn from_moving_primitive(hit: PrimitiveHit, first_moving: u32) -> Self {
         let (PrimitiveIndex::Triangle(i) | PrimitiveIndex::Other(i)) = hit.primitive;
@@ -69,8 +68,8 @@ pub(super) enum HitPrimitive {
     Plane(u32),
 }
 
-/// Group of objects whose boundaries count as one when a path crosses several coincident boundaries
-/// at once.
+/// A set of objects whose boundaries count as one boundary, where a path crosses several coincident
+/// boundaries at once.
 ///
 /// Usually each object is a group of its own. All shapes that may share edges with neighbours form
 /// one group, because a ray through a common edge can hit two of them.
@@ -96,9 +95,10 @@ impl CoincidenceGroup {
 
 /// The primitives of a scene: triangles, shapes and unbounded planes.
 ///
-/// A ray query searches one [`Bvh`] over triangles and shapes at rest, a second one over
-/// moving shapes, and all planes in turn. It then keeps the nearest hit. A `Bvh` knows
-/// triangles by their corners, and shapes by their boxes only.
+/// A ray query searches one [`Bvh`] over triangles and shapes at rest, a second one over moving
+/// shapes, and all planes in turn. It then keeps the nearest hit. A `Bvh` intersects its triangles
+/// itself. Of shapes it stores the bounding boxes, and it intersects them by a function of the
+/// caller.
 ///
 /// Objects are numbered in this order: shapes at rest, moving shapes, meshes, planes at rest,
 /// moving planes.
@@ -169,8 +169,8 @@ impl Geometry {
         geometry
     }
 
-    /// True if [`Geometry::resting_hierarchy`] is over the triangles of `mesh` and over `boxes`, in
-    /// their order and with the same bits.
+    /// True if [`Geometry::resting_hierarchy`] was built from exactly these triangles and boxes: in
+    /// this order, with the same bits.
     fn resting_hierarchy_matches(&self, mesh: &Mesh, boxes: &[Bounds]) -> bool {
         let bits = |point: Vec3| point.to_array().map(f32::to_bits);
         let corners = |mesh: &Mesh, i: usize| mesh.corners(i).map(bits);
@@ -303,7 +303,8 @@ impl Geometry {
         }
     }
 
-    /// Texture coordinates that the mesh or shape itself defines at `hit`; zero on planes.
+    /// Texture coordinates at `hit` as the mesh or shape itself defines them, without a texture
+    /// mapping; zero on planes.
     pub fn surface_texture_coords(&self, hit: &Hit, point: &SurfacePoint) -> TexCoord {
         match hit.primitive {
             HitPrimitive::Triangle(i, b) => self.mesh.tex_coord(i as usize, b),

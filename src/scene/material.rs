@@ -67,8 +67,8 @@ impl Material {
         if mean_bsdf.base_under_clear_coat().is_none() { self } else { Self { mean_bsdf, ..coated } }
     }
 
-    /// Returns this material with `may_store_photons` set for a mix: to true if one of its
-    /// components may store photons. Other materials are returned unchanged.
+    /// Returns a mix with `may_store_photons` recomputed: true if one of its components may store
+    /// photons. Other materials are returned unchanged.
     ///
     /// `materials` is the list that the component indices of the mix refer to.
     pub(super) fn with_mix_photon_storage(self, materials: &[Self]) -> Self {
@@ -101,7 +101,8 @@ impl Material {
         Self::new(MaterialKind::DiffuseTransmission { reflectance, transmittance })
     }
 
-    /// A material of Phong's model. The BSDF is scaled to conserve energy (see
+    /// A Phong material: Lambertian coefficient `diffuse`, and a specular lobe with coefficient
+    /// `specular` and exponent `shininess`. The BSDF is scaled to conserve energy (see
     /// [`crate::bsdf::Phong`]).
     #[must_use]
     pub fn phong(
@@ -112,26 +113,26 @@ impl Material {
         Self::new(MaterialKind::Phong { diffuse: diffuse.into(), specular: specular.into(), shininess })
     }
 
-    /// A perfect mirror.
+    /// A perfect mirror of `reflectance` in \[0, 1], per channel.
     #[must_use]
     pub fn mirror(reflectance: impl Into<MaterialParameter<Rgb>>) -> Self {
         Self::new(MaterialKind::Mirror { reflectance: reflectance.into() })
     }
 
-    /// A material that is the smooth boundary of a dielectric body with refractive index `eta`
-    /// and `absorption` \[1/length].
+    /// A smooth dielectric, such as clear glass: the boundary of a body with absolute refractive
+    /// index `eta` and absorption coefficient `absorption` \[1/length].
     #[must_use]
     pub fn dielectric(eta: f32, absorption: Rgb) -> Self {
         Self::smooth_boundary(Body { absorption, ..Body::new(eta) })
     }
 
-    /// A material that is the smooth boundary of `body`.
+    /// A smooth dielectric boundary around `body`.
     #[must_use]
     pub fn smooth_boundary(body: Body) -> Self {
         Self::rough_boundary(body, 0.0)
     }
 
-    /// A material that is the boundary of `body`, with roughness α in \[0, 1].
+    /// A dielectric boundary around `body`, with GGX roughness α in \[0, 1]; 0 is smooth.
     #[must_use]
     pub fn rough_boundary(body: Body, roughness: impl Into<MaterialParameter<f32>>) -> Self {
         let (roughness, scattering) = (roughness.into(), MicrofacetScattering::Multiple);
@@ -148,28 +149,29 @@ impl Material {
         Self::new(MaterialKind::Mix { first, second, amount: amount.into() })
     }
 
-    /// A metal of refractive index `eta` + i`k` and roughness α in \[0, 1].
+    /// A metal of complex refractive index `eta` + i`k` and GGX roughness α in \[0, 1]; 0 is
+    /// smooth.
     #[must_use]
     pub fn conductor(eta: Rgb, k: Rgb, roughness: impl Into<MaterialParameter<f32>>) -> Self {
         Self::conductor_of_index(ConductorIndex::Complex { eta, k }, roughness)
     }
 
-    /// A metal with the refractive index that `index` gives, and roughness α in \[0, 1].
+    /// A metal whose refractive index or reflectance is `index`, with GGX roughness α in \[0, 1].
     #[must_use]
     pub fn conductor_of_index(index: ConductorIndex, roughness: impl Into<MaterialParameter<f32>>) -> Self {
         let (roughness, scattering) = (roughness.into(), MicrofacetScattering::Multiple);
         Self::new(MaterialKind::Conductor { index, roughness, scattering })
     }
 
-    /// This material without the light that scatters more than once between microfacets; unchanged
-    /// if it is neither a metal nor the boundary of a body.
+    /// This material with [`MicrofacetScattering::Single`]: light that meets a second microfacet is
+    /// lost, as in pbrt-v4. Unchanged if it is neither a metal nor a dielectric boundary.
     #[must_use]
     pub fn with_single_microfacet_scattering(self) -> Self {
         self.with_kind(self.kind.with_single_microfacet_scattering())
     }
 
-    /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is its internal
-    /// transmittance along the normal, without Fresnel reflection.
+    /// A thin dielectric sheet, such as a window pane, of refractive index `eta`. `transmittance`
+    /// in (0, 1] is its internal transmittance along the normal, without Fresnel reflection.
     #[must_use]
     pub fn thin_dielectric(eta: f32, transmittance: impl Into<MaterialParameter<Rgb>>) -> Self {
         Self::new(MaterialKind::ThinDielectric { eta, transmittance: transmittance.into() })
@@ -178,9 +180,9 @@ impl Material {
     /// A diffuse base of `reflectance` in \[0, 1] under a dielectric coat, such as plastic.
     ///
     /// `eta` is the refractive index of the coat relative to the surroundings, from 1 to
-    /// [`MAX_COAT_INDEX`](crate::bsdf::MAX_COAT_INDEX), and `roughness` its GGX α in \[0, 1].
-    /// Interreflection between coat and base makes colours deeper if `nonlinear` is true, as it
-    /// does in nature; see [`CoatedDiffuse`](crate::bsdf::CoatedDiffuse).
+    /// [`MAX_COAT_INDEX`](crate::bsdf::MAX_COAT_INDEX), and `roughness` its GGX α in \[0, 1]. If
+    /// `nonlinear` is true, repeated reflection between coat and base deepens colours, as in
+    /// nature; see [`CoatedDiffuse`](crate::bsdf::CoatedDiffuse).
     #[must_use]
     pub fn coated_diffuse(
         reflectance: impl Into<MaterialParameter<Rgb>>,
@@ -204,7 +206,7 @@ impl Material {
         &self.kind
     }
 
-    /// The perturbation of shading normals.
+    /// The bump map or normal map that perturbs shading normals, or [`NormalPerturbation::None`].
     #[must_use]
     pub fn normal_perturbation(&self) -> NormalPerturbation {
         self.normal_perturbation
@@ -217,14 +219,14 @@ impl Material {
         self.kind.as_dielectric().map(|(body, _)| body)
     }
 
-    /// This material with `body` in place of the dielectric body that it bounds; unchanged if it
-    /// bounds none.
+    /// This material with `body` as the dielectric body that it bounds; unchanged if it bounds
+    /// none.
     #[must_use]
     pub fn with_body(self, body: Body) -> Self {
         self.with_kind(self.kind.with_body(body))
     }
 
-    /// Indices of both materials of a mix; `None` for other materials.
+    /// Material indices of both components of a mix; `None` for other materials.
     #[must_use]
     pub fn mix_component_indices(&self) -> Option<[u32; 2]> {
         self.kind.as_mix().map(|(parts, _)| parts)
@@ -237,7 +239,8 @@ impl Material {
         self.mean_bsdf
     }
 
-    /// The BSDF for parameter values from `parameters`; black for a mix.
+    /// The BSDF at a point, where `parameters` evaluates constant and textured parameters; black
+    /// for a mix.
     #[must_use]
     pub fn bsdf(&self, parameters: &impl ParameterEvaluator) -> Bsdf {
         let bsdf = self.kind.bsdf(parameters);
@@ -254,14 +257,15 @@ impl Material {
         self.textured
     }
 
-    /// True if a hit may choose one of several BSDFs at random: at a mix, or at a surface with a
-    /// coat.
+    /// True if the BSDF at a hit may be chosen at random: from the components of a mix, or from
+    /// coat and base.
     #[inline]
     pub(super) fn chooses_bsdf_randomly(&self) -> bool {
         self.kind.chooses_bsdf_randomly() || self.clear_coat.is_some()
     }
 
-    /// True if a hit may resolve to a BSDF that stores photons: for a mix, if a component may.
+    /// True if photons may be stored at some hits on this material. For a mix: true if this holds
+    /// for a component.
     #[inline]
     pub(super) fn may_store_photons(&self) -> bool {
         self.may_store_photons
@@ -274,13 +278,14 @@ impl Material {
         self.textured || self.normal_perturbation != NormalPerturbation::None
     }
 
-    /// Mean roughness α of a dielectric body's boundary; 0 for other materials.
+    /// Roughness α of a dielectric boundary, with a texture replaced by its mean; 0 for other
+    /// materials.
     #[inline]
     pub(super) fn mean_boundary_roughness(&self) -> f32 {
         self.boundary_roughness(&MeanParameterEvaluator)
     }
 
-    /// Treatment of light that several microfacets of a dielectric body's boundary scatter;
+    /// Single or multiple scattering between the microfacets of a rough dielectric boundary;
     /// `Multiple` for other materials.
     #[inline]
     pub(super) fn boundary_microfacet_scattering(&self) -> MicrofacetScattering {
@@ -291,19 +296,22 @@ impl Material {
         }
     }
 
-    /// Roughness α of a dielectric body's boundary; 0 for other materials.
+    /// Roughness α of a dielectric boundary at a point, evaluated by `parameters`; 0 for other
+    /// materials.
     #[inline]
     pub(super) fn boundary_roughness(&self, parameters: &impl ParameterEvaluator) -> f32 {
         self.kind.as_dielectric().map_or(0.0, |(_, roughness)| parameters.evaluate_scalar(roughness))
     }
 
-    /// Calls `visit` with at least one BSDF of each kind that the material can have at a hit.
+    /// Calls `visit` with at least one BSDF of each kind that the material can have at a hit. Two
+    /// BSDFs are of different kinds if only one of them is specular, only one stores photons, or
+    /// only one transmits.
     ///
-    /// Two BSDFs are of different kinds if they differ in being specular, in storing photons, or in
-    /// transmitting. The method visits the BSDF with mean parameters. For a conductor or coat with
-    /// a roughness texture, it also visits the BSDFs with the least and the greatest roughness. A
-    /// coat with α up to [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA) is
-    /// also visited alone, without its base. So is a clear coat, and the surface under it.
+    /// The visited BSDFs have mean parameters. A conductor or coat with a roughness texture is also
+    /// visited with its least and its greatest roughness. A coat with α up to
+    /// [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA) is also visited alone,
+    /// without its base. A clear coat of any roughness is also visited alone, and so is the surface
+    /// under it.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         let mut visit = |bsdf: Bsdf| {
             visit(bsdf);

@@ -1,7 +1,8 @@
-//! The resolved scene: the data that renderers read.
+//! The scene in the form that integrators read: geometry with hierarchies, materials, lights,
+//! camera.
 //!
-//! Coordinates are relative to one origin near the objects. Triangles are stored in single
-//! precision.
+//! Coordinates are relative to an origin near the objects, so that single precision suffices for
+//! triangles.
 
 mod animation;
 mod build;
@@ -61,8 +62,9 @@ use textured::{TextureFootprint, perturbed_normal};
 
 /// A scene ready to be rendered, with moving objects placed at one time of the shutter interval.
 ///
-/// Coordinates are relative to [`Scene::origin`]. The private type `Geometry` answers ray queries,
-/// but knows primitives only. The scene adds the material, textures and emission at a hit.
+/// Coordinates are relative to [`Scene::origin`]. Ray queries ([`Scene::intersect`]) return the
+/// nearest primitive. [`Scene::surface_interaction`] adds material, textures and emission at the
+/// hit.
 #[derive(Clone)]
 pub struct Scene {
     camera: Camera,
@@ -72,7 +74,8 @@ pub struct Scene {
     glasses: Vec<DispersionFormula>,
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
-    /// True if an object has a null interface, or a mix that may resolve to one.
+    /// True if the material of an object is a null interface, or a mix that may resolve to one.
+    /// Light crosses a null interface unchanged.
     has_null_interfaces: bool,
     textures: Vec<Arc<Texture>>,
     /// Texture mappings, by index. Objects that define none use the first one.
@@ -80,8 +83,8 @@ pub struct Scene {
     lights: Vec<Light>,
     /// Index of the environment light in `lights`; `None` if there is none.
     environment_light_index: Option<usize>,
-    /// Copies of the lights in which mean radiances replace emission textures; empty if no light
-    /// has a texture.
+    /// The lights with each emission texture replaced by its mean radiance; empty if no light has
+    /// an emission texture.
     mean_emission_lights: Vec<Light>,
     mit_6837_lights: Vec<Mit6837Light>,
     animation: Option<Arc<Animation>>,
@@ -108,11 +111,11 @@ impl Scene {
         &self.camera
     }
 
-    /// Returns a copy of the scene with `camera` in place of its camera. `camera` is in the
-    /// coordinates of the scene description.
+    /// Returns a copy of the scene with another camera, given in the coordinates of the scene
+    /// description (not relative to [`Scene::origin`]).
     ///
-    /// The camera rests while the shutter is open. The copy shares geometry, hierarchies and
-    /// textures with this scene, and keeps its origin.
+    /// This camera does not move while the shutter is open. The copy shares geometry, hierarchies
+    /// and textures with this scene, and keeps its origin.
     #[must_use]
     pub fn with_camera(&self, camera: &Camera) -> Self {
         let mut scene = self.clone();
@@ -162,15 +165,16 @@ impl Scene {
         &self.lights
     }
 
-    /// Copies of the lights in which mean radiances replace emission textures, in the order of
-    /// [`Scene::lights`].
+    /// The lights with each emission texture replaced by its mean radiance, in the order of
+    /// [`Scene::lights`]. They are used without [`Effect::Textures`], and to sample lights only at
+    /// their centers.
     #[must_use]
     pub fn mean_emission_lights(&self) -> &[Light] {
         if self.mean_emission_lights.is_empty() { &self.lights } else { &self.mean_emission_lights }
     }
 
-    /// The lights for the shading model of MIT course 6.837, in the order of [`Scene::lights`]
-    /// without the environment.
+    /// The lights as algorithm `raycast` shades with them, without falloff, as in MIT course 6.837.
+    /// The order is that of [`Scene::lights`], without the environment light.
     #[must_use]
     pub fn mit_6837_lights(&self) -> &[Mit6837Light] {
         &self.mit_6837_lights
@@ -205,7 +209,8 @@ impl Scene {
         &self.media
     }
 
-    /// Index of the medium outside all dielectric bodies; `None` for air.
+    /// Index in [`Scene::media`] of the medium outside all dielectric bodies, such as fog; `None`
+    /// for air.
     ///
     /// The medium fills a ball around the center of the [photon domain](Scene::photon_domain). The
     /// ball's radius is twice the greatest distance of a light, the camera or the domain's edge
@@ -225,7 +230,8 @@ impl Scene {
         self.derived.photon_domain
     }
 
-    /// Origin of scene coordinates, in the coordinates of the scene description.
+    /// Origin of the coordinates of this scene, in the coordinates of the scene description.
+    /// Positions of the scene are those of the description minus this point.
     #[must_use]
     pub fn origin(&self) -> DVec3 {
         self.origin
@@ -263,10 +269,11 @@ impl Scene {
 
     /// Returns the surface at `hit` of `ray`, which must have a unit direction.
     ///
-    /// Textures are filtered over the width of `cone`. A uniform number in \[0, 1) from `u_mix`
-    /// selects one of the materials of a mix, and base or coat of a coated surface. The boundary of
-    /// a dielectric body gets the BSDF that it has in air; [`Interior::resolve_boundary`] replaces
-    /// this BSDF.
+    /// Textures are filtered over the width of `cone`. `u_mix` returns a uniform number in \[0, 1),
+    /// and is called only if the BSDF is chosen at random: from the components of a mix, or from
+    /// coat and base. The boundary of a dielectric body gets the BSDF that it has in air.
+    /// [`Interior::resolve_boundary`] then replaces this BSDF according to the bodies around the
+    /// path.
     #[inline]
     #[must_use]
     pub fn surface_interaction(
@@ -359,12 +366,12 @@ impl Scene {
         }
     }
 
-    /// Returns the index of the material to which material `index` resolves, and a uniform number
-    /// in \[0, 1) for further choices. A mix resolves to a component, which the uniform number `u`
-    /// in \[0, 1) selects. Other materials resolve to themselves.
+    /// Resolves a mix, or a mix of mixes, to one leaf material by the uniform number `u` in \[0,
+    /// 1). Returns the leaf's material index, and a uniform number in \[0, 1) for further choices.
+    /// A material that is not a mix is its own leaf.
     ///
-    /// `context` returns the point of texture lookups. It is called only if the probability of a
-    /// component is textured and `effects` include textures.
+    /// `context` returns the point at which a textured mix amount is looked up. It is called only
+    /// if there is such a texture and `effects` include textures.
     fn resolve_mix_to_leaf(
         &self,
         mut index: u32,

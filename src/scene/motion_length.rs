@@ -1,4 +1,4 @@
-//! Distance that the moving parts of a scene move on the film while the shutter is open.
+//! Length of the paths of moving parts on the film while the shutter is open.
 
 use super::Scene;
 use super::animation::MID_SHUTTER;
@@ -7,8 +7,8 @@ use crate::camera::Camera;
 use crate::math::Motion;
 use glam::{DVec3, Vec2};
 
-/// Number of equal steps of the shutter interval. Points count as moving along a straight line in
-/// each step.
+/// Number of equal time steps into which the shutter interval is divided. Points count as moving
+/// along a straight line in each step.
 const STEPS: u32 = 16;
 
 /// Largest number of moving shapes whose motion is measured. If there are more, every n-th shape is
@@ -18,8 +18,7 @@ const MAX_MEASURED_SHAPES: usize = 4096;
 /// Number of film points along each side of the film at which camera motion is measured.
 const FILM_POINTS_PER_SIDE: u32 = 5;
 
-/// Cameras and pixel sizes with which the motion of points while the shutter is open is measured in
-/// pixels.
+/// Measures how far points move while the shutter is open, in pixels of the film.
 struct MotionLengthMeter {
     /// The camera at times 0, 1/[`STEPS`], …, 1 of the shutter interval.
     cameras: Vec<Camera>,
@@ -53,35 +52,36 @@ impl MotionLengthMeter {
     /// Film positions outside the picture are clamped to its edge. A step does not count if the
     /// point is behind the camera before or after it.
     fn film_path_length_in_pixels(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
-        let film = |(step, camera): (u32, &Camera)| {
+        let film_position = |(step, camera): (u32, &Camera)| {
             let at = camera.connect_to_point(position(step).as_vec3(), None)?.film_position;
             Some(at.clamp(Vec2::ZERO, self.size))
         };
-        let places: Vec<Option<Vec2>> = (0..).zip(&self.cameras).map(film).collect();
+        let film_positions: Vec<Option<Vec2>> = (0..).zip(&self.cameras).map(film_position).collect();
         let step = |pair: &[Option<Vec2>]| match pair {
             [Some(a), Some(b)] => f64::from(a.distance(*b)),
             _ => 0.0,
         };
-        places.windows(2).map(step).sum()
+        film_positions.windows(2).map(step).sum()
     }
 
     /// Returns the length of the path of a moving point through the scene, divided by the width of
     /// a pixel at the center of the photon domain.
     ///
     /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
-    /// The measure serves objects outside the picture. Their shadows and caustics may fall into the
-    /// picture, and move about as far as the objects.
+    /// This measure is for objects outside the picture: their shadows and caustics may fall into
+    /// the picture, and move about as far as the objects.
     fn scene_path_length_in_pixels(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         (0..STEPS).map(|step| position(step).distance(position(step + 1))).sum::<f64>() / self.pixel_width
     }
 }
 
-/// Shutter time after `step` of [`STEPS`] steps, from 0 (shutter opens) to 1 (shutter closes).
+/// Time after `step` of [`STEPS`] steps of the shutter interval, from 0 (shutter opens) to 1
+/// (shutter closes).
 fn step_time(step: u32) -> f64 {
     f64::from(step) / f64::from(STEPS)
 }
 
-/// Corners of the box with the corners `min` and `max`.
+/// The eight corners of the box from `min` to `max`.
 fn box_corners((min, max): (DVec3, DVec3)) -> impl Iterator<Item = DVec3> {
     (0..8).map(move |i| {
         let pick = |bit: u32, low: f64, high: f64| if (i >> bit) & 1 == 0 { low } else { high };
@@ -109,18 +109,18 @@ fn trajectory_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) ->
 #[must_use]
 pub fn max_motion_in_pixels(scene: &Scene) -> f32 {
     let Some(animation) = &scene.animation else { return 0.0 };
-    let film = MotionLengthMeter::new(scene);
+    let meter = MotionLengthMeter::new(scene);
     let mut longest = 0.0f64;
 
     // Measure moving shapes by the corners of their boxes.
-    let every = animation.shapes.len().div_ceil(MAX_MEASURED_SHAPES).max(1);
-    for (shape, motion) in animation.shapes.iter().step_by(every) {
+    let stride = animation.shapes.len().div_ceil(MAX_MEASURED_SHAPES).max(1);
+    for (shape, motion) in animation.shapes.iter().step_by(stride) {
         let maps: Vec<_> = (0..=STEPS).map(|step| motion.at_time(step_time(step))).collect();
         for corner in box_corners(shape.bounds_f64()) {
             let position = |step: u32| maps[step as usize].transform_point3(corner);
             longest = longest
-                .max(film.film_path_length_in_pixels(&position))
-                .max(film.scene_path_length_in_pixels(&position));
+                .max(meter.film_path_length_in_pixels(&position))
+                .max(meter.scene_path_length_in_pixels(&position));
         }
     }
 
@@ -130,7 +130,7 @@ pub fn max_motion_in_pixels(scene: &Scene) -> f32 {
         let center = scene.lights[*i].representative_point().unwrap_or(domain.center).as_dvec3();
         let reach = if kind.changes_by_rotation() { f64::from(domain.radius) } else { 0.0 };
         for corner in box_corners((center - reach, center + reach)) {
-            longest = longest.max(film.scene_path_length_in_pixels(&trajectory_from_mid_shutter(motion, corner)));
+            longest = longest.max(meter.scene_path_length_in_pixels(&trajectory_from_mid_shutter(motion, corner)));
         }
     }
 
@@ -140,7 +140,7 @@ pub fn max_motion_in_pixels(scene: &Scene) -> f32 {
         for (x, y) in (0..FILM_POINTS_PER_SIDE * FILM_POINTS_PER_SIDE)
             .map(|i| (i % FILM_POINTS_PER_SIDE, i / FILM_POINTS_PER_SIDE))
         {
-            let at = (Vec2::new(x as f32, y as f32) + 0.5) / FILM_POINTS_PER_SIDE as f32 * film.size;
+            let at = (Vec2::new(x as f32, y as f32) + 0.5) / FILM_POINTS_PER_SIDE as f32 * meter.size;
             let ray = scene.camera.generate_ray(at, None);
             let hit = scene.intersect(&ray);
             let distance = hit.map_or(domain.radius, |hit| hit.t);
@@ -150,8 +150,8 @@ pub fn max_motion_in_pixels(scene: &Scene) -> f32 {
                 HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) => None,
             });
             longest = longest.max(match plane {
-                Some((_, motion)) => film.film_path_length_in_pixels(&trajectory_from_mid_shutter(motion, seen)),
-                None => film.film_path_length_in_pixels(&|_| seen),
+                Some((_, motion)) => meter.film_path_length_in_pixels(&trajectory_from_mid_shutter(motion, seen)),
+                None => meter.film_path_length_in_pixels(&|_| seen),
             });
         }
     }

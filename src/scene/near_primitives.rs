@@ -29,11 +29,11 @@ impl<'a> NearPrimitives<'a> {
         Self { geometry, resting: geometry.resting_hierarchy.leaves_overlapping_bounds(bounds), moving }
     }
 
-    /// True if the only primitive near the box is one shape at rest, and this shape contains a
-    /// disc, as `Shape::contains_disc` defines it for `tolerance` \[length].
+    /// True if the only primitive near the box is one shape at rest, and this shape contains the
+    /// whole disc of `radius` \[length] around `center` with the unit `normal`.
     ///
-    /// The disc has the given `radius` \[length] around `center`, and the unit `normal`. The result
-    /// is false if the answer is not known.
+    /// `Shape::contains_disc` defines this for `tolerance` \[length]. The result is false if the
+    /// answer is not known.
     #[inline]
     #[must_use]
     pub fn only_shape_contains_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {

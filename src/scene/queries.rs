@@ -11,8 +11,8 @@ use crate::medium::Medium;
 use crate::sampling::Key;
 use glam::Vec3;
 
-/// Summary of a shape, mesh or plane for planning and photon emission: its bounding sphere, its
-/// plane if it is flat, its material, and whether a texture varies its emission.
+/// Summary of one object of the scene (a shape, mesh or plane), from which plans are made and
+/// photons are aimed.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
     /// Bounding sphere; `None` for unbounded planes. It is tight for spheres.
@@ -26,21 +26,21 @@ pub struct ObjectSummary {
     pub has_emission_texture: bool,
 }
 
-/// A material that is not a mix, with one of the BSDFs that it can have.
+/// A material that is not a mix, with one of the BSDFs that it can have at a hit.
 #[derive(Clone, Copy, Debug)]
 pub struct LeafMaterial<'a> {
     /// The dielectric body that the material bounds, if it bounds one.
     pub bounded_body: Option<&'a Body>,
     /// One of the BSDFs that the material can have at a hit.
     ///
-    /// It has mean parameters, or the least or greatest value of a roughness texture. It may also
+    /// Its parameters are means, or the least or greatest value of a roughness texture. It may also
     /// be a coat alone, or the surface under a clear coat.
     pub bsdf: Bsdf,
 }
 
 impl LeafMaterial<'_> {
-    /// True if the material makes its surface a caster, as
-    /// [`PhotonKind`](crate::photon::PhotonKind) defines it.
+    /// True if the surface is a caster: it scatters light, but stores no photons, such as glass or
+    /// a mirror ([`PhotonKind`](crate::photon::PhotonKind) has the definition).
     ///
     /// False for a null interface, which light crosses undeflected.
     #[must_use]
@@ -59,24 +59,25 @@ impl Scene {
         self.animation.is_some()
     }
 
-    /// Number of parts of the scene that a copy for another shutter time stores anew: moving
-    /// shapes, and all planes, lights and texture mappings.
+    /// Number of moving shapes, and of all planes, lights and texture mappings. It measures the
+    /// cost of a copy by [`Scene::at_time`], which shares other large parts.
     #[must_use]
     pub fn parts_copied_per_time(&self) -> usize {
         let Self { geometry, lights, mappings, .. } = self;
         geometry.shapes.moving().len() + geometry.planes.len() + lights.len() + mappings.len()
     }
 
-    /// The scene at `time`: 0 is the opening of the shutter, 1 its closing.
+    /// Returns a copy of the scene with all moving parts placed at `time`: 0 is the opening of the
+    /// shutter, 1 its closing.
     ///
-    /// The returned scene shares triangles, their hierarchy, textures and the environment light
-    /// with this one.
+    /// The copy shares triangles, their hierarchy, textures and the environment light with this
+    /// scene.
     #[must_use]
     pub fn at_time(&self, time: f64) -> Self {
         scene_at_time(self, time)
     }
 
-    /// Summaries of all objects: shapes, then meshes with triangles, then planes.
+    /// Summaries of all objects: shapes, then meshes that have triangles, then planes.
     pub fn object_summaries(&self) -> impl Iterator<Item = ObjectSummary> {
         let geometry = &self.geometry;
         let summary = |attributes: &ObjectAttributes, bounding_sphere, plane| ObjectSummary {
@@ -109,7 +110,8 @@ impl Scene {
         self.materials.iter().filter_map(Material::bounded_body)
     }
 
-    /// True if some objects are null interfaces, which shadow rays pass.
+    /// True if some objects are null interfaces: boundaries that light and shadow rays cross
+    /// unchanged.
     #[must_use]
     pub fn has_null_interfaces(&self) -> bool {
         self.has_null_interfaces
@@ -131,12 +133,14 @@ impl Scene {
         self.ambient_medium.is_some() || self.bodies().next().is_some()
     }
 
-    /// Calls `visit` with every leaf material (not a mix) to which `material` can resolve.
+    /// Calls `visit` with every leaf material to which material `material` can resolve: the
+    /// components of a mix that are no mixes themselves, or else the material itself.
     ///
     /// A conductor or coat with a roughness texture is visited with its mean, least and greatest
-    /// roughness, because their BSDFs may differ in kind. A coat with α up to
-    /// [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA) is also visited alone,
-    /// without its base. So is a clear coat, and the surface under it.
+    /// roughness, because only some of these BSDFs may store photons or be specular. A coat with α
+    /// up to [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA) is also visited
+    /// alone, without its base. A clear coat of any roughness is also visited alone, and so is the
+    /// surface under it.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
         match material.mix_component_indices() {
@@ -147,8 +151,8 @@ impl Scene {
         }
     }
 
-    /// Returns each medium in use once: the media of dielectric bodies that objects bound, and the
-    /// ambient medium.
+    /// Returns the media in use, each once: those of the bodies that objects bound, and the ambient
+    /// medium.
     #[must_use]
     pub fn media_in_use(&self) -> Vec<&Medium> {
         let mut indices: Vec<u32> = self.ambient_medium.into_iter().collect();
@@ -162,11 +166,11 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Returns two flags: true if a BSDF parameter or the amount of a mix is textured, and true if
-    /// shading normals are perturbed.
+    /// Returns two flags: the first is true if a texture sets a BSDF parameter or the amount of a
+    /// mix, the second if a bump map or normal map perturbs shading normals.
     ///
-    /// The flags apply to the material with index `material` or, for a mix, to any of its
-    /// components.
+    /// `material` is a material index. For a mix, the flags are true if they are true for the mix
+    /// or for one of its components.
     #[must_use]
     pub fn material_texture_usage(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
@@ -176,10 +180,11 @@ impl Scene {
         parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
 
-    /// Bounding spheres of all casters; `None` if a caster is unbounded. Photons for the caustic
-    /// map are aimed at these spheres.
+    /// Bounding spheres of all casters: objects of mirror, glass and the like, which scatter light
+    /// but store no photons. Photons for the caustic map are aimed at these spheres.
     ///
-    /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
+    /// `None` if a caster is an unbounded plane. [`PhotonKind`](crate::photon::PhotonKind) defines
+    /// casters.
     #[must_use]
     pub fn caster_bounding_spheres(&self) -> Option<Vec<BoundingSphere>> {
         let casts_caustics = |material: u32| {
@@ -200,7 +205,7 @@ impl Scene {
         PathRay { ray, interior: I::interior_at_camera(self, &ray, effects), cone: self.camera_ray_cone(effects) }
     }
 
-    /// The ray cone over which textures are filtered, at the start of a camera ray.
+    /// The ray cone of a camera ray at its origin. Textures are filtered over its width.
     #[inline]
     #[must_use]
     pub fn camera_ray_cone(&self, effects: Effects) -> RayCone {
@@ -218,9 +223,10 @@ impl Scene {
         PathRay { ray, interior, cone: RayCone::zero_width_cone(effects) }
     }
 
-    /// Returns `ray` with its origin moved back beyond all unbounded planes behind it.
+    /// Returns `ray` with its origin moved back, behind all unbounded planes that lie behind the
+    /// origin.
     ///
-    /// Light from infinity starts there, so that it hits these planes first.
+    /// Photons of lights at infinity start there, so that they hit these planes first.
     #[must_use]
     pub(crate) fn move_origin_beyond_planes(&self, ray: Ray) -> Ray {
         let back = Ray::new(ray.origin, -ray.direction);

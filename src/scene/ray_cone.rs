@@ -1,4 +1,4 @@
-//! Ray cones: the footprint of a path for texture filtering.
+//! Ray cones, which give the footprint of a path for texture filtering.
 
 use super::Effects;
 use crate::bsdf::{Bsdf, DIFFUSE_CONE_SPREAD};
@@ -15,7 +15,7 @@ const CAMERA_CONE_PIXELS: f32 = 0.5;
 /// after scattering. Light paths have no width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCone {
-    /// Diameter of the cone \[length], at the point of the path up to which it has been widened.
+    /// Diameter of the cone \[length] at the point that the path has reached.
     width: f32,
     /// Growth of the cone's diameter per unit of distance along the ray.
     spread: f32,
@@ -28,8 +28,8 @@ pub struct RayCone {
 }
 
 impl RayCone {
-    /// Creates the cone of a camera ray from the width of a pixel at the ray origin \[length] and
-    /// its growth per unit of distance.
+    /// Creates the cone of a camera ray. `width` is the width of a pixel at the ray origin
+    /// \[length], and `spread` its growth per unit of distance.
     #[inline]
     #[must_use]
     pub fn from_pixel_footprint((width, spread): (f32, f32), effects: Effects) -> Self {
@@ -72,7 +72,7 @@ impl RayCone {
         self.has_nonspecular_scattering = true;
     }
 
-    /// Diameter of the cone \[length], at the point of the path up to which it has been widened.
+    /// Diameter of the cone \[length] at the point that the path has reached.
     #[inline]
     #[must_use]
     pub fn width(&self) -> f32 {

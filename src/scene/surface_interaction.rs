@@ -22,16 +22,16 @@ pub struct SurfaceInteraction<'a> {
     pub(super) material_index: u32,
     /// The BSDF of the material at this point; for a coated surface, the selected layer.
     pub bsdf: Bsdf,
-    /// True if another random choice at this hit, of mix component or of coat and base, could have
-    /// given a BSDF that stores photons.
+    /// True if the random choice of the BSDF at this hit, among components of a mix or between coat
+    /// and base, could have given one that stores photons.
     pub(super) other_choice_stores_photons: bool,
     /// Roughness α of a dielectric body's boundary; 0 for other materials.
     pub(super) boundary_roughness: f32,
     /// Coincidence group of the object; `None` if no boundary of another object can coincide with
     /// the surface here.
     pub(super) coincidence_group: Option<CoincidenceGroup>,
-    /// Boundaries of other dielectric bodies that coincide with the surface here; set by
-    /// `Interior::resolve_boundary`.
+    /// Boundaries of other dielectric bodies that coincide with the surface here; empty until
+    /// `Interior::resolve_boundary` finds them.
     pub(super) coincident: CoincidentFaces,
     /// Index of the object's area light; `None` if the object does not emit light.
     pub area_light_index: Option<u32>,
@@ -47,8 +47,8 @@ impl SurfaceInteraction<'_> {
         if self.wo.dot(self.point.ng) < 0.0 { -self.point.ng } else { self.point.ng }
     }
 
-    /// Geometric unit normals of the sides from which the BSDF scatters light towards `wo`: the
-    /// [facing normal](Self::facing_normal) and, if the BSDF transmits, then the opposite one.
+    /// Geometric unit normals of the sides from which incident light is scattered towards `wo`: the
+    /// [facing normal](Self::facing_normal) and, if the BSDF transmits, its opposite.
     #[inline]
     pub fn light_side_normals(&self) -> impl Iterator<Item = Vec3> {
         let facing = self.facing_normal();
@@ -62,12 +62,13 @@ impl SurfaceInteraction<'_> {
         wi.dot(self.point.ng) * self.wo.dot(self.point.ng) < 0.0
     }
 
-    /// True if photons are stored here: if the BSDF stores photons, or another random choice of the
-    /// BSDF could have done so.
+    /// True if photons are stored here: by the BSDF that was chosen, or by another one that the
+    /// random choice at this hit could have given.
     ///
-    /// Photon paths and camera paths choose their BSDFs independently. Suppose that a camera path
-    /// chooses a BSDF with probability p. If only photons that chose the same BSDF were stored, the
-    /// camera path would find p times the true estimate.
+    /// Camera paths and photon paths choose their BSDFs independently. Suppose a mix gives a
+    /// diffuse BSDF with probability p. A camera path that chose it needs all photons of this
+    /// point. If only photons that chose it too were stored, the estimate would be too small by the
+    /// factor p.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {

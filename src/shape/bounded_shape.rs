@@ -1,4 +1,4 @@
-//! [`BoundedShape`], which every bounded shape implements.
+//! The trait [`BoundedShape`], which every kind of bounded shape implements.
 
 use super::surface_point::{ShapeSample, SolidAngleSampleResult, SurfacePoint};
 use super::texture_mapping::TexCoord;
@@ -6,7 +6,8 @@ use crate::accel::ShapeHit;
 use crate::math::{BoundingSphere, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Bounded shape in world space, of any kind; [`Shape`](super::Shape) dispatches to it.
+/// Operations on a bounded shape in world space. The enum [`Shape`](super::Shape) calls them for
+/// each of its variants.
 pub(super) trait BoundedShape: Sized {
     /// Nearest hit of `ray` with a ray parameter in (0, `ray.t_max`); `None` if there is none.
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit>;
@@ -22,7 +23,8 @@ pub(super) trait BoundedShape: Sized {
     /// `t` and `uv` are the ray parameter and the `shape_coords` of this [`ShapeHit`].
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
 
-    /// Texture coordinates at the world-space surface point `p`, as the shape itself defines them.
+    /// Texture coordinates of the shape itself, without a texture mapping, at the world-space
+    /// surface point `p`.
     ///
     /// `uv` is `shape_coords` of the [`ShapeHit`] at `p`. By default, the texture
     /// coordinates are `uv` and their gradients are zero.
@@ -38,8 +40,8 @@ pub(super) trait BoundedShape: Sized {
 
     /// The shape transformed by the world-space map `map`.
     ///
-    /// `map` takes the outer side to the outer side of the result, even if it mirrors. `None` if
-    /// the result is another kind of shape, or if the combined object-to-world map is singular.
+    /// The outer side stays the outer side, even if `map` mirrors. `None` if the result is another
+    /// kind of shape, or if the combined object-to-world map is singular.
     fn transformed(&self, map: &Transform) -> Option<Self>;
 
     /// World-space area of the surface \[length²].
@@ -75,10 +77,10 @@ pub(super) trait BoundedShape: Sized {
         None
     }
 
-    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`, is
-    /// at most `tolerance` from the plane of the shape, and at least `tolerance` inside its edges.
+    /// True if the whole disc of `radius` around `center`, with unit `normal`, lies on this flat
+    /// shape: within `tolerance` \[length] of its plane, and at least `tolerance` inside its edges.
     ///
-    /// False by default: the shape may contain the disc or not.
+    /// False by default, which means that the answer is not known.
     #[inline]
     fn contains_disc(&self, _center: Vec3, _normal: Vec3, _radius: f32, _tolerance: f32) -> bool {
         false
@@ -97,10 +99,10 @@ pub(super) trait BoundedShape: Sized {
         None
     }
 
-    /// World-space bounding sphere, if the shape knows a tighter one than that around its bounding
-    /// box.
+    /// World-space bounding sphere, if this kind of shape has a tighter one than the sphere around
+    /// its bounding box.
     ///
-    /// `None` for shapes that know none.
+    /// `None` by default.
     fn bounding_sphere(&self) -> Option<BoundingSphere> {
         None
     }

@@ -19,8 +19,7 @@ pub struct Cuboid {
     to_world: Transform,
     /// World-space area of one face perpendicular to each object-space axis \[length²].
     face_areas: DVec3,
-    /// Largest change of each object-space coordinate per unit of world-space length: the lengths
-    /// of the gradients.
+    /// Length of the world-space gradient of each object-space coordinate \[1/length].
     gradient_lengths: DVec3,
 }
 
@@ -44,9 +43,10 @@ impl Cuboid {
         Self { to_world, face_areas, gradient_lengths: max_gradients }
     }
 
-    /// Projects the object-space point `p` to face number `face`, and moves it away from the edges.
+    /// Returns the object-space point `p` projected to face number `face`, and moved away from the
+    /// edges.
     ///
-    /// [`EDGE_MARGIN`] explains why it is moved.
+    /// [`EDGE_MARGIN`] explains why it keeps away from edges.
     #[inline]
     fn project_to_face_interior(&self, p: DVec3, face: usize) -> DVec3 {
         let largest = self.to_world.transform_point(p).abs().max_element();
@@ -167,7 +167,7 @@ impl BoundedShape for Cuboid {
             face += 1;
         }
         // Given the face, `rest` is uniform between 0 and the area of the face. It is used in place
-        // of a new random number.
+        // of a further random number.
         let x = (rest / self.face_areas[face / 2]).min(1.0);
         let axis = face / 2;
         let mut p = DVec3::ZERO;

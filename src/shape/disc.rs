@@ -46,7 +46,7 @@ impl Disc {
         Self::new(center, a * radius, b * radius)
     }
 
-    /// Moves the point `p` of the disc towards the centre if it is too close to the rim.
+    /// Returns the point `p` of the disc, moved towards the centre if it is too close to the rim.
     ///
     /// [`EDGE_MARGIN`] explains why.
     #[inline]

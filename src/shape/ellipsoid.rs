@@ -47,7 +47,8 @@ impl Ellipsoid {
         )
     }
 
-    /// World-space area \[length²], integrated by the midpoint rule over height and azimuth.
+    /// World-space area \[length²], integrated numerically by the midpoint rule over height and
+    /// azimuth.
     fn integrate_area(&self) -> f64 {
         const N: u32 = 256;
         let mut sum = 0.0;

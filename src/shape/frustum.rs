@@ -225,8 +225,8 @@ impl BoundedShape for Frustum {
             return None;
         }
         let hit = |(tau, part): (f64, FrustumPart)| {
-            // A ray passes an open end without a hit. A parameter behind the ray excludes this
-            // crossing.
+            // A ray passes an open end without a hit. The parameter −∞ marks this crossing as
+            // behind the ray.
             let t =
                 if self.is_capped || part == FrustumPart::Side { local.ray_parameter(tau) } else { f64::NEG_INFINITY };
             (t, part as u32 as f32)
@@ -241,12 +241,12 @@ impl BoundedShape for Frustum {
         let from_axis = DVec2::new(p.x, p.z);
         match FrustumPart::from_hit_coordinates(uv) {
             FrustumPart::Side => {
-                // The point keeps away from the rims and from an apex. `off` is the minimum
-                // distance along y from an end with the radius `rho`.
-                let off = |rho: f64| {
+                // The point keeps away from the rims and from an apex. `end_margin` is the minimum
+                // distance along y from an end of radius `rho`.
+                let end_margin = |rho: f64| {
                     if rho < across { ((across - rho) / self.radius_decrease().abs()).max(along) } else { along }
                 };
-                let (low, high) = (off(self.object_radii[0]), 1.0 - off(self.object_radii[1]));
+                let (low, high) = (end_margin(self.object_radii[0]), 1.0 - end_margin(self.object_radii[1]));
                 self.surface_point_on_side(
                     p.y.clamp(low.min(0.5), high.max(0.5)),
                     from_axis.try_normalize().unwrap_or(DVec2::X),
@@ -316,7 +316,7 @@ impl BoundedShape for Frustum {
         let (sin, cos) = sincos(turn);
         let radial = DVec2::new(cos, sin);
         // Given the part, `x` is uniform between 0 and the part's area. It is used in place of a
-        // new random number.
+        // further random number.
         let cap = |area: f64, x: f64, radius: f64, part| {
             self.surface_point_on_cap(radial * (radius * (x / area).clamp(0.0, 1.0).sqrt()), part)
         };

@@ -1,4 +1,4 @@
-//! Conversions between f32 rays and f64 solutions.
+//! Ray parameters of hits that are computed in f64 and stored in f32.
 
 use crate::accel::ShapeHit;
 use crate::math::Ray;
@@ -17,11 +17,12 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
     (t > 0.0 && t < ray.t_max).then_some(t)
 }
 
-/// Hit of `ray` with t rounded to f32 and with `shape_coords` = (r, `v`).
+/// Hit of `ray` at `t` rounded to f32, with `shape_coords` = (r, `v`). `None` if the rounded t is
+/// outside (0, `ray.t_max`).
 ///
-/// r is the relative rounding error of t: [`f64_ray_parameter`] restores the f64 value from the
-/// rounded t and r. In f32 alone, the error of a distant hit could exceed the thickness of the
-/// shape. `None` if the rounded t is outside (0, `ray.t_max`).
+/// r is the relative rounding error of t. [`f64_ray_parameter`] restores the f64 value of t from
+/// the rounded t and r. In f32 alone, the error of a distant hit could exceed the thickness of the
+/// shape.
 #[inline]
 pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, v: f32) -> Option<ShapeHit> {
     round_t_if_in_range(ray, t)
@@ -31,8 +32,8 @@ pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, v: f32) -> Option<Sh
 /// First hit of `ray` with a convex shape; `None` if both intersections are outside (0,
 /// `ray.t_max`).
 ///
-/// The ray's line crosses the surface twice. `near` and `far` each hold the ray parameter t of an
-/// intersection and `shape_coords.y` of its [`ShapeHit`].
+/// The ray's line crosses the surface twice. `near` and `far` each hold the ray parameter t of a
+/// crossing, and `shape_coords.y` of the [`ShapeHit`] there.
 #[inline]
 pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option<ShapeHit> {
     hit_with_rounding_residual(ray, near.0, near.1)

@@ -46,8 +46,8 @@ impl MeshWithBvh {
 /// Triangle mesh under an affine map to world space.
 ///
 /// Object-space ray directions are not normalised, so the ray parameter t of a point is the same in
-/// object space and in world space. `shape_coords` of a [`ShapeHit`] is (bits of the
-/// triangle's index, 0).
+/// object space and in world space. `shape_coords` of a [`ShapeHit`] is (i, 0), where the bits of
+/// the f32 i are the triangle's index.
 #[derive(Clone, Debug)]
 pub struct MeshInstance {
     mesh: Arc<MeshWithBvh>,
@@ -72,12 +72,12 @@ impl MeshInstance {
         self.mesh.mesh.triangles.len()
     }
 
-    /// The ray in object space, with its origin moved forward to near the mesh.
+    /// Returns the ray in object space, with its origin moved forward to near the mesh. Also
+    /// returns the ray parameter t of this origin on `ray`.
     ///
-    /// The new origin is two bounding-sphere radii before the line's point nearest to the mesh's
-    /// centre. A ray that starts beyond this position keeps its origin. Rounding errors in f32 are
-    /// then proportional to the mesh's size, however far away the ray starts. Also returns the ray
-    /// parameter t of the new origin on the given ray.
+    /// The origin is moved to two bounding-sphere radii before the point of the ray that is nearest
+    /// to the mesh's centre. It is not moved back. Rounding errors in f32 are then proportional to
+    /// the mesh's size, however far away the ray starts.
     #[inline]
     fn object_ray_near_mesh(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = ray_to_object_space(ray, &self.to_world);
@@ -180,7 +180,7 @@ impl BoundedShape for MeshInstance {
             Some(choice) => {
                 let (i, _) = choice.sample(u.x);
                 // Given the triangle, the position of u.x in the triangle's interval is uniform. It
-                // is used in place of a new random number.
+                // is used in place of a second random number.
                 (i, warp::square_to_uniform_triangle(Vec2::new(choice.remapped_sample(u.x, i), u.y)))
             }
             None => (0, Vec2::ZERO),

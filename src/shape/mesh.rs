@@ -51,13 +51,13 @@ impl Mesh {
         // The f32 triangle test rounds the corners relative to the ray's origin. Near the triangle,
         // its error is a few f32 ulps of the triangle's size.
         let size = e1.abs().max(e2.abs()).max_element();
-        let room = EDGE_MARGIN * f64::from(f32::EPSILON) * (p.abs().max_element() + 4.0 * size);
+        let min_edge_distance = EDGE_MARGIN * f64::from(f32::EPSILON) * (p.abs().max_element() + 4.0 * size);
         // The distance of the point from an edge is a barycentric weight times |e1 × e2| over the
         // edge's length. No edge is longer than √12 times `size`.
         let least = b.x.min(b.y).min(1.0 - b.x - b.y).max(0.0);
-        let bound = room * size;
+        let bound = min_edge_distance * size;
         if least * least * cross.length_squared() < 12.0 * bound * bound {
-            let kept = move_weights_off_edges(b, room / cross.length(), [e1, e2]);
+            let kept = move_weights_off_edges(b, min_edge_distance / cross.length(), [e1, e2]);
             p = p0 + e1 * kept.x + e2 * kept.y;
         }
         let p = p.as_vec3();
@@ -118,12 +118,12 @@ impl Mesh {
 /// Moves a point of a triangle away from the triangle's edges, if it is too close to one.
 ///
 /// `b` and the result are the point's barycentric weights of the second and third corner. `e1` and
-/// `e2` are the vectors from the first corner to these corners. `room` is the minimum distance to
-/// an edge, divided by twice the triangle's area. The move raises no weight above ¼.
-/// [`EDGE_MARGIN`] explains why points are moved.
+/// `e2` are the vectors from the first corner to these corners. `distance_per_double_area` is the
+/// minimum distance to an edge, divided by twice the triangle's area. The move raises no weight
+/// above ¼. [`EDGE_MARGIN`] explains why points are moved.
 #[cold]
-fn move_weights_off_edges(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
-    let least = [e2 - e1, e2, e1].map(|edge| (room * edge.length()).min(0.25));
+fn move_weights_off_edges(b: DVec2, distance_per_double_area: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
+    let least = [e2 - e1, e2, e1].map(|edge| (distance_per_double_area * edge.length()).min(0.25));
     let mut weights = [1.0 - b.x - b.y, b.x, b.y];
     let largest = if weights[0] >= b.x.max(b.y) { 0 } else { 1 + usize::from(b.y > b.x) };
     for (w, least) in weights.iter_mut().zip(least) {

@@ -3,8 +3,9 @@
 //! Intersections are computed in f64, except those of triangles. Every kind of bounded shape
 //! implements `BoundedShape` and is a variant of [`Shape`].
 //!
-//! A new shape needs four files: one here with its variant of [`Shape`] in this file, and one in
-//! `format/shapes/` with its line in `format/shapes/mod.rs`.
+//! To add a kind of shape, change four files: a file of its own in `shape/`, this file for its
+//! variant of [`Shape`], a file in `format/shapes/` to read it, and `format/shapes/mod.rs` to list
+//! that file.
 
 mod bounded_shape;
 mod cuboid;
@@ -110,10 +111,11 @@ impl Shape {
         dispatch!(self, s, _w => s.surface_point(ray, t, uv))
     }
 
-    /// Texture coordinates at the world-space surface point `p`, as the shape itself defines them.
+    /// Texture coordinates of the shape itself, without a texture mapping, at the world-space
+    /// surface point `p`.
     ///
-    /// `uv` is `shape_coords` of the [`ShapeHit`] at `p`. Shapes without own texture
-    /// coordinates return `uv`, with gradients of zero.
+    /// `uv` is `shape_coords` of the [`ShapeHit`] at `p`. Shapes without texture coordinates of
+    /// their own return `uv`, with gradients of zero.
     #[must_use]
     pub fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         dispatch!(self, s, _w => s.tex_coord(p, uv))
@@ -148,10 +150,10 @@ impl Shape {
         dispatch!(self, s, _w => s.point_if_planar())
     }
 
-    /// True for parametric surfaces: an edge may coincide with an edge of an adjacent surface.
+    /// True for parametric surfaces: their edges may coincide with edges of neighbouring surfaces.
     ///
-    /// A ray can then hit both surfaces at one point. Other kinds of shapes keep their surface
-    /// points away from their edges.
+    /// A ray through such an edge can hit both surfaces at one point. Other kinds of shapes keep
+    /// their surface points away from their edges.
     #[must_use]
     pub(crate) fn may_share_edges(&self) -> bool {
         match self {
@@ -174,8 +176,8 @@ impl Shape {
 
     /// The shape transformed by the world-space map `map`.
     ///
-    /// `map` takes the outer side to the outer side of the result, even if it mirrors. `None` if
-    /// the combined object-to-world map is singular.
+    /// The outer side stays the outer side, even if `map` mirrors. `None` if the combined
+    /// object-to-world map is singular.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Option<Self> {
         if let (Self::Sphere(s), None) = (self, map.uniform_scale()) {
@@ -228,10 +230,10 @@ impl Shape {
         dispatch!(self, s, _w => s.solid_angle_pdf(from))
     }
 
-    /// True if the disc of `radius` around `center`, perpendicular to the unit vector `normal`, is
-    /// at most `tolerance` from the plane of the shape, and at least `tolerance` inside its edges.
+    /// True if the whole disc of `radius` around `center`, with unit `normal`, lies on this flat
+    /// shape: within `tolerance` \[length] of its plane, and at least `tolerance` inside its edges.
     ///
-    /// False if that is not known: only rectangles and discs are tested.
+    /// Only rectangles and discs are tested. The result is false for all other kinds of shapes.
     #[inline]
     #[must_use]
     pub(crate) fn contains_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {

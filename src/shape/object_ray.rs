@@ -4,7 +4,7 @@ use super::hit::ray_to_f64;
 use crate::math::{Ray, Transform};
 use glam::DVec3;
 
-/// Origin and direction of the ray in object space.
+/// Origin and direction of the world-space `ray` in object space.
 ///
 /// The direction is not normalised, so the ray parameter t of a point is the same in world space
 /// and in object space.
@@ -59,8 +59,8 @@ impl ObjectRay {
     }
 }
 
-/// Bound on the magnitudes of the world-space coordinates of points whose object-space coordinates
-/// have magnitudes up to `size`.
+/// Bound on the absolute world-space coordinates of all points whose absolute object-space
+/// coordinates are at most `size`.
 #[inline]
 pub(super) fn world_coordinate_bound(to_world: &Transform, size: f64) -> f64 {
     let m = to_world.forward().matrix3;

@@ -33,8 +33,8 @@ impl Plane {
         Self { offset: self.offset + self.normal.dot(by), ..self }
     }
 
-    /// The plane transformed by the world-space map `map`, which also takes the outer side to the
-    /// outer side of the result.
+    /// The plane transformed by the world-space map `map`. The outer side stays the outer side,
+    /// even if `map` mirrors.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         Self::new(map.transform_point(self.normal * self.offset), map.transform_normal(self.normal))

@@ -54,7 +54,8 @@ struct RectangleView {
     z: f64,
     /// Unit vectors along the first and second edge of the rectangle.
     axes: [DVec3; 2],
-    /// Signed solid angle \[sr] between x = 0 and the start of the rectangle, over its range of y.
+    /// Signed solid angle \[sr] of the strip from x = 0 to the start of the rectangle, over the
+    /// rectangle's range of y.
     start_solid_angle: f64,
     /// Solid angle of the rectangle as seen from the viewpoint \[sr].
     solid_angle: f64,
@@ -72,7 +73,7 @@ impl Rectangle {
         Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual_basis: dual, is_right_angled }
     }
 
-    /// Moves the point `p` of the rectangle inward if it is too close to an edge.
+    /// Returns the point `p` of the rectangle, moved inward if it is too close to an edge.
     ///
     /// [`EDGE_MARGIN`] explains why.
     #[inline]
@@ -238,7 +239,7 @@ impl RectangleView {
         // longer than their difference by the factor cot((b₁ - b₀) / 2).
         let [r0, r1] = [y0, y1].map(|y| (y * y + z * z).sqrt());
         let (y1_scaled, y0_scaled) = (y1 * r0, y0 * r1);
-        // The difference of squares replaces the one of sum and difference that would cancel.
+        // Where the sum or the difference would cancel, compute it from the difference of squares.
         let squares = (y1 - y0) * (y1 + y0);
         let (sum_y, difference_y) = if y0 < 0.0 && y1 > 0.0 {
             (z * z * squares / (y1_scaled - y0_scaled), y1_scaled - y0_scaled)
@@ -253,7 +254,7 @@ impl RectangleView {
         let x = 2.0 * z * (r0 * r1) * cosine * s * c / (first * second).max(0.0).sqrt();
         // At the far end of a grazing view, rounding may turn x into 0/0.
         let x = if x.is_nan() { x1 } else { x.clamp(x0, x1) };
-        // Given x, the solid angle grows with the sine of the elevation over the (x, z) plane.
+        // Given x, the solid angle is linear in the sine of the elevation over the (x, z) plane.
         let d2 = x * x + z * z;
         let [h0, h1] = [y0, y1].map(|y| y / (d2 + y * y).sqrt());
         let h = h0 + f64::from(u.y) * (h1 - h0);

@@ -3,14 +3,15 @@
 use crate::math::Bounds;
 use glam::{DVec3, Vec2, Vec3};
 
-/// Point of a surface with its normals, in world space.
+/// Point of a surface with its normals, in world space. For a [`Mesh`](super::Mesh), the point is
+/// in the mesh's space.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// World-space position, rounded to f32.
+    /// Position, rounded to f32.
     pub p: Vec3,
     /// Bound on the error of `p` along each axis \[length].
     ///
-    /// It includes the error of the intersection test of a next ray from `p` with this surface.
+    /// It also covers the error of intersecting this surface with a next ray that starts at `p`.
     pub position_error: Vec3,
     /// Geometric unit normal, on the outer side of the shape.
     pub ng: Vec3,
@@ -46,7 +47,8 @@ pub struct ShapeSample {
     /// Probability density per area \[1/length²].
     pub pdf: f32,
     /// Numbers that locate the point on the shape, for
-    /// [`Shape::tex_coord`](super::Shape::tex_coord); zero if that function does not need them.
+    /// [`Shape::tex_coord`](super::Shape::tex_coord); zero for shapes without texture coordinates
+    /// of their own.
     pub shape_coords: Vec2,
 }
 
@@ -64,9 +66,9 @@ pub struct SolidAngleSample {
 /// Result of sampling a shape by solid angle.
 #[derive(Clone, Copy, Debug)]
 pub enum SolidAngleSampleResult {
-    /// A sampled point of the outer side, visible from the given point.
+    /// A sampled point whose outer side faces the given point.
     Sampled(SolidAngleSample),
-    /// No part of the outer side is visible from the given point.
+    /// No part of the outer side faces the given point.
     Invisible,
     /// The shape must be sampled by area instead.
     Unsupported,

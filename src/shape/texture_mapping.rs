@@ -16,8 +16,8 @@ pub struct TexCoord {
 }
 
 impl TexCoord {
-    /// Texture coordinates `uv`, with gradients that follow from the derivatives of the surface
-    /// point.
+    /// Texture coordinates `uv`, with gradients computed from the tangents of the surface point
+    /// p(u, v).
     ///
     /// `along_u` is ∂p/∂u and `along_v` is ∂p/∂v, in world space.
     #[must_use]
@@ -46,7 +46,7 @@ pub enum TextureMappingKind {
         /// Object-space gradients of u and v \[1/length].
         rows: [DVec3; 2],
     },
-    /// Texture coordinates that the shape itself defines, such as those of mesh vertices.
+    /// Texture coordinates of the shape itself, such as those of mesh vertices.
     Uv,
 }
 
@@ -66,7 +66,7 @@ pub struct TextureMapping {
 pub fn upright_texture_axes(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);
     let right = DVec3::Y.cross(n);
-    // A shorter vector is a rounding error of a horizontal plane.
+    // For a horizontal plane, `right` is only a rounding error.
     let u = if right.length() > 1e-9 { right.normalize() } else { DVec3::X };
     [u, n.cross(u)]
 }
@@ -134,7 +134,7 @@ impl TextureMapping {
 
     /// Texture coordinates at the object-space point `p`, with gradients in world space.
     ///
-    /// `own` computes the texture coordinates that the shape itself defines. It is called only for
+    /// `own` returns the texture coordinates of the shape itself. It is called only for
     /// [`TextureMappingKind::Uv`].
     #[must_use]
     pub fn tex_coord_at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {

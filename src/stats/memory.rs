@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-/// A limit of the memory that loading a scene or rendering may take.
+/// Upper limit of the memory for loading a scene and rendering it. Work that needs more is refused.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MemoryLimit {
     /// No limit.
@@ -10,7 +10,7 @@ pub enum MemoryLimit {
     Unbounded,
     /// The memory that the system can give without swapping.
     System,
-    /// A limit of the memory of the whole process \[bytes].
+    /// A limit for the memory of the whole process \[bytes].
     ProcessBytes(u64),
 }
 

@@ -1,4 +1,4 @@
-//! Counters of rays and photons, memory limits, and processor time.
+//! Counters of rays and photons, memory limits, and measurement of processor time.
 //!
 //! Each parallel task has its own counters, which are summed at the end.
 
@@ -12,22 +12,24 @@ use std::ops::AddAssign;
 /// Counts of rays, photon density estimates, and samples or photons that were rejected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct Counters {
-    /// Camera rays through pixels.
+    /// Number of camera rays through pixels.
     pub camera_rays: u64,
-    /// Rays that continue a camera path after a surface or a scattering event.
+    /// Number of rays that continue a camera path after a surface or a scattering event.
     pub continuation_rays: u64,
-    /// Shadow rays.
+    /// Number of shadow rays.
     pub shadow_rays: u64,
-    /// Ray segments of photon paths.
+    /// Number of rays of photon paths: path segments, and connections from photons to the camera.
     pub photon_rays: u64,
-    /// Photon density estimates, each of which sums nearby photons.
+    /// Number of photon density estimates, each of which sums the photons near one point or along
+    /// one ray.
     #[serde(rename = "gathers")]
     pub density_estimates: u64,
-    /// Photons summed by all photon density estimates.
+    /// Number of photons summed by all photon density estimates.
     pub gathered_photons: u64,
-    /// Radiance samples rejected because they were not finite.
+    /// Number of camera samples rejected because their radiance was not finite.
     pub rejected_samples: u64,
-    /// Photons rejected because they were not finite.
+    /// Number of photons, photon beams and splats rejected because their position or flux was not
+    /// finite, or their flux was negative.
     pub rejected_photons: u64,
 }
 

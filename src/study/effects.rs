@@ -1,4 +1,5 @@
-//! Study of effects: renders a scene with all effects, and without each of them.
+//! Study of effects: renders a scene with all effects, then with each effect left out, to measure
+//! the cost and contribution of each.
 
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, PictureSizeError, WriteError};
@@ -73,8 +74,8 @@ impl PictureCost {
     }
 }
 
-/// Cost of an effect: cost of the picture with all effects of the plan, minus cost of the picture
-/// without this effect.
+/// Cost of an effect: the cost of the picture with all effects of the plan, minus the cost of the
+/// picture without this effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AddedCost {
     /// Time that the effect adds to a pass, mean over passes \[s].
@@ -84,8 +85,7 @@ pub struct AddedCost {
     /// pass.
     #[serde(rename = "seconds_error")]
     pub seconds_standard_error: Option<f64>,
-    /// Time of all passes of the picture with all effects, divided by that of the picture without
-    /// this effect.
+    /// Pass time with all effects, divided by the pass time without this effect.
     #[serde(rename = "ratio")]
     pub time_ratio: f64,
     /// Time that the effect adds to the preparation of the integrator \[s].
@@ -93,7 +93,7 @@ pub struct AddedCost {
     pub setup_seconds: f64,
     /// Number of rays of all kinds that the effect adds to a pass.
     pub rays: f64,
-    /// Number of density estimates that the effect adds to a pass.
+    /// Number of photon density estimates that the effect adds to a pass.
     pub gathers: f64,
     /// Number of gathered photons, summed over all density estimates, that the effect adds to a
     /// pass.
@@ -119,7 +119,7 @@ pub struct EffectContribution {
     pub removed_radiance: f64,
 }
 
-/// Cost of one effect, and the change that it makes to the picture.
+/// Measured cost of one effect, and the change that it makes to the picture.
 #[derive(Clone, Debug)]
 pub struct EffectResult {
     /// The effect and the reason why it is simulated.
@@ -137,7 +137,7 @@ pub struct EffectResult {
 /// Measured cost and contribution of each effect of light in a scene.
 #[derive(Clone, Debug)]
 pub struct EffectStudyResult {
-    /// Decisions about which effects the full picture simulates, with reasons.
+    /// Plan of the full picture: the effects that it simulates, with reasons.
     pub effect_plan: Plan,
     /// Clock that measured all times.
     pub clock: ClockKind,
@@ -209,8 +209,8 @@ impl<'a> EffectStudy<'a> {
         self.runs.len()
     }
 
-    /// Returns the expected photon counts of a pass. Each is the maximum of this count over all
-    /// pictures of the study.
+    /// Returns the expected photon counts of a pass, each as its maximum over all pictures of the
+    /// study.
     #[must_use]
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         let all = self.runs.iter().map(|run| run.integrator.expected_photons());
@@ -221,10 +221,10 @@ impl<'a> EffectStudy<'a> {
         })
     }
 
-    /// Renders `passes` passes of each picture, but at least one.
+    /// Renders `passes` passes of each picture, but at least one, and returns the measured results.
     ///
-    /// The pictures take turns. When each has made another pass, calls `after` with the number of
-    /// passes that each has made. Stops early if `interrupted` becomes true.
+    /// The pictures take turns. After each round, calls `after` with the number of passes that each
+    /// picture has. Stops early if `interrupted` becomes true.
     ///
     /// # Errors
     /// [`StudyError`] if a pixel is not finite.
@@ -257,7 +257,7 @@ impl<'a> EffectStudy<'a> {
         let (width, height) = self.size;
         let effect_plan = self.plan().clone();
         let image = |run: &PictureInProgress<'_>| Image::from_pixels(width, height, run.film.mean_picture());
-        let (picture, whole) = (image(&self.runs[0])?, self.runs[0].spent.clone());
+        let (picture, full_cost) = (image(&self.runs[0])?, self.runs[0].spent.clone());
         let mean = mean_over_image(picture.pixels().iter().map(|p| p.as_dvec3().element_sum()), &picture);
         let mut effects = Vec::new();
         for run in self.runs.into_iter().skip(1) {
@@ -266,7 +266,7 @@ impl<'a> EffectStudy<'a> {
             let contribution = effect_contribution(&picture, &without, mean)?;
             let pairs = picture.pixels().iter().zip(without.pixels());
             let difference = Image::from_pixels(width, height, pairs.map(|(a, b)| *a - *b).collect())?;
-            let added_cost = effect_cost(&whole, &run.spent);
+            let added_cost = effect_cost(&full_cost, &run.spent);
             effects.push(EffectResult {
                 decision,
                 cost_without_effect: run.spent,
@@ -279,7 +279,7 @@ impl<'a> EffectStudy<'a> {
             effect_plan,
             clock: self.clock,
             mean_radiance: mean,
-            full_picture_cost: whole,
+            full_picture_cost: full_cost,
             effects,
             interrupted,
             picture,
@@ -287,11 +287,10 @@ impl<'a> EffectStudy<'a> {
     }
 }
 
-/// Returns `settings` with the numbers of rays and photons that a pilot chooses for the picture
-/// with all effects. All pictures of the study use these numbers.
+/// Returns `settings` with fixed numbers of rays and photons, which all pictures of the study use.
+/// A pilot chooses the numbers for the picture with all effects.
 ///
-/// The numbers stay as they are if `settings` do not allow the pilot to choose, or if `algorithm`
-/// has no such pilot.
+/// If `settings` forbid the pilot or `algorithm` has none, the numbers of `settings` stay.
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
     let mut fixed = Settings { allows_ray_photon_balance: false, ..settings.clone() };
     if settings.allows_ray_photon_balance
@@ -310,28 +309,28 @@ fn mean_over_image(channel_sums: impl Iterator<Item = f64>, image: &Image) -> f6
     channel_sums.sum::<f64>() / (3.0 * image.pixels().len() as f64)
 }
 
-fn effect_contribution(whole: &Image, without: &Image, mean_of_whole: f64) -> Result<EffectContribution, StudyError> {
-    let rmse = rmse(whole, without)?;
-    let differences = || whole.pixels().iter().zip(without.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
-    let adds = mean_over_image(differences().map(|d| d.max(glam::DVec3::ZERO).element_sum()), whole);
-    let removes = mean_over_image(differences().map(|d| (-d).max(glam::DVec3::ZERO).element_sum()), whole);
-    let relative_rmse = (mean_of_whole > 0.0).then(|| rmse / mean_of_whole);
+fn effect_contribution(full: &Image, without: &Image, mean_of_full: f64) -> Result<EffectContribution, StudyError> {
+    let rmse = rmse(full, without)?;
+    let differences = || full.pixels().iter().zip(without.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
+    let adds = mean_over_image(differences().map(|d| d.max(glam::DVec3::ZERO).element_sum()), full);
+    let removes = mean_over_image(differences().map(|d| (-d).max(glam::DVec3::ZERO).element_sum()), full);
+    let relative_rmse = (mean_of_full > 0.0).then(|| rmse / mean_of_full);
     Ok(EffectContribution { rmse, relative_rmse, added_radiance: adds, removed_radiance: removes })
 }
 
-fn effect_cost(whole: &PictureCost, without: &PictureCost) -> AddedCost {
-    let differences: Vec<f64> = whole.pass_seconds.iter().zip(&without.pass_seconds).map(|(a, b)| a - b).collect();
+fn effect_cost(full: &PictureCost, without: &PictureCost) -> AddedCost {
+    let differences: Vec<f64> = full.pass_seconds.iter().zip(&without.pass_seconds).map(|(a, b)| a - b).collect();
     let n = differences.len() as f64;
     let seconds = differences.iter().sum::<f64>() / n;
     let variance = differences.iter().map(|d| (d - seconds) * (d - seconds)).sum::<f64>() / (n - 1.0);
-    let a_pass = |count: fn(&Counters) -> u64| (count(&whole.counters) as f64 - count(&without.counters) as f64) / n;
+    let per_pass = |count: fn(&Counters) -> u64| (count(&full.counters) as f64 - count(&without.counters) as f64) / n;
     AddedCost {
         seconds_per_pass: seconds,
         seconds_standard_error: (differences.len() > 1).then(|| (variance / n).sqrt()),
-        time_ratio: whole.total_pass_seconds() / without.total_pass_seconds(),
-        setup_seconds: whole.setup_seconds - without.setup_seconds,
-        rays: a_pass(Counters::total_rays),
-        gathers: a_pass(|c| c.density_estimates),
-        gathered_photons: a_pass(|c| c.gathered_photons),
+        time_ratio: full.total_pass_seconds() / without.total_pass_seconds(),
+        setup_seconds: full.setup_seconds - without.setup_seconds,
+        rays: per_pass(Counters::total_rays),
+        gathers: per_pass(|c| c.density_estimates),
+        gathered_photons: per_pass(|c| c.gathered_photons),
     }
 }

@@ -1,10 +1,11 @@
-//! Expected work of a render: numbers of rays and photons of a pass. Unlike time, they do not
-//! depend on the machine.
+//! Expected work of a render: numbers of rays and photons of a pass. Unlike times, these numbers do
+//! not depend on the machine.
 
 use crate::integrate::Integrator;
 use crate::scene::{Effect, Effects};
 
-/// Numbers of rays and photons of a pass, or differences between those of two passes.
+/// Numbers of rays and gathered photons of a pass, or differences of these numbers between two
+/// passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounts {
     /// Number of rays of all kinds, such as camera rays and shadow rays.
@@ -37,14 +38,14 @@ impl ExpectedWork {
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     let effects = integrator.plan().simulated_effects();
-    let of = |effects: Effects| {
+    let counts_with = |effects: Effects| {
         let counters = integrator.expected_work(effects);
         [counters.total_rays(), counters.gathered_photons].map(|n| i64::try_from(n).unwrap_or(i64::MAX))
     };
-    let [rays, gathered_photons] = of(effects);
+    let [rays, gathered_photons] = counts_with(effects);
     let adds = |effect: Effect| {
-        let [less, fewer] = of(effects.without_effect(effect));
-        (effect, WorkCounts { rays: rays - less, gathered_photons: gathered_photons - fewer })
+        let [rays_without, photons_without] = counts_with(effects.without_effect(effect));
+        (effect, WorkCounts { rays: rays - rays_without, gathered_photons: gathered_photons - photons_without })
     };
     ExpectedWork { total: WorkCounts { rays, gathered_photons }, effects: effects.iter().map(adds).collect() }
 }
@@ -68,7 +69,7 @@ mod tests {
         );
     }
 
-    /// Compares expected work with the counters of a whole pass. The estimate from a thousand film
+    /// Expected work agrees with the counters of a whole pass. The estimate from a thousand film
     /// points has an error of a few percent. The numbers of gathered photons are less exact,
     /// because they vary most in caustics.
     #[test]

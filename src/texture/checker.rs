@@ -3,19 +3,20 @@
 use crate::color::Rgb;
 use glam::DVec2;
 
-/// Step for the finite differences of bump maps, as a fraction of the side of a checkerboard
-/// square.
+/// Step of the finite differences of bump maps, as a fraction of the side of a checkerboard square.
 pub(super) const BUMP_STEP: f64 = 1e-3;
 
-/// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.
+/// A checkerboard of unit squares in texture coordinates (u, v): the first color where ⌊u⌋ + ⌊v⌋ is
+/// even, else the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checkerboard {
-    /// Colours of the squares where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
+    /// Colors of the squares where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
     pub colors: [Rgb; 2],
 }
 
 impl Checkerboard {
-    /// Exact mean colour over the box with center `uv` and sides `size`, in texture coordinates.
+    /// Exact mean color over the axis-aligned box with center `uv` and sides `size`, in texture
+    /// coordinates.
     ///
     /// The pattern is a product of two square waves, so its mean has a closed form.
     #[must_use]
@@ -25,7 +26,7 @@ impl Checkerboard {
         even.lerp(odd, (0.5 - 0.5 * product) as f32)
     }
 
-    /// Mean colour of an infinite checkerboard: the mean of both colours.
+    /// Mean color of an infinite checkerboard: the mean of both colors.
     pub(super) fn mean(&self) -> Rgb {
         (self.colors[0] + self.colors[1]) * 0.5
     }
@@ -42,7 +43,7 @@ fn square_wave_mean(x: f64, w: f64) -> f64 {
 
 /// Integral from 0 to `x` of the square wave that is 1 where ⌊x⌋ is even, else −1.
 ///
-/// It is a triangle wave of period 2 with values in \[0, 1].
+/// The integral is a triangle wave of period 2 with values in \[0, 1].
 fn square_wave_integral(x: f64) -> f64 {
     let phase = x - 2.0 * (0.5 * x).floor();
     phase.min(2.0 - phase)
@@ -80,7 +81,7 @@ mod tests {
             let odd: f64 = cells(u, w)
                 .flat_map(|(i, a)| cells(v, h).map(move |(j, b)| if (i + j) & 1 == 1 { a * b } else { 0.0 }))
                 .sum();
-            // The colour is rounded to f32.
+            // The color is rounded to f32.
             assert!((checkerboard_mean(u, v, w, h) - odd / (w * h)).abs() < 1e-6, "{u} {v} {w} {h}");
         }
         for x in [0.0, 0.3, 17.9] {

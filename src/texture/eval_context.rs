@@ -3,10 +3,12 @@
 use crate::color::Rgb;
 use glam::{DMat2, DVec2, DVec3};
 
-/// Maximum number of box lookups along a footprint; in longer footprints, each box is longer.
+/// Largest number of box lookups along a footprint. In footprints that need more, the boxes become
+/// longer.
 const MAX_LOOKUPS: f64 = 16.0;
 
-/// Greatest length of a footprint in periods of the texture. Longer footprints are shortened to it.
+/// Largest length of a footprint, in periods of the texture. Longer footprints are shortened to
+/// this length.
 ///
 /// The mean over so long a footprint is practically the mean of the texture.
 const MAX_FOOTPRINT_PERIODS: f64 = 1e6;
@@ -64,15 +66,15 @@ impl UvTransform {
         self.matrix.x_axis.length().max(self.matrix.y_axis.length())
     }
 
-    /// Mean colour of a texture over the footprint of `context`, as a mean of several box lookups.
+    /// Mean color of a texture over the footprint of `context`, as a mean of several box lookups.
     ///
     /// `lookup` returns the texture's mean over a box, given the box's center and sides in texture
     /// coordinates. The boxes lie side by side along the longer axis of the footprint (Heckbert
     /// 1989, section 3.5; Greene and Heckbert 1986).
     pub(super) fn filter_anisotropic(&self, context: &TextureEvalContext, lookup: impl Fn(DVec2, DVec2) -> Rgb) -> Rgb {
         let uv = self.matrix * context.uv + self.offset;
-        // Axes are very long or not finite where texture coordinates are singular, for example at a
-        // pole.
+        // Bound the axes. They are very long or not finite where texture coordinates are singular,
+        // for example at a pole of a sphere.
         let [a, b] = context.footprint_axes.map(|axis| {
             let axis = self.matrix * axis;
             if axis.is_finite() { axis.clamp_length_max(MAX_FOOTPRINT_PERIODS) } else { DVec2::ZERO }
@@ -97,7 +99,8 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    /// Center and sides of each box that [`UvTransform::filter_anisotropic`] looks up at (¼, ½).
+    /// Returns center and sides of each box that [`UvTransform::filter_anisotropic`] looks up at
+    /// (¼, ½).
     fn recorded_lookups(coordinates: &UvTransform, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
         let seen = RefCell::new(Vec::new());
         let context =

@@ -1,10 +1,10 @@
-//! Textures from pictures, filtered by MIP maps.
+//! Image textures, filtered by MIP maps.
 
 use crate::color::Rgb;
 use crate::image::Image;
 use glam::{DVec2, DVec3, Vec3};
 
-/// Rule by which a picture continues outside the unit square of texture coordinates.
+/// Continuation of a picture outside the unit square of texture coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WrapMode {
     /// The picture repeats.
@@ -49,7 +49,7 @@ pub struct MipMap {
     value_range: (f32, f32),
 }
 
-/// One level of a MIP map, with linear colours.
+/// One level of a MIP map, with linear colors.
 #[derive(Clone, Debug)]
 struct MipLevel {
     width: usize,
@@ -59,7 +59,7 @@ struct MipLevel {
 }
 
 impl MipMap {
-    /// Builds the MIP map of `image`, whose pixels are linear colours.
+    /// Builds the MIP map of `image`, whose pixels are linear colors.
     ///
     /// # Errors
     /// [`MipMapError`] if a value is negative or not finite.
@@ -82,10 +82,10 @@ impl MipMap {
         Ok(Self { levels, wrap, mean, value_range: (least, greatest) })
     }
 
-    /// Mean colour over a box with center `uv` and sides `size`, by trilinear interpolation.
+    /// Mean color over a box with center `uv` and sides `size`, by trilinear interpolation.
     ///
-    /// It interpolates between the two MIP levels whose pixels are closest in size to the longer
-    /// side of the box. `uv` and `size` are texture coordinates.
+    /// The two MIP levels are those with pixel sizes just below and just above the longer side of
+    /// the box. `uv` and `size` are in texture coordinates.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
         let uv = uv.map(|x| self.wrap.wrap_coordinate_near_zero(x));
@@ -101,7 +101,7 @@ impl MipMap {
         }
     }
 
-    /// Mean colour of all pixels.
+    /// Mean color of all pixels.
     pub(super) fn mean(&self) -> Rgb {
         self.mean
     }
@@ -111,7 +111,7 @@ impl MipMap {
         self.value_range
     }
 
-    /// Side of a pixel of the finest level, in texture coordinates, along the axis with more
+    /// Side of a pixel of the finest level in texture coordinates, along the axis that has more
     /// pixels.
     pub(super) fn texel_size(&self) -> f64 {
         1.0 / self.levels[0].width.max(self.levels[0].height) as f64
@@ -119,9 +119,11 @@ impl MipMap {
 }
 
 impl WrapMode {
-    /// Returns a coordinate in \[0, 2] at which the picture has the same value as at `x`.
+    /// Maps coordinate `x` to an equivalent coordinate in \[0, 2], where the wrapped picture has
+    /// the same value.
     ///
-    /// Near 0, f64 has enough digits to tell pixels apart. The result is 0 if `x` is not finite.
+    /// In this range, f64 has enough digits to tell pixels apart. The result is 0 if `x` is not
+    /// finite.
     fn wrap_coordinate_near_zero(self, x: f64) -> f64 {
         let folded = match self {
             Self::Repeat => x - x.floor(),
@@ -131,10 +133,8 @@ impl WrapMode {
         if folded.is_finite() { folded } else { 0.0 }
     }
 
-    /// Returns the index of the pixel that the wrap mode shows at index `i`, in a row of `n`
-    /// pixels.
-    ///
-    /// `i` may be outside of the row.
+    /// Maps the pixel index `i`, which may lie outside a row of `n` pixels, to the index in the row
+    /// that the wrap mode shows there.
     fn wrap_pixel_index(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         (match self {
@@ -149,7 +149,7 @@ impl WrapMode {
 }
 
 impl MipLevel {
-    /// Colour at `uv`, interpolated bilinearly between the centres of the four nearest pixels.
+    /// Color at `uv`, interpolated bilinearly between the centers of the four nearest pixels.
     fn interpolate_bilinearly(&self, uv: DVec2, wrap: WrapMode) -> Rgb {
         let x = uv.x * self.width as f64 - 0.5;
         let y = (1.0 - uv.y) * self.height as f64 - 0.5;
@@ -182,7 +182,8 @@ impl MipLevel {
     }
 }
 
-/// Returns the pixels of a fine row that pixel `j` of a coarser row covers, with weights of sum 1.
+/// Returns (index, weight) of the pixels of a fine row that pixel `j` of a coarser row covers; the
+/// weights sum to 1.
 ///
 /// The fine row has `n` pixels, and the coarser row has `m` pixels over the same length.
 fn covered_pixels(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {

@@ -1,6 +1,6 @@
-//! Textures: colours and numbers that vary over a surface or in space.
+//! Textures: colors and numbers that vary over a surface or in space.
 //!
-//! A lookup returns the mean over the footprint of a ray, so that textures do not alias.
+//! A lookup returns the mean of the texture over a ray's footprint, so that textures do not alias.
 
 mod checker;
 mod eval_context;
@@ -15,7 +15,7 @@ pub use solid::{SolidPattern, SolidTexture};
 
 use crate::color::{self, Rgb};
 
-/// A colour that varies over a surface or in space.
+/// A color that varies over a surface or in space.
 ///
 /// A [`UvTransform`] maps the surface's texture coordinates to those of the picture or
 /// checkerboard.
@@ -30,10 +30,10 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// Mean colour of the texture over the footprint of `context`; the value at its point if the
+    /// Mean color of the texture over the footprint of `context`; the value at the point if the
     /// footprint has zero size.
     ///
-    /// Filters approximate the mean: they cover the footprint by boxes or by a ball.
+    /// The mean is approximate: boxes or a ball cover the footprint.
     #[must_use]
     pub fn evaluate_color(&self, context: &TextureEvalContext) -> Rgb {
         match self {
@@ -49,15 +49,15 @@ impl Texture {
 
     /// Mean of the texture over the footprint of `context` and over red, green and blue.
     ///
-    /// It serves textures that hold a number, such as roughness or the height of a bump map.
+    /// Use this for textures of a scalar, such as roughness or the height of a bump map.
     #[must_use]
     pub fn evaluate_scalar(&self, context: &TextureEvalContext) -> f32 {
         color::channel_mean(self.evaluate_color(context))
     }
 
-    /// Mean colour of the whole texture.
+    /// Mean color of the whole texture.
     ///
-    /// This is the mean of all pixels of a picture, or of the two colours of a pattern.
+    /// This is the mean of all pixels of a picture, or of the two colors of a pattern.
     #[must_use]
     pub fn mean(&self) -> Rgb {
         match self {
@@ -67,7 +67,7 @@ impl Texture {
         }
     }
 
-    /// Least and greatest value of any colour channel. No lookup exceeds this range.
+    /// Least and greatest value of any color channel. All lookups are within this range.
     #[must_use]
     pub fn value_range(&self) -> (f32, f32) {
         match self {
@@ -83,7 +83,7 @@ impl Texture {
         matches!(self, Self::Solid(_))
     }
 
-    /// Step for the finite differences of bump maps: a fraction of the texture's finest detail.
+    /// Step of the finite differences of bump maps: a fraction of the texture's finest detail.
     ///
     /// The step is in units of the surface's texture coordinates. For a solid texture, it is an
     /// object-space length.
@@ -97,7 +97,7 @@ impl Texture {
     }
 }
 
-/// Least and greatest channel value of two colours.
+/// Least and greatest channel value of two colors.
 fn color_channel_range([a, b]: [Rgb; 2]) -> (f32, f32) {
     (a.min(b).min_element(), a.max(b).max_element())
 }

@@ -2,9 +2,8 @@
 
 use glam::DVec3;
 
-/// Footprint widths at which an octave of noise begins to fade and at which it has vanished.
-///
-/// Their unit is the wavelength of the octave.
+/// Footprint widths at which an octave of noise begins to fade, and at which it vanishes
+/// \[wavelengths of the octave].
 const FADE_WIDTHS: [f64; 2] = [0.25, 1.0];
 
 /// Offset of the noise position between two octaves, so that their lattices do not align.
@@ -14,7 +13,8 @@ const OCTAVE_OFFSET: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 /// 1.
 ///
 /// c is a constant offset. An octave fades out if its wavelength is small compared with the
-/// footprint's `width`. `p` and `width` are in wavelengths of the first octave.
+/// footprint's `width`, so that textures do not alias. `p` and `width` are in wavelengths of the
+/// first octave.
 pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
     for i in 0..octaves {
@@ -29,8 +29,8 @@ pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     sum
 }
 
-/// Weight in \[0, 1] of an octave of noise: 1 for a small footprint, 0 for one that blurs all
-/// details.
+/// Weight in \[0, 1] of an octave of noise: 1 for a small footprint, 0 for a footprint that blurs
+/// all details.
 ///
 /// `width` is the width of the footprint in wavelengths of the octave.
 fn octave_fade(width: f64) -> f64 {
@@ -65,8 +65,8 @@ fn lerp(t: f64, a: f64, b: f64) -> f64 {
 
 /// Dot product of `d` with the lattice gradient that hash `h` selects.
 ///
-/// The gradients are the twelve vectors from the centre of a cube of side 2 to its edge midpoints.
-/// The four without a z component have the probability 6/64 each, the others 5/64.
+/// The gradients are the twelve vectors from the center of a cube of side 2 to the midpoints of its
+/// edges. Each of the four without a z component has the probability 6/64, each of the others 5/64.
 fn gradient_dot(h: u64, d: DVec3) -> f64 {
     let sign = |bit: u64, x: f64| if h >> bit & 1 == 0 { x } else { -x };
     let (a, b) = match h >> 2 & 15 {

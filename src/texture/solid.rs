@@ -19,24 +19,22 @@ pub enum SolidPattern {
     Wood,
 }
 
-/// A solid texture: a pattern in space that blends two colours.
+/// A solid texture: a pattern in space that blends two colors.
 ///
-/// The patterns are those of the scene language of MIT course 6.837. Their noise is fractal
-/// gradient noise.
+/// The patterns come from the scene format of MIT course 6.837. Their noise is fractal gradient
+/// noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidTexture {
-    /// Function of position that gives the blend weight of the second colour.
+    /// Function of position that gives the blend weight of the second color.
     pub kind: SolidPattern,
-    /// Colours for pattern values 0 and 1.
+    /// Colors for pattern values 0 and 1.
     pub colors: [Rgb; 2],
     /// Number of octaves of noise; each has twice the frequency and half the amplitude of the one
     /// before.
     pub octaves: u32,
     /// Frequency of the first octave of noise, and of veins and rings \[1/pattern-space length].
     pub frequency: f64,
-    /// Factor on the noise.
-    ///
-    /// For clouds it sets the contrast. For veins and rings it sets their displacement, in
+    /// Factor on the noise: for clouds the contrast, for veins and rings their displacement in
     /// wavelengths.
     pub amplitude: f64,
     /// Affine map from object space to pattern space, in which the pattern is defined.
@@ -44,7 +42,7 @@ pub struct SolidTexture {
 }
 
 impl SolidTexture {
-    /// Mean colour over a ball of diameter `width` around `p`, both in object space.
+    /// Mean color over a ball of diameter `width` around `p`, both in object space.
     ///
     /// Fine octaves of the noise fade as the width grows. A wave sin 2πs, averaged over an interval
     /// of s of width w, is sin 2πs · sin(πw)/(πw).
@@ -69,7 +67,7 @@ impl SolidTexture {
         self.colors[0].lerp(self.colors[1], t as f32)
     }
 
-    /// Mean colour over all space: the mean of both colours, because pattern values are symmetric
+    /// Mean color over all space: the mean of both colors, because pattern values are symmetric
     /// about ½.
     pub(super) fn mean(&self) -> Rgb {
         (self.colors[0] + self.colors[1]) * 0.5
@@ -82,9 +80,10 @@ impl SolidTexture {
         m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
     }
 
-    /// Step for the finite differences of bump maps \[object-space length].
+    /// Step of the finite differences of bump maps \[object-space length].
     ///
-    /// It is a hundredth of the wavelength of the last octave, or 1 if the pattern is constant.
+    /// The step is a hundredth of the wavelength of the finest octave, or 1 if the pattern is
+    /// constant.
     pub(super) fn finest_bump_step(&self) -> f64 {
         let finest =
             self.frequency.abs() * self.max_scale() * f64::from(1u32 << self.octaves.clamp(1, 31).saturating_sub(1));
@@ -94,7 +93,8 @@ impl SolidTexture {
 
 /// Factor by which averaging over width `w`, in wavelengths, reduces the amplitude of a sine wave.
 ///
-/// It is sin(πw)/(πw) up to w = 1, and 0 beyond, where negative lobes would invert the pattern.
+/// The factor is sin(πw)/(πw) up to w = 1. Beyond, it is 0, because negative lobes would invert the
+/// pattern.
 fn sinc_attenuation(w: f64) -> f64 {
     if w < 1e-6 {
         1.0

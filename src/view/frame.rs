@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 /// Number of bytes of the header before the pixel values in the encoding of a [`Layer`].
 pub(super) const HEADER_BYTES: usize = 20;
 
-/// Binary exponent that bounds the scaled values of an encoded layer: they are below 2¹⁵.
+/// Binary exponent e: a layer is scaled so that its encoded absolute values are below 2ᵉ.
 ///
 /// Half floats hold values below 2¹⁶. Values below 2⁻¹⁴ lose digits.
 const MAX_EXPONENT: i32 = 15;
@@ -61,13 +61,13 @@ enum_with_all! {
         Object,
         /// Number of the material that the camera sees, from 1; 0 for none.
         Material,
-        /// Motion on the film of what the camera sees, while the shutter is open \[pixels to the
-        /// right and down].
+        /// Motion of the visible surface on the film while the shutter is open \[pixels; x to the
+        /// right, y down].
         Motion,
     }
 }
 
-/// Frame of the live page to which a layer belongs.
+/// Group of layers that are published together, as one [`LiveFrame`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FrameKind {
     /// The picture and its light groups.
@@ -104,7 +104,7 @@ impl LayerKind {
         }
     }
 
-    /// Returns the frame to which the layer belongs.
+    /// Returns the kind of [`LiveFrame`] that holds layers of this kind.
     pub(super) fn frame_kind(self) -> FrameKind {
         match self {
             Self::Picture | Self::Direct | Self::Indirect | Self::Caustic => FrameKind::Picture,
@@ -150,14 +150,16 @@ pub struct Layer {
     channels: u32,
     /// Channel values of all pixels, in rows from the top. The channels of a pixel are adjacent.
     values: Vec<f32>,
+    /// Bytes of [`LiveFrame::encoded_layer`]; empty until a browser first asks for them.
     encoded: OnceLock<Bytes>,
 }
 
-/// Picture of a render at one moment, maps of its estimated error, or surface AOVs. All layers have
-/// one size.
+/// Layers of equal size that are published together: the picture of a render with its light groups,
+/// maps of its estimated error, or surface AOVs.
 #[derive(Debug)]
 pub struct LiveFrame {
-    /// Sequence number of the publication that made the frame. A later frame has a larger number.
+    /// Sequence number of the page update that delivered the frame. Later frames have larger
+    /// numbers.
     pub sequence: u32,
     /// Width and height \[pixels].
     pub size: (u32, u32),
@@ -295,11 +297,11 @@ impl LiveFrame {
     }
 }
 
-/// Returns the power of two by which `values` are divided, so that half floats hold all of them; 1
-/// if all are 0 or subnormal.
+/// Returns a scale, a power of two. `values` are divided by this scale before they become half
+/// floats. The scale is 1 if all values are 0 or subnormal.
 ///
-/// The largest finite absolute value divided by it is in \[2¹⁴, 2¹⁵), or below for tiny values. So
-/// values down to 2⁻²⁸ of the largest one keep all 11 bits of a half float.
+/// The largest finite absolute value, divided by the scale, is in \[2¹⁴, 2¹⁵), or below for tiny
+/// values. So values down to 2⁻²⁸ of the largest one keep all 11 bits of a half float.
 fn layer_scale(values: &[f32]) -> f32 {
     let largest = values.iter().filter(|value| value.is_finite()).fold(0.0_f32, |largest, v| largest.max(v.abs()));
     if largest < f32::MIN_POSITIVE {

@@ -1,10 +1,10 @@
-//! Guard of the server: which requests come from the page itself.
+//! Protection of the web server against requests of other web sites.
 
 use axum::http::header::{HOST, ORIGIN};
 use axum::http::{HeaderMap, HeaderValue};
 use std::net::IpAddr;
 
-/// Port of a URL of HTTP that names none.
+/// Port of an HTTP URL that has no port number.
 const DEFAULT_HTTP_PORT: u16 = 80;
 
 /// Number of random bytes of the secret token in the URL of a page.
@@ -42,7 +42,8 @@ pub(super) fn random_token() -> std::io::Result<String> {
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// Checks that a request comes from the page of the server at `port`, or from the user.
+/// Checks that a request comes from the page of the server at `port`, or from a user who opens that
+/// page. Returns the reason for refusal otherwise.
 ///
 /// Other sites cannot know the token, which is the first part of the path. A site whose name
 /// resolves to this machine (DNS rebinding) sends its name as `Host`, so only IP addresses and
@@ -73,7 +74,7 @@ fn single_header<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
 /// True if `host` is an IP address or `localhost`, with the port of this server. Without a port,
 /// `host` means port 80, the default of HTTP.
 fn is_own_host(host: &str, port: u16) -> bool {
-    // The colons of an IPv6 address stand in brackets.
+    // A colon inside brackets belongs to an IPv6 address, and separates no port.
     let (name, number) = match host.rsplit_once(':') {
         Some((name, number)) if !number.ends_with(']') => (name, number.parse().ok()),
         Some(_) | None => (host, Some(DEFAULT_HTTP_PORT)),

@@ -38,16 +38,16 @@ impl PublishedState {
 
 /// Newest state of a render: the render publishes it here, and the web server reads it.
 ///
-/// A reader takes the newest state whenever it is ready for one, and misses those in between. So
-/// neither a slow reader nor many readers delay the render: publishing replaces one pointer.
+/// Publishing replaces one pointer, so readers never delay the render. A slow reader skips states:
+/// it takes the newest one whenever it is ready.
 #[derive(Debug)]
 pub struct LivePage {
-    /// State that a publication changes. Readers get a copy of it.
+    /// Newest state, which the next publication changes. Readers get copies of it.
     newest: Mutex<LiveState>,
     sender: watch::Sender<Arc<PublishedState>>,
-    /// True if a browser has asked for error maps since the render last made them.
+    /// True if a browser has asked for error maps since the render last looked for such requests.
     wants_error_maps: AtomicBool,
-    /// True if a browser has asked for surface AOVs, and the render has made none since.
+    /// True if a browser has asked for surface AOVs since the render last looked for such requests.
     wants_surface_aovs: AtomicBool,
     /// Reference picture for comparisons.
     reference: Option<Arc<LiveFrame>>,
@@ -81,10 +81,10 @@ impl LivePage {
         }
     }
 
-    /// Begins a new render and returns its number. Publications of earlier renders are ignored from
-    /// now on.
+    /// Begins another render and returns its number. Later publications of earlier renders are
+    /// ignored.
     ///
-    /// The page keeps the old picture until the new render publishes one.
+    /// The page keeps the old picture until this render publishes one.
     pub fn begin_render(&self) -> u32 {
         let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         let old = &newest.status;
@@ -109,10 +109,10 @@ impl LivePage {
         render
     }
 
-    /// Applies `change` to the newest state and publishes it. Does nothing if a newer render than
-    /// number `render` has begun.
+    /// Applies `change` to the newest state and publishes it. Does nothing if a render with a
+    /// larger number than `render` has begun.
     ///
-    /// `change` also receives the sequence number of the publication, for a frame that it may add.
+    /// `change` also receives the sequence number of this update, for a frame that it may add.
     pub fn publish(&self, render: u32, change: impl FnOnce(&mut LiveState, u32)) {
         let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         if newest.status.render_number == render {
@@ -131,8 +131,7 @@ impl LivePage {
         self.sender.send_replace(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
     }
 
-    /// Returns true if a browser has asked for error maps since the last call, and forgets the
-    /// request.
+    /// Returns true if a browser has asked for error maps since the last call of this function.
     pub fn take_error_map_request(&self) -> bool {
         self.wants_error_maps.swap(false, Ordering::Relaxed)
     }

@@ -1,4 +1,4 @@
-//! Views of a render while it goes on: the live page, a web page, and the viewer tev.
+//! Views of a running render: the live page, which is a web page, and the image viewer tev.
 //!
 //! A render publishes its newest state to a [`LivePage`], and never waits for a reader. A
 //! [`PageServer`] serves the page and the newest state to any number of browsers.

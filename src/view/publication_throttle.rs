@@ -1,15 +1,16 @@
-//! Limit of the time that a render spends on publications to the live page and to the viewer tev.
+//! Limit of the time that a render spends on showing its picture: on the live page and in tev.
 
 use std::time::{Duration, Instant};
 
-/// Least pause after a publication, as a multiple of the time that the publication took. So
+/// Shortest pause after a publication, as a multiple of the time that the publication took. So
 /// publications take at most 1 % of a render.
 const MIN_INTERVAL_FACTOR: u32 = 100;
 
-/// Least pause after a publication, even if it took almost no time.
+/// Shortest pause after a publication that took almost no time.
 const MIN_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Schedule of publications of a growing picture: says when the next one is due.
+/// Throttle for publishing the picture of a running render: tells whether the next publication is
+/// due.
 #[derive(Debug, Default)]
 pub(super) struct PublicationThrottle {
     /// Earliest time of the next publication; `None` before the first one.
@@ -33,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn publications_take_a_hundredth_of_the_time() {
+    fn publications_take_at_most_one_percent() {
         let start = Instant::now();
         let after = |milliseconds| start + Duration::from_millis(milliseconds);
         let mut throttle = PublicationThrottle::default();

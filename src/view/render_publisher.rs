@@ -1,4 +1,4 @@
-//! Publication of a render's passes to the live page.
+//! Publishing of a render's state to the live page.
 
 use super::frame::LiveFrame;
 use super::live_page::{LivePage, LiveState};
@@ -19,12 +19,12 @@ const MAX_CURVE_POINTS: usize = 400;
 #[derive(Debug)]
 pub struct RenderPublisher<'a> {
     page: &'a LivePage,
-    /// Number of the render on its page, see [`LivePage::begin_render`].
+    /// Number of the render on its page, from [`LivePage::begin_render`].
     number: u32,
     /// Time at which loading of the scene began.
     load_start: Instant,
-    picture_pace: PublicationThrottle,
-    error_map_pace: PublicationThrottle,
+    picture_throttle: PublicationThrottle,
+    error_map_throttle: PublicationThrottle,
     error_curve: Arc<Vec<ErrorCurvePoint>>,
     forecast: Option<Arc<ForecastReport>>,
 }
@@ -33,13 +33,12 @@ impl<'a> RenderPublisher<'a> {
     /// Begins a new render on `page`. `load_start` is the time at which loading of its scene began.
     #[must_use]
     pub fn begin(page: &'a LivePage, load_start: Instant) -> Self {
-        let (picture_pace, map_pace) = (PublicationThrottle::default(), PublicationThrottle::default());
         Self {
             page,
             number: page.begin_render(),
             load_start,
-            picture_pace,
-            error_map_pace: map_pace,
+            picture_throttle: PublicationThrottle::default(),
+            error_map_throttle: PublicationThrottle::default(),
             error_curve: Arc::default(),
             forecast: None,
         }
@@ -89,10 +88,10 @@ impl<'a> RenderPublisher<'a> {
     }
 
     /// Adds the error estimate of a pass, if there is one, to the error curve. Publishes the
-    /// picture, unless the last publication was too recent. Publishes error maps with it if a
-    /// browser has asked for them.
+    /// picture, unless it was last published too recently. If a browser has asked for error maps,
+    /// publishes them too.
     ///
-    /// The last pass is not published here, but by [`RenderPublisher::publish_end`].
+    /// After the last pass, [`RenderPublisher::publish_end`] publishes the picture instead.
     pub fn publish_pass_if_due(&mut self, progress: &PassProgress<'_>, stop: &StopCriteria<'_>) {
         if let Some((estimate, forecast)) = &progress.error
             && estimate.error.is_finite()
@@ -103,20 +102,20 @@ impl<'a> RenderPublisher<'a> {
             self.forecast = Some(Arc::new(ForecastReport::new(estimate, forecast, stop)));
         }
         let start = Instant::now();
-        if progress.end_reason.is_some() || !self.picture_pace.is_due(start) {
+        if progress.end_reason.is_some() || !self.picture_throttle.is_due(start) {
             return;
         }
         self.publish_result(progress.rendered);
-        self.picture_pace.record(start, Instant::now());
+        self.picture_throttle.record(start, Instant::now());
         let start = Instant::now();
-        if self.error_map_pace.is_due(start) && self.page.take_error_map_request() {
+        if self.error_map_throttle.is_due(start) && self.page.take_error_map_request() {
             self.publish_error_maps(progress.rendered);
-            self.error_map_pace.record(start, Instant::now());
+            self.error_map_throttle.record(start, Instant::now());
         }
     }
 
-    /// Calls `find` and publishes the surface AOVs that it returns, if a browser has asked for
-    /// surface AOVs. `size` is the width and height of the picture \[pixels].
+    /// If a browser has asked for surface AOVs, calls `find` and publishes the AOVs that it
+    /// returns. `size` is the width and height of the picture \[pixels].
     pub fn publish_wanted_surface_aovs(&self, size: (u32, u32), find: impl FnOnce() -> Option<SurfaceAovs>) {
         if self.page.take_surface_aov_request()
             && let Some(aovs) = find()
@@ -124,7 +123,7 @@ impl<'a> RenderPublisher<'a> {
             self.publish(|state, sequence| {
                 state.surface_aovs = Some(Arc::new(LiveFrame::from_surface_aovs(sequence, size, &aovs)));
             });
-            // Requests from before the publication are served.
+            // This publication also serves requests that came while `find` ran: forget them.
             self.page.take_surface_aov_request();
         }
     }

@@ -11,8 +11,8 @@ pub struct Orbit {
     pub yaw: f64,
     /// Angle by which the viewing direction turns upwards \[radians]; the camera itself moves down.
     pub pitch: f64,
-    /// Natural logarithm of the ratio of the camera's distance from the pivot to that in the scene
-    /// file.
+    /// Zoom: ln(d/d₀), where d is the camera's distance from the pivot and d₀ the distance in the
+    /// scene file. Negative values move the camera closer.
     #[serde(rename = "zoom")]
     pub log_distance: f64,
 }

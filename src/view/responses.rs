@@ -1,4 +1,4 @@
-//! Responses of the server: page, events, pixels, scene text and saved pictures.
+//! HTTP responses of the live page: HTML page, events, pixels, scene text and saved pictures.
 
 use super::frame::{FrameKind, LayerKind, LiveFrame};
 use super::live_page::{LivePage, PublishedState};
@@ -41,7 +41,8 @@ pub(super) fn page_html(nonce: &str) -> String {
     PAGE.replace("{nonce}", nonce).replace("{style}", STYLE).replace("{script}", &script)
 }
 
-/// Stream of the newest states of a render for one browser. The stream ends when the server ends.
+/// Stream of server-sent events for one browser. Each event is the newest state of the render as
+/// JSON. The stream ends when the server ends.
 struct StateEvents {
     states: WatchStream<Arc<PublishedState>>,
     end: Pin<Box<dyn Future<Output = ()> + Send>>,
@@ -65,8 +66,8 @@ impl Stream for StateEvents {
 /// Returns the response that streams each new state of the render to a browser, until `end`
 /// resolves.
 ///
-/// A state is taken only when the connection accepts it. So a slow browser misses states, and
-/// nothing queues up. `permit` is held until the stream ends.
+/// A state is sent only when the connection accepts it. A slow browser misses states, so none queue
+/// up. `permit` limits the number of such streams; it is held until the stream ends.
 pub(super) fn state_events_response(
     page: &LivePage,
     end: impl Future<Output = ()> + Send + 'static,
@@ -86,8 +87,8 @@ pub(super) fn busy_response() -> Response {
     response
 }
 
-/// Encoded pixels that are being sent to a browser. They hold a permit, so that they count towards
-/// the limit of simultaneous responses with pixels until they are sent.
+/// Encoded pixels that are being sent to a browser. The permit is released when they are sent: it
+/// limits the number of simultaneous responses with pixels.
 struct BytesInProgress {
     bytes: Bytes,
     _permit: OwnedSemaphorePermit,
@@ -99,7 +100,7 @@ impl AsRef<[u8]> for BytesInProgress {
     }
 }
 
-/// Query of a request for pixels. It says which frame the browser already shows.
+/// Query of a request for pixels: names the frame that the browser already shows.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct KnownFrameQuery {
     /// Sequence number of the frame that the browser shows; 0 if it shows none.
@@ -141,7 +142,7 @@ pub(super) async fn layer_pixels_response(
             }
         };
         let newer = frame.as_ref().filter(|frame| frame.sequence > known.after);
-        // A layer that a later frame may have is no error.
+        // An empty answer is no error: a later frame may have this layer.
         Some(newer.and_then(|frame| frame.encoded_layer(kind)).unwrap_or_default())
     };
     match tokio::task::spawn_blocking(encode).await {
@@ -167,8 +168,10 @@ pub(super) fn scene_source_response(page: &LivePage) -> Response {
 /// Query of a request to save the picture: exposure and tone curve of a PNG file.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct SaveOptions {
+    /// Exposure \[stops].
     #[serde(default)]
     exposure: f32,
+    /// Name of the tone curve, as in `--tone`; `None` for sRGB.
     tone: Option<String>,
 }
 

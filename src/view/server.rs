@@ -36,11 +36,11 @@ const MAX_BODY_BYTES: usize = 4096;
 /// last picture.
 const FINAL_FETCH_DELAY: Duration = Duration::from_millis(500);
 
-/// Time that open connections get to finish after the server has ended. They are cut then.
+/// Time that open connections have to finish after the server has ended. Then they are closed.
 const CONNECTION_CUT_DELAY: Duration = Duration::from_millis(500);
 
-/// Function that handles each [`Request`] of a browser to the render. It returns false for a
-/// request that it refuses. It must not block.
+/// Function that handles each [`Request`] of a browser, such as stopping the render. It returns
+/// false if it refuses the request. It must not block.
 pub type RequestHandler = Box<dyn Fn(Request) -> bool + Send + Sync>;
 
 /// Web server of the live page. Dropping it ends the server.
@@ -64,8 +64,8 @@ struct RouteState {
 }
 
 impl PageServer {
-    /// Starts a server of `page` at `address`, in a thread of its own. `handler` receives each
-    /// [`Request`] of a browser to the render.
+    /// Starts a server of `page` at `address`, in a thread of its own. `handler` receives the
+    /// [`Request`]s of browsers.
     ///
     /// # Errors
     /// [`ListenError`] if the address is in use, or the system refuses it.
@@ -149,13 +149,13 @@ async fn serve(listener: TcpListener, shared: Arc<RouteState>) {
         .layer(from_fn_with_state(shared.clone(), guard_request))
         .with_state(shared);
     let served = axum::serve(listener, router).with_graceful_shutdown(until_end(end.clone()));
-    let cut = async {
+    let connection_timeout = async {
         until_end(end).await;
         tokio::time::sleep(CONNECTION_CUT_DELAY).await;
     };
     tokio::select! {
         _ = served => {}
-        () = cut => {}
+        () = connection_timeout => {}
     }
 }
 

@@ -41,7 +41,7 @@ pub enum RenderStage {
 pub struct ErrorCurvePoint {
     /// Wall time of the passes up to this point of the curve \[s].
     pub seconds: f64,
-    /// Number of passes at this point of the curve.
+    /// Number of passes made up to this point of the curve.
     pub passes: u32,
     /// Estimated relative error.
     pub error: f64,
@@ -49,9 +49,9 @@ pub struct ErrorCurvePoint {
     pub low: f64,
     /// Upper end of the confidence interval of `error`.
     pub high: f64,
-    /// Relative noise: `error` is √(noise² + bias²).
+    /// Relative noise, the part of the error that more passes reduce. `error` is √(noise² + bias²).
     pub noise: f64,
-    /// Relative bias: `error` is √(noise² + bias²).
+    /// Relative bias, the part of the error that all passes share. `error` is √(noise² + bias²).
     pub bias: f64,
 }
 
@@ -86,10 +86,10 @@ pub struct ForecastReport {
     pub error_curve: Vec<(u32, f64)>,
 }
 
-/// Plan of the render: decisions with their reasons.
+/// Plan of the render: the effects of light that it simulates or leaves out, with reasons.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct PlanReport {
-    /// Decisions about effects of light.
+    /// Decision about each effect of light, such as caustics or shadows.
     pub effects: Vec<EffectReport>,
     /// Remarks on the rays and photons of a pass, one line each.
     pub notes: Vec<String>,
@@ -141,11 +141,11 @@ pub struct SceneProblem {
     pub remedy: String,
 }
 
-/// Description of a published [`LiveFrame`] without its pixels: sequence number, size, passes and
-/// layers.
+/// Description of a [`LiveFrame`] without its pixels: sequence number, size, passes and layers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FrameReport {
-    /// Sequence number of the publication that made the frame. Later frames have larger numbers.
+    /// Sequence number of the page update that delivered the frame. Later frames have larger
+    /// numbers.
     pub sequence: u32,
     /// Width \[pixels].
     pub width: u32,
@@ -159,7 +159,9 @@ pub struct FrameReport {
     pub layers: Vec<&'static str>,
 }
 
-/// Status of a render. Each publication holds all of it, so a browser may miss publications.
+/// Status of a render, which the page sends to browsers as JSON at each update.
+///
+/// Each status is complete, so a browser may miss some.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct LiveStatus {
     /// Version of the program.
@@ -174,7 +176,7 @@ pub struct LiveStatus {
     /// Number of the render, counted from 1. It rises when the scene or the camera changes.
     #[serde(rename = "render")]
     pub render_number: u32,
-    /// Sequence number of the publication. It rises with each publication on the page.
+    /// Sequence number of this update of the page. It rises by one with each update.
     pub sequence: u32,
     /// Stage that the render has reached.
     #[serde(rename = "phase")]
@@ -184,7 +186,7 @@ pub struct LiveStatus {
     pub end_reason: Option<EndReason>,
     /// Width and height of the full picture \[pixels]; 0 before the first scene is read.
     pub size: (u32, u32),
-    /// Movement of the camera that the user has chosen on the page, relative to the camera of the
+    /// Position of the camera that the user has chosen on the page, relative to the camera of the
     /// scene file.
     pub orbit: Orbit,
     /// Size and passes of the newest picture; `None` before the first one.
@@ -213,11 +215,12 @@ pub struct LiveStatus {
     pub time_limit_seconds: Option<f64>,
     /// Relative error at which the render ends; `None` for no error target.
     pub error_limit: Option<f64>,
-    /// Confidence of the intervals from `low` to `high` in `error_curve`; `None` without an error
-    /// target.
+    /// Confidence of the intervals from `low` to `high` in the points of `error_curve`; `None`
+    /// without an error target.
     #[serde(rename = "confidence")]
     pub interval_confidence: Option<Confidence>,
-    /// Points of the curve of the estimated error over the passes so far.
+    /// Curve of the estimated error so far: one point for each error estimate, in the order of
+    /// passes.
     #[serde(rename = "curve")]
     pub error_curve: Arc<Vec<ErrorCurvePoint>>,
     /// Forecast of the error from the last point of `error_curve`; `None` before the first
@@ -231,7 +234,8 @@ pub struct LiveStatus {
     pub unaimed: PhotonReport,
     /// Counts and flux of the photon paths that are aimed at casters, such as glass or mirrors.
     pub aimed: PhotonReport,
-    /// Number that rises whenever the scene file has been read, or its errors change.
+    /// Revision number of the scene text and its errors. It rises when the scene file is read again
+    /// or its errors change; the page then fetches both.
     pub source_revision: u32,
     /// Number of errors that keep the scene from being rendered. The page fetches their texts
     /// separately.
@@ -260,21 +264,21 @@ impl ForecastReport {
             StopForecast::Never { floor } => ([None; 3], Some(floor)),
             StopForecast::TooFar { at_least } => ([Some(at_least), None, None], None),
         };
-        let last = passes.into_iter().flatten().max().unwrap_or(0).max(4 * estimate.passes);
-        let ratio = f64::from(last) / f64::from(estimate.passes.max(1));
-        let point = |i: u32| {
+        let curve_end = passes.into_iter().flatten().max().unwrap_or(0).max(4 * estimate.passes);
+        let ratio = f64::from(curve_end) / f64::from(estimate.passes.max(1));
+        let pass_count_at = |i: u32| {
             let factor = libm::pow(ratio, f64::from(i) / f64::from(FORECAST_POINTS - 1));
             (f64::from(estimate.passes) * factor).round() as u32
         };
-        let mut numbers: Vec<u32> = (0..FORECAST_POINTS).map(point).collect();
-        numbers.dedup();
+        let mut pass_counts: Vec<u32> = (0..FORECAST_POINTS).map(pass_count_at).collect();
+        pass_counts.dedup();
         Self {
             target_error: target.error,
             is_render_target: stop.target.is_some(),
             passes_to_target: passes,
             bias_floor: floor,
             range_probability: RANGE_PROBABILITY,
-            error_curve: numbers.into_iter().map(|n| (n, forecast.error_after_passes(n))).collect(),
+            error_curve: pass_counts.into_iter().map(|n| (n, forecast.error_after_passes(n))).collect(),
         }
     }
 }

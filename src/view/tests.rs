@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Live page with its server, which collects the requests of browsers.
+/// Live page and its web server under test. Collects the requests of browsers.
 struct ServedPage {
     page: Arc<LivePage>,
     server: PageServer,
@@ -83,7 +83,7 @@ impl ServedPage {
         self.send(&format!("POST {}{path}", self.root), &headers, body)
     }
 
-    /// Opens the stream of states.
+    /// Opens the stream of server-sent events, which carries the states of the render.
     fn events(&self) -> BufReader<TcpStream> {
         let mut stream = self.connect();
         write!(stream, "GET {}events HTTP/1.1\r\n{}\r\n", self.root, self.host()).unwrap();
@@ -100,7 +100,7 @@ impl ServedPage {
     }
 }
 
-/// Returns the next state of a stream of events.
+/// Reads the next state of the render, as JSON, from a stream of server-sent events.
 fn next_state(events: &mut impl BufRead) -> serde_json::Value {
     let mut line = String::new();
     loop {
@@ -112,7 +112,8 @@ fn next_state(events: &mut impl BufRead) -> serde_json::Value {
     }
 }
 
-/// Decodes a layer: sequence number, size, number of channels and values.
+/// Decodes the bytes of [`LiveFrame::encoded_layer`]. Returns \[sequence number, width, height,
+/// channels] and the values.
 fn decode(bytes: &[u8]) -> ([u32; 4], Vec<f32>) {
     let number = |i: usize| u32::from_le_bytes(bytes[4 * i..][..4].try_into().unwrap());
     let scale = f32::from_bits(number(4));
@@ -122,7 +123,7 @@ fn decode(bytes: &[u8]) -> ([u32; 4], Vec<f32>) {
 }
 
 /// Returns a scene with an emitting sphere, and a camera of 24 × 16 pixels.
-fn shining_scene() -> Scene {
+fn scene_with_emitting_sphere() -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.add_material(Material::diffuse(Vec3::splat(0.5)));
     builder.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.0, -4.0), 1.0)), white, Vec3::ONE);
@@ -156,7 +157,7 @@ fn foreign_requests_are_refused() {
 }
 
 #[test]
-fn the_page_needs_no_other_server() {
+fn page_loads_nothing_from_other_servers() {
     let served = ServedPage::start();
     let answer = served.get("");
     let page = String::from_utf8(answer.body).unwrap();
@@ -198,7 +199,7 @@ fn readers_receive_the_newest_state() {
 }
 
 #[test]
-fn layers_keep_three_digits_of_all_values() {
+fn encoded_layers_keep_three_digits() {
     let radiances = [0.0, 1.0, 1e-4, 123.456, 65_504.0, 3e7, -2.5, f32::INFINITY, f32::NAN];
     let pixels: Vec<Vec3> = radiances.iter().map(|value| Vec3::splat(*value)).collect();
     let frame = LiveFrame::from_picture(9, (3, 3), 1, &pixels);
@@ -221,7 +222,7 @@ fn layers_keep_three_digits_of_all_values() {
 }
 
 #[test]
-fn maps_are_made_only_when_asked_for() {
+fn error_maps_are_made_only_on_request() {
     let served = ServedPage::start();
     let number = served.page.begin_render();
     served.show(number, (2, 1), 0.25);
@@ -335,7 +336,7 @@ fn slow_readers_never_delay_publications() {
 }
 
 #[test]
-fn the_server_ends_beside_open_connections() {
+fn server_ends_despite_open_connections() {
     let served = ServedPage::start();
     let mut events = served.events();
     next_state(&mut events);
@@ -350,8 +351,8 @@ fn the_server_ends_beside_open_connections() {
 }
 
 #[test]
-fn publications_change_no_bit_of_a_render() {
-    let scene = shining_scene();
+fn publishing_does_not_change_the_render() {
+    let scene = scene_with_emitting_sphere();
     let mut settings = Settings::default();
     settings.camera_paths.estimate_error = true;
     settings.camera_paths.groups_light = true;

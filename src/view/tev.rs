@@ -1,6 +1,6 @@
-//! Client of tev, a viewer of pictures with several layers, by its protocol for other programs.
+//! Client of the image viewer tev: sends it pictures with named channels over TCP.
 //!
-//! Each packet begins with its length in bytes as a 32-bit number, which counts itself, and with
+//! A packet begins with its length in bytes as a 32-bit number (the length field included), then
 //! one byte for its kind. Numbers are little-endian, and texts end with a byte 0. Two kinds are
 //! sent: one creates an image with named channels, and one sets a window of its pixels.
 
@@ -75,17 +75,17 @@ struct OutgoingImage {
     layers: Vec<ExrLayer>,
 }
 
-/// Images that wait to be sent, at most one of each name.
+/// Queue of images to send to the viewer, at most one per name.
 #[derive(Debug, Default)]
 struct WaitingImages {
     images: Vec<OutgoingImage>,
-    /// True after the render has handed over its last image.
+    /// True after the render has queued its last image.
     is_closed: bool,
-    /// True after an error of the connection. Further images are dropped.
+    /// True after the connection has failed. Further images are dropped.
     has_failed: bool,
 }
 
-/// State that the thread of a render and the thread that sends its images share.
+/// State that the render thread shares with the thread that sends its images.
 #[derive(Debug, Default)]
 struct SenderState {
     waiting: Mutex<WaitingImages>,
@@ -115,8 +115,8 @@ impl SenderState {
 
 /// Connection of a render to the viewer tev.
 ///
-/// A thread of its own connects and sends. The render waits for this thread only in
-/// [`finish`](Self::finish): before, a newer image replaces one of the same name that still waits.
+/// A separate thread connects and sends queued images. A newer image replaces a queued one of the
+/// same name. The render waits for the thread only in [`finish`](Self::finish).
 #[derive(Debug)]
 pub struct TevClient {
     shared: Arc<SenderState>,
@@ -126,26 +126,27 @@ pub struct TevClient {
 }
 
 impl TevClient {
-    /// Starts to connect to `address`. Calls `report` once if an error ends the connection.
+    /// Starts a thread that connects to `address` and sends queued images. The thread calls
+    /// `report` if an error ends the connection.
     #[must_use]
     pub fn start(address: TevAddress, report: impl FnOnce(io::Error) + Send + 'static) -> Self {
         let shared = Arc::new(SenderState::default());
-        let (alive, ended) = channel();
+        let (end_signal, ended) = channel();
         let client = Self { shared: shared.clone(), throttle: PublicationThrottle::default(), ended };
         thread::spawn(move || {
             if let Err(error) = send_images(&address, &shared) {
                 shared.change_waiting(|waiting| (waiting.has_failed, waiting.images) = (true, Vec::new()));
                 report(error);
             }
-            drop(alive);
+            drop(end_signal);
         });
         client
     }
 
-    /// Sends the layers that the callback `layers` returns as image `name` of `size` (width,
-    /// height) pixels, unless the last call that did so was too recent.
+    /// Queues the layers that `layers` returns, as image `name` of `size` (width, height) pixels.
+    /// If an image was queued too recently, does nothing and does not call `layers`.
     ///
-    /// Making the layers takes at most 1 % of the time of the render.
+    /// So making the layers takes at most 1 % of the time of the render.
     pub fn queue_image_if_due(&mut self, name: &str, size: (u32, u32), layers: impl FnOnce() -> Vec<ExrLayer>) {
         let start = Instant::now();
         if self.throttle.is_due(start) {
@@ -154,8 +155,8 @@ impl TevClient {
         }
     }
 
-    /// Hands `layers` over to the sending thread, as image `name` of `size` (width, height) pixels.
-    /// Does not wait.
+    /// Queues `layers` for sending, as image `name` of `size` (width, height) pixels. Replaces a
+    /// queued image of that name. Does not wait.
     pub fn queue_image(&self, name: &str, size: (u32, u32), layers: Vec<ExrLayer>) {
         self.shared.change_waiting(|waiting| {
             if !waiting.has_failed {
@@ -182,11 +183,11 @@ fn send_images(address: &TevAddress, shared: &SenderState) -> io::Result<()> {
     let mut known: Vec<(String, (u32, u32), Vec<String>)> = Vec::new();
     while let Some(image) = shared.next_image() {
         let channels = channel_names(&image.layers);
-        let described = (image.name.clone(), image.size, channels);
-        if !known.contains(&described) {
-            stream.write_all(&create_image_packet(&image.name, image.size, &described.2))?;
+        let description = (image.name.clone(), image.size, channels);
+        if !known.contains(&description) {
+            stream.write_all(&create_image_packet(&image.name, image.size, &description.2))?;
             known.retain(|(name, ..)| *name != image.name);
-            known.push(described);
+            known.push(description);
         }
         let (width, height) = image.size;
         let values: Vec<&[f32]> =
@@ -245,7 +246,7 @@ fn update_image_packet(
     channels.iter().for_each(|channel| packet.push_text(channel));
     packet.push_u32s(&[0, rows.start, width, rows.end - rows.start]);
     let pixels = u64::from(width) * u64::from(rows.end - rows.start);
-    // The channels follow one after the other: the offset of each, and then the strides.
+    // The values are planar: write the offset of each channel, then a stride of 1 for each.
     (0..channels.len() as u64).for_each(|channel| packet.bytes.extend((channel * pixels).to_le_bytes()));
     (0..channels.len()).for_each(|_| packet.bytes.extend(1u64.to_le_bytes()));
     let window = rows.start as usize * width as usize..rows.end as usize * width as usize;
@@ -302,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn packets_have_the_bytes_of_the_protocol() {
+    fn packets_follow_the_tev_protocol() {
         let channels = ["R".to_owned(), "a.Z".to_owned()];
         let created = create_image_packet("ab", (2, 3), &channels);
         let expected = b"\x1b\0\0\0\x04\x01ab\0\x02\0\0\0\x03\0\0\0\x02\0\0\0R\0a.Z\0";

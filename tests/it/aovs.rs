@@ -35,7 +35,7 @@ fn grouped(filter: FilterKind) -> Settings {
     }
 }
 
-/// Fails unless the light groups of each pixel add up to the picture to rounding.
+/// Fails unless the light groups of each pixel add up to the picture, up to rounding.
 fn assert_groups_add_up(what: &str, pass: &PassResult) {
     assert_eq!(pass.light_groups.len(), LightGroup::ALL.len(), "{what}");
     for (i, pixel) in pass.image.iter().enumerate() {
@@ -234,7 +234,8 @@ fn depth_of_the_course_plane_is_exact() {
     assert_eq!(aovs.object_id[100 * 200 + 100], 1, "the red sphere in the middle");
 }
 
-/// A red and a green square at z = −1 and z = −3, and what stands before or beside them.
+/// Builds a red square at z = −1 and a green square at z = −3, with further objects of scene text
+/// `before`.
 fn squares(before: &str) -> Scene {
     scene_from_text(&format!(
         "OrthographicCamera {{ center 0 0 5  direction 0 0 -1  up 0 1 0  size 2  width 16  height 16 }}\n\
@@ -276,7 +277,7 @@ fn albedo_is_the_texture() {
 }
 
 #[test]
-fn rays_follow_glass_to_what_is_behind() {
+fn rays_follow_glass_to_objects_behind() {
     let scene = squares("MaterialName glass  Box { min -1.5 -1.5 1  max 1.5 1.5 2 }");
     let aovs = aovs_of(&scene, AovSurface::FirstNonSpecular);
     // At normal incidence a surface transmits 96 %; each pane reflects back and forth inside.
@@ -291,7 +292,7 @@ fn rays_follow_glass_to_what_is_behind() {
 }
 
 #[test]
-fn rays_follow_mirrors_to_what_they_show() {
+fn rays_follow_mirrors_to_reflected_objects() {
     // A mirror at 45° turns the view to the right, where a green square stands at x = 4.
     let mirror = "MaterialName silver  Rectangle { corner -1 -1 -1  edge0 2 0 2  edge1 0 2 0 }\n\
                   MaterialName green  Rectangle { corner -4 -1 -4  edge0 0 0 8  edge1 0 2 0 }";
@@ -311,8 +312,8 @@ fn rays_follow_mirrors_to_what_they_show() {
     assert_eq!((first.object_id[middle(12)], first.albedo[middle(12)]), (3, Vec3::splat(0.5)));
 }
 
-/// A camera at z = 5 that looks along −z, and moving objects. All distances on the film are exact
-/// in the middle column.
+/// Builds a scene of moving objects, seen by a camera at z = 5 that looks along −z. Distances on
+/// the film are exact in the middle column.
 fn moving(camera: &str, objects: &str) -> Scene {
     scene_from_text(&format!(
         "{camera}\nBackground {{ color .1 .1 .1 }}\n\
@@ -344,7 +345,8 @@ fn motion_of_a_turning_disc_is_exact() {
     let disc = "Moving { ZRotate 90  Disc { center 0 0 0  normal 0 0 1  radius 3 } }";
     let aovs = aovs_of(&moving(ORTHOGRAPHIC, disc), AovSurface::First);
     for (x, y) in [(2, 3), (8, 8), (15, 1)] {
-        // A point that is seen at the time t has turned by 90° · t, and turns by 90° · (1 − t).
+        // A point that is seen at the time t has already turned by 90° · t, and will turn by 90° ·
+        // (1 − t).
         let p = DVec2::new((f64::from(x) + 0.5) / 8.0 - 1.0, 1.0 - (f64::from(y) + 0.5) / 8.0);
         let by = |t: f64| {
             let turned = |degrees: f64| DMat2::from_angle(degrees.to_radians()) * p;

@@ -206,8 +206,8 @@ fn scenes_09_and_10_match_fine_meshes() {
             let mut hits = 0;
             for (k, (i, j)) in pixels().enumerate() {
                 hits += u32::from(smooth[k].is_some());
-                // A pixel of the mesh must agree with the smooth surface. Next to an outline or a
-                // rim, it may show either side of it.
+                // A pixel of the mesh must agree with the smooth surface. Next to an outline or
+                // rim, it may show what is on either side.
                 let near = (-1..=1).flat_map(|y| (-1..=1).map(move |x| (i + x, j + y)));
                 let outline = near
                     .filter(|(x, y)| (0..n).contains(x) && (0..n).contains(y))

@@ -1,7 +1,7 @@
 //! Small renders of every scene in scenes/ against golden images that were inspected once.
 //!
-//! `CAUSTICA_BLESS=1 cargo test --test it golden` writes new ones: look at each before you commit
-//! it.
+//! `CAUSTICA_BLESS=1 cargo test --test it golden` replaces the golden images. Inspect each one
+//! before you commit it.
 //!
 //! Renders have the same bits on all x86-64 machines, if they are built as `.cargo/config.toml`
 //! says. On other architectures, the crate kiddo may sum over photons in another order, which

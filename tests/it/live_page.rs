@@ -124,7 +124,7 @@ fn saved_bits(program: &LiveProgram, render: u64) -> Vec<u32> {
 
 /// Returns the text of an OBJ file: a hilly square of `side` × `side` cells of two triangles.
 ///
-/// Its extent is 2 in x and z, and `height` is half of that of the hills.
+/// It extends from −1 to 1 in x and z, and from 0 to 2 · `height` in y.
 fn hills(side: u32, height: f64) -> String {
     let at = |i: u32| 2.0 * f64::from(i) / f64::from(side) - 1.0;
     let corners = (0..=side).flat_map(|z| (0..=side).map(move |x| (at(x), at(z))));
@@ -222,7 +222,7 @@ fn views_follow_edits_of_the_scene() {
     program.write("scene.txt", &SCENE.replace("width 96  height 72", "width 40  height 30"));
     let mended = program.wait_for(|state| state["phase"] == "ended" && state["problems"] == 0);
     assert_eq!((&mended["size"], &mended["passes"]), (&serde_json::json!([40, 30]), &3.into()));
-    // A paused render finds the layers of surfaces that a page asks for.
+    // A paused render computes surface layers, such as depth, when the page asks for them.
     let mut status = String::new();
     program.request("GET", "layer/depth").read_line(&mut status).unwrap();
     assert!(status.contains(" 204 "), "{status}");
@@ -234,7 +234,7 @@ fn views_follow_edits_of_the_scene() {
 }
 
 #[test]
-fn edited_views_have_the_bits_of_a_fresh_load() {
+fn edited_views_equal_a_fresh_load() {
     let (words, scene) = ("view scene.txt --photons 2k --passes 2", scene_with_hills());
     let edited = scene.replace("reflectance .75 .75 .75", "reflectance .2 .3 .75");
     let (low, high) = (hills(20, 0.1), hills(20, 0.2));
@@ -253,8 +253,8 @@ fn edited_views_have_the_bits_of_a_fresh_load() {
     assert!(raised != recolored && raised == fresh(&edited, &high));
 }
 
-/// Measures the time from the edit of a material to the first pixels, relative to the time that the
-/// first load of the scene takes, with a mesh of 500,000 triangles.
+/// Measures the time from an edit of a material to the first pixels, relative to the first load of
+/// the scene. The scene has a mesh of 500,000 triangles.
 #[test]
 #[ignore = "long: eight loads of a large mesh"]
 fn material_edits_restart_faster_than_loads() {
@@ -301,14 +301,14 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     product(a, a_mean, b, b_mean) / (product(a, a_mean, a, a_mean) * product(b, b_mean, b, b_mean)).sqrt()
 }
 
-/// Measures the way from the start of the program to a recognisable picture in a browser that is
-/// open before.
+/// Measures the time from the start of the program until a running browser shows a recognisable
+/// picture.
 ///
-/// The load of the machine stretches wall times. So the bounds are on the processor time of the
-/// program, and on the ratio of its first pixels to its first pass.
+/// Other load on the machine lengthens wall times. So the test bounds the processor time of the
+/// program, and the ratio of the times to its first pixels and to its first pass.
 #[test]
 #[ignore = "long: half a minute in a browser"]
-fn the_first_picture_comes_before_a_third_of_the_first_pass() {
+fn the_first_picture_precedes_the_first_pass() {
     let Some(mut browser) = DevTools::start() else {
         eprintln!("SKIPPED: no chromium, chromium-browser or google-chrome in PATH, and CAUSTICA_CHROMIUM is not set");
         return;
@@ -353,7 +353,7 @@ fn the_first_picture_comes_before_a_third_of_the_first_pass() {
 }
 
 /// Measures the processor time of a render with the page open in a browser, relative to the same
-/// render without a page, in pairs of turns.
+/// render without a page. Renders with and without the page alternate.
 #[test]
 #[ignore = "long: a minute in a browser"]
 fn an_open_page_costs_at_most_three_percent() {

@@ -26,18 +26,18 @@ const LARGE: [&str; 2] = ["staircase2", "matpreview"];
 /// reference is not recorded.
 const REFERENCE_SAMPLES: f64 = 32_000.0;
 
-/// A picture by Mitsuba, and the deviations that our picture of the scene may have.
+/// A picture by Mitsuba, with tolerances for Caustica's picture of the same scene.
 struct Reference {
     /// Path of the scene in the folder of Mitsuba's tests, without the extension.
     scene: &'static str,
     /// Name of the reference, in the folder `refs` beside the scene.
     reference: &'static str,
-    /// Least and greatest number of bounces that may correspond to Mitsuba's number of path edges.
+    /// Smallest and largest limit of bounces that can correspond to Mitsuba's limit of path edges.
     ///
-    /// Bounces are two edges less. There may be more bounces behind thin walls, which Mitsuba does
-    /// not count in media.
+    /// A path with n edges has n − 2 bounces. The largest limit is higher if there are thin walls
+    /// in media, which Mitsuba does not count.
     bounces: [u32; 2],
-    /// Deviation of the mean that approximations explain, relative to the mean.
+    /// Allowed deviation of the mean due to approximations, relative to the mean.
     slack: f64,
 }
 
@@ -52,10 +52,10 @@ const PASSES: u64 = 12;
 const SAMPLES: u32 = 8;
 
 /// Greatest standard error of a mean, relative to the mean.
-const SHARPNESS: f64 = 0.01;
+const MAX_RELATIVE_ERROR: f64 = 0.01;
 
-/// Pictures of Mitsuba's own tests. `docs/measurements/mitsuba.md` lists those that deviate more,
-/// with reasons.
+/// Pictures of Mitsuba's own tests. `docs/measurements/mitsuba.md` lists further ones, which
+/// deviate more, with reasons.
 ///
 /// Rows of an environment map lie half a pixel further from the poles than in Mitsuba. That
 /// explains deviations below 1 %.
@@ -177,10 +177,10 @@ fn pass_means(scene: &Scene, max_bounces: u32) -> Vec<f64> {
     (0..PASSES).map(pass).collect()
 }
 
-/// Fails if the mean luminance of a reference is outside the range of our means.
+/// Fails if the mean luminance of a reference is outside the range of Caustica's means.
 ///
-/// The range is from our mean with the fewer bounces to that with the more bounces. The false-alarm
-/// rate is [`FALSE_ALARM_RATE`] for each.
+/// The range is from the mean with the smaller limit of bounces to the mean with the larger one.
+/// The false-alarm rate is [`FALSE_ALARM_RATE`] for each mean.
 fn compare_mean(folder: &Path, reference: &Reference) {
     let Reference { scene: name, reference: picture, bounces, slack } = reference;
     let path = folder.join(format!("{name}.xml"));
@@ -200,7 +200,7 @@ fn compare_mean(folder: &Path, reference: &Reference) {
         let line = format!("{name}, {max_bounces} bounces: {ratio} (p = {p:.1e})");
         eprintln!("{line}");
         assert!(p >= FALSE_ALARM_RATE, "{line}");
-        assert!(error <= SHARPNESS * theirs, "{line}: too blunt");
+        assert!(error <= MAX_RELATIVE_ERROR * theirs, "{line}: too blunt");
     }
 }
 

@@ -128,7 +128,7 @@ fn found() -> MethodStudyResult {
     }
 }
 
-/// Returns the page without its embedded images, because their encoding may contain any word.
+/// Returns the page without its embedded images, whose base64 text could contain any word.
 fn words(page: &str) -> String {
     let mut parts = page.split("base64,");
     let mut text = parts.next().unwrap().to_owned();
@@ -249,7 +249,7 @@ fn browser_shows_the_page() {
     assert_eq!(dom.matches("class=\"picture shown\"").count(), 1);
     assert_eq!(dom.matches("<polyline").count(), page.matches("<polyline").count());
 
-    // The window is so high that nothing must be scrolled: a screenshot does not contain scrolled
+    // The window is high enough to show the whole page, because a screenshot contains only visible
     // parts.
     let high = (1000, 12_000);
     let pm = browser.open("report.html", &page, "#show=pm", high);

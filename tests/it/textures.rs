@@ -103,8 +103,9 @@ fn far_checkerboard_is_filtered_to_its_mean() {
     let mean = all.iter().sum::<f64>() / all.len() as f64;
     let of_passes: Vec<f64> = values.iter().map(|v| v.iter().sum::<f64>() / 128.0).collect();
     let spread = of_passes.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / 15.0 / 16.0;
-    // The nearest line of the strip is 20 units long, 46 tiles. Half a tile too many of one colour
-    // shifts the mean by ½ · .7/46. Student's t over 16 passes exceeds 7.5 once in a million.
+    // The nearest line of the strip is 20 units or 46 tiles long. Half a tile too many of one
+    // colour shifts the mean by ½ · .7/46. Student's t over 16 passes exceeds 7.5 once in a
+    // million.
     assert!((mean - 0.45).abs() < 0.5 * 0.7 / 46.0 + 7.5 * spread.sqrt(), "{mean}");
     let variance = |i: usize| {
         let of: Vec<f64> = values.iter().map(|v| v[i]).collect();
@@ -121,8 +122,8 @@ fn far_checkerboard_is_filtered_to_its_mean() {
 
 /// A linear bump map tilts the normal of a plane by its slope.
 ///
-/// A surface of height s·u, with u = x/w, has the normal (−s/w, 1)/|…| in the coordinates of x and
-/// height.
+/// A surface of height s·u with u = x/w has the slope s/w along x. So its normal is the normalized
+/// vector (−s/w, 1), with components along x and along the height.
 #[test]
 fn linear_bump_map_tilts_the_plane() {
     let folder = tempfile::tempdir().unwrap();
@@ -227,7 +228,8 @@ fn disabled_textures_become_their_mean() {
     }
 }
 
-/// A mask is a mix of two materials by position. Where it is 0 or 1, the choice is not random.
+/// A mix with a texture as amount selects one of two materials by position. Where the texture is 0
+/// or 1, the choice is not random.
 #[test]
 fn masks_select_material_by_position() {
     let scene = scene(&format!(

@@ -82,8 +82,8 @@ fn any_thread_count_gives_same_bits() {
     let one = run(1, 0..3);
     let (_, passes) = &one;
     for (image, counters, global, caustic) in passes {
-        // The checks show that the scene exercises every counter. A black image would be the same
-        // on any machine.
+        // These checks ensure that the scene exercises every counter. A black image would be equal
+        // with any number of threads.
         assert!(image.iter().flatten().filter(|bits| **bits != 0).count() > image.len());
         assert!(counters.continuation_rays > 0 && counters.shadow_rays > 0 && counters.gathered_photons > 0);
         assert!(global.stored_photons > 1000 && caustic.stored_photons > 1000 && counters.rejected_samples == 0);

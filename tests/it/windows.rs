@@ -67,7 +67,8 @@ fn check_windows(scenes: &[&str], window: CropWindow) {
 }
 
 fn render_with(scene: &Scene, algorithm: Algorithm, settings: CameraPathSettings, passes: u32) -> RenderResult {
-    // Aimed prefix rays share the light of a small lamp, so each ray finds less than the limit.
+    // Aimed prefix rays would divide the light of a small lamp among many rays, so that no ray
+    // exceeds the clamping limit.
     let settings = Settings { allows_prefix_rays: false, ..cheap(settings) };
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
@@ -101,7 +102,7 @@ fn clamped_and_removed_light_add_up() {
 
 /// A background of radiance 1.1 clamped to 1 loses 0.1 everywhere, and its error is known.
 #[test]
-fn known_removed_light_is_the_bias() {
+fn clamped_background_has_known_bias() {
     let scene = scene_from_text(
         "PerspectiveCamera { center 0 0 5  lookAt 0 0 0  angle 40  width 8  height 8 }\n\
          Background { color 1.1 1.1 1.1 }\n\

@@ -39,8 +39,8 @@ fn segment_crosses_box(b: &Bounds, ray: &Ray) -> bool {
 
 /// Asserts that a [`BoxTree`] finds each box that a ray crosses exactly once.
 ///
-/// Returns the number of boxes found. A ray may miss a found box by at most 10⁻⁵ of the largest
-/// coordinate.
+/// Returns the number of boxes found. A ray may pass a found box at a distance of at most 10⁻⁵ of
+/// the largest coordinate.
 fn assert_box_queries_agree_with_brute_force(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
     let boxes = BoxTree::build(bounds);
     let size =

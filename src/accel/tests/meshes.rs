@@ -27,12 +27,12 @@ pub(super) fn random_triangle_mesh(rng: &mut SmallRng, count: usize, size: f32) 
         .collect()
 }
 
-/// Triangles with corners that `faces` gives as indices into `vertices`.
+/// Triangles whose corners are given by `faces` as indices into `vertices`.
 pub(super) fn mesh_of_faces(vertices: &[Vec3], faces: &[[u32; 3]]) -> Mesh {
     faces.iter().map(|f| f.map(|i| vertices[i as usize])).collect()
 }
 
-/// Icosahedron whose faces are divided into four, `levels` times, with all vertices on the unit
+/// Icosahedron whose triangles are divided into four, `levels` times, with all vertices on the unit
 /// sphere.
 pub(super) fn icosphere_vertices_and_faces(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let g = 0.5 + 1.25f32.sqrt();

@@ -125,8 +125,8 @@ fn triangle_soups_agree_with_brute_force() {
     }
 }
 
-/// For rays in a small box, a list of the leaves near the box gives the hits of the whole
-/// hierarchy, bit for bit.
+/// For ray segments in a small box, the list of leaves that overlap the box gives the same hits as
+/// the whole hierarchy, bit for bit.
 #[test]
 fn leaves_near_a_box_hold_all_its_hits() {
     let mut rng = SmallRng::seed_from_u64(5);
@@ -165,7 +165,7 @@ fn leaves_near_a_box_hold_all_its_hits() {
 ///
 /// The shear moves a corner by at most γ(9) of its distance, which is below 6 here. γ is
 /// [`rounding_error_bound`](crate::math::rounding_error_bound). The error of barycentric weights is
-/// as large, divided by the apparent height of the triangle.
+/// this displacement, divided by the height of the triangle as seen along the ray.
 #[test]
 fn hits_agree_with_double_precision() {
     let mut rng = SmallRng::seed_from_u64(9);
@@ -234,7 +234,7 @@ fn equal_distances_go_to_the_lowest_primitive_index() {
     assert_eq!(hit.map(|h| h.primitive), Some(PrimitiveIndex::Triangle(0)));
 }
 
-/// Rays agree with brute force from up to 10⁷ triangle sizes away.
+/// Rays from up to 10⁷ triangle sizes away give the hits of brute force.
 ///
 /// At that distance, rounding errors exceed the padding of boxes.
 #[test]
@@ -266,7 +266,7 @@ fn degenerate_rays_agree_with_brute_force() {
         };
         let rays = (0..20_000).filter_map(|_| {
             let (origin, target) = (grid(&mut rng) * [1.0, 2.0][rng.random_range(0..2)], grid(&mut rng));
-            // Zeros of both signs.
+            // Make direction components that are zeros of both signs.
             let sign = if rng.random() { 1.0 } else { -1.0 };
             (origin != target).then(|| Ray::new(origin, (origin - target) * sign))
         });
@@ -300,7 +300,8 @@ fn slivers_and_degenerate_triangles_agree_with_brute_force() {
     assert!(hits > 300, "{hits}");
 }
 
-/// Scaling scene and direction by powers of two scales `t` exactly and changes no other bit.
+/// Scaling the scene or the ray direction by a power of two scales `t` exactly and changes no other
+/// bit of a hit.
 #[test]
 fn power_of_two_scales_change_no_bit() {
     let mut rng = SmallRng::seed_from_u64(5);
@@ -315,8 +316,8 @@ fn power_of_two_scales_change_no_bit() {
         for ray in &rays {
             let expected =
                 tree.closest_hit(ray, miss_other_primitive).map(|h| PrimitiveHit { t: h.t * (size / length), ..h });
-            let precalc = Ray::new(ray.origin * size, ray.direction * length);
-            assert_eq!(other.closest_hit(&precalc, miss_other_primitive), expected, "{size} {length}");
+            let scaled_ray = Ray::new(ray.origin * size, ray.direction * length);
+            assert_eq!(other.closest_hit(&scaled_ray, miss_other_primitive), expected, "{size} {length}");
         }
     }
 }
@@ -339,9 +340,9 @@ fn identical_primitives_build_fast_and_shallow() {
 
 /// A tree of triangles that grow by a constant factor does not overflow the traversal stack.
 ///
-/// The heuristic splits off one such triangle at a time, so the tree is deep.
+/// The surface area heuristic splits off one such triangle at a time, so the tree is deep.
 #[test]
-fn geometric_series_cannot_overflow_the_stack() {
+fn deep_trees_do_not_overflow_the_stack() {
     let triangles: Mesh = (0..240)
         .map(|i| {
             let s = libm::powf(1.4, i as f32 - 120.0);

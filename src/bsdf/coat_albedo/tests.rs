@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// Midpoint rule in √cosθ, which resolves the horizon.
+/// Cosine-weighted mean of `albedo(cosθ)` over the hemisphere, by the midpoint rule in √cosθ, which
+/// resolves the horizon.
 fn mean_by_quadrature(albedo: impl Fn(f64) -> f64) -> f64 {
     let steps = 20_000;
     let t = (0..steps).map(|i| (f64::from(i) + 0.5) / f64::from(steps));

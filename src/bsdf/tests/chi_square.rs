@@ -71,7 +71,8 @@ struct ChiSquareCase {
     bsdf: Bsdf,
     /// Refractive index of the far side, relative to the side of `wo`.
     ///
-    /// It determines the direction of specular refraction, which is the pole of the second grid.
+    /// The index determines the direction of specular refraction, which is the pole of the second
+    /// grid.
     eta: f32,
     /// Width of the rings of both grids near their poles \[radians].
     width: f64,
@@ -126,7 +127,8 @@ fn chi_square_test_cases() -> Vec<ChiSquareCase> {
     cases
 }
 
-/// Two grids: around the direction of specular reflection, and around that of specular refraction.
+/// Returns two grids. Their poles are the directions of specular reflection and of specular
+/// refraction.
 fn grids_around_specular_directions(case: &ChiSquareCase) -> [PolarDirectionGrid; 2] {
     let n = face_forward(case.ns, case.wo);
     let cos = case.wo.dot(n);
@@ -170,8 +172,8 @@ fn chi_square_p_value(counts: &[u32], expected: &[f64]) -> f64 {
     0.5 * libm::erfc(z * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// Sampled directions follow the pdf, and absorbed samples its missing probability. The pdf
-/// integrates to at most 1.
+/// Sampled directions are distributed by the pdf. The fraction of absorbed samples is 1 minus the
+/// integral of the pdf.
 #[test]
 fn bsdf_samplers_match_their_pdfs() {
     let cases = chi_square_test_cases();
@@ -205,7 +207,7 @@ fn bsdf_samplers_match_their_pdfs() {
 
 /// The pdf of a narrow lobe integrates to 1, because no microfacet scatters to the wrong side.
 ///
-/// At α = 10⁻³ and 45°, the lobe is hundreds of its widths away from the horizon.
+/// At α = 10⁻³ and 45°, the lobe's distance to the horizon is hundreds of its widths.
 #[test]
 fn pdfs_of_narrow_lobes_integrate_to_one() {
     let narrow = |c: &&ChiSquareCase| c.width < 0.01 && c.ns == c.ng && c.wo.dot(c.ns).abs() > 0.5;

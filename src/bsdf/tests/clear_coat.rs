@@ -18,8 +18,8 @@ fn coat_and_base_albedos(bsdf: Bsdf, wo: Vec3) -> (f64, f64) {
 
 /// Over a mirror, a smooth coat and its base together have albedo 1 at each angle.
 ///
-/// Over a white diffuse base, with the coat's Fresnel reflectance F, their albedo for light along
-/// the normal is 1 + F − mean F: along the normal, F is least.
+/// Over a white diffuse base, their albedo for light along the normal is 1 + F − mean F, where F is
+/// the coat's Fresnel reflectance along the normal.
 #[test]
 fn clear_coats_over_white_bases_have_closed_form_albedos() {
     let coat = ClearCoat::new(1.0, 0.0);
@@ -36,7 +36,7 @@ fn clear_coats_over_white_bases_have_closed_form_albedos() {
 /// A sample of a white diffuse surface under a coat of albedo c has the weight 1 − max(c(wo),
 /// c(wi)).
 #[test]
-fn diffuse_surfaces_lose_what_the_coat_weakens() {
+fn diffuse_samples_under_coats_have_formula_weights() {
     for (coverage, alpha) in [(1.0, 0.0), (0.25, 0.05), (1.0, 0.2), (0.7, 0.6)] {
         let bsdf = ClearCoat::new(coverage, alpha).over(Bsdf::Diffuse(Rgb::ONE));
         let albedo = |cos: f32| coverage * coat_albedo(cos, 1.5, alpha);
@@ -67,7 +67,7 @@ fn white_metals_gain_no_light_under_clear_coats() {
     }
 }
 
-/// The mean over `u` of the selected BSDFs is the sum of all layers.
+/// The mean over `u` of the BSDFs that `select_layer` returns is the sum of all layers.
 #[test]
 fn selected_layers_add_up_to_coat_and_base() {
     let n = 4096;
@@ -84,12 +84,12 @@ fn selected_layers_add_up_to_coat_and_base() {
                 largest = largest.max(value.max_element());
                 mean += value / f64::from(n);
             }
-            // Under the clear coat, a coat with a BSDF of its own is attenuated like its base.
+            // The clear coat attenuates a separate inner coat as it attenuates the base.
             let base = bsdf.base_under_clear_coat().unwrap();
             let inner = base.coat_if_separate().map_or(DVec3::ZERO, f) * (f(bsdf) / f(base));
             let expected = f(bsdf) + inner + f(bsdf.coat_if_separate().unwrap());
-            // At each of two boundaries between layers, the values of `u` miss at most half a step.
-            // The rest is for rounding to f32.
+            // At each of the two boundaries between layers, the sum over `u` is wrong by at most
+            // half a step. The rest is for rounding to f32.
             let tolerance = largest / f64::from(n) + 1e-5 * expected.max_element();
             let error = (mean - expected).abs().max_element();
             assert!(error < tolerance, "{bsdf:?}: {mean} {expected}, {error} of {tolerance}");
@@ -97,7 +97,7 @@ fn selected_layers_add_up_to_coat_and_base() {
     }
 }
 
-/// A random number of 1, which rounding can give, does not select a coat that covers nothing.
+/// A random number of 1, which can result from rounding, never selects a coat of coverage 0.
 #[test]
 fn coats_without_coverage_are_never_selected() {
     let surface = ClearCoat::new(0.0, 0.0).over(Bsdf::Diffuse(Rgb::ONE));

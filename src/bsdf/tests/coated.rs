@@ -28,9 +28,9 @@ fn white_coated_surfaces_reflect_all_light() {
     }
 }
 
-/// The mean of the selected layers over `u` is base plus coat.
+/// The mean over `u` of the BSDFs that `select_layer` returns is the sum of base and coat.
 #[test]
-fn selected_layers_add_up_to_both() {
+fn selected_layers_average_to_coat_plus_base() {
     let n = 4096;
     for (eta, alpha) in [(1.5, 0.0), (1.5, 0.2), (3.0, 0.05)] {
         let bsdf = Bsdf::coated_diffuse(Rgb::new(0.9, 0.4, 0.1), eta, alpha, true);
@@ -57,8 +57,8 @@ fn selected_layers_add_up_to_both() {
     }
 }
 
-/// A random walk between base and smooth coat leaves as often, and as steeply, as the closed form
-/// says.
+/// The closed form of a smooth coat agrees with random walks between coat and base: in the fraction
+/// of walks that leave, and in the fraction that leave with a cosine above 0.7.
 #[test]
 fn coated_base_matches_random_walk() {
     let (eta, walks) = (1.5f32, 400_000);
@@ -118,7 +118,7 @@ fn linear_coats_are_proportional_to_reflectance() {
 }
 
 #[test]
-fn coats_split_at_the_storage_threshold() {
+fn coats_are_separate_up_to_storage_threshold() {
     let bsdf = |alpha| Bsdf::coated_diffuse(Rgb::splat(0.5), 1.5, alpha, true);
     for (alpha, separate, specular) in
         [(0.0, true, true), (0.1, true, false), (MIN_PHOTON_STORAGE_ALPHA, true, false), (0.31, false, false)]

@@ -84,7 +84,8 @@ fn every_bsdf_variant_is_tested() {
     assert_eq!(is_tested, [true; 12]);
 }
 
-/// A BSDF that stores photons never samples a delta lobe, whose light density estimates would miss.
+/// A BSDF that stores photons never samples a delta lobe, because density estimates would miss its
+/// light.
 #[test]
 fn receivers_never_sample_delta_lobes() {
     for bsdf in bsdfs_of_every_variant().into_iter().filter(Bsdf::stores_photons) {
@@ -214,10 +215,12 @@ fn thin_sheets_sample_both_directions() {
     assert!(sample_bsdf(&opaque, Vec3::Z, 0, TransportMode::Radiance).is_none());
 }
 
-/// A metal whose index follows from a reflectance has that reflectance for light along the normal.
-/// The bound is eight roundings at 1.
+/// A metal with the refractive index of [`conductor_index_of_reflectance`] has the given
+/// reflectance at normal incidence.
+///
+/// The tolerance is eight rounding errors of a number just below 1.
 #[test]
-fn metals_of_given_reflectance_have_it() {
+fn metal_index_reproduces_the_given_reflectance() {
     for reflectance in [0.0, 0.04, 0.3, 0.5, 0.95, 0.9999] {
         let (eta, k) = conductor_index_of_reflectance(Rgb::splat(reflectance));
         let found = conductor_reflectance(1.0, eta, k).x;

@@ -32,7 +32,8 @@ fn basic_bsdfs() -> [Bsdf; 5] {
     ]
 }
 
-/// Coated BSDFs that store photons: wide coats with their bases, and bases of narrow coats.
+/// Coated BSDFs that store photons: bases together with their coat if it is rough, and bases
+/// without their separate coat if it is smooth or slightly rough.
 fn coated_bsdfs() -> Vec<Bsdf> {
     let rgb = Vec3::new(1.0, 0.2, 0.5);
     [(1.5, 0.0), (2.5, 0.1), (1.5, 0.31), (1.2, 1.0)]
@@ -70,7 +71,7 @@ fn clear_coated_bsdfs() -> Vec<(Bsdf, f64)> {
     bases.into_iter().flat_map(coated).collect()
 }
 
-/// Coats of α from 0 to 0.2, selected alone.
+/// Coats of α from 0 to 0.2, without their bases.
 fn coats() -> Vec<Bsdf> {
     [0.0, MIN_ROUGH_ALPHA, 0.2]
         .map(|a| Bsdf::coated_diffuse(Rgb::ZERO, 1.5, a, true).coat_if_separate().unwrap())
@@ -177,7 +178,7 @@ fn diffuse_and_coated_scattering_is_reciprocal() {
 /// A smooth dielectric reflects with the probability that Fresnel's equations give. Transmitted
 /// radiance is divided by the squared relative index.
 #[test]
-fn dielectric_weights_are_fresnel() {
+fn dielectrics_reflect_by_fresnel_probability() {
     let glass = Bsdf::Dielectric(Dielectric { eta: 1.5 });
     let n = 100_000u64;
     for cos in [0.8f32, 0.3, -0.9] {

@@ -37,10 +37,11 @@ fn rough_dielectrics_keep_all_light() {
     }
 }
 
-/// Metal becomes deeper in color by reflections between microfacets, and darker than white metal.
+/// Reflections between microfacets make metal more saturated in color, and it still reflects less
+/// than white metal.
 ///
-/// The independent estimate is a series: each reflection multiplies by the reflectance, and each
-/// time the fraction of lost diffuse light goes on.
+/// The added light equals an independent series. Each reflection multiplies light by the
+/// reflectance. After it, the lost fraction of diffuse light meets another microfacet.
 #[test]
 fn multiple_reflections_deepen_colors() {
     let (eta, k) = metal_refractive_index("copper").unwrap();
@@ -73,7 +74,7 @@ fn multiple_reflections_deepen_colors() {
 
 /// An interface that hardly refracts reflects hardly any light, at each roughness.
 #[test]
-fn weak_interfaces_transmit_lost_light() {
+fn weak_interfaces_reflect_almost_no_light() {
     for alpha in [0.2, 1.0] {
         let (reflected, transmitted) =
             mean_sample_weights(&Bsdf::dielectric(1.0005, alpha, Multiple), direction_with_cos(0.6));

@@ -34,7 +34,7 @@ fn rough_bsdfs() -> [Bsdf; 8] {
 }
 
 /// Returns the mean weight of samples on photon paths: first of reflected samples, then of
-/// transmitted ones. Samples in the other direction count as 0.
+/// transmitted ones. In each mean, samples of the other kind count as 0.
 ///
 /// The random numbers form a lattice. Each mean estimates the integral of f·cosθ over its
 /// hemisphere.

@@ -32,8 +32,8 @@ fn connections_invert_camera_rays() {
     }
 }
 
-/// Compares the importance of a connection with the Jacobian of the film position, by small steps
-/// perpendicular to the ray.
+/// Compares the importance of a connection with the Jacobian of the film position, by finite
+/// differences perpendicular to the ray.
 #[test]
 fn camera_importance_is_the_film_jacobian() {
     for camera in cameras_of_all_kinds() {
@@ -52,8 +52,8 @@ fn camera_importance_is_the_film_jacobian() {
     }
 }
 
-/// Only a panorama has several film positions of a ray: near the edges of the film, and more near a
-/// corner.
+/// Only in a panorama does a ray have other film positions: one near an edge of the film, two near
+/// a corner.
 #[test]
 fn other_film_positions_have_the_same_ray() {
     for camera in cameras_of_all_kinds() {

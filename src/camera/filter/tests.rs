@@ -73,8 +73,8 @@ fn filter_offsets_are_within_the_radius() {
 /// Checks that normalized filter values have integral 1 and the second moment of the filter, and
 /// vanish beyond the radius.
 ///
-/// Linear interpolation between 256 values errs by less than 10⁻⁴ for these filters; midpoints
-/// split the jump of a filter at its radius.
+/// The error of linear interpolation between 256 values is below 10⁻⁴ for these filters. No
+/// midpoint lies on the jump of the box filter at its radius.
 #[test]
 fn normalized_values_have_integral_one() {
     let kinds =
@@ -98,8 +98,8 @@ fn normalized_values_have_integral_one() {
 }
 
 /// The pdf of offsets has integral 1, and its integral over a quarter plane is the fraction of
-/// samples there. The pdf is a histogram, whose integral the midpoint rule finds to about a step of
-/// the axis.
+/// samples there. The pdf is piecewise constant, so the error of the midpoint rule is about the
+/// integral over one step.
 #[test]
 fn filter_offsets_follow_their_pdf() {
     let n = 20_000;

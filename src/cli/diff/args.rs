@@ -9,7 +9,8 @@ use std::path::PathBuf;
 pub enum ErrorMapKind {
     /// FLIP, from 0 to 1
     Flip,
-    /// Error divided by the radiance of the reference around the pixel and of a typical pixel
+    /// Error divided by √(L² + m²): radiance L of the reference around the pixel, m of a typical
+    /// pixel
     Relative,
     /// A minus B
     Signed,
@@ -20,9 +21,9 @@ pub enum ErrorMapKind {
 /// Mode of the FLIP metric: value of `--flip`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FlipMetricModeArgument {
-    /// Display values, clamped like a PNG
+    /// LDR-FLIP: compares display values, clamped as in a PNG
     Ldr,
-    /// Maximum over all useful exposures
+    /// HDR-FLIP: maximum of LDR-FLIP over a range of exposures
     Hdr,
 }
 

@@ -5,8 +5,8 @@ use crate::image::{Image, OutputFormat, RelativeErrorWeights, diverging_color, s
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-/// Quantile of the absolute errors that ends the colour scale of a PNG error map. Larger errors are
-/// clamped, so one firefly does not stretch the scale.
+/// Quantile of the absolute errors at which the colour scale of a PNG error map ends. Larger errors
+/// are clamped, so one firefly does not stretch the scale.
 const SCALE_QUANTILE: f64 = 0.99;
 
 /// Colour scale of a PNG error map: the errors that its first and last colours show.
@@ -59,7 +59,7 @@ fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> V
 /// Returns the error at the end of a PNG map's colour scale: the quantile [`SCALE_QUANTILE`] of the
 /// absolute `values`.
 ///
-/// If the quantile is 0, returns the greatest absolute value; if this is 0 too, returns 1.
+/// If the quantile is 0, returns the largest absolute value. If this value is 0 too, returns 1.
 fn color_scale_end(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     let index = ((sizes.len() - 1) as f64 * SCALE_QUANTILE) as usize;

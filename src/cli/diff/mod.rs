@@ -79,11 +79,12 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
 
 /// Returns the FLIP mode that `--flip` selects.
 ///
-/// Without `--flip`, the mode is LDR if both pictures hold display values (`displayed`), else HDR.
-fn selected_flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMetricMode, CommandFailure> {
+/// Without `--flip`, the mode is LDR if both pictures are PNG files (`both_are_png`), which hold
+/// display values; else HDR.
+fn selected_flip_mode(arguments: &DiffArguments, both_are_png: bool) -> Result<FlipMetricMode, CommandFailure> {
     match (arguments.flip, arguments.exposure) {
         (Some(FlipMetricModeArgument::Ldr), stops) => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
-        (None, stops) if displayed => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
+        (None, stops) if both_are_png => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
         (_, None) => Ok(FlipMetricMode::Hdr),
         (_, Some(_)) => Err(CommandFailure::usage_error(ExposureWithHdrFlipError)),
     }
@@ -168,7 +169,8 @@ fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'sta
     exceeded
 }
 
-/// Writes the error map of `kind` to `path`, the file of `--output`. Returns what the map shows.
+/// Writes the error map of `kind` to `path`, the file of `--output`. Returns a description of the
+/// map for the report.
 fn write_error_map(
     path: &Path,
     kind: ErrorMapKind,

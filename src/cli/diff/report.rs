@@ -8,10 +8,11 @@ use crate::study::text::three_digit_text;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Constant ε in the denominator of the relative MSE: see
+/// Constant ε in the denominator of the relative MSE; see
 /// [`relative_mse`](crate::image::metrics::relative_mse).
 pub(super) const RELATIVE_MSE_EPSILON: f64 = 0.01;
 
+/// Result of `caustica diff` for the pictures `a` and `b`, of which `b` is the reference.
 #[derive(Debug, Serialize)]
 pub(super) struct DiffReport {
     pub schema: u32,

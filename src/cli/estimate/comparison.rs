@@ -7,8 +7,8 @@ use crate::study::text::percent_text;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Usage error: an algorithm leaves out some light by design. Its estimated error does not contain
-/// that light, so it cannot be compared.
+/// Usage error: `--compare` names an algorithm that leaves out some light by design. Its estimated
+/// error does not contain the missing light, so a comparison would mislead.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("--compare cannot compare {name}, which leaves light out by design")]
 #[diagnostic(help("choose among hybrid, path, sppm, ppm and pm"))]
@@ -29,7 +29,7 @@ pub(super) fn check_comparable(algorithms: &[Algorithm]) -> Result<(), Algorithm
     }
 }
 
-/// Estimated costs by the algorithm of `--integrator`, and by the algorithms of `--compare`.
+/// Cost reports of the algorithm of `--integrator` and of the algorithms of `--compare`.
 #[derive(Debug, Serialize)]
 pub(super) struct CostComparison {
     #[serde(flatten)]
@@ -72,15 +72,15 @@ impl CostComparison {
         self.reports().for_each(|report| _ = write!(text, " {:>16}", report.integrator));
         text.push('\n');
         for row in 0..self.report.estimates.len() {
-            let prices: Vec<(&CostEstimate, bool)> =
+            let costs: Vec<(&CostEstimate, bool)> =
                 self.reports().map(|report| (&report.estimates[row], report.may_miss_caustics)).collect();
-            // The estimated error of an algorithm leaves out caustics that it misses, so its time
-            // never counts as the least.
-            let known = prices.iter().filter(|(_, misses_caustics)| !misses_caustics);
-            let least = known.filter_map(|(price, _)| price.seconds).fold(f64::INFINITY, f64::min);
-            let _ = write!(text, "  {:>7}", percent_text(prices[0].0.target_error));
-            for (price, misses_caustics) in prices {
-                let cell = match (price.seconds, price.bias_floor) {
+            // An algorithm that may miss caustics gets no star: its estimated error leaves out the
+            // caustics that it misses.
+            let known = costs.iter().filter(|(_, misses_caustics)| !misses_caustics);
+            let least = known.filter_map(|(cost, _)| cost.seconds).fold(f64::INFINITY, f64::min);
+            let _ = write!(text, "  {:>7}", percent_text(costs[0].0.target_error));
+            for (cost, misses_caustics) in costs {
+                let cell = match (cost.seconds, cost.bias_floor) {
                     (Some(seconds), _) if misses_caustics => format!("({})", duration_text(seconds)),
                     (Some(seconds), _) if seconds == least => format!("{} *", duration_text(seconds)),
                     (Some(seconds), _) => duration_text(seconds),

@@ -1,4 +1,4 @@
-//! Report of the estimated costs of errors, by one algorithm.
+//! Report of the time, passes and photons that one algorithm needs to reach each of several errors.
 
 use crate::cli::EstimateArguments;
 use crate::cli::args::MethodArguments;
@@ -22,7 +22,7 @@ pub(super) struct PilotTooShortError {
     passes: u32,
 }
 
-/// Estimated costs of a render by one algorithm, for each error that the command line names.
+/// JSON report: estimated cost of a render by one algorithm, for each target error of `--errors`.
 #[derive(Debug, Serialize)]
 pub(super) struct CostEstimateReport {
     schema: u32,
@@ -39,8 +39,11 @@ pub(super) struct CostEstimateReport {
     /// Estimated error of the pilot's picture.
     #[serde(rename = "pilot")]
     pilot_error: ErrorEstimate,
+    /// Time of loading and pilots \[s].
     setup_seconds: f64,
+    /// Time of each pass after the first \[s].
     pass_seconds: f64,
+    /// Mean number of photon paths that a pass emits.
     #[serde(rename = "pass_photons")]
     photon_paths_per_pass: f64,
     peak_memory_bytes: Option<u64>,
@@ -50,7 +53,7 @@ pub(super) struct CostEstimateReport {
     time_range_probability: f64,
     #[serde(rename = "prices")]
     pub(super) estimates: Vec<CostEstimate>,
-    /// Expected end of a render without flags that set a limit; `None` if it is unknown.
+    /// Expected end of a render without limits on its command line; `None` if it is unknown.
     #[serde(rename = "default")]
     default_end: Option<ExpectedEndReport>,
     /// Expected end of a render whose only limit is `--preview`; `None` if it is unknown.
@@ -58,7 +61,7 @@ pub(super) struct CostEstimateReport {
     preview_end: Option<ExpectedEndReport>,
 }
 
-/// Expected reason, passes, time and error with which a render ends.
+/// Expected end of a render: its reason, and the passes, time and error at that end.
 #[derive(Debug, Serialize)]
 struct ExpectedEndReport {
     #[serde(rename = "ended")]
@@ -81,12 +84,13 @@ pub(super) struct CostEstimate {
     /// Expected time of the render, including loading and pilots \[s]; `None` if `passes` is
     /// `None`.
     pub(super) seconds: Option<f64>,
-    /// Lower end of the range of likely times of the render \[s]; `None` if no number of passes
-    /// reaches the target error.
+    /// Lower end of the range of likely times of the render \[s]; a lower bound if `seconds` is
+    /// unknown. `None` if no number of passes reaches the target error.
     seconds_low: Option<f64>,
     /// Upper end of the range of likely times of the render \[s]; `None` if it is too far to
     /// predict, or if no number of passes reaches the target error.
     seconds_high: Option<f64>,
+    /// Expected number of photon paths; `None` if `passes` is `None`.
     #[serde(rename = "photons")]
     photon_paths: Option<f64>,
     /// Relative bias that remains in the picture after any number of passes; `None` if the target
@@ -103,8 +107,8 @@ impl CostEstimateReport {
     ///
     /// `misses_caustics` is true if that algorithm finds caustics of the scene only by chance.
     /// `setup` is the time of loading and pilots \[s]. `pass_seconds` is the time of each pass
-    /// after the first \[s]. `default` holds the stop criteria of a render without flags that set a
-    /// limit, and `preview` those with `--preview` alone.
+    /// after the first \[s]. `default` holds the stop criteria of a render without limits on the
+    /// command line, and `preview` the criteria with `--preview` alone.
     ///
     /// Returns an error if the pilot made too few passes to estimate its error.
     pub(super) fn new(
@@ -127,7 +131,7 @@ impl CostEstimateReport {
         if let Some((width, height)) = arguments.scene.size {
             words.extend(["--size".to_owned(), format!("{width}x{height}")]);
         }
-        words.extend(arguments.scene.import.repeated_flags());
+        words.extend(arguments.scene.import.reproducing_flags());
         let words = words.join(" ");
         let estimate = |error: &f64| {
             let estimate = CostEstimate::new(*error, &forecast, (setup, pass_seconds, pass_photons));

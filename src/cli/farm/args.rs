@@ -17,12 +17,12 @@ use std::time::Duration;
 /// Arguments of `farm`.
 #[derive(Debug, Args)]
 pub struct FarmArguments {
-    /// The engine that runs the shards, which are the parts of the passes of a render.
+    /// Batch system that runs the shards, which are parts of the passes of a render.
     #[command(subcommand)]
     pub engine: FarmEngine,
 }
 
-/// Engine of a farm, with its arguments.
+/// Batch system that runs the jobs of a farm, with its arguments.
 #[derive(Debug, Subcommand)]
 pub enum FarmEngine {
     /// Render by job arrays of Slurm (version 22 or later) and follow them to the picture
@@ -94,7 +94,7 @@ pub struct SlurmArguments {
     #[arg(long, value_parser = parse_count, default_value = "3", value_name = "N")]
     pub retries: u32,
 
-    /// Time between two questions to Slurm about the jobs
+    /// Time between two queries of the state of the jobs
     #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
     pub poll: Duration,
 
@@ -102,7 +102,7 @@ pub struct SlurmArguments {
     #[arg(long)]
     pub dry_run: bool,
 
-    /// Each shard saves its film once in this time, such as 1m, and at the end
+    /// Time between two saves of a shard's film, such as 1m. The end of the shard saves it too
     #[arg(long, value_parser = parse_duration, default_value = "5m", value_name = "TIME")]
     pub save_every: Duration,
 
@@ -111,7 +111,7 @@ pub struct SlurmArguments {
     #[arg(long)]
     pub no_error_estimate: bool,
 
-    /// Also keep direct, indirect and caustic light apart in the films
+    /// Also store direct, indirect and caustic light separately in the films
     #[arg(long)]
     pub light_groups: bool,
 
@@ -158,7 +158,7 @@ impl SlurmArguments {
     }
 }
 
-/// Flags of `render` that a farm refuses, and what to use instead.
+/// Flags of `render` that a farm refuses, each with the reason or with the flags to use instead.
 const REFUSED_FLAGS: [(&str, &str); 14] = [
     ("film", "each shard has a film of its own in --work-dir; `-o FILE.film` writes the film of all passes"),
     ("shard", "--shards divides the passes"),
@@ -191,7 +191,7 @@ pub struct RefusedArguments;
 
 impl Args for RefusedArguments {
     fn augment_args(command: Command) -> Command {
-        // They accept any values, so that no error about a value hides the reason.
+        // Accept any value, so that no error about a value hides the reason for the refusal.
         let argument = |name| Arg::new(name).long(name).hide(true).num_args(0..=1).action(ArgAction::Append);
         command.args(REFUSED_FLAGS.map(|(name, _)| argument(name)))
     }
@@ -226,7 +226,7 @@ mod tests {
 
     /// Each flag of `render` is a flag of `farm slurm`, or is refused with a reason.
     #[test]
-    fn farms_know_every_flag_of_render() {
+    fn farm_accepts_or_refuses_every_render_flag() {
         let arguments = Arguments::command();
         let flags = |command: &Command, hidden: bool| -> BTreeSet<String> {
             let flags = command.get_arguments().filter(|argument| argument.is_hide_set() == hidden);

@@ -1,13 +1,13 @@
-//! Division of the passes of a render into shards of equal size, and lists of shard numbers.
+//! Division of the passes of a render into shards, and lists of shard numbers.
 
 use crate::cli::shard::Shard;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// A number of passes, divided into shards.
+/// Division of a number of passes into shards of almost equal size.
 ///
-/// If two divisions have the same number of passes per shard, shard k makes the same passes in
-/// both. So a render can grow by further shards.
+/// If two divisions have the same number of passes per shard, shard k has the same passes in both.
+/// So shards can be added to a render later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct ShardDivision {
     /// Number of shards. The shards are numbered from 1.
@@ -16,10 +16,10 @@ pub(super) struct ShardDivision {
     pub passes: u32,
 }
 
-/// Tasks of one job array.
+/// Tasks of one Slurm job array; each task renders one shard.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct ArrayTasks {
-    /// Number of a shard minus the number of its task.
+    /// Number that is added to the number of a task to get the number of its shard.
     pub shard_offset: u32,
     /// Numbers of the tasks in sbatch's notation, such as `1-3,7`.
     pub tasks: String,
@@ -31,7 +31,8 @@ impl ShardDivision {
         Shard { number, count: self.shards }.passes(self.passes)
     }
 
-    /// True if each shard that both divisions have makes the same passes in both.
+    /// True if both divisions have equal numbers of passes per shard. Each shard number that both
+    /// have then stands for the same passes.
     pub fn has_same_shard_passes(self, other: Self) -> bool {
         u64::from(self.passes) * u64::from(other.shards) == u64::from(other.passes) * u64::from(self.shards)
     }
@@ -49,8 +50,8 @@ impl ShardDivision {
     }
 }
 
-/// Returns the job arrays that run `shards`, whose numbers ascend. Task numbers count from 1 and
-/// are at most `most`.
+/// Returns the job arrays that run `shards`, a list of ascending shard numbers. Task numbers are
+/// from 1 to `most`.
 pub(super) fn job_arrays(shards: &[u32], most: u32) -> Vec<ArrayTasks> {
     let array_of = |shard: u32| (shard - 1) / most;
     let arrays = shards.chunk_by(|a, b| array_of(*a) == array_of(*b));
@@ -78,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arrays_hold_all_shards_within_the_limit() {
+    fn job_arrays_cover_all_shards() {
         let arrays = |shards: &[u32], most| {
             job_arrays(shards, most).into_iter().map(|array| (array.shard_offset, array.tasks)).collect::<Vec<_>>()
         };
@@ -90,9 +91,10 @@ mod tests {
         assert_eq!(arrays(&[], 1000), []);
     }
 
-    /// The shards of a grown division begin with those of the smaller division, and continue them.
+    /// Shards 1 to 6 have the same passes before and after three shards are added. The added shards
+    /// have the passes that follow.
     #[test]
-    fn grown_divisions_keep_their_shards() {
+    fn added_shards_leave_earlier_shards_unchanged() {
         let first = ShardDivision { shards: 6, passes: 24 };
         let grown = first.with_more_shards(3, 100).unwrap();
         assert_eq!(grown, ShardDivision { shards: 9, passes: 36 });

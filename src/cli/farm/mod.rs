@@ -1,4 +1,7 @@
-//! `caustica farm`: renders the shards of a picture by the jobs of a farm's engine.
+//! `caustica farm`: renders one picture on many machines, as jobs of a batch system such as Slurm.
+//!
+//! Each job renders a shard, which is a part of the passes. A last job merges the films of all
+//! shards.
 
 mod args;
 mod division;
@@ -62,10 +65,10 @@ fn run_slurm(arguments: &SlurmArguments) -> Result<Exit, CommandFailure> {
     SlurmRender::new(arguments, &folder, header, &progress).run(division)
 }
 
-/// Returns the division of the first wave of jobs.
+/// Returns the division into shards of the passes of the first wave of jobs.
 ///
-/// With `--target-error`, the number of passes is rounded up, so that all shards have equally many.
-/// Further shards can then follow.
+/// With `--target-error`, the number of passes is rounded up to a multiple of the number of shards:
+/// only then can a later wave add shards.
 fn first_division(arguments: &SlurmArguments) -> Result<ShardDivision, CommandFailure> {
     let SlurmArguments { shards, passes, .. } = *arguments;
     if shards > passes {
@@ -87,8 +90,8 @@ fn work_folder_path(arguments: &SlurmArguments) -> PathBuf {
 
 /// Loads the scene, and returns the header of the films of its shards.
 ///
-/// Errors of the scene are reported before any job is submitted. So are outputs that would replace
-/// inputs.
+/// So errors of the scene are found before any job is submitted. Returns a failure if an output
+/// would replace an input.
 fn film_header_from_scene(
     arguments: &SlurmArguments,
     folder: &WorkFolder,
@@ -111,7 +114,7 @@ fn film_header_from_scene(
 
 /// Prints the scripts of the first round, and the commands that submit them.
 fn print_scripts(folder: &WorkFolder, scripts: &JobScripts, division: ShardDivision) -> Result<Exit, CommandFailure> {
-    // Without Slurm, the size of job arrays is that of a fresh installation.
+    // Without Slurm on this machine, assume the default limit of job arrays.
     let most = slurm::max_task_number().unwrap_or(slurm::DEFAULT_MAX_ARRAY_SIZE - 1);
     let shards: Vec<u32> = (1..=division.shards).collect();
     let line = |arguments: Vec<String>| {

@@ -1,4 +1,4 @@
-//! Shell scripts of the jobs.
+//! Shell scripts that Slurm runs as jobs.
 
 use super::args::SlurmArguments;
 use super::division::ShardDivision;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Number of bytes in a mebibyte, the unit of Slurm's `--mem`.
 const MEBIBYTE: u64 = 1 << 20;
 
-/// Error: a path or option cannot stand in a shell script.
+/// Error: a path or option cannot be written in a shell script.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{text}` cannot stand in a script of Slurm: it has a line break or is not UTF-8")]
 #[diagnostic(help("choose another name"))]
@@ -21,10 +21,10 @@ pub(super) struct UnquotableWordError {
     text: String,
 }
 
-/// Error of writing a script.
+/// Error: a job script cannot be made.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub(super) enum ScriptError {
-    /// A word cannot stand in a script.
+    /// A path or option cannot be written in a script.
     #[error(transparent)]
     #[diagnostic(transparent)]
     UnquotableWord(#[from] UnquotableWordError),
@@ -33,19 +33,20 @@ pub(super) enum ScriptError {
     Path(#[from] io::Error),
 }
 
-/// Scripts of a job array and of the merge after it.
+/// Job scripts of a farm render: one renders a shard, the other merges the films of all shards.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct JobScripts {
-    /// Script of one shard. Its argument is the offset of its job array: the number of the shard
-    /// minus the number of the task.
+    /// Script that renders one shard. It takes one argument,
+    /// [`ArrayTasks::shard_offset`](super::division::ArrayTasks::shard_offset): the number of the
+    /// shard minus the number of the task.
     pub shard_script: String,
     /// Script that merges all films.
     pub merge_script: String,
 }
 
 impl JobScripts {
-    /// Returns the scripts of a render with `arguments` that is divided by `division`. `header` is
-    /// that of its films.
+    /// Returns the scripts for a render with `arguments`. `division` divides its passes into
+    /// shards, and `header` is the header of its films.
     pub fn new(
         arguments: &SlurmArguments,
         folder: &WorkFolder,
@@ -57,19 +58,20 @@ impl JobScripts {
             None => absolute_text(&std::env::current_exe()?)?,
         };
         let folder = absolute_text(folder.path())?;
-        let enter = format!("cd {} || exit\n", quoted(&folder)?);
+        let cd_command = format!("cd {} || exit\n", quoted(&folder)?);
         Ok(Self {
-            shard_script: shard_script(arguments, &program, &enter, division)?,
-            merge_script: merge_script(arguments, header, &program, &enter)?,
+            shard_script: shard_script(arguments, &program, &cd_command, division)?,
+            merge_script: merge_script(arguments, header, &program, &cd_command)?,
         })
     }
 }
 
-/// Returns the script of a shard.
+/// Returns the script that renders a shard. `cd_command` is the command that enters the work
+/// folder.
 fn shard_script(
     arguments: &SlurmArguments,
     program: &str,
-    enter: &str,
+    cd_command: &str,
     ShardDivision { shards, passes }: ShardDivision,
 ) -> Result<String, ScriptError> {
     let scene = &arguments.scene;
@@ -94,20 +96,21 @@ fn shard_script(
     let command = shell_command_line(&words)?;
     let head = script_head(arguments, "shards", shard_threads(arguments), scene.memory, "log/%A_%a.log")?;
     Ok(format!(
-        "{head}{enter}shard=$((${{1:-0}} + SLURM_ARRAY_TASK_ID))\n\
+        "{head}{cd_command}shard=$((${{1:-0}} + SLURM_ARRAY_TASK_ID))\n\
          echo \"shard $shard of {shards}, start ${{SLURM_RESTART_COUNT:-0}}\"\n\
          exec {command} --shard \"$shard/{shards}\" --film \"$(printf 'shard-%06d.film' \"$shard\")\"\n"
     ))
 }
 
-/// Returns the script that merges the films of all shards.
+/// Returns the script that merges the films of all shards. `cd_command` is the command that enters
+/// the work folder.
 fn merge_script(
     arguments: &SlurmArguments,
     header: &FilmHeader,
     program: &str,
-    enter: &str,
+    cd_command: &str,
 ) -> Result<String, ScriptError> {
-    // The limit of a shard may be too low, because a merge holds two films.
+    // A merge holds two films, so it may need more memory than a shard.
     let memory = arguments.scene.memory.map(|shard| shard.max(merge_memory(header)));
     let mut words = Vec::new();
     for path in &arguments.output {
@@ -120,14 +123,14 @@ fn merge_script(
     let (program, outputs) = (quoted(program)?, shell_command_line(&words)?);
     let head = script_head(arguments, "merge", 1, memory, "log/%j.log")?;
     Ok(format!(
-        "{head}{enter}{program} merge shard-*.film -o {MERGED_FILM_NAME} {outputs} || exit\necho done >{MERGE_MARK_NAME}\n"
+        "{head}{cd_command}{program} merge shard-*.film -o {MERGED_FILM_NAME} {outputs} || exit\necho done >{MERGE_MARK_NAME}\n"
     ))
 }
 
 /// Returns the first lines of a script, with options for sbatch.
 ///
-/// `memory` is the memory that the job asks for \[bytes]; `None` for that of the partition. `log`
-/// is the file for the script's output.
+/// `kind` is the end of the job's name. `memory` is the memory that the job asks for \[bytes];
+/// `None` for the default of the partition. `log` is the file for the script's output.
 fn script_head(
     arguments: &SlurmArguments,
     kind: &str,
@@ -164,14 +167,14 @@ fn shard_threads(arguments: &SlurmArguments) -> u32 {
     arguments.scene.threads.unwrap_or(1)
 }
 
-/// Returns an absolute path as text.
+/// Returns `path` as an absolute path in text form.
 fn absolute_text(path: &Path) -> Result<String, ScriptError> {
     let absolute: PathBuf = std::path::absolute(path)?;
     let unfit = || UnquotableWordError { text: absolute.display().to_string() };
     Ok(absolute.to_str().ok_or_else(unfit)?.to_owned())
 }
 
-/// Returns words as one line for a shell.
+/// Joins words to one shell command line, with quotes where necessary.
 pub(super) fn shell_command_line(words: &[String]) -> Result<String, UnquotableWordError> {
     let words: Result<Vec<String>, UnquotableWordError> = words.iter().map(|word| quoted(word)).collect();
     Ok(words?.join(" "))

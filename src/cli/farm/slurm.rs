@@ -1,13 +1,13 @@
-//! Commands of Slurm: sbatch, squeue, scontrol and scancel.
+//! Calls of Slurm's programs: sbatch, squeue, scontrol and scancel.
 
 use std::collections::BTreeMap;
 use std::io;
 use std::process::Command;
 
-/// Value of Slurm's `MaxArraySize` in a fresh installation.
+/// Default of Slurm's setting `MaxArraySize`. Task numbers of a job array are below it.
 pub(super) const DEFAULT_MAX_ARRAY_SIZE: u32 = 1001;
 
-/// States of jobs that have ended and will not start again.
+/// Slurm's names of the states of jobs that have ended and will not start again.
 const FINAL_STATES: [&str; 10] = [
     "BOOT_FAIL",
     "CANCELLED",
@@ -21,7 +21,7 @@ const FINAL_STATES: [&str; 10] = [
     "TIMEOUT",
 ];
 
-/// Error of a command of Slurm.
+/// Error of a call of one of Slurm's programs.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub(super) enum SlurmError {
     /// The program is not installed.
@@ -45,7 +45,7 @@ pub(super) enum SlurmError {
     Refused {
         /// Name of the program.
         program: &'static str,
-        /// Its message.
+        /// Message that the program printed.
         message: String,
     },
     /// Slurm is configured without job arrays.
@@ -150,7 +150,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_name_the_reason_of_waiting() {
+    fn task_counts_name_why_tasks_wait() {
         let task = |state: &str, reason: &str| SlurmTaskStatus {
             id: "1_1".to_owned(),
             state: state.to_owned(),

@@ -1,4 +1,4 @@
-//! A render by job arrays of Slurm, from the first submission to the picture.
+//! A render as job arrays of Slurm, from the first submission to the finished picture.
 //!
 //! The films in the work folder show which passes are made. Slurm is asked only whether jobs are
 //! still active. So an interrupted command can be run again and continues.
@@ -22,14 +22,14 @@ use std::sync::atomic::Ordering;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Default limit of the passes of all waves of jobs (`--max-passes`), divided by the passes of the
-/// first wave (`--passes`).
+/// Default of `--max-passes` (passes of all waves of jobs), as a multiple of `--passes` (passes of
+/// the first wave).
 const DEFAULT_MAX_PASSES_FACTOR: u32 = 100;
 
-/// Time for which Slurm may fail to answer before the command gives up.
+/// Time without an answer of Slurm after which the command gives up.
 const MAX_SLURM_SILENCE: Duration = Duration::from_secs(600);
 
-/// Time for which a network file system may not yet show a file that a finished job wrote.
+/// Longest wait for a network file system to show a file that a finished job wrote.
 const FILE_DELAY: Duration = Duration::from_secs(60);
 
 /// Longest sleep between two checks for an interrupting signal.
@@ -44,7 +44,7 @@ struct FolderOfOtherRenderError {
     differences: Vec<String>,
 }
 
-/// Error: rounds of jobs made no further passes.
+/// Error: several successive rounds of jobs made no further passes.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{what} after {rounds} without a new pass; the last messages of one job are:\n{log}")]
 #[diagnostic(help("remove the cause and give the same command again: finished passes are kept in `{}`", folder.display()))]
@@ -65,18 +65,18 @@ struct CancelledJobsError {
     folder: PathBuf,
 }
 
-/// How a round of jobs ended.
+/// End of a round: jobs were submitted for all incomplete shards and for the merge, and have ended.
 enum RoundEnd {
     /// All shards are complete and merged.
     Complete,
-    /// All jobs ended, but passes or the merge are missing. Holds the tasks as Slurm knew them
-    /// last.
+    /// All jobs ended, but passes or the merge are missing. Holds the last known states of the
+    /// tasks.
     Incomplete(Vec<SlurmTaskStatus>),
     /// A signal interrupted the command.
     Interrupted,
 }
 
-/// A render by Slurm.
+/// A render that runs as jobs of Slurm.
 pub(super) struct SlurmRender<'a> {
     arguments: &'a SlurmArguments,
     folder: &'a WorkFolder,
@@ -96,8 +96,8 @@ pub(super) fn shard_arguments(folder: &WorkFolder, array: &ArrayTasks) -> Vec<St
     ]
 }
 
-/// Returns the arguments of sbatch for the job that merges the films. It begins when all `jobs`
-/// have ended.
+/// Returns the arguments of sbatch for the job that merges the films. The job begins when all
+/// `jobs` have ended.
 pub(super) fn merge_arguments(folder: &WorkFolder, jobs: &[String]) -> Vec<String> {
     let mut words = vec!["--parsable".to_owned(), format!("--chdir={}", folder.path().display())];
     if !jobs.is_empty() {
@@ -117,8 +117,8 @@ impl<'a> SlurmRender<'a> {
         Self { arguments, folder, header, progress }
     }
 
-    /// Renders until the picture of `division` is written. With `--target-error`, goes on until the
-    /// error is reached.
+    /// Renders the passes of `division` and writes the picture. With `--target-error`, adds waves
+    /// of jobs until the error is reached.
     pub fn run(&self, division: ShardDivision) -> Result<Exit, CommandFailure> {
         let most_tasks = slurm::max_task_number().map_err(slurm_failure)?;
         let (_lock, earlier) = self.folder.lock_and_read_state().map_err(CommandFailure::usage_error)?;
@@ -172,7 +172,7 @@ impl<'a> SlurmRender<'a> {
         Ok(state)
     }
 
-    /// Submits rounds of jobs until all shards of `state` are complete and merged. Before, follows
+    /// Submits rounds of jobs until all shards of `state` are complete and merged. First waits for
     /// jobs of an earlier command that are still active.
     ///
     /// Returns the exit code if a signal interrupts this. Returns a failure if jobs are cancelled,
@@ -183,7 +183,7 @@ impl<'a> SlurmRender<'a> {
             let jobs = jobs_text(&state.last_round_jobs);
             self.progress.print_line(&format!("following {jobs} of an earlier command"));
             match self.finish_round(state)? {
-                // The earlier command may have named other outputs, which its merge has written.
+                // The earlier command may have written other outputs. If so, merge again below.
                 RoundEnd::Complete if self.has_current_merge_script(state.division)? => return Ok(None),
                 RoundEnd::Complete => {}
                 RoundEnd::Incomplete(tasks) => self.check_cancelled_jobs(&tasks, state.division)?,
@@ -193,16 +193,16 @@ impl<'a> SlurmRender<'a> {
         loop {
             let before = self.completed_pass_count(state.division);
             self.submit_round(state, most_tasks)?;
-            let known = match self.finish_round(state)? {
+            let ended_tasks = match self.finish_round(state)? {
                 RoundEnd::Complete => return Ok(None),
                 RoundEnd::Incomplete(tasks) => tasks,
                 RoundEnd::Interrupted => return Ok(Some(Exit::Interrupted)),
             };
-            self.check_cancelled_jobs(&known, state.division)?;
+            self.check_cancelled_jobs(&ended_tasks, state.division)?;
             let missing = self.incomplete_shards(state.division);
             failures = if self.completed_pass_count(state.division) > before { 0 } else { failures + 1 };
             if failures > self.arguments.retries {
-                return Err(self.no_progress_failure(&missing, failures, state, &known));
+                return Err(self.no_progress_failure(&missing, failures, state, &ended_tasks));
             }
             if !missing.is_empty() {
                 let list = number_list(&missing);
@@ -236,8 +236,8 @@ impl<'a> SlurmRender<'a> {
         Err(CommandFailure::new(Exit::Farm, error))
     }
 
-    /// Submits the incomplete shards and the merge after them. If sbatch refuses one of the jobs,
-    /// cancels the others.
+    /// Submits jobs for all incomplete shards, and one that merges them afterwards. If sbatch
+    /// refuses one of the jobs, cancels the others.
     fn submit_round(&self, state: &mut FarmState, most_tasks: u32) -> Result<(), CommandFailure> {
         let scripts = self.scripts(state.division)?;
         let folder = self.folder;
@@ -285,7 +285,7 @@ impl<'a> SlurmRender<'a> {
 
     /// Waits until no job is active. Prints a line whenever the states of tasks change.
     ///
-    /// Returns the tasks as Slurm knew them last; `None` if a signal interrupted the command.
+    /// Returns the tasks with their last known states; `None` if a signal interrupted the command.
     fn follow_jobs(&self, jobs: &[String]) -> Result<Option<Vec<SlurmTaskStatus>>, CommandFailure> {
         let start = Instant::now();
         let mut shown = String::new();
@@ -318,7 +318,7 @@ impl<'a> SlurmRender<'a> {
                     }
                 }
             }
-            if is_interrupted_within(self.arguments.poll) {
+            if sleep_was_interrupted(self.arguments.poll) {
                 return Ok(None);
             }
         }
@@ -330,7 +330,7 @@ impl<'a> SlurmRender<'a> {
         let start = Instant::now();
         let all_completed = !tasks.is_empty() && tasks.iter().all(|task| task.state == "COMPLETED");
         while all_completed && !self.is_complete(division) && start.elapsed() < FILE_DELAY {
-            if is_interrupted_within(Duration::from_secs(1)) {
+            if sleep_was_interrupted(Duration::from_secs(1)) {
                 return;
             }
         }
@@ -355,7 +355,7 @@ impl<'a> SlurmRender<'a> {
         (1..=division.shards).map(|shard| self.folder.completed_shard_passes(shard).len()).sum()
     }
 
-    /// Returns the failure after too many rounds without progress.
+    /// Returns the failure after `rounds` rounds of jobs without a further pass.
     fn no_progress_failure(
         &self,
         missing: &[u32],
@@ -418,8 +418,8 @@ impl<'a> SlurmRender<'a> {
     }
 }
 
-/// Waits for `time`, or until a signal interrupts the command. Returns true if there was a signal.
-fn is_interrupted_within(time: Duration) -> bool {
+/// Sleeps for `time`, or until a signal interrupts the command. Returns true if there was a signal.
+fn sleep_was_interrupted(time: Duration) -> bool {
     let start = Instant::now();
     loop {
         if INTERRUPTED.load(Ordering::Relaxed) {

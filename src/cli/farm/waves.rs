@@ -1,4 +1,4 @@
-//! Size of the next wave of jobs, for a render with an error target.
+//! Size of the next wave of jobs, for a farm render that stops at an error.
 
 use super::division::ShardDivision;
 use crate::cli::interrupt::INTERRUPTED;
@@ -8,13 +8,13 @@ use crate::render::{EndReason, ErrorTarget, PassTimes, RenderResult, StopCriteri
 /// Decision after a wave of jobs: another wave, or the reason why none follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum WaveDecision {
-    /// Another wave, after which the render has this division.
+    /// Another wave of shards. Holds the division of all passes after that wave.
     Grow(ShardDivision),
-    /// The error is low enough.
+    /// No further wave: the error is at most the target.
     TargetReached,
-    /// More passes cannot reach the target, because of bias.
+    /// No further wave: more passes cannot reach the target, because of bias.
     TargetUnreachable,
-    /// Another wave would exceed the largest number of passes.
+    /// No further wave: it would exceed the largest number of passes.
     TooManyPasses,
 }
 

@@ -9,22 +9,22 @@ use std::fs::{self, File};
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
-/// Name of the film of all shards.
+/// Name of the film file into which the films of all shards are merged.
 pub(super) const MERGED_FILM_NAME: &str = "merged.film";
 
 /// Name of the file whose existence shows that a merge has succeeded.
 pub(super) const MERGE_MARK_NAME: &str = "merge.done";
 
-/// Name of the file that describes the render.
+/// Name of the JSON file that stores the [`FarmState`].
 const STATE_FILE_NAME: &str = "farm.json";
 
-/// Name of the script of a shard.
+/// Name of the job script that renders a shard, which is a part of the passes.
 pub(super) const SHARD_SCRIPT_NAME: &str = "shard.sh";
 
-/// Name of the script that merges the films.
+/// Name of the job script that merges the films of all shards.
 pub(super) const MERGE_SCRIPT_NAME: &str = "merge.sh";
 
-/// Folder of a farm render, whose path is absolute.
+/// Work folder of a farm render, given by its absolute path.
 #[derive(Clone, Debug)]
 pub(super) struct WorkFolder {
     path: PathBuf,
@@ -38,12 +38,12 @@ pub(super) struct FarmState {
     pub header: FilmHeader,
     /// Division into shards of all passes that were submitted so far.
     pub division: ShardDivision,
-    /// Numbers of the jobs of the last round.
+    /// Slurm's numbers of the jobs that were submitted last.
     #[serde(rename = "jobs")]
     pub last_round_jobs: Vec<String>,
 }
 
-/// Error of the folder of a farm render.
+/// Error: the folder of a farm render cannot be used.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub(super) enum WorkFolderError {
     /// The folder holds files that no farm render wrote.
@@ -58,7 +58,7 @@ pub(super) enum WorkFolderError {
     #[error("the file `{}` is damaged", .0.display())]
     #[diagnostic(help("choose another --work-dir"))]
     Damaged(PathBuf),
-    /// The system refused an operation.
+    /// A file of the folder cannot be read, written or created.
     #[error("cannot use the folder `{}`: {source}", path.display())]
     Io {
         /// Path of the folder.
@@ -118,13 +118,13 @@ impl WorkFolder {
         Ok(names?.iter().any(|name| name != "log" && name != "farm.lock"))
     }
 
-    /// Writes the description of the render.
+    /// Stores the description of the render in the folder.
     pub fn save(&self, state: &FarmState) -> Result<(), WorkFolderError> {
         let json = serde_json::to_vec_pretty(state).map_err(|e| self.error(io::Error::other(e)))?;
         self.write(STATE_FILE_NAME, &json)
     }
 
-    /// Writes a file of the folder.
+    /// Writes `bytes` to the file `name` in the folder. Replaces an existing file as a whole.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), WorkFolderError> {
         replace_file(&self.file_path(name), bytes).map_err(|e| self.error(io::Error::other(e)))
     }
@@ -147,13 +147,14 @@ impl WorkFolder {
         self.file_path(MERGE_MARK_NAME).is_file()
     }
 
-    /// Returns the passes in the film of shard `number`; none if there is no readable film.
+    /// Returns the indices of the passes in the film of shard `number`; an empty set without a
+    /// readable film.
     pub fn completed_shard_passes(&self, number: u32) -> PassSet {
         let file = File::open(self.file_path(&format!("shard-{number:06}.film")));
         file.ok().and_then(|file| read_pass_numbers(BufReader::new(file)).ok()).unwrap_or_default()
     }
 
-    /// Returns the last lines of a log; empty if there is none.
+    /// Returns the last eight lines of the log file `name`; empty if there is no such file.
     pub fn log_end(&self, name: &str) -> String {
         let text = fs::read(self.file_path("log").join(name)).unwrap_or_default();
         let text = String::from_utf8_lossy(&text);

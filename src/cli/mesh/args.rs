@@ -25,8 +25,8 @@ pub struct MeshArguments {
     #[arg(long)]
     pub repair: bool,
 
-    /// Merge vertices whose distance is at most this, in units of the file  [default with --repair:
-    /// 1e-9 of the diagonal]
+    /// Merge vertices whose distance is at most this after --scale, in units of the written mesh
+    /// [default with --repair: 1e-9 of the diagonal]
     #[arg(long, value_parser = parse_nonnegative_length, value_name = "LENGTH")]
     pub weld: Option<f64>,
 
@@ -50,7 +50,7 @@ pub struct MeshArguments {
     #[arg(long, value_parser = parse_degrees, value_name = "ANGLE")]
     pub smooth: Option<f64>,
 
-    /// Remove the normals
+    /// Remove the vertex normals, so that faces are shaded flat
     #[arg(long, conflicts_with = "smooth")]
     pub flat: bool,
 

@@ -134,11 +134,11 @@ fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Res
     if arguments.scale.is_some() || arguments.translate.is_some() {
         mesh.positions.iter_mut().for_each(|p| *p = *p * scale + offset);
     }
-    let lost = |lost: fn(PathBuf) -> InvalidMeshResultError, exit| {
-        Err(CommandFailure::new(exit, lost(arguments.mesh.clone())))
+    let invalid_result = |error: fn(PathBuf) -> InvalidMeshResultError, exit| {
+        Err(CommandFailure::new(exit, error(arguments.mesh.clone())))
     };
     if !mesh.positions.iter().all(|p| p.is_finite()) {
-        return lost(InvalidMeshResultError::Coordinates, Exit::Usage);
+        return invalid_result(InvalidMeshResultError::Coordinates, Exit::Usage);
     }
     let all = arguments.repair;
     let repaired = mesh.repair(&MeshRepairOptions {
@@ -160,7 +160,7 @@ fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Res
         mesh.compute_missing_smooth_normals(angle);
     }
     if mesh.triangles.is_empty() {
-        return lost(InvalidMeshResultError::Triangles, Exit::Input);
+        return invalid_result(InvalidMeshResultError::Triangles, Exit::Input);
     }
     Ok(repaired)
 }
@@ -186,9 +186,9 @@ fn write_mesh_and_materials(
     {
         libraries = match mtl::load_mtl_files(&arguments.mesh, &loaded.mtllib_arguments, memory.available_bytes()) {
             Ok(materials) => {
-                let beside = path.with_extension("mtl");
-                failures.ok_or_collect_error(mtl::write(&beside, &materials));
-                beside.file_name().map(|name| name.to_string_lossy().into_owned()).into_iter().collect()
+                let mtl_path = path.with_extension("mtl");
+                failures.ok_or_collect_error(mtl::write(&mtl_path, &materials));
+                mtl_path.file_name().map(|name| name.to_string_lossy().into_owned()).into_iter().collect()
             }
             Err(error) => {
                 print_message(&format!("warning: materials are named but not written: {error}"));

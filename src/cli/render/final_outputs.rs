@@ -19,7 +19,8 @@ use glam::Vec3;
 pub(super) struct RenderOutputs<'a> {
     pub arguments: &'a RenderArguments,
     pub rendered: &'a RenderResult,
-    /// Albedo, normal and the like for `--aov`; `None` without this flag, or after a cancellation.
+    /// Albedo, normal and other surface AOVs for `--aov`; `None` without this flag, or if they were
+    /// cancelled.
     pub aovs: Option<SurfaceAovs>,
     /// Film file of the render; `None` without `--film`.
     pub film_file: Option<&'a LockedFilmFile<'a>>,
@@ -29,15 +30,15 @@ impl RenderOutputs<'_> {
     /// Writes all outputs and prints a summary. After an output that fails, the others are still
     /// written.
     ///
-    /// `limits` are those of the command line, and `stop` the stop criteria that follow from them.
-    /// `powerless` is true if the scene has lights, but none has any power.
+    /// `limits` are the limits of the command line, and `stop` the stop criteria made from them.
+    /// `lights_are_black` is true if the scene has lights, but none has any power.
     pub fn write(
         &self,
         progress: &ProgressDisplay,
         setup: RenderSetup,
         limits: &RenderLimits,
         stop: &StopCriteria<'_>,
-        powerless: bool,
+        lights_are_black: bool,
     ) -> Result<Exit, CommandFailure> {
         let Self { arguments, rendered, film_file: film, .. } = *self;
         let (width, height) = rendered.film.size();
@@ -52,7 +53,7 @@ impl RenderOutputs<'_> {
         }
         warn_of_rejected_samples(&rendered.counters);
         if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
-            progress.print_line(black_picture_note(setup.lights, powerless));
+            progress.print_line(black_picture_note(setup.lights, lights_are_black));
         }
         no_photon_stored_note(rendered).iter().for_each(|line| progress.print_line(line));
         let report = RenderReport::new(setup, limits, stop, rendered);

@@ -8,11 +8,10 @@ use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria, rende
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-/// Adds passes to the result `before`, until a criterion of `stop` holds or all of `numbers` are
-/// made. Shows progress.
+/// Renders passes and adds them to the result `before`, until a criterion of `stop` holds or all
+/// passes with the indices `numbers` are made. Shows progress.
 ///
-/// `numbers` are the indices of the passes to add. Plain lines show the time since `start`.
-/// `after_pass` is called after each pass.
+/// Progress in plain lines shows the time since `start`. `after_pass` is called after each pass.
 pub(super) fn render_passes(
     before: RenderResult,
     numbers: Range<u32>,
@@ -51,8 +50,7 @@ pub(super) fn render_passes(
             progress.print_line(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
         }
         progress.set_pass_number(standing.passes + 1, passes);
-        // Most passes do not estimate the error. After such a pass, the display keeps the previous
-        // remaining time.
+        // After a pass without an error estimate, keep showing the previous remaining time.
         let forecast = forecast.map(|(_, _, forecast)| forecast);
         if let Some(left) = time_until_stop(stop, standing.passes, forecast, began.elapsed(), pass_seconds) {
             progress.set_time_left(Some(left));
@@ -65,7 +63,7 @@ pub(super) fn render_passes(
 /// Returns the expected remaining time until the first stop criterion holds; `None` if it is
 /// unknown.
 ///
-/// It is unknown if there is an error target, and the last pass did not estimate the error.
+/// The time is unknown if there is an error target, and the last pass did not estimate the error.
 /// `passes` is the number of passes so far. `elapsed` is the time since this run's first pass
 /// began, and `pass_seconds` the mean time of its passes \[s]. `forecast` predicts the passes until
 /// the error target of `stop`; it is ignored if `stop` has no target.
@@ -79,14 +77,14 @@ fn time_until_stop(
     if stop.target.is_some() && forecast.is_none() {
         return None;
     }
-    let of_passes = |n: u32| f64::from(n.saturating_sub(passes)) * pass_seconds;
+    let seconds_to_pass = |n: u32| f64::from(n.saturating_sub(passes)) * pass_seconds;
     let by_target = forecast.filter(|_| stop.target.is_some()).and_then(|forecast| match forecast {
-        StopForecast::Passes(range) => Some(of_passes(range.median)),
+        StopForecast::Passes(range) => Some(seconds_to_pass(range.median)),
         StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
     });
     let elapsed = stop.time_before_passes + elapsed;
     let by_time = stop.time_limit.map(|time| time.saturating_sub(elapsed).as_secs_f64());
-    let all = [stop.max_passes.map(of_passes), by_time, by_target];
+    let all = [stop.max_passes.map(seconds_to_pass), by_time, by_target];
     let least = all.into_iter().flatten().min_by(f64::total_cmp)?;
     Duration::try_from_secs_f64(least).ok()
 }

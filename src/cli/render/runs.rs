@@ -6,8 +6,8 @@ use super::turntable::frame_arguments;
 use crate::cli::outputs::FileWithRole;
 use crate::cli::{CommandFailure, RenderArguments};
 
-/// Returns the arguments of each render that the command line asks for: of the frames of
-/// `--frames`, of the eyes of `--stereo`, or else a copy of `arguments`.
+/// Returns the arguments of each render that the command line asks for: one per frame of
+/// `--frames`, one per eye of `--stereo`, or else a copy of `arguments`.
 pub(super) fn arguments_of_renders(arguments: &RenderArguments) -> Result<Vec<RenderArguments>, CommandFailure> {
     if let Some(range) = arguments.frames {
         let frames = range.numbers().map(|frame| frame_arguments(arguments, frame));
@@ -19,7 +19,7 @@ pub(super) fn arguments_of_renders(arguments: &RenderArguments) -> Result<Vec<Re
     }
 }
 
-/// Returns all output files of `caustica render` that the command line names, of all renders.
+/// Returns the output files of all renders that the command line asks for.
 pub(super) fn output_files(arguments: &RenderArguments) -> Result<Vec<FileWithRole>, CommandFailure> {
     let files = |arguments: &RenderArguments| -> Vec<FileWithRole> {
         let pictures = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
@@ -31,7 +31,7 @@ pub(super) fn output_files(arguments: &RenderArguments) -> Result<Vec<FileWithRo
     Ok(arguments_of_renders(arguments)?.iter().flat_map(files).collect())
 }
 
-/// Returns all files that the command line names and that the command reads.
+/// Returns the input files that the command line names: the scene file and `--reference`.
 pub(super) fn named_inputs(arguments: &RenderArguments) -> Vec<FileWithRole> {
     let scene = FileWithRole::new("the scene file", &arguments.scene.scene);
     #[cfg(feature = "view")]

@@ -36,8 +36,9 @@ pub(super) fn render_series<T>(
 mod tests {
     use super::*;
 
-    /// Returns how a series ends whose renders end in the given ways, and how many were made.
-    fn made(ends: &[Result<Exit, Exit>]) -> (Result<Exit, (Exit, usize)>, usize) {
+    /// Runs a series whose renders end in the given ways. Returns how the series ends, and the
+    /// number of its renders.
+    fn series_outcome(ends: &[Result<Exit, Exit>]) -> (Result<Exit, (Exit, usize)>, usize) {
         let mut count = 0;
         let end = render_series(ends, |end| {
             count += 1;
@@ -49,9 +50,9 @@ mod tests {
     #[test]
     fn unwritable_pictures_do_not_end_a_series() {
         let (good, unwritable) = (Ok(Exit::Success), Err(Exit::Output));
-        assert_eq!(made(&[good, good]), (Ok(Exit::Success), 2));
-        assert_eq!(made(&[unwritable, good, unwritable, good]), (Err((Exit::Output, 2)), 4));
-        assert_eq!(made(&[unwritable, Err(Exit::Usage), good]), (Err((Exit::Usage, 2)), 2));
-        assert_eq!(made(&[good, Ok(Exit::Interrupted), good]), (Ok(Exit::Interrupted), 2));
+        assert_eq!(series_outcome(&[good, good]), (Ok(Exit::Success), 2));
+        assert_eq!(series_outcome(&[unwritable, good, unwritable, good]), (Err((Exit::Output, 2)), 4));
+        assert_eq!(series_outcome(&[unwritable, Err(Exit::Usage), good]), (Err((Exit::Usage, 2)), 2));
+        assert_eq!(series_outcome(&[good, Ok(Exit::Interrupted), good]), (Ok(Exit::Interrupted), 2));
     }
 }

@@ -9,8 +9,7 @@ use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Texts that are added to the names of the output files: of the left picture, then of the right
-/// one.
+/// Suffixes of the output file names of the left and of the right picture.
 const NAME_SUFFIXES: [&str; 2] = ["-left", "-right"];
 
 /// Error: the camera of a stereo pair moves while the shutter is open.
@@ -57,8 +56,8 @@ pub(super) fn render_stereo_pair(
     })
 }
 
-/// Returns the arguments of the left and of the right picture. Each has the names of its own files
-/// and a seed of its own: with equal noise, a viewer would see the noise as a surface.
+/// Returns the arguments of the left and of the right picture, each with its own output files and
+/// seed. With equal seeds, both eyes would see equal noise, which would look like a surface.
 pub(super) fn arguments_of_eyes(arguments: &RenderArguments) -> [RenderArguments; 2] {
     let mut of_eyes = [arguments.clone(), arguments.clone()];
     of_eyes[1].method.seed = arguments.method.seed.wrapping_add(1);

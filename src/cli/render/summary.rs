@@ -1,4 +1,4 @@
-//! Lines that tell what a scene holds and how its render ended.
+//! Summary lines about a scene before its render, and about the render at its end.
 
 use crate::cli::diagnostics::all_lights_are_black;
 use crate::cli::forecast_text;
@@ -99,7 +99,7 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn the_last_line_names_the_default_limit_that_ended_a_render() {
+    fn default_end_line_names_the_limit() {
         let interrupted = AtomicBool::new(false);
         let target = Some(ErrorTarget { error: 0.03, confidence: Confidence::default() });
         let stop = StopCriteria {

@@ -15,9 +15,8 @@ use std::time::Duration;
 const METHOD_STUDY_FLAGS: [&str; 8] =
     ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
 
-/// Flags of `study` that choose a study of effects or a study of methods.
-///
-/// `effects` chooses a study of effects. All other flags belong to a study of methods.
+/// Flags that choose between a study of effects (`--effects`) and a study of methods (all other
+/// flags).
 #[derive(Debug, Args)]
 pub struct StudyModeArguments {
     /// Render the picture with and without each effect of the plan, to measure its cost and
@@ -57,7 +56,7 @@ pub struct StudyModeArguments {
     #[arg(long, value_parser = parse_duration, value_name = "TIME")]
     pub truth_time: Option<Duration>,
 
-    /// Files for the two references of --truth auto: A.exr,B.exr
+    /// Save the two references of --truth auto to these files: A.exr,B.exr
     #[arg(long, value_name = "FILES", value_parser = parse_file_pair)]
     pub save_truth: Option<(PathBuf, PathBuf)>,
 }

@@ -27,12 +27,12 @@ use std::time::Instant;
 /// Default number of passes of each picture of the study.
 const DEFAULT_PASSES: u32 = 4;
 
-/// File extensions of reports, and the functions that make the text of a report.
+/// File extensions of reports, each with the function that makes the text of the report.
 const REPORT_FORMATTERS: [(&str, ReportFormatter<EffectStudyResult>); 4] = [
-    ("html", |arguments, found| effects_html_page(&effect_report_header(arguments), found).into_diagnostic()),
-    ("csv", |_, found| Ok(csv_report(found))),
+    ("html", |arguments, result| effects_html_page(&effect_report_header(arguments), result).into_diagnostic()),
+    ("csv", |_, result| Ok(csv_report(result))),
     ("json", effect_study_json),
-    ("md", |arguments, found| Ok(markdown_report(&effect_report_header(arguments), found))),
+    ("md", |arguments, result| Ok(markdown_report(&effect_report_header(arguments), result))),
 ];
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
@@ -51,7 +51,7 @@ fn run_effect_study(
     let start = Instant::now();
     let scene = load_study_scene(arguments, progress)?;
     let algorithm = arguments.method.integrator;
-    // Check the memory for the full picture, and at most one further picture for each effect.
+    // The study holds the full picture, and at most one further picture for each effect.
     let memory = arguments.scene.memory_limit();
     let picture_bytes = check_picture_memory(Effect::ALL.len() + 1, scene.camera().size(), memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
@@ -64,22 +64,22 @@ fn run_effect_study(
     let (pictures, passes) = (study.picture_count(), arguments.passes.unwrap_or(DEFAULT_PASSES));
     progress.print_line(&format!("{pictures} pictures of {passes} passes each"));
     progress.set_pass_number(1, Some(passes));
-    let found = study.run(passes, &INTERRUPTED, progress, |made| {
+    let result = study.run(passes, &INTERRUPTED, progress, |made| {
         if progress.uses_plain_lines() {
             progress.print_line(&format!("pass {made}/{passes} of each after {:.1} s", start.elapsed().as_secs_f64()));
         }
         progress.set_pass_number(made + 1, Some(passes));
     });
     progress.remove_progress_bar();
-    let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
-    warn_of_rejected_samples(&found.full_picture_cost.counters);
+    let result = result.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
+    warn_of_rejected_samples(&result.full_picture_cost.counters);
     let text = if arguments.json {
-        effect_study_json(arguments, &found).map(|json| json + "\n")
+        effect_study_json(arguments, &result).map(|json| json + "\n")
     } else {
-        Ok(effects_table(arguments.method.integrator.name(), &found))
+        Ok(effects_table(arguments.method.integrator.name(), &result))
     };
-    let exit = if found.interrupted { Exit::Interrupted } else { Exit::Success };
-    outputs.write_reports(arguments, &found, text, progress, exit)
+    let exit = if result.interrupted { Exit::Interrupted } else { Exit::Success };
+    outputs.write_reports(arguments, &result, text, progress, exit)
 }
 
 /// Loads the scene of a study. Returns a failure if an output is one of the scene's files.
@@ -104,35 +104,35 @@ fn effect_report_header(arguments: &StudyArguments) -> EffectReportHeader {
 }
 
 /// Returns the results of a study of effects as JSON.
-fn effect_study_json(arguments: &StudyArguments, found: &EffectStudyResult) -> miette::Result<String> {
+fn effect_study_json(arguments: &StudyArguments, result: &EffectStudyResult) -> miette::Result<String> {
     let scene = arguments.scene.scene.display().to_string();
-    let report = EffectStudyReport::new(scene, arguments.method.integrator.name(), arguments.method.seed, found);
+    let report = EffectStudyReport::new(scene, arguments.method.integrator.name(), arguments.method.seed, result);
     serde_json::to_string_pretty(&report).into_diagnostic()
 }
 
 /// Returns the results of a study of effects as a text table.
-fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
-    let clock = match found.clock {
+fn effects_table(integrator: &str, result: &EffectStudyResult) -> String {
+    let clock = match result.clock {
         ClockKind::Processor => "processor",
         ClockKind::Wall => "wall",
     };
-    let whole = &found.full_picture_cost;
-    let passes = whole.pass_seconds.len() as f64;
+    let full_cost = &result.full_picture_cost;
+    let passes = full_cost.pass_seconds.len() as f64;
     let mut text = format!(
         "{integrator}: {:.1} ms of {clock} time, {} rays and {} gathered photons per pass; mean radiance {}\n",
-        1e3 * whole.total_pass_seconds() / passes,
-        count_text(whole.counters.total_rays() as f64 / passes),
-        count_text(whole.counters.gathered_photons as f64 / passes),
-        three_digit_text(found.mean_radiance),
+        1e3 * full_cost.total_pass_seconds() / passes,
+        count_text(full_cost.counters.total_rays() as f64 / passes),
+        count_text(full_cost.counters.gathered_photons as f64 / passes),
+        three_digit_text(result.mean_radiance),
     );
-    if !found.effects.is_empty() {
+    if !result.effects.is_empty() {
         let _ = writeln!(
             text,
             "  {:<16} {:>18} {:>7} {:>9} {:>10} {:>9} {:>9} {:>9}",
             "effect", "ms per pass", "time", "rays", "gathered", "changes", "adds", "takes"
         );
     }
-    for finding in &found.effects {
+    for finding in &result.effects {
         let AddedCost {
             seconds_per_pass: seconds,
             seconds_standard_error: seconds_error,
@@ -145,7 +145,7 @@ fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
             finding.contribution;
         let error = seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         let share = |x: f64| {
-            if found.mean_radiance > 0.0 { percent_text(x / found.mean_radiance) } else { three_digit_text(x) }
+            if result.mean_radiance > 0.0 { percent_text(x / result.mean_radiance) } else { three_digit_text(x) }
         };
         let _ = writeln!(
             text,
@@ -160,13 +160,14 @@ fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
             share(removes),
         );
     }
-    for decision in found.effect_plan.decisions.iter().filter(|d| !d.is_simulated) {
+    for decision in result.effect_plan.decisions.iter().filter(|d| !d.is_simulated) {
         let forced = if decision.is_forced_against_need() { ", forced, although " } else { ": " };
         let _ = writeln!(text, "  {:<16} off{forced}{}", decision.effect, decision.reason);
     }
     text
 }
 
+/// JSON report of a study of effects.
 #[derive(Debug, Serialize)]
 struct EffectStudyReport<'f> {
     schema: u32,
@@ -186,6 +187,7 @@ struct EffectStudyReport<'f> {
     effects: Vec<EffectResultReport<'f>>,
 }
 
+/// JSON of the time \[s] and work of rendering one picture.
 #[derive(Debug, Serialize)]
 struct PictureCostReport<'f> {
     #[serde(rename = "setup")]
@@ -195,6 +197,7 @@ struct PictureCostReport<'f> {
     counters: &'f Counters,
 }
 
+/// JSON of the cost and contribution of one effect.
 #[derive(Debug, Serialize)]
 struct EffectResultReport<'f> {
     #[serde(flatten)]
@@ -220,9 +223,9 @@ impl<'f> From<&'f PictureCost> for PictureCostReport<'f> {
 }
 
 impl<'f> EffectStudyReport<'f> {
-    fn new(scene: String, integrator: &'static str, seed: u64, found: &'f EffectStudyResult) -> Self {
+    fn new(scene: String, integrator: &'static str, seed: u64, result: &'f EffectStudyResult) -> Self {
         let row = |(effect, decision): (EffectDecisionReport, &EffectDecision)| {
-            let finding = found.effects.iter().find(|f| f.decision.effect == decision.effect);
+            let finding = result.effects.iter().find(|f| f.decision.effect == decision.effect);
             EffectResultReport {
                 decision: effect,
                 cost_without_effect: finding.map(|f| (&f.cost_without_effect).into()),
@@ -235,17 +238,17 @@ impl<'f> EffectStudyReport<'f> {
             version: env!("CARGO_PKG_VERSION"),
             scene,
             integrator,
-            width: found.picture.width(),
-            height: found.picture.height(),
+            width: result.picture.width(),
+            height: result.picture.height(),
             seed,
-            passes: found.full_picture_cost.pass_seconds.len(),
-            interrupted: found.interrupted,
-            clock: found.clock,
-            mean_radiance: found.mean_radiance,
-            full_picture_cost: (&found.full_picture_cost).into(),
-            effects: plan::plan_effect_reports(&found.effect_plan)
+            passes: result.full_picture_cost.pass_seconds.len(),
+            interrupted: result.interrupted,
+            clock: result.clock,
+            mean_radiance: result.mean_radiance,
+            full_picture_cost: (&result.full_picture_cost).into(),
+            effects: plan::plan_effect_reports(&result.effect_plan)
                 .into_iter()
-                .zip(&found.effect_plan.decisions)
+                .zip(&result.effect_plan.decisions)
                 .map(row)
                 .collect(),
         }

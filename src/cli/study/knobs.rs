@@ -1,4 +1,4 @@
-//! `caustica study --knobs`: variants of a method that differ in one setting each.
+//! `caustica study --knobs`: variants of a method, each with one setting changed.
 
 use super::variants::VariantArguments;
 use crate::cli::args::MethodArguments;
@@ -51,11 +51,12 @@ impl PilotChosenSettings {
     }
 }
 
-/// Returns a method with default settings, and variants of it that differ in one setting each.
+/// Returns the method of `algorithm` with the `shared` flags of the study, and variants of it that
+/// each change one setting.
 ///
 /// One pilot chooses the numbers of rays and photons for all variants. Variants of `--radius` scale
-/// a gather radius that the pilot found: in `hybrid` that of the caustic map, else that of the
-/// indirect map.
+/// a gather radius that the pilot found: the radius of the caustic map in `hybrid`, and of the
+/// indirect map in other algorithms.
 pub(super) fn knob_study_variants(
     algorithm: Algorithm,
     shared: &MethodArguments,
@@ -69,8 +70,8 @@ pub(super) fn knob_study_variants(
 
 /// Returns the method `plain`, and variants of it with one setting changed.
 ///
-/// All of them have the numbers of rays and photons of `pilot`, unless a variant changes these.
-/// Changed radii and numbers are multiples of those of `pilot`.
+/// Each has the numbers of rays and photons of `pilot`, unless the variant changes them. Changed
+/// radii and numbers are multiples of the values of `pilot`.
 fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) -> Vec<VariantArguments> {
     let VariantArguments { label: name, mut method } = plain;
     let algorithm = method.integrator;

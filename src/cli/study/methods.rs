@@ -26,18 +26,19 @@ use crate::study::methods::{
 use crate::study::report::methods as report;
 use miette::IntoDiagnostic;
 
-/// Default processor time of a reference, as a multiple of `--budget`.
+/// Default processor time for each of the two references, as a multiple of `--budget`.
 const REFERENCE_BUDGET_FACTOR: f64 = 4.0;
 
-/// File extensions of reports, and the functions that make the text of a report.
+/// File extensions of reports, each with the function that makes the text of the report.
 const REPORT_FORMATTERS: [(&str, ReportFormatter<MethodStudyResult>); 4] = [
-    ("html", |_, found| report::methods_html_page(found).into_diagnostic()),
-    ("csv", |_, found| Ok(report::csv_report(found))),
-    ("json", |_, found| report::method_study_json(found).into_diagnostic()),
-    ("md", |_, found| Ok(report::markdown_report(found))),
+    ("html", |_, result| report::methods_html_page(result).into_diagnostic()),
+    ("csv", |_, result| Ok(report::csv_report(result))),
+    ("json", |_, result| report::method_study_json(result).into_diagnostic()),
+    ("md", |_, result| Ok(report::markdown_report(result))),
 ];
 
-/// Usage error: a flag for rendered references is given together with reference files.
+/// Usage error: a flag that applies only to rendered references is given, but `--truth` names
+/// reference files.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} applies to rendered references, but --truth names files")]
 #[diagnostic(help("leave out one of the two flags"))]
@@ -136,7 +137,7 @@ fn run_method_study(
     ));
     let limits = StudyLimits { cpu_seconds_per_seed: kind.budget.as_secs_f64(), passes: arguments.passes };
     progress.set_pass_number(1, arguments.passes);
-    let found = study.run(&studied_scene(arguments), limits, &references, &INTERRUPTED, progress, |step| match step {
+    let result = study.run(&studied_scene(arguments), limits, &references, &INTERRUPTED, progress, |step| match step {
         MethodStudyEvent::PassFinished(made) => progress.set_pass_number(made + 1, arguments.passes),
         MethodStudyEvent::Checkpoint(label, at) => progress.print_line(&format!(
             "{label}: {} after {:.2} s, error {}",
@@ -146,33 +147,32 @@ fn run_method_study(
         )),
     });
     progress.remove_progress_bar();
-    let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
-    if found.thread_time_share < MIN_THREAD_TIME_SHARE {
+    let result = result.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
+    if result.thread_time_share < MIN_THREAD_TIME_SHARE {
         print_message(&format!(
             "warning: threads had only {:.0} % of their time: other programs ran, or the passes are too small for the threads",
-            100.0 * found.thread_time_share
+            100.0 * result.thread_time_share
         ));
     }
     let text = if arguments.json {
-        report::method_study_json(&found).map(|json| json + "\n").into_diagnostic()
+        report::method_study_json(&result).map(|json| json + "\n").into_diagnostic()
     } else {
-        Ok(checkpoints_table(&found))
+        Ok(checkpoints_table(&result))
     };
-    let exit = if found.interrupted { Exit::Interrupted } else { Exit::Success };
-    outputs.write_reports(arguments, &found, text, progress, exit)
+    let exit = if result.interrupted { Exit::Interrupted } else { Exit::Success };
+    outputs.write_reports(arguments, &result, text, progress, exit)
 }
 
-/// Returns the variants to measure: first those of `--methods`, then those of `--variant`, then
-/// those of `--knobs`. Without these flags, returns the methods that give different pictures of the
-/// scene.
+/// Returns the method variants to measure: those of `--methods`, then of `--variant`, then of
+/// `--knobs`. Without these flags, returns the methods that give different pictures of the scene.
 fn study_variants(arguments: &StudyArguments, named: Vec<VariantArguments>, scene: &Scene) -> Vec<MethodVariant> {
     let (kind, shared, overrides) = (&arguments.kind, &arguments.method, arguments.simulate);
     let by_default = kind.methods.is_empty() && kind.variants.is_empty() && kind.knobs.is_none();
     let methods = if by_default { applicable_methods(scene, overrides) } else { kind.methods.clone() };
-    let around =
+    let knob_variants =
         kind.knobs.map(|algorithm| knobs::knob_study_variants(algorithm, shared, overrides, scene)).unwrap_or_default();
     let plain = methods.into_iter().map(|algorithm| VariantArguments::from_algorithm(algorithm, shared));
-    plain.chain(named).chain(around).map(|named| named.into_method_variant(overrides)).collect()
+    plain.chain(named).chain(knob_variants).map(|named| named.into_method_variant(overrides)).collect()
 }
 
 /// Renders two references, and writes them to the files of `--save-truth` if given. Returns `None`
@@ -185,10 +185,10 @@ fn render_references(
     let kind = &arguments.kind;
     let default = REFERENCE_BUDGET_FACTOR * kind.budget.as_secs_f64();
     let seconds = kind.truth_time.map_or(default, |time| time.as_secs_f64());
-    let like = settings_from_arguments(&arguments.method, arguments.simulate).camera_paths;
+    let camera_paths = settings_from_arguments(&arguments.method, arguments.simulate).camera_paths;
     progress.print_line(&format!("two references with {seconds:.1} s of processor time each"));
     progress.set_pass_number(1, None);
-    let rendered = ReferencePictures::render(scene, &like, seconds, &INTERRUPTED, progress, |made, part| {
+    let rendered = ReferencePictures::render(scene, &camera_paths, seconds, &INTERRUPTED, progress, |made, part| {
         if progress.uses_plain_lines() && made.is_power_of_two() {
             let made = count_with_noun(made as usize, "pass", "passes");
             progress.print_line(&format!("references: {made} of each, {:.0} % of the time", 100.0 * part.min(1.0)));
@@ -215,7 +215,7 @@ fn studied_scene(arguments: &StudyArguments) -> StudiedScene {
     // A name with a leading dash would be parsed as a flag.
     let named = if scene.starts_with('-') { format!("./{scene}") } else { scene.clone() };
     let mut words = ["caustica", "study", &named].map(str::to_owned).to_vec();
-    let import_flags = arguments.scene.import.repeated_flags();
+    let import_flags = arguments.scene.import.reproducing_flags();
     words.extend(import_flags.iter().cloned());
     let mut add = |flag: &str, value: Option<String>| {
         words.extend(value.into_iter().flat_map(|value| [flag.to_owned(), value]));

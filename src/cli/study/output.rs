@@ -19,7 +19,7 @@ struct UnknownReportFormatError {
     known: String,
 }
 
-/// Report files to write: their paths, and the functions that make their texts.
+/// Report files to write, each with the function that makes its text.
 pub(super) struct StudyOutputs<'a, F>(Vec<(&'a Path, ReportFormatter<F>)>);
 
 impl<'a, F> StudyOutputs<'a, F> {
@@ -56,14 +56,14 @@ impl<'a, F> StudyOutputs<'a, F> {
     pub fn write_reports(
         &self,
         arguments: &StudyArguments,
-        found: &F,
+        result: &F,
         text: miette::Result<String>,
         progress: &ProgressDisplay,
         exit: Exit,
     ) -> Result<Exit, CommandFailure> {
         let mut failures = OutputFailures::default();
         for (path, writer) in &self.0 {
-            let Some(report) = failures.ok_or_collect_report(writer(arguments, found)) else { continue };
+            let Some(report) = failures.ok_or_collect_report(writer(arguments, result)) else { continue };
             if failures.ok_or_collect_error(replace_file(path, report.as_bytes())).is_some() {
                 progress.print_line(&format!("wrote {}", path.display()));
             }
@@ -82,7 +82,8 @@ pub(super) fn study_output_files(arguments: &StudyArguments) -> Vec<FileWithRole
     reports.chain(references.map(|path| FileWithRole::new("--save-truth", path))).collect()
 }
 
-/// Error: the file of a reference picture is not OpenEXR. Other formats would clip radiance.
+/// Error: a reference picture is to be saved in another format than OpenEXR, which would clip
+/// radiance.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` cannot hold a reference: its format clips radiance", path.display())]
 #[diagnostic(help("give it the extension .exr"))]

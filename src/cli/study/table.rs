@@ -5,14 +5,15 @@ use crate::study::methods::{ConvergenceCheckpoint, MethodStudyResult};
 use crate::study::text::percent_text;
 use std::fmt::Write as _;
 
-/// Returns a table for each method, with one row per checkpoint.
-pub(super) fn checkpoints_table(found: &MethodStudyResult) -> String {
-    let mut text = format!("reference: {}", found.reference.source);
-    if let Some(error) = found.reference.error {
+/// Returns text tables, one per method. Each row has the error, noise and bias at one checkpoint.
+pub(super) fn checkpoints_table(result: &MethodStudyResult) -> String {
+    let mut text = format!("reference: {}", result.reference.source);
+    if let Some(error) = result.reference.error {
         let _ = write!(text, "\nreference: noise {}", percent_text(error));
     }
-    let _ = writeln!(text, "\n{} seeds each; seconds of processor time per seed; - means hidden by noise", found.seeds);
-    for method in &found.methods {
+    let _ =
+        writeln!(text, "\n{} seeds each; seconds of processor time per seed; - means hidden by noise", result.seeds);
+    for method in &result.methods {
         let _ = writeln!(text, "\n{}: prepared in {:.2} s", method.label, method.setup_seconds);
         let _ = writeln!(
             text,
@@ -35,7 +36,7 @@ pub(super) fn checkpoints_table(found: &MethodStudyResult) -> String {
             );
         }
         let _ =
-            writeln!(text, "  {}", judge_convergence(method, fit_convergence(method).as_ref(), found.reference.error));
+            writeln!(text, "  {}", judge_convergence(method, fit_convergence(method).as_ref(), result.reference.error));
         let _ = writeln!(text, "  {}", method.render_command);
     }
     text
@@ -52,9 +53,11 @@ fn rms_estimated_error_text(checkpoint: &ConvergenceCheckpoint) -> String {
     checkpoint.mean_square_of_estimated_error().map_or(String::new(), square_root_percent_text)
 }
 
-/// Returns the exponent in error ∝ time^exponent between two checkpoints, for the RMS error and
-/// processor time. `None` if it is not finite, as between equal times, or if an estimated squared
-/// error is not positive.
+/// Returns the exponent k in error ∝ time^k between two checkpoints, for the RMS error and
+/// processor time.
+///
+/// `None` if k is not finite, as between equal times, or if an estimated squared error is not
+/// positive.
 fn convergence_rate(before: &ConvergenceCheckpoint, after: &ConvergenceCheckpoint) -> Option<f64> {
     let squares = [before, after].map(ConvergenceCheckpoint::mean_relative_squared_error);
     if squares.iter().any(|square| *square <= 0.0) {
@@ -70,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rates_are_exponents_of_time() {
+    fn convergence_rate_is_exponent_of_time() {
         let at = |seconds, square| ConvergenceCheckpoint {
             cpu_seconds: seconds,
             relative_squared_errors: vec![square; 2],

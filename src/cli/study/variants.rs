@@ -1,4 +1,4 @@
-//! Variants of methods: an algorithm with flags of its own, such as `sppm --gather-k 20`.
+//! Method variants of a study: an algorithm with its own flags, such as `sppm --gather-k 20`.
 
 use crate::cli::args::MethodArguments;
 use crate::cli::settings::{method_flags, settings_from_arguments};
@@ -7,7 +7,7 @@ use crate::plan::EffectOverrides;
 use crate::study::methods::MethodVariant;
 use clap::{Parser, ValueEnum};
 
-/// Flags that all methods of a study share. A variant may not set them.
+/// Flags that apply to the whole study. The text of a variant may not contain them.
 const STUDY_WIDE_FLAGS: [&str; 3] = ["--integrator", "--filter", "--seed"];
 
 /// Error: the value of `--variant` cannot be parsed.

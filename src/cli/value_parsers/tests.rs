@@ -6,7 +6,7 @@ fn counts_take_suffixes() {
     assert_eq!(parse_count("250k"), Ok(250_000));
     assert_eq!(parse_count("2.5M"), Ok(2_500_000));
     assert_eq!(parse_count("0"), Ok(0));
-    // These products lie beside whole numbers by roundings.
+    // In f64, 4.1 · 10⁶ and 2.01 · 10³ are rounded to numbers that are not whole.
     assert_eq!((parse_count("4.1M"), parse_count("2.01k")), (Ok(4_100_000), Ok(2_010)));
     for bad in ["", "k", "-1", "1.5", "0.0001k", "1e3", "5000M", "inf", "NaN", "é"] {
         assert!(parse_count(bad).is_err(), "{bad}");
@@ -17,7 +17,7 @@ fn counts_take_suffixes() {
 }
 
 #[test]
-fn memory_takes_suffixes() {
+fn memory_sizes_take_suffixes() {
     assert_eq!(
         ["4G", "512M", "1.5k", "1T", "77"].map(parse_bytes),
         [4e9, 512e6, 1500.0, 1e12, 77.0].map(|x| Ok(x as u64))

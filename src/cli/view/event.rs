@@ -1,4 +1,4 @@
-//! Events that a session of `caustica view` reacts to, and their queue.
+//! Events to which a session of `caustica view` reacts, and their queue.
 
 use super::scene::LoadedScene;
 use super::watch::WatchedFiles;
@@ -6,7 +6,8 @@ use crate::view::Request;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// Largest number of events that wait for the session. If the queue is full, an event is dropped.
+/// Largest number of events that wait for the session. While the queue is full, further events are
+/// refused.
 const MAX_EVENTS: usize = 64;
 
 /// Event to which the session of `caustica view` reacts.
@@ -18,14 +19,15 @@ pub(super) enum Event {
         /// Number of the job's render on the page, see
         /// [`RenderPublisher::render_number`](crate::view::RenderPublisher::render_number).
         render: u32,
-        /// The scene file and the files that it names, with their stamps before reading.
+        /// The scene file and the files that it names, with their modification times and lengths
+        /// before reading.
         files: WatchedFiles,
         /// The scene that was read; `None` if it has errors.
         loaded: Option<Arc<LoadedScene>>,
     },
 }
 
-/// Sending end of the queue of [`Event`]s for the session.
+/// Sending end of the queue through which browsers and jobs send [`Event`]s to the session.
 #[derive(Clone)]
 pub(super) struct EventQueue(SyncSender<Event>);
 

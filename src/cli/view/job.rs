@@ -1,4 +1,4 @@
-//! A render of `caustica view`, in a thread of its own.
+//! Job: one render of `caustica view`, which runs in its own thread.
 
 use super::ViewArguments;
 use super::event::{Event, EventQueue};
@@ -23,19 +23,20 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time that the camera must rest after the user has moved it, before pilots begin.
+/// Time without a camera movement after which a job begins its pilots. While the user drags the
+/// camera, jobs only render previews.
 const SETTLING_TIME: Duration = Duration::from_millis(300);
 
-/// Time between two looks for requests of surface AOVs while a render is paused.
+/// Time between two checks for requested surface AOVs while a render is paused.
 const AOV_POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Time between two attempts to send an event while the queue of the session is full.
 const EVENT_RETRY_INTERVAL: Duration = Duration::from_millis(10);
 
-/// Number of rays of each pixel for surface AOVs of the page.
+/// Number of rays per pixel with which surface AOVs are rendered for the page.
 const AOV_PIXEL_RAYS: u32 = 4;
 
-/// Flags by which the session controls a job.
+/// Flags that pause or cancel a job, which is a render thread of `caustica view`.
 #[derive(Debug, Default)]
 struct JobControl {
     /// True if the render must pause after the current pass; false again on resume.
@@ -44,11 +45,11 @@ struct JobControl {
     cancelled: AtomicBool,
 }
 
-/// Handle by which the session controls a job.
+/// Handle with which the session of `caustica view` pauses, resumes or cancels a job.
 #[derive(Debug)]
 pub(super) struct JobHandle {
     control: Arc<JobControl>,
-    /// Sender that wakes a paused job. If it is dropped, a paused job ends.
+    /// Sender that wakes a paused job. Dropping it ends a paused job.
     resume_sender: SyncSender<()>,
 }
 
@@ -72,7 +73,7 @@ impl JobHandle {
     }
 }
 
-/// Monitor of a job's passes, which ends them once the job is cancelled.
+/// Progress monitor that ends the current pass once the job is cancelled. It shows no progress.
 struct JobMonitor<'a>(&'a JobControl);
 
 impl ProgressMonitor for JobMonitor<'_> {
@@ -84,15 +85,15 @@ impl ProgressMonitor for JobMonitor<'_> {
     }
 }
 
-/// The scene that a job renders.
+/// Source of the scene that a job renders.
 pub(super) enum JobScene {
-    /// Read the scene file. What has not changed since the given scene is reused.
+    /// The scene file, which the job reads. Unchanged parts of the given earlier scene are reused.
     File(Option<Arc<LoadedScene>>),
     /// A scene that an earlier job has read.
     Loaded(Arc<LoadedScene>),
 }
 
-/// Data of the session that each of its jobs receives.
+/// References to data of a session, which all its jobs share.
 #[derive(Clone, Copy)]
 pub(super) struct JobContext<'a> {
     pub arguments: &'a ViewArguments,
@@ -113,8 +114,8 @@ pub(super) struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// Makes a job that publishes to `live`, and the handle that controls it. `orbit` is the
-    /// movement of the camera relative to the camera of the scene file.
+    /// Makes a job that publishes its render to `live`, and the handle that controls the job.
+    /// `orbit` is the position of the camera relative to the camera of the scene file.
     pub fn new(context: JobContext<'a>, live: RenderPublisher<'a>, orbit: Orbit) -> (JobHandle, Self) {
         let (resume, resumed) = sync_channel(1);
         let control = Arc::<JobControl>::default();
@@ -166,7 +167,7 @@ impl<'a> Job<'a> {
         self.control.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Shows on the page why the scene does not fit into memory, and publishes the stage
+    /// Shows on the page that the scene does not fit into memory: publishes `error` and the stage
     /// [`RenderStage::Failed`].
     fn publish_memory_error(&self, error: MemoryError) {
         let problem = problem_of_report(&Report::new(error));
@@ -241,12 +242,12 @@ impl<'a> Job<'a> {
         });
     }
 
-    /// Renders passes until the job is cancelled. The render pauses when it reaches its limits.
-    /// Once it is resumed, it has no limits. `start` is the time at which `algorithm` began its
-    /// pilots.
+    /// Renders passes until the job is cancelled. The render pauses when it reaches its limits. If
+    /// the user resumes it then, it has no limits any more. `start` is the time at which
+    /// `algorithm` began its pilots.
     ///
-    /// If a user stops the render before it reaches its limits, it keeps them, and its time limit
-    /// counts from the moment at which it is resumed.
+    /// If the user stops the render before it reaches its limits, it keeps them. Its time limit
+    /// then counts from the moment at which the user resumes it.
     fn render_passes(
         &mut self,
         scene: &Scene,
@@ -261,7 +262,7 @@ impl<'a> Job<'a> {
         let limited = arguments.limits().stop_criteria(algorithm, integrator, &control.pause_requested);
         let limited = StopCriteria { time_before_passes: start.elapsed(), ..limited };
         let unlimited = StopCriteria {
-            // A second pass of ray casting would repeat the first.
+            // Ray casting needs one pass: a second pass would repeat the first.
             max_passes: (algorithm == Algorithm::Raycast).then_some(1),
             ..StopCriteria::unlimited(&control.pause_requested)
         };

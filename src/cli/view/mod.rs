@@ -31,7 +31,7 @@ pub struct ViewArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
 
-    /// Address and port of the page. Other machines can reach it only with an address of a network
+    /// Address and port of the live page. By default, only this machine can open it, at a free port
     #[arg(long, value_name = "ADDR:PORT", default_value = "127.0.0.1:0")]
     pub listen: ListenAddress,
 
@@ -45,7 +45,7 @@ pub struct ViewArguments {
     #[command(flatten)]
     pub effects: EffectsArguments,
 
-    /// Show direct, indirect and caustic light apart too, as layers that add up to the picture
+    /// Also show direct, indirect and caustic light, as layers that add up to the picture
     #[arg(long)]
     pub light_groups: bool,
 
@@ -63,7 +63,7 @@ pub struct ViewArguments {
     #[arg(long, value_parser = parse_relative_error, value_name = "ERROR")]
     pub target_error: Option<f64>,
 
-    /// Confidence that the error is at most the one at which the render pauses
+    /// Confidence that the error is at most --target-error when the render pauses
     #[arg(long, value_parser = parse_confidence, default_value = "90%", value_name = "PART")]
     pub confidence: Confidence,
 }

@@ -1,4 +1,4 @@
-//! The camera of `caustica view`, moved around a point by the page.
+//! Camera of `caustica view`, which the user moves around a point on the live page.
 
 use crate::camera::Camera;
 use crate::cli::pivot::pivot;
@@ -6,16 +6,15 @@ use crate::scene::Scene;
 use crate::view::Orbit;
 use glam::DVec3;
 
-/// Smallest angle between the view direction and the up axis, or the opposite of the up axis
-/// \[radians]. Pitch stops there.
+/// Smallest angle that a pitch may leave between the view direction and the up axis, or its
+/// opposite \[radians]. A scene camera that is closer to the axis stays there.
 const MIN_POLE_ANGLE: f64 = 0.05;
 
-/// Largest zoom, in or out: absolute natural logarithm of the ratio of the camera's distance from
-/// the pivot to that in the scene file.
+/// Largest absolute value of the zoom [`Orbit::log_distance`].
 const MAX_LOG_ZOOM: f64 = 8.0;
 
-/// Returns the camera of `scene`, moved by `orbit` around the point in the center of the picture.
-/// Returns `None` if `orbit` is zero or not finite, or if `up` is zero.
+/// Returns the camera of `scene`, moved by `orbit` around the point that the center of the picture
+/// shows. Returns `None` if `orbit` is zero or not finite, or if `up` is zero.
 ///
 /// `up` is the up vector of the scene file. All coordinates are those of the scene file. Pitch is
 /// limited by [`MIN_POLE_ANGLE`], and zoom by [`MAX_LOG_ZOOM`].

@@ -4,7 +4,7 @@ use crate::color::Rgb;
 use crate::integrate::{Algorithm, ProgressMonitor, Settings};
 use crate::scene::Scene;
 
-/// Largest number of pixels of a preview, up to the rounding of its width and height.
+/// Largest number of pixels of a preview. Rounding of its width and height may exceed it slightly.
 const MAX_PIXELS: f64 = 20_000.0;
 
 /// Number of camera paths per pixel of a preview.
@@ -17,7 +17,7 @@ fn preview_size((width, height): (u32, u32)) -> (u32, u32) {
     let pixels = f64::from(width) * f64::from(height);
     let factor = (MAX_PIXELS / pixels).sqrt().min(1.0);
     let shrunk = |side: u32| ((f64::from(side) * factor).round() as u32).max(1);
-    // A very long picture has at least one pixel across. Its length is then limited too.
+    // A very long picture is one pixel wide, so its length must be limited too.
     let (width, height) = (shrunk(width), shrunk(height));
     (width.min(MAX_PIXELS as u32), height.min(MAX_PIXELS as u32))
 }
@@ -25,8 +25,8 @@ fn preview_size((width, height): (u32, u32)) -> (u32, u32) {
 /// Renders a preview of `scene` by path tracing. Returns its width and height, and the radiance of
 /// its pixels \[W/(m² sr)].
 ///
-/// The preview lacks the caustics that only photons find. `settings` are those of the render that
-/// follows.
+/// The preview lacks caustics that only photons find. `settings` are the settings of the full
+/// render. The preview replaces their number of samples, and runs no pilots.
 pub(super) fn render_preview(
     scene: &Scene,
     settings: &Settings,

@@ -1,4 +1,4 @@
-//! Reading of the scene of `caustica view`, with its text and errors for the page.
+//! Reads the scene of `caustica view`, with its text and errors for the page.
 
 use super::ViewArguments;
 use super::watch::{WatchedFileCollector, WatchedFiles};
@@ -14,14 +14,15 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Largest length of a scene text that the page shows; longer texts are hidden \[bytes].
+/// Largest length \[bytes] of a scene text that the page shows. Longer texts are not shown.
 const MAX_SOURCE_BYTES: u64 = 1 << 20;
 
 /// A scene that was read without an error, with its files.
 pub(super) struct LoadedScene {
     pub resolved: ResolvedScene,
     pub description: SceneDescription,
-    /// The scene file and the files that it names, with their stamps before reading.
+    /// The scene file and the files that it names, with their modification times and lengths before
+    /// reading.
     pub files: WatchedFiles,
 }
 
@@ -41,8 +42,8 @@ pub(super) struct SceneReadResult {
 
 /// Reads and builds the scene that the command line names.
 ///
-/// The new scene shares with `previous` what has not changed: everything but the camera if
-/// [`scene_with_new_camera`] finds that only the camera differs, else meshes and hierarchies.
+/// Unchanged parts are shared with the `previous` scene: everything but the camera if only the
+/// camera differs (see [`scene_with_new_camera`]), else meshes and hierarchies.
 pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScene>) -> SceneReadResult {
     let path = &arguments.scene.scene;
     let name = path.display().to_string();
@@ -76,19 +77,18 @@ pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScen
     }
 }
 
-/// Returns the scene of `previous` with the camera of `file`; `None` if that may differ from the
-/// scene of `file`.
+/// Returns the scene of `previous` with the camera of `file`, if only the camera has changed.
 ///
 /// Returns `None` if one of these holds:
-/// - More than the camera differs.
+/// - More than the camera of the scene description has changed.
 /// - A file that the scene names has changed.
 /// - The camera moves while the shutter is open, or is invalid.
 /// - `file` embeds meshes, pictures or grids.
 fn scene_with_new_camera(file: &SceneFile, previous: &LoadedScene) -> Option<ResolvedScene> {
     let mut old = previous.description.clone();
     old.camera.clone_from(&file.description.camera);
-    let rests = file.description.camera.motion.is_empty();
-    if !rests || !file.assets.is_empty() || old != file.description || !previous.files.has_unchanged_inputs() {
+    let is_still = file.description.camera.motion.is_empty();
+    if !is_still || !file.assets.is_empty() || old != file.description || !previous.files.has_unchanged_inputs() {
         return None;
     }
     let camera = file.resolve_camera().ok()?;

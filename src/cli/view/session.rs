@@ -1,5 +1,5 @@
 //! Session of `caustica view`: starts a render thread whenever the scene or the camera changes, and
-//! hands requests of the page to it.
+//! forwards requests of the page to it.
 
 use super::ViewArguments;
 use super::event::{Event, EventQueue};
@@ -27,7 +27,7 @@ pub(super) struct Session<'a> {
     render_lock: Mutex<()>,
 }
 
-/// The current job, and the state that later jobs take over from it.
+/// Mutable state of a session of `caustica view`: the current render job, and data for later jobs.
 struct SessionState {
     job: JobHandle,
     /// Number of the current job's render on the page, as [`Session::start_job`] returned it.
@@ -37,7 +37,7 @@ struct SessionState {
     /// The scene that was read last without an error.
     loaded: Option<Arc<LoadedScene>>,
     watch: FileWatch,
-    /// Movement of the camera that the user has chosen on the page, relative to the camera of the
+    /// Position of the camera that the user has chosen on the page, relative to the camera of the
     /// scene file.
     orbit: Orbit,
     /// True if the user has moved the camera since the current job was started.
@@ -68,14 +68,15 @@ impl<'a> Session<'a> {
                 orbit,
                 orbit_changed: false,
             };
-            let mut next_look = Instant::now() + POLL_INTERVAL;
+            let mut next_poll = Instant::now() + POLL_INTERVAL;
             while !INTERRUPTED.load(Ordering::Relaxed) {
-                let first = events.recv_timeout(next_look.saturating_duration_since(Instant::now()));
-                // Of several camera movements, only the last one matters.
+                let first = events.recv_timeout(next_poll.saturating_duration_since(Instant::now()));
+                // Handle all queued events at once: of several camera movements, only the last
+                // counts.
                 first.into_iter().chain(events.try_iter()).for_each(|event| state.handle_event(event));
                 let mut next_scene = state.scene_for_moved_camera();
-                if Instant::now() >= next_look {
-                    next_look = Instant::now() + POLL_INTERVAL;
+                if Instant::now() >= next_poll {
+                    next_poll = Instant::now() + POLL_INTERVAL;
                     if state.watch.has_settled_change() {
                         next_scene = Some(JobScene::File(state.loaded.clone()));
                     }
@@ -92,7 +93,8 @@ impl<'a> Session<'a> {
         });
     }
 
-    /// Starts a thread that runs a new job. Returns the number of its render, and its handle.
+    /// Starts a thread that renders `scene` as another job. Returns the number of its render on the
+    /// page, and the handle of the job.
     fn start_job<'scope>(
         &'scope self,
         scope: &'scope Scope<'scope, '_>,
@@ -106,15 +108,15 @@ impl<'a> Session<'a> {
         (number, handle)
     }
 
-    /// Returns the data that each job receives.
+    /// Returns the references to session data that each job receives.
     fn job_context(&self) -> JobContext<'_> {
         JobContext { arguments: self.arguments, pool: self.pool, events: &self.queue, render_lock: &self.render_lock }
     }
 }
 
 impl SessionState {
-    /// Handles one event: forwards a stop or resume request of the live page to the running job,
-    /// notes a new camera orbit, or stores the scene that the current job has read.
+    /// Handles one event: forwards a stop or resume request of the live page to the current job,
+    /// stores a requested camera position, or stores the scene that the current job has read.
     fn handle_event(&mut self, event: Event) {
         match event {
             Event::Request(Request::Stop) => self.job.pause(),
@@ -136,8 +138,8 @@ impl SessionState {
     /// Returns the scene to render with the moved camera; `None` if the camera has not moved, or no
     /// scene has been read.
     ///
-    /// While the scene file is being read, the movement waits: a job with the earlier scene would
-    /// cancel the reading, and so lose the edit of the file.
+    /// Also `None` while the scene file is being read: a job with the earlier scene would cancel
+    /// the reading, and so lose the edit of the file.
     fn scene_for_moved_camera(&self) -> Option<JobScene> {
         self.loaded.clone().filter(|_| self.orbit_changed && !self.reading).map(JobScene::Loaded)
     }

@@ -1,22 +1,22 @@
-//! Changes of the files of a scene, found by their time and length.
+//! Detection of changed scene files by their modification time and length.
 
 use crate::format::FileStamp;
 use crate::format::mesh::{MeshReadMonitor, TriangleMesh};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Files of a scene, each with the stamp that was taken before it was read; `None` for a file that
-/// does not exist.
+/// Files of a scene, each with its stamp (modification time and length) from before it was read.
+/// The stamp is `None` if the file did not exist.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct WatchedFiles(Vec<(PathBuf, Option<FileStamp>)>);
 
 impl WatchedFiles {
-    /// Makes a list with one file and its present stamp.
+    /// Makes a list of one file with its current stamp (modification time and length).
     pub fn new(path: &Path) -> Self {
         Self(vec![(path.to_owned(), FileStamp::of_file(path))])
     }
 
-    /// Adds the files of `other` that this list lacks, with the stamps that they have in `other`.
+    /// Adds the files of `other` that this list lacks, with their stamps in `other`.
     pub fn add_all(&mut self, other: &Self) {
         for (path, stamp) in &other.0 {
             if self.0.iter().all(|(known, _)| known != path) {
@@ -25,15 +25,15 @@ impl WatchedFiles {
         }
     }
 
-    /// Adds the file at `path` with its present stamp, unless the list already has it.
+    /// Adds the file at `path` with its current stamp, unless the list already has it.
     fn add(&mut self, path: &Path) {
         if self.0.iter().all(|(known, _)| known != path) {
             self.0.push((path.to_owned(), FileStamp::of_file(path)));
         }
     }
 
-    /// Returns a list of these files with their present stamps.
-    fn with_present_stamps(&self) -> Self {
+    /// Returns a list of the same files with their current stamps.
+    fn with_current_stamps(&self) -> Self {
         Self(self.0.iter().map(|(path, _)| (path.clone(), FileStamp::of_file(path))).collect())
     }
 
@@ -44,11 +44,13 @@ impl WatchedFiles {
     }
 }
 
-/// Monitor that collects the files that a scene names, just before each is read.
+/// Monitor of scene reading that records each file that the scene names, with its stamp, just
+/// before the file is read.
 pub(super) struct WatchedFileCollector(Mutex<WatchedFiles>);
 
 impl WatchedFileCollector {
-    /// Makes a monitor for the scene file at `path`, which is read next.
+    /// Makes a monitor that already holds the scene file at `path`. Call this before the file is
+    /// read.
     pub fn new(path: &Path) -> Self {
         Self(Mutex::new(WatchedFiles::new(path)))
     }
@@ -69,29 +71,28 @@ impl MeshReadMonitor for WatchedFileCollector {
     fn on_read_end(&self, _: &Path, _: &TriangleMesh) {}
 }
 
-/// Detects changes of files. It reads their states only when the session calls
-/// [`Self::has_settled_change`].
+/// Detector of changed files, which polls them only in [`Self::has_settled_change`].
 ///
-/// A change is reported once two looks in a row find the same new state. So a half-written file is
-/// not reported.
+/// A change is reported when two polls in a row find the same changed stamps. So a file that is
+/// still being written is not reported.
 #[derive(Debug, Default)]
 pub(super) struct FileWatch {
     files: WatchedFiles,
-    /// Changed stamps that the last look found. They are reported if the next look finds them
-    /// again. `None` if the last look found the stamps of `files`.
+    /// Changed stamps that the last poll found; `None` if it found no change. The change is
+    /// reported if the next poll finds the same stamps.
     unsettled: Option<WatchedFiles>,
 }
 
 impl FileWatch {
-    /// Watches `files` from now on. A difference from their stamps counts as a change.
+    /// Watches `files`. A file that differs from its stamp in `files` counts as changed.
     pub fn set_files(&mut self, files: WatchedFiles) {
         (self.files, self.unsettled) = (files, None);
     }
 
-    /// Takes the stamps of all files. Returns true once after each change, when two calls in a row
-    /// have found the same new stamps.
+    /// Polls all files. Returns true once after each change, when two calls in a row have found the
+    /// same changed stamps.
     pub fn has_settled_change(&mut self) -> bool {
-        let now = self.files.with_present_stamps();
+        let now = self.files.with_current_stamps();
         if now == self.files {
             self.unsettled = None;
             return false;
@@ -130,7 +131,7 @@ mod tests {
         fs::write(&scene, "abc").unwrap();
         assert!(!watch.has_settled_change());
         assert!(watch.has_settled_change() && !watch.has_settled_change() && files.has_unchanged_inputs());
-        // A file appears, and is removed again before two looks have found it.
+        // A file that appears for only one poll is not reported.
         fs::write(&mesh, "v").unwrap();
         assert!(!watch.has_settled_change() && !files.has_unchanged_inputs());
         fs::remove_file(&mesh).unwrap();

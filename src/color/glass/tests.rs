@@ -53,9 +53,9 @@ fn index_range_bounds_all_refractive_indices() {
             assert!((least - 1e-15..=most + 1e-15).contains(&n) && n > 1.0, "{glass:?} {n}");
             (low, high) = (low.min(n), high.max(n));
         }
-        // Bounds are computed per interval of one nanometre and per term. Each term changes by less
+        // Bounds are computed per interval of one nanometer and per term. Each term changes by less
         // than 0.001 in an interval. Terms with opposite changes make the bounds wider by up to
-        // twice that.
+        // 0.002.
         assert!(low - least < 2e-3 && most - high < 2e-3, "{glass:?}");
     }
 }
@@ -63,7 +63,7 @@ fn index_range_bounds_all_refractive_indices() {
 #[test]
 fn resonances_and_invalid_refractive_indices_have_no_range() {
     let resonance = |c: f64| three_term_sellmeier([0.01, 1.2, 0.0], [c, 0.01, 0.0]);
-    // The resonance at 600.0005 nm is so narrow that samples at whole nanometres miss it.
+    // The resonance at 600.0005 nm is so narrow that samples at whole nanometers miss it.
     assert_eq!(resonance(squared_micrometres(600.0005)).refractive_index_range(), None);
     assert!(resonance(squared_micrometres(900.0)).refractive_index_range().is_some());
     assert_eq!(three_term_sellmeier([-3.0, 0.0, 0.0], [0.01, 0.0, 0.0]).refractive_index_range(), None);

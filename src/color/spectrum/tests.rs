@@ -50,7 +50,7 @@ fn blackbodies_obey_stefan_and_boltzmann() {
 
 /// Chromaticities of illuminants agree with the tables of CIE 15.
 ///
-/// The fit of the color matching functions errs by up to 0.003 in x and y.
+/// The fit of the color matching functions has errors up to 0.003 in x and y.
 #[test]
 fn illuminants_have_their_published_chromaticities() {
     let known = [("A", [0.44757, 0.40745]), ("D50", [0.34567, 0.35850]), ("D75", [0.29902, 0.31485])];

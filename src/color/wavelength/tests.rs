@@ -83,7 +83,7 @@ fn wavelength_samples_follow_the_pdf() {
     for _ in 0..n {
         counts[Wavelength::sample(rng.random()).response_interval_index()] += 1;
     }
-    // Neighbouring intervals are pooled until they expect 20 samples, so that counts are nearly
+    // Neighboring intervals are pooled until they expect 20 samples, so that counts are nearly
     // normal.
     let (mut chi2, mut nu) = (0.0, -1.0);
     let (mut count, mut expected) = (0.0, 0.0);

@@ -9,11 +9,13 @@ use std::rc::Rc;
 /// Buffers of a glTF file. Each buffer is read when it is first needed.
 pub(super) struct GltfBuffers<'a> {
     context: &'a FileContext<'a>,
+    /// Binary chunk of a `.glb` file, until the buffer that it holds is read; `None` afterwards.
     blob: RefCell<Option<Vec<u8>>>,
+    /// Bytes of each buffer; empty until the buffer is read.
     buffers: Vec<OnceCell<Rc<[u8]>>>,
 }
 
-/// Numbers of an accessor: a list of elements, such as scalars or vectors.
+/// Decoded numbers of an accessor: a list of elements, such as scalars or vectors.
 pub(super) struct AccessorValues {
     /// Number of components per element: 1 for scalars, 3 for three-dimensional vectors.
     pub components_per_element: usize,
@@ -154,8 +156,10 @@ impl<'a> GltfBuffers<'a> {
         Ok(self.read_accessor(accessor)?.numbers.iter().map(|index| *index as u32).collect())
     }
 
-    /// Reads elements that are stored in a buffer view. `offset` is that of the first element from
-    /// the start of the view \[bytes].
+    /// Returns the components of all elements of an accessor, decoded from a buffer view.
+    ///
+    /// `offset` is the distance of the first element from the start of the view \[bytes]. Errors
+    /// name the accessor as `place`.
     fn read_elements(
         &self,
         place: &str,
@@ -192,13 +196,15 @@ impl<'a> GltfBuffers<'a> {
 struct AccessorLayout {
     element_count: usize,
     components_per_element: usize,
+    /// Type of each component, such as `F32`.
     kind: DataType,
+    /// True if integers stand for fractions of their greatest value.
     is_normalized: bool,
 }
 
-/// Returns the number of components per element.
+/// Returns the number of components per element, such as 3 for `Vec3`.
 ///
-/// Padding of matrix columns is not counted, because the importer reads no matrices.
+/// The importer reads no matrices, so this does not count the padding of their columns.
 fn components_per_element(dimensions: Dimensions) -> usize {
     dimensions.multiplicity()
 }

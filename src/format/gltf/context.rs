@@ -12,9 +12,11 @@ use std::fmt::Display;
 use std::io::Read;
 use std::path::Path;
 
+/// Help text of errors without a more specific remedy.
 const REMEDY: &str = "export the file again, or repair it: a glTF validator lists all its defects";
 
-/// The glTF file that is imported, with access to its further files and the options of the import.
+/// Access to the glTF file that is imported and to the files that it names, with the options of the
+/// import.
 pub(super) struct FileContext<'a> {
     /// Path of the glTF file.
     pub path: &'a Path,
@@ -25,20 +27,19 @@ pub(super) struct FileContext<'a> {
 }
 
 impl FileContext<'_> {
-    /// Returns the source text for messages: the file's name and an empty text.
+    /// Returns the name of the glTF file as source of errors, with an empty text.
     ///
     /// Errors of an imported glTF scene have no positions in a text.
     pub fn source(&self) -> SourceText {
         SourceText::new(&self.path.display().to_string(), "")
     }
 
-    /// Returns an error at `place`, a JSON path such as `accessors[3]`, with the general remedy of
-    /// this importer.
+    /// Returns an error at `place`, a JSON path such as `accessors[3]`, with a general help text.
     pub fn error(&self, place: impl Display, message: impl Display) -> SceneReadError {
         self.error_with_help(place, message, REMEDY)
     }
 
-    /// Returns an error at `place`, a JSON path such as `accessors[3]`, with the remedy `help`.
+    /// Returns an error at `place`, a JSON path such as `accessors[3]`, with the help text `help`.
     pub fn error_with_help(&self, place: impl Display, message: impl Display, help: &str) -> SceneReadError {
         let name = self.path.display().to_string();
         SceneError::error_without_position(&name, format!("{place}: {message}"), help).into()

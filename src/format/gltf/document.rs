@@ -7,20 +7,18 @@ use gltf::json::{Image, Path as JsonPath, Root};
 use gltf::{Document, Semantic};
 use serde_json::Value;
 
-/// Estimated memory of each object of the JSON text \[bytes], as a generic value and a typed
-/// record.
+/// Estimated memory of each JSON object \[bytes]: its generic value and its typed record.
 const MEMORY_PER_JSON_OBJECT: u64 = 1_200;
 
-/// Estimated memory of each list element and each field of the JSON text \[bytes].
+/// Estimated memory of each element of a JSON array and each member of a JSON object \[bytes].
 const MEMORY_PER_JSON_VALUE: u64 = 100;
 
 /// Estimated memory per byte of the JSON text \[bytes], mostly for strings.
 const MEMORY_PER_BYTE: u64 = 4;
 
-/// Extensions that a glTF file may list as required although the crate `gltf` does not support
-/// them.
+/// Extensions that a glTF file may list as required, besides those that the crate `gltf` supports.
 ///
-/// A file may also require extensions that the importer ignores. Others are refused.
+/// A file may also require extensions that the importer ignores. All others are refused.
 const EXTRA_SUPPORTED_EXTENSIONS: [&str; 9] = [
     "EXT_mesh_gpu_instancing",
     "KHR_materials_clearcoat",
@@ -43,25 +41,25 @@ pub(super) const IGNORED_MATERIAL_EXTENSIONS: [(&str, &str); 4] = [
     ("KHR_materials_subsurface", "subsurface scattering is ignored"),
 ];
 
-/// Extensions other than those of materials that a file may require although the importer ignores
+/// Extensions without effect on materials that a file may require although the importer ignores
 /// them. They add animations or metadata.
 const OTHER_IGNORED_EXTENSIONS: [&str; 2] = ["KHR_animation_pointer", "KHR_xmp_json_ld"];
 
 /// Greatest number of defects that one error message describes.
 const MAX_REPORTED_DEFECTS: usize = 3;
 
-/// A glTF document whose indices are valid, and the binary chunk of a `.glb` file.
+/// A parsed and validated glTF document, and the binary chunk of a `.glb` file.
 pub(super) struct GltfFile {
     /// The validated document.
     pub document: Document,
-    /// Binary chunk of a `.glb` file, the content of its first buffer; `None` if the file has none.
+    /// Binary chunk of a `.glb` file, which holds its first buffer; `None` if the file has none.
     pub blob: Option<Vec<u8>>,
 }
 
-/// Parses and checks the bytes of a `.gltf` or `.glb` file. The first bytes tell which it is.
+/// Parses and validates a `.gltf` or `.glb` file. The first bytes tell the two formats apart.
 pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mut ImportNotes) -> ReadResult<GltfFile> {
     let (json, blob) = if bytes.starts_with(b"glTF") { split_container(context, bytes)? } else { (bytes, None) };
-    let count = |wanted: u8| json.iter().filter(|byte| **byte == wanted).count() as u64;
+    let count = |counted_byte: u8| json.iter().filter(|byte| **byte == counted_byte).count() as u64;
     context.check_memory(
         count(b'{') * MEMORY_PER_JSON_OBJECT
             + count(b',') * MEMORY_PER_JSON_VALUE
@@ -116,11 +114,11 @@ fn split_container<'b>(context: &FileContext<'_>, bytes: &'b [u8]) -> ReadResult
     Ok((json, blob))
 }
 
-/// Removes the list of required extensions from the JSON, and checks it.
+/// Removes `extensionsRequired` from the JSON. Fails if it lists an extension that the importer
+/// neither supports nor ignores.
 ///
-/// The crate `gltf` would refuse some extensions that this importer accepts. Adds a note for each
-/// required extension that the importer ignores. Fails if the list has any other extension that the
-/// importer does not support.
+/// The list is removed because the crate `gltf` would refuse some extensions that this importer
+/// accepts. Adds a note for each required extension that the importer ignores.
 fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: &mut ImportNotes) -> ReadResult<()> {
     let Some(Value::Array(required)) = root.as_object_mut().and_then(|root| root.remove("extensionsRequired")) else {
         return Ok(());
@@ -142,9 +140,10 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
     Ok(())
 }
 
-/// Prepares the JSON for the crate `gltf`: removes animations, because the crate refuses some.
+/// Changes the JSON so that the crate `gltf` accepts it.
 ///
-/// Also gives an empty list of nodes to scenes without one.
+/// Removes animations, because the crate refuses some, and notes each. Adds an empty list of nodes
+/// to each scene without one.
 fn adapt_json_to_parser(root: &mut Value, notes: &mut ImportNotes) {
     let Some(root) = root.as_object_mut() else { return };
     if let Some(animations) = root.remove("animations") {

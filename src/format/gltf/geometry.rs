@@ -8,15 +8,14 @@ use glam::{DVec2, DVec3, DVec4};
 use gltf::mesh::Mode;
 use gltf::{Primitive, Semantic};
 
-/// Memory that each vertex and each triangle corner take \[bytes].
-///
-/// It covers reading a primitive and merging its equal vertices.
+/// Estimated memory of each vertex and each triangle corner \[bytes], for reading a primitive and
+/// merging its equal vertices.
 const MEMORY_PER_CORNER: u64 = 200;
 
 /// Converts a primitive to a triangle mesh; `None` if it has no triangles.
 ///
 /// `texcoord_set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …);
-/// `None` if it uses none. Messages refer to the primitive as `place`.
+/// `None` if the material uses none. Messages call the primitive `place`.
 pub(super) fn read_primitive(
     buffers: &GltfBuffers<'_>,
     context: &FileContext<'_>,
@@ -85,8 +84,9 @@ pub(super) fn read_primitive(
 fn triangles_of_mode(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::TriangleStrip => {
-            let turned = |(i, t): (usize, &[u32])| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] };
-            corners.windows(3).enumerate().map(turned).collect()
+            let oriented_triangle =
+                |(i, t): (usize, &[u32])| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] };
+            corners.windows(3).enumerate().map(oriented_triangle).collect()
         }
         Mode::TriangleFan => match corners {
             [center, rim @ ..] => rim.windows(2).map(|edge| [edge[0], edge[1], *center]).collect(),

@@ -19,8 +19,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-/// Luminous efficacy of radiation at 555 nm \[lm/W]. It converts the file's luminous units to
-/// watts.
+/// Luminous efficacy of radiation at 555 nm \[lm/W]. Intensities of the file in candela and lux
+/// are divided by it, which gives W/sr and W/m².
 const LUMENS_PER_WATT: f64 = 683.0;
 
 /// Estimated memory of each instance of a primitive \[bytes]: its description and its share of the
@@ -44,25 +44,28 @@ pub(super) struct GltfSceneContent {
     pub has_emissive_surfaces: bool,
 }
 
-/// A primitive in the imported scene: mesh path, material name, bounds, and a flag that is true if
-/// it emits light.
+/// A glTF primitive after import: its mesh and its material.
 #[derive(Clone)]
 struct ImportedPrimitive {
+    /// Path of the embedded mesh.
     mesh_path: String,
+    /// Name of the material in the imported scene.
     material: String,
+    /// Lower and upper corner of the mesh's bounds, in the space of the node.
     local_bounds: (DVec3, DVec3),
+    /// True if the material emits light.
     emits: bool,
 }
 
-/// State of the traversal of a scene's nodes.
+/// State of the traversal of a scene's nodes. It collects the content of the imported scene.
 struct NodeWalker<'w, 'a> {
     context: &'a FileContext<'a>,
     buffers: &'a GltfBuffers<'a>,
     document: &'w gltf::Document,
     materials: &'w mut GltfMaterials<'a>,
     notes: &'w mut ImportNotes,
-    /// Converted primitives, by mesh index and index in the mesh; `None` for a primitive without
-    /// triangles or with alpha 0 everywhere.
+    /// Imported primitives, by mesh index and index in the mesh. A value is `None` for a primitive
+    /// without triangles or with alpha 0 everywhere.
     primitives: HashMap<(usize, usize), Option<ImportedPrimitive>>,
     content: GltfSceneContent,
 }
@@ -116,7 +119,7 @@ pub(super) fn read_scene<'a>(
     Ok(walker.content)
 }
 
-/// Returns the indices of the nodes that are no children of other nodes.
+/// Returns the indices of the nodes that are not a child of any node.
 fn root_nodes(nodes: &[gltf::Node<'_>]) -> Vec<usize> {
     let mut is_child = vec![false; nodes.len()];
     for child in nodes.iter().flat_map(gltf::Node::children) {
@@ -139,7 +142,8 @@ fn local_transform(node: &gltf::Node<'_>) -> DAffine3 {
     }
 }
 
-/// Returns the affine map that scales, then rotates, then translates.
+/// Returns the affine map of glTF's translation, rotation and scale: it scales first, then rotates,
+/// then translates.
 ///
 /// `rotation` is a quaternion x, y, z, w of any length. A length that is 0 or not finite stands for
 /// no rotation.
@@ -186,10 +190,10 @@ impl NodeWalker<'_, '_> {
         Ok(())
     }
 
-    /// Returns the transforms of a node's instances, by the extension EXT_mesh_gpu_instancing.
+    /// Returns the transforms of a node's instances to the space of the node, from the extension
+    /// EXT_mesh_gpu_instancing.
     ///
-    /// Instance transforms apply before the transform of the node. Without the extension, returns
-    /// one identity.
+    /// Without the extension, returns one identity.
     fn instance_transforms(&mut self, node: &gltf::Node<'_>) -> ReadResult<Vec<DAffine3>> {
         let extension = node.extension_value("EXT_mesh_gpu_instancing");
         let Some(attributes) = extension.and_then(|value| value.get("attributes")) else {
@@ -225,7 +229,7 @@ impl NodeWalker<'_, '_> {
         Ok((0..count).map(transform).collect())
     }
 
-    /// Returns a primitive with its mesh and material converted. Later calls return the same.
+    /// Converts the mesh and the material of a primitive, unless an earlier call did.
     ///
     /// `None` if the primitive has no triangles, or if its alpha is 0 everywhere.
     fn import_primitive(
@@ -258,9 +262,9 @@ impl NodeWalker<'_, '_> {
         Ok(imported)
     }
 
-    /// Adds a primitive as an object under the transform `to_world`.
+    /// Adds a primitive to the imported scene, with the transform `to_world`.
     ///
-    /// If `to_world` is singular, adds only a note, which refers to the node as `place`.
+    /// If `to_world` is singular, adds only a note. The note calls the node `place`.
     fn add_object(&mut self, primitive: &ImportedPrimitive, to_world: DAffine3, place: &str) {
         if Transform::new(to_world).is_err() {
             self.notes.add_unsupported("objects that are scaled to nothing are left out", place);
@@ -287,7 +291,9 @@ impl NodeWalker<'_, '_> {
         items.push(GroupItem::Object(Spanned::new(object, Span::default())));
     }
 
-    /// Converts a camera. It looks along −z of its node, whose transform is `to_world`.
+    /// Converts the camera `index` of the file. It looks along −z of its node, with +y up.
+    ///
+    /// `to_world` is the transform of the node.
     fn camera_description(&self, index: usize, to_world: DAffine3) -> ReadResult<CameraDescription> {
         let place = format!("cameras[{index}]");
         let camera = &self.document.as_json().cameras[index];

@@ -66,7 +66,7 @@ fn assert_import_error(scene: &Value, part: &str) {
     assert!(error.to_string().contains(part), "{error}");
 }
 
-/// Returns the model of the material that is called `name`.
+/// Returns the kind of the material that is called `name`, with its parameters.
 fn material_kind<'a>(scene: &'a ImportedScene, name: &str) -> &'a MaterialKindDescription {
     let found = scene.description.materials.iter().find(|m| m.name.as_deref() == Some(name));
     &found.unwrap_or_else(|| panic!("{name}: {:#?}", scene.description.materials)).value.kind
@@ -90,7 +90,7 @@ fn metals_reflect_their_base_color() {
 }
 
 #[test]
-fn textures_keep_factor_channel_and_place() {
+fn textures_keep_factors_channels_and_transforms() {
     let transform = json!({ "KHR_texture_transform": { "scale": [2, 4], "rotation": 0.5, "offset": [0.25, 0.5] } });
     let material = json!({
         "name": "a", "alphaMode": "BLEND",
@@ -242,7 +242,7 @@ fn diffuse_transmission_takes_its_share_of_diffuse_reflection() {
 }
 
 #[test]
-fn what_is_not_supported_is_noted_once() {
+fn unsupported_content_is_noted_once() {
     let material = json!({ "name": "a", "extensions": { "KHR_materials_sheen": {}, "KHR_materials_iridescence": {} } });
     let mut scene = triangle_scene(material, json!({ "weights": [0.5] }));
     scene["animations"] = json!([{}, {}]);

@@ -16,19 +16,19 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// A texture as a material refers to it, with its texture coordinates.
+/// Reference of a material to a texture: the texture, its texture coordinates and their transform.
 #[derive(Clone)]
 pub(super) struct TextureReference<'a> {
     /// The texture.
     pub texture: gltf::Texture<'a>,
     /// Index of the texture coordinates that the texture uses (`TEXCOORD_0`, …).
     pub texcoord_set: u32,
-    /// Transform from the texture coordinates of the imported mesh, with v upwards, to those of the
-    /// picture.
+    /// Transform from texture coordinates of the imported mesh to picture coordinates, both with v
+    /// upwards.
     pub transform: TexcoordTransformDescription,
 }
 
-/// Quantity that a texture stands for. It selects the conversion of pixel values.
+/// Parameter of a material that a texture controls. It selects the conversion of pixel values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum GltfTextureUse {
     /// Colors, decoded from sRGB and multiplied by the given factor.
@@ -37,14 +37,13 @@ pub(super) enum GltfTextureUse {
     Channel(usize, f64),
     /// GGX α: (green channel · given factor)².
     GgxAlpha(f64),
-    /// Mask from the given factor and cutoff: 1 where alpha times factor reaches the cutoff, else
-    /// 0.
+    /// Opacity mask with the given factor and cutoff: 1 where alpha · factor ≥ cutoff, else 0.
     AlphaMask(f64, f64),
-    /// Tangent-space normals. The given factor multiplies their x and y.
+    /// Tangent-space normals, stored as colors. The given factor multiplies x and y of each normal.
     Normal(f64),
 }
 
-/// Values of a texture for one use: a constant, or a texture of the imported scene.
+/// Result of converting a texture: a constant, or a texture of the imported scene.
 #[derive(Clone, Debug)]
 pub(super) enum GltfConvertedTexture {
     /// Common value of all pixels.
@@ -69,9 +68,11 @@ pub(super) struct GltfTextures<'a> {
     buffers: &'a GltfBuffers<'a>,
     /// Decoded pictures by image index; `None` for an image in an unsupported format.
     decoded_pictures: HashMap<usize, Option<Rc<QuantizedRgba>>>,
-    /// Converted images, as paths of embedded pictures or as constants, by image index and use.
+    /// Converted images by image index and use. A `Texture` here holds the path of an embedded
+    /// picture.
     converted_pictures: HashMap<(usize, String), GltfConvertedTexture>,
-    /// Names of the imported scene's textures. A key combines picture, wrap mode and transform.
+    /// Names of the imported scene's textures. A key is a text of picture path, wrap mode and
+    /// transform, so equal textures become one.
     texture_names_by_content: HashMap<String, Spanned<String>>,
     /// Textures of the imported scene.
     pub textures: Vec<Spanned<TextureDescription>>,
@@ -100,11 +101,12 @@ impl<'a> GltfTextures<'a> {
         TextureReference::from_json(self.document.textures(), info)
     }
 
-    /// Converts a texture for the use `wanted`; `None` if its picture has an unsupported format.
+    /// Converts the pixels of a texture for `texture_use`; `None` if its picture has an unsupported
+    /// format.
     pub fn convert_texture(
         &mut self,
         reference: &TextureReference<'_>,
-        wanted: GltfTextureUse,
+        texture_use: GltfTextureUse,
         notes: &mut ImportNotes,
     ) -> ReadResult<Option<GltfConvertedTexture>> {
         let Some(image) = reference.texture.source() else {
@@ -112,12 +114,12 @@ impl<'a> GltfTextures<'a> {
             notes.add_unsupported("textures in other formats than PNG and JPEG are left out", place);
             return Ok(None);
         };
-        let key = (image.index(), format!("{wanted:?}"));
+        let key = (image.index(), format!("{texture_use:?}"));
         let values = match self.converted_pictures.get(&key) {
             Some(values) => values.clone(),
             None => {
                 let Some(levels) = self.decoded_levels(image.index(), &image, notes)? else { return Ok(None) };
-                let values = self.embed_converted_picture(&levels, wanted)?;
+                let values = self.embed_converted_picture(&levels, texture_use)?;
                 self.converted_pictures.insert(key, values.clone());
                 values
             }
@@ -130,7 +132,8 @@ impl<'a> GltfTextures<'a> {
         }))
     }
 
-    /// Keeps only the textures whose names are in `names`, and the pictures of these textures.
+    /// Removes all textures but those with `names`, and all pictures that these textures do not
+    /// use.
     pub fn keep_textures(&mut self, names: &HashSet<String>) {
         self.textures.retain(|texture| names.contains(&texture.name));
         let shown = |path: &str| {
@@ -143,10 +146,10 @@ impl<'a> GltfTextures<'a> {
         unused.iter().for_each(|path| drop(self.pictures.remove(path)));
     }
 
-    /// Returns the name of the imported scene's texture that shows the embedded picture `path`.
+    /// Returns the name of the imported texture that shows the embedded picture `path`, with the
+    /// wrap mode and transform of `reference`.
     ///
-    /// `reference` gives the texture's wrap mode and transform. Adds the texture to the scene at
-    /// its first use.
+    /// Adds the texture to the imported scene at its first use.
     fn texture_name(
         &mut self,
         reference: &TextureReference<'_>,
@@ -207,22 +210,22 @@ impl<'a> GltfTextures<'a> {
         Ok(levels)
     }
 
-    /// Converts pixels for the use `wanted`, and embeds them as a picture.
+    /// Converts pixels for `texture_use`, and embeds them as a picture.
     ///
-    /// Returns the path of the picture in place of a texture's name. Equal pixels give a constant,
-    /// and no picture.
+    /// Returns a `Texture` that holds the path of the picture instead of a texture's name. If all
+    /// pixels are equal, returns a constant, and embeds nothing.
     fn embed_converted_picture(
         &mut self,
         levels: &QuantizedRgba,
-        wanted: GltfTextureUse,
+        texture_use: GltfTextureUse,
     ) -> ReadResult<GltfConvertedTexture> {
         self.context.check_memory(12 * levels.pixels.len() as u64)?;
         let greatest = f64::from(levels.max_level);
-        let srgb = if matches!(wanted, GltfTextureUse::Color(_)) { levels.srgb_table() } else { Vec::new() };
+        let srgb = if matches!(texture_use, GltfTextureUse::Color(_)) { levels.srgb_table() } else { Vec::new() };
         let gray = |value: f64| Vec3::splat(value as f32);
         let value = |pixel: &[u16; 4]| {
             let channel = |k: usize| f64::from(pixel[k]) / greatest;
-            match wanted {
+            match texture_use {
                 GltfTextureUse::Color(factor) => {
                     let [r, g, b] = [0, 1, 2].map(|k| srgb[usize::from(pixel[k])]);
                     Vec3::new(r, g, b) * factor.as_vec3()
@@ -274,8 +277,9 @@ impl<'a> TextureReference<'a> {
     }
 
     /// Returns the texture to which the JSON object `info` of a material extension refers, with the
-    /// extension KHR_texture_transform applied. `None` if `textures`, all textures of the file,
-    /// lack it.
+    /// extension KHR_texture_transform applied.
+    ///
+    /// `textures` are all textures of the file. `None` if the index in `info` is not among them.
     pub fn from_json(mut textures: gltf::iter::Textures<'a>, info: &Value) -> Option<Self> {
         let index = usize::try_from(info.get("index")?.as_u64()?).ok()?;
         let texcoord_set = info.get("texCoord").and_then(Value::as_u64).unwrap_or(0);
@@ -283,8 +287,10 @@ impl<'a> TextureReference<'a> {
         Some(Self::with_raw_transform(textures.nth(index)?, u32::try_from(texcoord_set).ok()?, extension))
     }
 
-    /// Returns a reference to `texture`. `extension` is the JSON object of KHR_texture_transform:
-    /// the crate `gltf` does not parse it everywhere.
+    /// Returns a reference to `texture` with the transform of `extension`, the JSON object of
+    /// KHR_texture_transform.
+    ///
+    /// This reads the JSON because the crate `gltf` does not parse the extension for all textures.
     fn with_raw_transform(texture: gltf::Texture<'a>, texcoord_set: u32, extension: Option<&Value>) -> Self {
         let Some(extension) = extension else {
             return Self { texture, texcoord_set, transform: TexcoordTransformDescription::default() };
@@ -302,16 +308,17 @@ impl<'a> TextureReference<'a> {
         Self { texture, texcoord_set: number("texCoord").map_or(texcoord_set, |set| set as u32), transform }
     }
 
-    /// True if all numbers of the transform are finite and no scale is 0.
+    /// True if the texture transform is invertible: all its numbers are finite, and no scale is 0.
     pub fn has_valid_transform(&self) -> bool {
         let TexcoordTransformDescription { scale, rotation_degrees: rotate, offset } = self.transform;
         scale.is_finite() && scale.x != 0.0 && scale.y != 0.0 && rotate.is_finite() && offset.is_finite()
     }
 }
 
-/// Converts a transform of texture coordinates from glTF, where v grows downwards.
+/// Converts a transform of KHR_texture_transform, where v grows downwards, to one where v grows
+/// upwards in both mesh and picture.
 ///
-/// In the result, v of the mesh and v of the picture grow upwards. `rotation` is in radians.
+/// `rotation` is in radians.
 fn texcoord_transform_description(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> TexcoordTransformDescription {
     let (sin, cos) = (libm::sin(rotation), libm::cos(rotation));
     TexcoordTransformDescription {

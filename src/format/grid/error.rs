@@ -15,10 +15,10 @@ pub enum GridError {
         /// Cause reported by the system.
         source: std::io::Error,
     },
-    /// A line cannot be understood.
+    /// A line of the file is invalid.
     #[error(transparent)]
     InvalidLine(#[from] LineError),
-    /// The file has another length than its `size` line implies.
+    /// The file is longer or shorter than its `size` line implies.
     #[error(
         "{}: {found} bytes follow the empty line, but {} × {} × {} cells of type f32 take {expected}: write the file anew, or \
          correct its size",
@@ -59,7 +59,8 @@ pub enum GridError {
         cells: usize,
         /// Memory that reading the grid takes \[bytes].
         needed: u64,
-        /// Memory that is free \[bytes]; `None` if unknown. Then the system refused the allocation.
+        /// Memory that is free \[bytes]; `None` if unknown. In that case, the system refused the
+        /// allocation.
         free: Option<u64>,
     },
 }

@@ -84,7 +84,7 @@ pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<DensityG
     decode(path, length, file, free)
 }
 
-/// Reads a grid from the bytes that `file` gives.
+/// Reads a grid from `file`, a stream of the bytes of a grid file.
 ///
 /// `length` is the size of the whole file in bytes. `path` appears in errors only. `free` limits
 /// the memory, see [`read_with_memory_limit`].
@@ -95,7 +95,7 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
     let mut start = Vec::new();
     Read::take(&mut file, MAX_HEADER_BYTES).read_to_end(&mut start).map_err(unreadable)?;
-    let header = parse_header(&start).map_err(|(line, wrong)| GridError::error_at_line(path, line, wrong))?;
+    let header = parse_header(&start).map_err(|(line, problem)| GridError::error_at_line(path, line, problem))?;
     let rest = start[header.byte_count as usize..].chain(file);
     let body = GridBodyReader { path, header: &header, file_size: length, free_memory: free };
     let values = match header.encoding {
@@ -150,26 +150,26 @@ fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, MessageAndRemedy)> {
     let (mut size, mut encoding, mut bytes) = (None, None, 0);
     for (i, line) in start.split_inclusive(|byte| *byte == b'\n').enumerate() {
         bytes += line.len();
-        let wrong = |message: &str, remedy| (i + 1, (message.to_owned(), remedy));
+        let line_error = |message: &str, remedy| (i + 1, (message.to_owned(), remedy));
         let text = std::str::from_utf8(line).map(str::trim).ok();
         let words: Vec<&str> = text.unwrap_or("\u{fffd}").split_whitespace().collect();
         match words[..] {
             ["caustica-grid", "1"] if i == 0 => {}
-            ["caustica-grid", _] if i == 0 => return Err(wrong("this version is not known", "write version 1")),
-            _ if i == 0 => return Err(wrong("this is no grid", "begin the file with the line `caustica-grid 1`")),
+            ["caustica-grid", _] if i == 0 => return Err(line_error("this version is not known", "write version 1")),
+            _ if i == 0 => return Err(line_error("this is no grid", "begin the file with the line `caustica-grid 1`")),
             ["size", x, y, z] if size.is_none() => {
-                size = Some(parse_grid_size([x, y, z]).map_err(|wrong| (i + 1, wrong))?)
+                size = Some(parse_grid_size([x, y, z]).map_err(|problem| (i + 1, problem))?)
             }
             ["type", "f32"] if encoding.is_none() => encoding = Some(GridEncoding::F32),
             ["type", "text"] if encoding.is_none() => encoding = Some(GridEncoding::Text),
             ["type", _] if encoding.is_none() => {
-                return Err(wrong("this type is not known", "write `type f32` or `type text`"));
+                return Err(line_error("this type is not known", "write `type f32` or `type text`"));
             }
             [] if line.ends_with(b"\n") => {
-                let no_size = || wrong("the size is missing", "write `size NX NY NZ` ahead of the empty line");
+                let no_size = || line_error("the size is missing", "write `size NX NY NZ` ahead of the empty line");
                 let (size, cells) = size.ok_or_else(no_size)?;
                 let no_type =
-                    || wrong("the type is missing", "write `type f32` or `type text` ahead of the empty line");
+                    || line_error("the type is missing", "write `type f32` or `type text` ahead of the empty line");
                 let encoding = encoding.ok_or_else(no_type)?;
                 return Ok(GridHeader {
                     size,
@@ -182,7 +182,7 @@ fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, MessageAndRemedy)> {
             [word, ..] if word.starts_with('#') => {}
             _ => {
                 let remedy = "write `size NX NY NZ` and `type f32` or `type text`, each once, then an empty line";
-                return Err(wrong("this line says nothing of a grid", remedy));
+                return Err(line_error("this line says nothing of a grid", remedy));
             }
         }
     }
@@ -256,13 +256,13 @@ impl GridBodyReader<'_> {
 
     fn read_text_densities(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
         let Self { path, header, file_size: length, .. } = *self;
-        let wrong = |line, message, remedy| GridError::error_at_line(path, line, (message, remedy));
+        let line_error = |line, message, remedy| GridError::error_at_line(path, line, (message, remedy));
         let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cell_count);
         const REMEDY: &str = "give one number for each cell, x running fastest, and nothing behind them";
         // A value takes at least a digit and a separator.
         let most = length.saturating_sub(header.byte_count).div_ceil(2);
         if most < header.cell_count as u64 {
-            return Err(wrong(header.line_count, format!("at most {}", count(most as usize)), REMEDY));
+            return Err(line_error(header.line_count, format!("at most {}", count(most as usize)), REMEDY));
         }
         let mut values = self.allocate_densities(length)?;
         let mut bytes = Vec::new();
@@ -272,11 +272,11 @@ impl GridBodyReader<'_> {
             lines += 1;
             for word in line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
                 if values.len() == header.cell_count {
-                    return Err(wrong(lines, format!("more than {}", count(header.cell_count)), REMEDY));
+                    return Err(line_error(lines, format!("more than {}", count(header.cell_count)), REMEDY));
                 }
                 let text = String::from_utf8_lossy(word);
                 let number = text.parse().map_err(|_| {
-                    wrong(
+                    line_error(
                         lines,
                         format!("`{}` is no number", escaped_excerpt(&text)),
                         "write numbers, parted by spaces or lines",
@@ -286,7 +286,7 @@ impl GridBodyReader<'_> {
             }
         }
         if values.len() < header.cell_count {
-            return Err(wrong(lines, count(values.len()), REMEDY));
+            return Err(line_error(lines, count(values.len()), REMEDY));
         }
         Ok(values)
     }

@@ -1,5 +1,5 @@
-//! Tables of fields. A table names each member of a description, and the fields of a block that
-//! state this member. Parser, writer and language reference follow from the table.
+//! Tables that assign fields of a scene-language block to the members of a description struct.
+//! Parser, writer and language reference are generated from these tables.
 
 use std::fmt;
 
@@ -10,12 +10,12 @@ use super::writer::SceneWriter;
 use crate::format::error::SceneError;
 use crate::format::span::Spanned;
 
-/// A description whose members are the values of a block's fields.
+/// Conversion of a description struct from and to the fields of its block in scene text.
 ///
 /// [`field_table!`] implements it from a table.
 pub(in crate::format) trait BlockCodec: Sized {
-    /// Fields that the table states, in the order of its entries. Empty without a table: the schema
-    /// of the block then lists them.
+    /// Fields of the table, in the order of its entries. Empty for a type without a table; the
+    /// block's schema then lists the fields.
     const FIELDS: &'static [FieldList] = &[];
 
     /// Converts the parsed fields of a block to a description.
@@ -24,14 +24,16 @@ pub(in crate::format) trait BlockCodec: Sized {
     /// Writes the fields of the block.
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result;
 
-    /// Returns the names of the textures that fields hold instead of numbers; none without a table.
+    /// Returns the names of the textures that fields of the table hold instead of numbers.
+    ///
+    /// The list is empty for a type without a table.
     fn field_textures(&self) -> Vec<&Spanned<String>> {
         Vec::new()
     }
 }
 
-/// Implements [`BlockCodec`] for a description by a table: each member, and the [`FieldEntry`] that
-/// reads and writes it.
+/// Implements [`BlockCodec`] for a description struct from a table. Each entry is a member of the
+/// struct and the [`FieldEntry`] that reads and writes this member.
 ///
 /// Fields are parsed, checked and written in the order of the table.
 macro_rules! field_table {
@@ -65,15 +67,15 @@ macro_rules! field_table {
 }
 pub(in crate::format) use field_table;
 
-/// Entry of a table of fields: one or several fields that state one value of type `T`.
+/// Entry of a field table: one field, or several fields that together give one value of type `T`.
 pub(in crate::format) trait FieldEntry<T> {
-    /// Returns the value that the fields of `f` state, or its default.
+    /// Returns the value that the fields of `f` give; its default if they are absent.
     ///
     /// # Errors
     /// If a required field is absent, or if the value violates a rule.
     fn parse(&self, f: &BlockFields<'_>) -> Result<T, SceneError>;
 
-    /// Writes the fields that state `value`.
+    /// Writes `value` as fields of a block.
     fn write(&self, out: &mut SceneWriter<'_, '_>, value: &T) -> fmt::Result;
 
     /// Returns the name of the texture in `value`; `None` if it holds none.
@@ -115,7 +117,7 @@ impl FieldWithCheck {
         Self { field, check }
     }
 
-    /// Returns the list of this one field.
+    /// Returns a list with this field only.
     pub const fn field_list(&'static self) -> FieldList {
         self.field.field_list()
     }
@@ -137,13 +139,13 @@ impl<T: FieldValue> FieldEntry<T> for FieldWithCheck {
     }
 }
 
-/// Several fields that together state one value of type `T`.
+/// Several fields that together give one value of type `T`, such as the refractive index.
 pub(in crate::format) struct FieldGroup<T: 'static> {
     /// Fields of the group.
     pub list: FieldList,
-    /// Function that returns the value that the fields state.
+    /// Function that converts the parsed fields to the value.
     pub parse: fn(&BlockFields<'_>) -> Result<T, SceneError>,
-    /// Function that writes the fields that state a value.
+    /// Function that writes a value as fields of a block.
     pub write: fn(&T, &mut SceneWriter<'_, '_>) -> fmt::Result,
     /// Function that returns the name of the texture in a value; `None` if it holds none.
     pub texture_name: fn(&T) -> Option<&Spanned<String>>,

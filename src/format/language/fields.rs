@@ -13,13 +13,12 @@ use super::transforms::parse_transform_steps;
 use crate::format::error::SceneError;
 use crate::format::span::{Span, Spanned};
 
-/// Field keyword with a conversion function. The field holds a color, and the function converts the
-/// color to a `T`.
+/// Keyword of a color field, with a function that converts the field's color to a `T`.
 ///
 /// A block has exactly one of several such fields: a light, for example, has `radiance` or `power`.
 pub(in crate::format) type ColorFieldAlternative<'a, T> = (&'a str, fn(DVec3) -> T);
 
-/// Fields of a block that was parsed.
+/// Parsed fields of one block of scene text.
 pub(in crate::format) struct BlockFields<'a> {
     lexer: Lexer<'a>,
     block: &'static BlockSchema,
@@ -37,8 +36,8 @@ pub(in crate::format) struct ParsedField<'f, 'a> {
     value: &'f Spanned<ParsedFieldValue>,
 }
 
-/// Parses the rest of a block whose `keyword` has been read. Fails if no block of `table` has this
-/// keyword.
+/// Parses the `{ … }` of the block that begins with `keyword`, which the caller has read. Fails if
+/// no block of `table` has this keyword.
 ///
 /// Returns the block's entry in `table`, and the parsed fields.
 pub(in crate::format) fn parse_block_by_keyword<'a, P>(
@@ -98,7 +97,8 @@ fn looks_like_block_keyword(word: &str, fields: &[&str]) -> bool {
     word.starts_with(|c: char| c.is_ascii_uppercase()) && nearest_word(word, fields.iter().copied()).is_none()
 }
 
-/// Parses a field whose keyword `word` has been read, checks its value, and appends it to `fields`.
+/// Parses the value of the field with the keyword `word`, checks it, and appends the field to
+/// `fields`. The caller has read `word`.
 ///
 /// `words` are the keywords that an error message lists as allowed.
 fn parse_field<'a>(
@@ -122,7 +122,7 @@ fn parse_field<'a>(
     ParsedField { block: fields, field, keyword: word, value }.check_field_value()
 }
 
-/// Parses the value of `field`. Its keyword `word` has been read.
+/// Parses the value of `field`. The caller has read its keyword `word`.
 fn parse_field_value<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,

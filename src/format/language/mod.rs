@@ -182,7 +182,8 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
     Ok(SceneDescription { camera, background, ambient_medium, lights, textures, media, materials, root })
 }
 
-/// Parses a top-level block whose keyword `word` has been read, and stores its content in `blocks`.
+/// Parses a top-level block, and stores its content in `blocks`. The caller has read its keyword
+/// `word`.
 ///
 /// The content replaces that of an earlier block of the same kind.
 fn parse_file_block<'a>(

@@ -35,7 +35,8 @@ pub(in crate::format) fn parse_block_name(
     Ok(Some(name))
 }
 
-/// Parses the mandatory name of a texture or medium. The block's keyword `word` has been read.
+/// Parses the mandatory name of a texture or medium. The caller has read the block's keyword
+/// `word`.
 ///
 /// Error messages use the nouns `one` and `many`, such as "medium" and "media".
 ///

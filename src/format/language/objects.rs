@@ -24,7 +24,7 @@ fn object_keywords() -> Vec<&'static str> {
     block_keywords(&NESTING_OBJECT_KEYWORDS, SHAPE_BLOCK_PARSERS)
 }
 
-/// Parses a `Group` block. Its `keyword` has been read.
+/// Parses a `Group` block. The caller has read its `keyword`.
 pub(in crate::format) fn parse_group<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -102,7 +102,7 @@ fn parse_boxed_object<'a>(
     parse_object(parser, keyword).map(Box::new)
 }
 
-/// Parses an object. Its `keyword` has been read.
+/// Parses an object. The caller has read its `keyword`.
 fn parse_object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<ObjectDescription>, SceneError> {
     let object = match keyword.text {
         "Group" => ObjectDescription::Group(parse_group(parser, keyword)?),

@@ -81,8 +81,10 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Adds `error` to the list of errors. Returns it as `Err` instead, which ends parsing, if the
-    /// text ended inside a block or the list is full.
+    /// Adds `error` to the list of errors, so that parsing continues.
+    ///
+    /// If the text ended inside a block or the list is full, returns `Err(error)` instead, which
+    /// ends parsing.
     #[inline(never)]
     pub fn record_error(&mut self, error: SceneError) -> Result<(), SceneError> {
         if self.has_unclosed_block || self.errors.len() + 1 >= MAX_REPORTED_ERRORS {
@@ -144,9 +146,9 @@ impl<'a> Parser<'a> {
     /// Parses a list block such as `Lights`: its entries, and an optional field that states their
     /// number.
     ///
-    /// `count` is the keyword of this field. Each entry starts with a word of `allowed`, and
-    /// `parse_entry` parses the rest of it. Error messages call an entry `what`. Fails if the
-    /// stated number differs from the number of entries.
+    /// `count` is the keyword of the optional field, such as `numLights`. Each entry starts with a
+    /// word of `allowed`, and `parse_entry` parses the rest of the entry. Error messages call an
+    /// entry `what`. Fails if the stated number differs from the number of entries.
     pub fn parse_list_block(
         &mut self,
         keyword: Token<'a>,
@@ -297,10 +299,9 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns the error for a token that is not one of the numbers which the keyword `owner`
-    /// needs.
+    /// Returns the error for a token that stands where a number after the keyword `owner` belongs.
     ///
-    /// `wanted` is the count of numbers; `kind` is "number" or "whole number".
+    /// `owner` needs `wanted` numbers; `kind` is "number" or "whole number".
     fn missing_number_error(&mut self, owner: Token<'a>, wanted: usize, kind: &str) -> SceneError {
         let token = self.lexer.peek_token();
         if token.is_empty() {
@@ -342,8 +343,8 @@ impl<'a> Parser<'a> {
         Err(self.lexer.error_at(span, format!("`{name}` wants a name"), "a name belongs here", help))
     }
 
-    /// Parses the value of a field that states a number of entries, and stores it in `count`. The
-    /// keyword `word` has been read.
+    /// Parses the number after the keyword `word` of a field such as `numLights`, and stores it in
+    /// `count`. The caller has read `word`.
     ///
     /// Fails if `count` already holds a number.
     pub fn parse_count(&mut self, word: Token<'a>, count: &mut Option<Spanned<u32>>) -> Result<(), SceneError> {
@@ -354,10 +355,10 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Fails if `count`, the number of entries that a block states, differs from `found`, the real
-    /// number; `None` never fails.
+    /// Fails if the text states a number of entries, `count`, that differs from the actual number
+    /// `found`.
     ///
-    /// `name` is the keyword of the stated number. Error messages call an entry `what`.
+    /// `name` is the keyword before the stated number. Error messages call an entry `what`.
     pub fn check_entry_count(
         &self,
         name: &str,

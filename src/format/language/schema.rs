@@ -129,12 +129,12 @@ pub(in crate::format) struct BlockSchema {
     pub keyword: &'static str,
     /// Further keywords that the parser accepts for the block.
     pub aliases: &'static [&'static str],
-    /// Lists of fields that the block's description states in its table, see
-    /// [`BlockCodec`](super::field_table::BlockCodec).
+    /// Field lists that `field_table!` declares, which also
+    /// generates their reading and writing.
     pub table_fields: &'static [FieldList],
-    /// Fields beside those of `table` that only this kind of block has.
+    /// Fields that only this kind of block has, and that `table_fields` does not contain.
     pub own_fields: &'static [FieldSchema],
-    /// Lists of fields beside those of `table` that several kinds of blocks share.
+    /// Field lists that several kinds of blocks share, and that `table_fields` does not contain.
     pub shared_fields: &'static [&'static [FieldSchema]],
     /// Meaning of the block, in one line of the language reference.
     pub help: &'static str,
@@ -243,7 +243,7 @@ impl FieldSchema {
         self
     }
 
-    /// Returns the list of this one field, which only one kind of block has.
+    /// Returns a list with this field only, for use in one kind of block.
     pub const fn field_list(&'static self) -> FieldList {
         FieldList::own(std::slice::from_ref(self))
     }
@@ -253,8 +253,8 @@ impl FieldSchema {
         self.keyword == word || (!self.alias.is_empty() && self.alias == word)
     }
 
-    /// Returns the rule that `numbers`, a field value, violate, such as "must be above 0"; `None`
-    /// if the field allows them.
+    /// Returns the rule that the field value `numbers` violates, such as "must be above 0"; `None`
+    /// if the field allows the value.
     pub fn violated_rule(&self, numbers: &[f64]) -> Option<String> {
         if self.kind == FieldKind::Direction && !is_normalizable(DVec3::from_slice(numbers)) {
             return Some("must have a length above 0 (and below 1e154)".to_owned());
@@ -273,9 +273,9 @@ impl FieldSchema {
         (!ok).then(|| self.describe_violated_range(numbers))
     }
 
-    /// Describes in an error message the range that `numbers` violate.
+    /// Returns the rule of the field's range for an error message about the value `numbers`.
     ///
-    /// For example, a field with range `NonNegative` gives "must not be negative".
+    /// For example, the rule of `NonNegative` is "must not be negative".
     fn describe_violated_range(&self, numbers: &[f64]) -> String {
         let each = if numbers.len() > 1 { " in each component" } else { "" };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
@@ -348,7 +348,7 @@ impl FieldSchema {
     /// Appends the field's row of a Markdown table to `out`.
     ///
     /// The first cell of the row is `blocks`, the names of blocks that have the field.
-    fn write_language_manual_row(&self, blocks: &str, out: &mut String) {
+    fn write_reference_row(&self, blocks: &str, out: &mut String) {
         let mut name = format!("`{}`", self.keyword);
         if !self.alias.is_empty() {
             let _ = write!(name, ", `{}`", self.alias);
@@ -378,19 +378,19 @@ impl BlockSchema {
         self
     }
 
-    /// Sets the lists of fields that the block's description states in its table.
+    /// Sets the field lists that `field_table!` declares.
     pub const fn with_table(mut self, table: &'static [FieldList]) -> Self {
         self.table_fields = table;
         self
     }
 
-    /// Sets the fields beside those of the table that only this kind of block has.
+    /// Sets the fields that only this kind of block has, and that its table does not contain.
     pub const fn with_own_fields(mut self, fields: &'static [FieldSchema]) -> Self {
         self.own_fields = fields;
         self
     }
 
-    /// Returns the schema with `groups`, lists of fields that several kinds of blocks share.
+    /// Sets the field lists `groups`, which several kinds of blocks share.
     pub const fn with_shared_fields(mut self, groups: &'static [&'static [FieldSchema]]) -> Self {
         self.shared_fields = groups;
         self
@@ -434,7 +434,8 @@ impl BlockSchema {
     }
 }
 
-/// Returns the entry of `table` whose block has the keyword or alias `word`; `None` without one.
+/// Returns the entry of `table` whose block has the keyword or alias `word`; `None` if no entry
+/// has it.
 pub(in crate::format) fn find_block<P>(
     table: &'static [BlockParser<P>],
     word: &str,
@@ -471,7 +472,7 @@ pub(in crate::format) fn reference_markdown(blocks: &[&'static BlockSchema]) -> 
     for block in blocks {
         for (i, field) in block.all_own_fields().enumerate() {
             let name = if i == 0 { format!("`{}`", block.keyword) } else { String::new() };
-            field.write_language_manual_row(&name, &mut out);
+            field.write_reference_row(&name, &mut out);
         }
     }
     // A list of shared fields is identified by the name of its first field.
@@ -485,7 +486,7 @@ pub(in crate::format) fn reference_markdown(blocks: &[&'static BlockSchema]) -> 
         let users: Vec<&str> = blocks.iter().filter(has).map(|block| block.keyword).collect();
         let users = if users.len() == blocks.len() { "all".to_owned() } else { join_in_backticks(&users) };
         for (i, field) in group.iter().enumerate() {
-            field.write_language_manual_row(if i == 0 { &users } else { "" }, &mut out);
+            field.write_reference_row(if i == 0 { &users } else { "" }, &mut out);
         }
     }
     out
@@ -496,7 +497,7 @@ fn join_in_backticks(words: &[&str]) -> String {
     words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// Displays a bound of a field's range, such as 0.5. Magnitudes from a million on have an exponent.
+/// Displays a bound of a field's range: 0.5, but 1e6 and above in scientific notation.
 struct RangeBound(f64);
 
 impl std::fmt::Display for RangeBound {
@@ -511,7 +512,7 @@ mod tests {
     use crate::format::language::all_block_schemas;
 
     #[test]
-    fn every_table_is_consistent() {
+    fn schemas_have_help_and_valid_defaults() {
         for block in all_block_schemas() {
             let mut words: Vec<&str> = block.field_keywords().collect();
             let count = words.len();

@@ -17,7 +17,8 @@ use crate::math::Transform;
 const STEP_KEYWORDS: [&str; 9] =
     ["Scale", "UniformScale", "Translate", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f", "Matrix"];
 
-/// Function that parses an object, light or camera whose keyword has been read.
+/// Function that parses an object, light or camera, after its keyword, which is the second
+/// argument.
 type ParseObject<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError>;
 
 /// Parses a `Transform` block: transform steps, then one object. Returns the steps and the object.
@@ -164,7 +165,7 @@ fn check_motion_steps<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[Tran
     Ok(())
 }
 
-/// Parses the numbers of a transform step. Its keyword `word` has been read.
+/// Parses the numbers of a transform step. The caller has read its keyword `word`.
 #[inline(never)]
 fn parse_transform_step<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TransformStep, SceneError> {
     let (step, span) = match word.text {

@@ -86,8 +86,8 @@ impl LightBlock for GoniometricLightDescription {
                 let map = EquirectangularMap::new(r.read_picture(path, PixelMeaning::Color)?, Rgb::ONE);
                 (map.map_err(|e| r.file_error(path, &e, "repair the picture or name another"))?, direction, up)
             }
-            // The intensity map of a profile is symmetric about its up direction. So `up` is the
-            // light's axis.
+            // The map that is made of a profile is symmetric about its up direction, so that must
+            // be the light's axis.
             IntensityDistribution::ProfileFile(path) => {
                 (read_profile_as_map(r, path)?, direction.any_orthogonal_vector(), direction)
             }
@@ -105,8 +105,10 @@ impl LightBlock for GoniometricLightDescription {
     }
 }
 
-/// Largest memory that reading a profile takes, in bytes per byte of its file: the text, and 16
-/// bytes for each pair, whose shortest line has 4 bytes, in a list that doubles as it grows.
+/// Largest memory that reading a profile takes \[bytes per byte of its file].
+///
+/// The text takes 1. A pair takes 16 bytes in the list, and at least 4 bytes in the file. Growth of
+/// the list triples this ratio of 4, because old and doubled list exist at the same time.
 const PROFILE_MEMORY_PER_BYTE: u64 = 1 + 3 * 4;
 
 /// Returns the intensity map of the profile in the file `path`.

@@ -197,7 +197,7 @@ pub(super) fn parse_lights_block<'a>(
     Ok(lights)
 }
 
-/// Parses a light, or a `Moving` block that holds a light. Its keyword `word` has been read.
+/// Parses a light, or a `Moving` block that holds a light. The caller has read its keyword `word`.
 fn parse_light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<LightDescription>, SceneError> {
     if word.text == "Moving" {
         let mut movable = block_keywords(&["Moving"], LIGHT_BLOCK_PARSERS);

@@ -49,7 +49,7 @@ impl MetalDescription {
         Self::Reflectance(reflectance.clamp(DVec3::ZERO, DVec3::ONE).into())
     }
 
-    /// Returns the name of the texture of the reflectance; `None` without one.
+    /// Returns the name of the texture of the reflectance; `None` if no texture is used.
     pub(super) fn texture_name(&self) -> Option<&Spanned<String>> {
         match self {
             Self::Named(_) | Self::Index { .. } => None,
@@ -110,7 +110,7 @@ fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::
     }
 }
 
-/// Returns the refractive index of a metal, or the reflectance from which it follows.
+/// Returns the complex refractive index of a metal, or its reflectance at normal incidence.
 ///
 /// Adds to `requirements` the surface properties that the texture of the reflectance needs.
 pub(super) fn resolve_metal(

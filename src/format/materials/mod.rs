@@ -1,7 +1,7 @@
 //! Materials in the scene language.
 //!
-//! [`kinds`] holds the kinds of materials. This file holds what all materials have: name, emission,
-//! normal perturbation and medium.
+//! [`kinds`] holds the kinds of materials. This file holds the common parts of all materials: name,
+//! emission, normal perturbation and medium.
 
 mod absorption;
 mod emission;
@@ -47,7 +47,7 @@ pub struct MaterialDescription {
     pub kind: MaterialKindDescription,
     /// Emitted radiance; `None` for a material that does not emit.
     pub emission: Option<EmissionDescription>,
-    /// Bump map or normal map that perturbs shading normals; `None` without one.
+    /// Bump map or normal map that perturbs shading normals; `None` if nothing perturbs them.
     pub normal_perturbation: Option<NormalPerturbationDescription>,
     /// Name of the medium that fills a body with this material; only for `Dielectric` and
     /// `NullInterface`.
@@ -149,7 +149,7 @@ fn parse_and_register_name(parser: &mut Parser<'_>) -> Result<Option<String>, Sc
     Ok(Some(name.value))
 }
 
-/// Parses `{ … }` of a material. Its keyword `word` and its `name` have been read.
+/// Parses the `{ … }` of a material block. The caller has read its keyword `word` and its `name`.
 fn parse_material<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,

@@ -6,7 +6,7 @@ use crate::format::language::parser::Parser;
 use crate::format::resolve::Resolver;
 use crate::format::span::Spanned;
 
-/// Parses the index of a material. The word `MaterialIndex` has been read.
+/// Parses the index of a material. The caller has read the word `MaterialIndex`.
 pub(in crate::format) fn parse_material_index<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
@@ -26,7 +26,7 @@ pub(in crate::format) fn parse_material_index<'a>(
     Err(parser.lexer.error_at(index.span, message, "out of range", help))
 }
 
-/// Parses the name of a material. The word `MaterialName` has been read.
+/// Parses the name of a material. The caller has read the word `MaterialName`.
 pub(in crate::format) fn parse_material_name<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,

@@ -11,7 +11,7 @@ use crate::format::resolve::Resolver;
 use crate::format::span::Spanned;
 use std::fmt;
 
-/// Index of refraction of a dielectric, relative to air.
+/// Absolute index of refraction of a dielectric; air has index 1.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RefractiveIndexDescription {
     /// One refractive index for all wavelengths.

@@ -29,7 +29,7 @@ pub enum MeshError {
         /// Cause reported by the system.
         source: std::io::Error,
     },
-    /// A line cannot be understood.
+    /// A line of the file is invalid.
     #[error(transparent)]
     InvalidLine(#[from] LineError),
     /// A binary file holds invalid data.

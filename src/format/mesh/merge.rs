@@ -62,7 +62,7 @@ pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
     let normals = mesh.normals.as_deref();
     let mut known: Vec<u32> = vec![UNASSIGNED; mesh.positions.len()];
     // New vertices: index of the old vertex, and true if the new one has no normal.
-    let mut numbers: DeduplicatedList<(u32, bool)> = DeduplicatedList::with_capacity(mesh.positions.len());
+    let mut new_vertices: DeduplicatedList<(u32, bool)> = DeduplicatedList::with_capacity(mesh.positions.len());
     let key = |&(v, flat): &(u32, bool)| {
         let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
         let texcoord = mesh.texcoords.as_ref().map_or(DVec2::ZERO, |t| t[v as usize]);
@@ -76,14 +76,14 @@ pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
                 *v = seen;
                 continue;
             }
-            let number = numbers.find_or_append((*v, flat), key);
+            let number = new_vertices.find_or_append((*v, flat), key);
             if !flat {
                 known[*v as usize] = number;
             }
             *v = number;
         }
     }
-    let vertices = numbers.into_values();
+    let vertices = new_vertices.into_values();
     if let Some(normals) = mesh.normals.take() {
         let normal = |&(v, flat): &(u32, bool)| if flat { DVec3::ZERO } else { normals[v as usize] };
         let normals: Vec<DVec3> = vertices.iter().map(normal).collect();
@@ -102,16 +102,16 @@ pub(super) fn keep_listed_vertices(mesh: &mut TriangleMesh, list: impl Iterator<
 }
 
 pub(super) fn distinct_position_indices(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
-    let mut numbers = DeduplicatedList::with_capacity(mesh.positions.len());
-    let places =
-        mesh.positions.iter().map(|p| numbers.find_or_append(position_bits_unsigned_zero(*p), |key| *key)).collect();
-    (places, numbers.into_values().len())
+    let mut distinct = DeduplicatedList::with_capacity(mesh.positions.len());
+    let indices =
+        mesh.positions.iter().map(|p| distinct.find_or_append(position_bits_unsigned_zero(*p), |key| *key)).collect();
+    (indices, distinct.into_values().len())
 }
 
 pub(super) fn distinct_position_count(mesh: &TriangleMesh) -> usize {
-    let mut numbers = DeduplicatedList::with_capacity(mesh.positions.len());
+    let mut distinct = DeduplicatedList::with_capacity(mesh.positions.len());
     mesh.positions.iter().for_each(|p| {
-        numbers.find_or_append(coordinate_bits(*p), |key| *key);
+        distinct.find_or_append(coordinate_bits(*p), |key| *key);
     });
-    numbers.into_values().len()
+    distinct.into_values().len()
 }

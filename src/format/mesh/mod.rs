@@ -42,7 +42,7 @@ pub struct TriangleMesh {
     pub positions: Vec<DVec3>,
     /// Vertex indices of each triangle, counter-clockwise seen from outside.
     ///
-    /// Reading keeps triangles without area.
+    /// Readers keep degenerate triangles, whose area is 0.
     pub triangles: Vec<[u32; 3]>,
     /// Unit shading normals of the vertices; `None` if no triangle has normals.
     ///
@@ -80,9 +80,9 @@ impl TriangleMesh {
         merge::merge_equal_vertices(self);
     }
 
-    /// Returns, for each vertex, the index of its position among the distinct positions; and the
-    /// count of distinct positions.
+    /// Numbers the distinct vertex positions from 0, in order of their first vertex.
     ///
+    /// Returns the number of each vertex's position, and the count of distinct positions.
     /// Coordinates −0 and 0 are equal here.
     #[must_use]
     pub fn distinct_position_indices(&self) -> (Vec<u32>, usize) {
@@ -90,16 +90,16 @@ impl TriangleMesh {
     }
 
     /// Moves each vertex to the first earlier vertex within `tolerance` \[length] that has not
-    /// moved itself. Then merges equal vertices and removes unused ones.
+    /// been moved itself. Then merges equal vertices and removes unused ones.
     ///
     /// Returns the decrease in the number of distinct positions.
     pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
         weld::weld_vertices(self, tolerance)
     }
 
-    /// Makes the repairs that `repair` selects, and returns their counts.
+    /// Repairs the mesh as `repair` selects. Returns how many elements each repair changed.
     ///
-    /// In any case, merges vertices that are equal bit for bit, and removes unused vertices.
+    /// Always merges vertices that are equal bit for bit, and removes unused vertices.
     pub fn repair(&mut self, repair: &MeshRepairOptions) -> RepairCounts {
         repair::repair(self, repair)
     }
@@ -123,11 +123,11 @@ impl TriangleMesh {
     /// Makes the windings of each connected component consistent and outward. Returns the number of
     /// flipped triangles.
     ///
-    /// - Closed components face outward, as the sign of their volume tells. A component inside an
-    ///   odd number of other closed components of the same material faces inward instead. Nesting
-    ///   is ignored if the mesh has more than 256 closed components.
-    /// - Open components keep the winding of most of their triangles.
-    /// - Non-orientable components are not changed.
+    /// - Closed components get a positive signed volume, so they face outward. A component inside
+    ///   an odd number of other closed components of the same material faces inward instead.
+    ///   Nesting is ignored if the mesh has more than 256 closed components.
+    /// - In open components, all triangles get the winding that the majority has.
+    /// - Non-orientable components, such as Möbius strips, are not changed.
     ///
     /// Shading normals of flipped triangles are reversed if they would point to the back side.
     pub fn orient_outward(&mut self) -> usize {
@@ -176,10 +176,10 @@ impl TriangleMesh {
         solid::solid_defect(self)
     }
 
-    /// Writes a mesh file completely or not at all. Its numbers are exact when read again.
+    /// Writes a mesh file, completely or not at all. Reading it back gives the same numbers.
     ///
-    /// `libraries` are the paths of MTL files that an OBJ file shall refer to. An OBJ file also
-    /// names the material of each triangle. A PLY file has no materials.
+    /// `libraries` are the paths of MTL files for the `mtllib` lines of an OBJ file. An OBJ file
+    /// also names the material of each triangle. A PLY file has no materials.
     ///
     /// # Errors
     ///
@@ -272,7 +272,7 @@ pub fn load_with_memory_limit(
 
 /// Parses the bytes of a PLY or OBJ file by the rules of [`load_with_memory_limit`].
 ///
-/// `path` appears in errors. Its extension helps to tell the formats apart.
+/// `path` appears in errors, and its extension `.ply` marks a PLY file.
 ///
 /// # Errors
 /// [`MeshError`].
@@ -313,12 +313,12 @@ fn point_bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
 
 /// Returns `v` scaled to unit length; zero if its squared length is zero, subnormal or not finite.
 ///
-/// A vector whose length differs from 1 by rounding only is returned unchanged. So normals that
-/// were written to a file read back bit for bit.
+/// A vector whose length differs from 1 only by rounding is returned unchanged. So normals keep
+/// their bits when they are written to a file and read back.
 pub(in crate::format) fn unit_normal(v: DVec3) -> DVec3 {
     let squared = v.length_squared();
-    // Normalization has an error of 2.5 ulps per component, so of about 5 ulps in the squared
-    // length. Its sum adds 3 ulps.
+    // Normalization errs by 2.5 ulps per component, which is about 5 ulps in the squared length.
+    // The sum of squares adds 3 ulps.
     if (squared - 1.0).abs() <= 8.0 * f64::EPSILON {
         v
     } else if squared.is_normal() {

@@ -65,15 +65,15 @@ fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32
             union.union_sets(a1, b1, false);
         }
     }
-    let mut numbers = vec![u32::MAX; 3 * mesh.triangles.len()];
+    let mut group_of_corner = vec![u32::MAX; 3 * mesh.triangles.len()];
     let mut next = 0;
-    for corner in 0..numbers.len() {
+    for corner in 0..group_of_corner.len() {
         // The root is the lowest index, so it is numbered already.
         let (root, _) = union.find_root(corner);
-        numbers[corner] = if root == corner { next } else { numbers[root] };
+        group_of_corner[corner] = if root == corner { next } else { group_of_corner[root] };
         next += u32::from(root == corner);
     }
-    numbers
+    group_of_corner
 }
 
 /// Gives smooth normals to the triangles marked in `missing`. Splits vertices whose corners are in
@@ -83,14 +83,14 @@ fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32
 /// each group.
 fn assign_smoothing_group_normals(mesh: &mut TriangleMesh, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
     const KEEPS_NORMAL: u32 = u32::MAX;
-    let mut numbers: DeduplicatedList<(u32, u32)> = DeduplicatedList::with_capacity(mesh.positions.len());
+    let mut new_vertices: DeduplicatedList<(u32, u32)> = DeduplicatedList::with_capacity(mesh.positions.len());
     for (t, triangle) in mesh.triangles.iter_mut().enumerate() {
         for (k, v) in triangle.iter_mut().enumerate() {
             let group = if missing[t] { groups[3 * t + k] } else { KEEPS_NORMAL };
-            *v = numbers.find_or_append((*v, group), |key| *key);
+            *v = new_vertices.find_or_append((*v, group), |key| *key);
         }
     }
-    let vertices = numbers.into_values();
+    let vertices = new_vertices.into_values();
     let normal = |&(v, group): &(u32, u32)| match (group, &mesh.normals) {
         (KEEPS_NORMAL, Some(normals)) => normals[v as usize],
         _ => sums.get(group as usize).copied().unwrap_or_default().normalize_or_zero(),

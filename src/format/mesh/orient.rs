@@ -29,22 +29,24 @@ struct ConnectedMeshComponent {
 pub(super) fn orient_outward(mesh: &mut TriangleMesh) -> usize {
     let topology = MeshTopology::new(mesh);
     let mut windings = ParityUnionFind::new(mesh.triangles.len());
-    let mut twisted = Vec::new();
+    let mut conflicting = Vec::new();
     for half_edges in topology.half_edges_by_edge() {
         if let &[a, b] = half_edges
             && !windings.union_sets(a.triangle as usize, b.triangle as usize, a.is_forward == b.is_forward)
         {
-            twisted.push(a.triangle as usize);
+            conflicting.push(a.triangle as usize);
         }
     }
-    let mut turn = vec![false; mesh.triangles.len()];
+    let mut is_flipped = vec![false; mesh.triangles.len()];
     let mut components: BTreeMap<usize, ConnectedMeshComponent> = BTreeMap::new();
-    for (t, turn) in turn.iter_mut().enumerate().filter(|(t, _)| topology.has_distinct_positions(mesh.triangles[*t])) {
-        let (root, against) = windings.find_root(t);
-        *turn = against;
+    for (t, is_flipped) in
+        is_flipped.iter_mut().enumerate().filter(|(t, _)| topology.has_distinct_positions(mesh.triangles[*t]))
+    {
+        let (root, is_flipped_to_root) = windings.find_root(t);
+        *is_flipped = is_flipped_to_root;
         components.entry(root).or_insert_with(|| new_mesh_component(mesh, t)).add_triangle(mesh, t);
     }
-    for t in twisted {
+    for t in conflicting {
         components.entry(windings.find_root(t).0).and_modify(|component| component.is_orientable = false);
     }
     for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() != 2) {
@@ -55,21 +57,21 @@ pub(super) fn orient_outward(mesh: &mut TriangleMesh) -> usize {
         }
     }
     let components: Vec<ConnectedMeshComponent> = components.into_values().collect();
-    let depths = component_nesting_depths(mesh, &components, &turn);
+    let depths = component_nesting_depths(mesh, &components, &is_flipped);
     for (component, depth) in components.iter().zip(depths) {
-        let turned = component.faces.iter().filter(|t| turn[**t as usize]).count();
-        let other_way = match (component.is_orientable, component.is_closed) {
+        let flipped_count = component.faces.iter().filter(|t| is_flipped[**t as usize]).count();
+        let flips_component = match (component.is_orientable, component.is_closed) {
             (false, _) => {
-                component.faces.iter().for_each(|t| turn[*t as usize] = false);
+                component.faces.iter().for_each(|t| is_flipped[*t as usize] = false);
                 continue;
             }
-            (_, true) => (six_times_signed_volume(mesh, component, &turn) < 0.0) != (depth % 2 == 1),
-            (_, false) => 2 * turned > component.faces.len(),
+            (_, true) => (six_times_signed_volume(mesh, component, &is_flipped) < 0.0) != (depth % 2 == 1),
+            (_, false) => 2 * flipped_count > component.faces.len(),
         };
-        component.faces.iter().for_each(|t| turn[*t as usize] ^= other_way);
+        component.faces.iter().for_each(|t| is_flipped[*t as usize] ^= flips_component);
     }
-    flip_marked_triangles(mesh, &turn);
-    turn.into_iter().filter(|turned| *turned).count()
+    flip_marked_triangles(mesh, &is_flipped);
+    is_flipped.into_iter().filter(|is_flipped| *is_flipped).count()
 }
 
 pub(super) fn reverse_orientation(mesh: &mut TriangleMesh) {
@@ -94,22 +96,27 @@ fn corner_positions(mesh: &TriangleMesh, triangle: u32) -> [DVec3; 3] {
 
 /// Returns six times the signed volume of a closed component \[length³].
 ///
-/// Triangles marked in `turn` count as flipped.
-fn six_times_signed_volume(mesh: &TriangleMesh, component: &ConnectedMeshComponent, turn: &[bool]) -> f64 {
+/// Triangles marked in `is_flipped` count with reversed winding.
+fn six_times_signed_volume(mesh: &TriangleMesh, component: &ConnectedMeshComponent, is_flipped: &[bool]) -> f64 {
     let middle = 0.5 * (component.low + component.high);
     let six = |t: &u32| {
         let [a, b, c] = corner_positions(mesh, *t).map(|p| p - middle);
         let six = a.dot(b.cross(c));
-        if turn[*t as usize] { -six } else { six }
+        if is_flipped[*t as usize] { -six } else { six }
     };
     component.faces.iter().map(six).sum()
 }
 
 /// Returns, for each component, the number of closed components of its material that contain it.
 ///
-/// Triangles marked in `turn` count as flipped. Open and non-orientable components have depth 0.
-/// All depths are 0 if there are more than [`MAX_NESTED_COMPONENTS`] closed components.
-fn component_nesting_depths(mesh: &TriangleMesh, components: &[ConnectedMeshComponent], turn: &[bool]) -> Vec<usize> {
+/// Triangles marked in `is_flipped` count with reversed winding. Open and non-orientable components
+/// have depth 0. All depths are 0 if there are more than [`MAX_NESTED_COMPONENTS`] closed
+/// components.
+fn component_nesting_depths(
+    mesh: &TriangleMesh,
+    components: &[ConnectedMeshComponent],
+    is_flipped: &[bool],
+) -> Vec<usize> {
     let closed = |component: &ConnectedMeshComponent| component.is_closed && component.is_orientable;
     let mut depths = vec![0; components.len()];
     if components.iter().filter(|component| closed(component)).count() > MAX_NESTED_COMPONENTS {
@@ -118,16 +125,16 @@ fn component_nesting_depths(mesh: &TriangleMesh, components: &[ConnectedMeshComp
     for (depth, inner) in depths.iter_mut().zip(components).filter(|(_, inner)| closed(inner)) {
         let [a, b, c] = corner_positions(mesh, inner.faces[0]);
         let middle = (a + b + c) / 3.0;
-        let around = |outer: &&ConnectedMeshComponent| {
+        let contains_inner = |outer: &&ConnectedMeshComponent| {
             let other = !std::ptr::eq(*outer, inner);
             let near = middle.cmpgt(outer.low).all() && middle.cmplt(outer.high).all();
             other
                 && closed(outer)
                 && near
                 && outer.material == inner.material
-                && mesh_component_contains_point(mesh, outer, turn, middle)
+                && mesh_component_contains_point(mesh, outer, is_flipped, middle)
         };
-        *depth = components.iter().filter(around).count();
+        *depth = components.iter().filter(contains_inner).count();
     }
     depths
 }
@@ -135,11 +142,12 @@ fn component_nesting_depths(mesh: &TriangleMesh, components: &[ConnectedMeshComp
 /// True if the closed component contains the point `p`.
 ///
 /// The test sums the signed solid angles of the component's triangles (van Oosterom and Strackee
-/// 1983, "The solid angle of a plane triangle"). Triangles marked in `turn` count as flipped.
+/// 1983, "The solid angle of a plane triangle"). Triangles marked in `is_flipped` count with
+/// reversed winding.
 fn mesh_component_contains_point(
     mesh: &TriangleMesh,
     component: &ConnectedMeshComponent,
-    turn: &[bool],
+    is_flipped: &[bool],
     p: DVec3,
 ) -> bool {
     let angle = |t: &u32| {
@@ -147,34 +155,36 @@ fn mesh_component_contains_point(
         let [la, lb, lc] = [a, b, c].map(DVec3::length);
         let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
         let angle = 2.0 * libm::atan2(a.dot(b.cross(c)), below);
-        if turn[*t as usize] { -angle } else { angle }
+        if is_flipped[*t as usize] { -angle } else { angle }
     };
     // The sum is ±4π inside and 0 outside.
     component.faces.iter().map(angle).sum::<f64>().abs() > TAU
 }
 
-/// Flips the triangles marked in `turn`.
+/// Flips the triangles marked in `is_flipped`.
 ///
 /// Reverses a shading normal of a flipped triangle if it would point away from the new front side.
-fn flip_marked_triangles(mesh: &mut TriangleMesh, turn: &[bool]) {
+fn flip_marked_triangles(mesh: &mut TriangleMesh, is_flipped: &[bool]) {
     let Some(normals) = &mesh.normals else {
-        for (triangle, _) in mesh.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {
+        for (triangle, _) in mesh.triangles.iter_mut().zip(is_flipped).filter(|(_, is_flipped)| **is_flipped) {
             triangle.swap(1, 2);
         }
         return;
     };
-    let mut numbers: DeduplicatedList<(u32, bool)> = DeduplicatedList::with_capacity(mesh.positions.len());
+    let mut new_vertices: DeduplicatedList<(u32, bool)> = DeduplicatedList::with_capacity(mesh.positions.len());
     let mut triangles = Vec::with_capacity(mesh.triangles.len());
-    for (triangle, turn) in mesh.triangles.iter().zip(turn) {
+    for (triangle, is_flipped) in mesh.triangles.iter().zip(is_flipped) {
         let [a, b, c] = *triangle;
-        let turned = if *turn { [a, c, b] } else { *triangle };
-        let face = face_normal(mesh, turned);
+        let oriented = if *is_flipped { [a, c, b] } else { *triangle };
+        let face = face_normal(mesh, oriented);
         triangles.push(
-            turned.map(|v| numbers.find_or_append((v, *turn && normals[v as usize].dot(face) < 0.0), |key| *key)),
+            oriented.map(|v| {
+                new_vertices.find_or_append((v, *is_flipped && normals[v as usize].dot(face) < 0.0), |key| *key)
+            }),
         );
     }
-    let vertices = numbers.into_values();
-    let normal = |&(v, turned): &(u32, bool)| if turned { -normals[v as usize] } else { normals[v as usize] };
+    let vertices = new_vertices.into_values();
+    let normal = |&(v, is_reversed): &(u32, bool)| if is_reversed { -normals[v as usize] } else { normals[v as usize] };
     mesh.normals = Some(vertices.iter().map(normal).collect());
     mesh.triangles = triangles;
     keep_listed_vertices(mesh, vertices.iter().map(|(v, _)| *v));

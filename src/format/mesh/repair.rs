@@ -10,12 +10,12 @@ use serde::Serialize;
 pub struct MeshRepairOptions {
     /// Distance within which vertex positions are merged \[length]; 0 merges only equal positions.
     ///
-    /// `None` moves no position. Vertices that are equal bit for bit are merged in any case.
+    /// `None` moves no position. Vertices that are equal bit for bit are always merged.
     pub weld_tolerance: Option<f64>,
     /// True to remove each triangle that has the same three positions as an earlier triangle, in
     /// any order.
     pub removes_duplicates: bool,
-    /// True to remove triangles without area, except those without which the surface would be open.
+    /// True to remove triangles of area 0, except those that keep the surface closed.
     pub removes_degenerates: bool,
     /// True to make windings consistent, see [`TriangleMesh::orient_outward`].
     pub orients_outward: bool,
@@ -65,9 +65,9 @@ pub(super) fn repair(mesh: &mut TriangleMesh, repair: &MeshRepairOptions) -> Rep
     done
 }
 
-/// Marks triangles without area that can be removed without opening the surface.
+/// Marks triangles of area 0 that can be removed without opening the surface.
 ///
-/// A triangle without area stays if each of its edges has exactly two triangles. It may then close
+/// A triangle of area 0 is kept if each of its edges has exactly two triangles. It may then close
 /// the gap at a T-junction, where a vertex lies on an edge of another triangle.
 fn mark_removable_degenerates(mesh: &TriangleMesh) -> Vec<bool> {
     let topology = MeshTopology::new(mesh);
@@ -78,7 +78,7 @@ fn mark_removable_degenerates(mesh: &TriangleMesh) -> Vec<bool> {
     mesh.triangles.iter().zip(closing).map(|(t, edges)| mesh.triangle_area(*t) == 0.0 && edges < 3).collect()
 }
 
-/// Removes the `unwanted` triangles and returns their number.
+/// Removes the triangles that are marked in `unwanted`, and returns their number.
 fn remove_triangles(mesh: &mut TriangleMesh, unwanted: &[bool]) -> usize {
     let before = mesh.triangles.len();
     let mut keep = unwanted.iter().map(|unwanted| !unwanted);

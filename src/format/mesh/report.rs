@@ -59,7 +59,7 @@ pub struct MeshReport {
     /// Number of edges that their two triangles traverse in the same direction: one winding is
     /// wrong.
     pub inconsistent_edges: usize,
-    /// Number of triangles without area.
+    /// Number of triangles of area 0.
     #[serde(rename = "degenerate_faces")]
     pub degenerate_triangles: usize,
     /// Number of triangles that have the same three positions as an earlier one, in any order.
@@ -127,9 +127,9 @@ pub(super) fn triangle_area(mesh: &TriangleMesh, triangle: [u32; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
-/// Returns the signed volume of a closed mesh \[length³], by the divergence theorem.
+/// Returns the signed volume of a closed mesh \[length³], as a sum of signed tetrahedra.
 ///
-/// `about` is the origin of the sum. A point near the mesh reduces cancellation.
+/// `about` is the common apex of the tetrahedra. An apex near the mesh reduces cancellation.
 fn signed_volume(mesh: &TriangleMesh, about: DVec3) -> f64 {
     let six = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize] - about);
@@ -146,9 +146,9 @@ pub(super) fn mark_duplicate_triangles(mesh: &TriangleMesh, topology: &MeshTopol
     for (t, triangle) in
         mesh.triangles.iter().enumerate().filter(|(_, triangle)| topology.has_distinct_positions(**triangle))
     {
-        let mut places = triangle.map(|v| topology.vertex_position_indices[v as usize]);
-        places.sort_unstable();
-        keys.push((places, t as u32));
+        let mut sorted_positions = triangle.map(|v| topology.vertex_position_indices[v as usize]);
+        sorted_positions.sort_unstable();
+        keys.push((sorted_positions, t as u32));
     }
     keys.sort_unstable();
     let mut duplicates = vec![false; mesh.triangles.len()];

@@ -30,7 +30,7 @@ impl HalfEdge {
 /// Distinct positions and edges of a mesh.
 #[derive(Debug)]
 pub(super) struct MeshTopology {
-    /// Index of each vertex's position in the numbering of the distinct positions.
+    /// Number of each vertex's position. Vertices at equal positions have equal numbers.
     pub vertex_position_indices: Vec<u32>,
     /// Number of distinct positions.
     pub position_count: usize,
@@ -94,12 +94,12 @@ impl ParityUnionFind {
     ///
     /// The root is the lowest element of the set.
     pub fn find_root(&mut self, i: usize) -> (usize, bool) {
-        let (mut root, mut turned) = (i, false);
+        let (mut root, mut is_flipped) = (i, false);
         while self.parent[root] as usize != root {
-            turned ^= self.flipped_to_parent[root];
+            is_flipped ^= self.flipped_to_parent[root];
             root = self.parent[root] as usize;
         }
-        let (mut at, mut left) = (i, turned);
+        let (mut at, mut left) = (i, is_flipped);
         while self.parent[at] as usize != root {
             let (next, own) = (self.parent[at] as usize, self.flipped_to_parent[at]);
             self.parent[at] = root as u32;
@@ -107,23 +107,24 @@ impl ParityUnionFind {
             left ^= own;
             at = next;
         }
-        (root, turned)
+        (root, is_flipped)
     }
 
-    /// Joins the sets of `a` and `b`. `turned` is true if the winding of `a` is flipped relative to
-    /// `b`.
+    /// Joins the sets of `a` and `b`. `is_flipped` is true if the winding of `a` is flipped
+    /// relative to `b`.
     ///
-    /// Returns false if one set already holds both and contradicts `turned`; else true.
-    pub fn union_sets(&mut self, a: usize, b: usize, turned: bool) -> bool {
-        let ((a, a_turned), (b, b_turned)) = (self.find_root(a), self.find_root(b));
-        let turned = turned ^ a_turned ^ b_turned;
+    /// Returns false if both are in one set already and their relative winding there differs from
+    /// `is_flipped`; else true.
+    pub fn union_sets(&mut self, a: usize, b: usize, is_flipped: bool) -> bool {
+        let ((a, a_is_flipped), (b, b_is_flipped)) = (self.find_root(a), self.find_root(b));
+        let is_flipped = is_flipped ^ a_is_flipped ^ b_is_flipped;
         if a == b {
-            return !turned;
+            return !is_flipped;
         }
         // The lowest element becomes the root, so roots do not depend on the order of joins.
         let (low, high) = (a.min(b), a.max(b));
         self.parent[high] = low as u32;
-        self.flipped_to_parent[high] = turned;
+        self.flipped_to_parent[high] = is_flipped;
         true
     }
 }

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 const NO_POINT: u32 = u32::MAX;
 
-/// Upper bound of the merge tolerance \[length]. Its square is still finite.
+/// Largest merge tolerance \[length]; its square does not overflow.
 const MAX_SQUARABLE_TOLERANCE: f64 = 1e150;
 
 pub(super) fn weld_vertices(mesh: &mut TriangleMesh, tolerance: f64) -> usize {

@@ -19,20 +19,20 @@ pub(super) enum ColorValue {
     IlluminantD65(f64),
 }
 
-/// Quantity that a color stands for. It selects the conversion of a spectrum to RGB.
+/// Quantity that a color describes. It selects the conversion of a spectrum to RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ColorMeaning {
     /// Reflectance, transmittance or albedo.
     Reflectance,
     /// Radiance, intensity or irradiance.
     Emission,
-    /// Any quantity without a range, such as a refractive index or a medium's coefficient.
+    /// Any other quantity, such as a refractive index or an absorption coefficient.
     Unbounded,
 }
 
 impl ColorValue {
-    /// Parses the value of a `spectrum` element: one number, three for RGB, or pairs `400:0.3,
-    /// 500:0.8` of wavelength \[nm] and value.
+    /// Parses the value of a `spectrum` element: one number for a uniform spectrum, three numbers
+    /// for RGB, or pairs of wavelength \[nm] and value, such as `400:0.3, 500:0.8`.
     ///
     /// `None` if the text has another form, or if the wavelengths decrease.
     pub fn parse_spectrum(text: &str) -> Option<Self> {
@@ -51,8 +51,8 @@ impl ColorValue {
         Spectrum::from_samples(words.map(pair).collect::<Option<Vec<[f64; 2]>>>()?).map(Self::Sampled)
     }
 
-    /// Parses the text of a spectrum file: a wavelength \[nm] and a value per line. Comments begin
-    /// with `#`.
+    /// Parses the text of a spectrum file, which has a wavelength \[nm] and a value on each line.
+    /// Comments begin with `#`.
     ///
     /// `None` if the text has another form, or if the wavelengths decrease.
     pub fn parse_spectrum_file(text: &str) -> Option<Self> {
@@ -97,7 +97,7 @@ impl ColorValue {
         }
     }
 
-    /// Returns linear RGB values. `meaning` selects the conversion of a sampled spectrum.
+    /// Returns the color as linear RGB. `meaning` selects the conversion of a sampled spectrum.
     pub fn to_rgb(&self, meaning: ColorMeaning) -> DVec3 {
         let spectrum = match self {
             Self::Rgb(rgb) => return *rgb,
@@ -124,7 +124,7 @@ impl ColorValue {
     }
 }
 
-/// Parses finite numbers that commas or white space separate; `None` if a word is no number.
+/// Parses finite numbers, separated by commas or white space; `None` if a word is not a number.
 pub(super) fn parse_numbers(text: &str) -> Option<Vec<f64>> {
     let words = text.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty());
     words.map(|word| word.parse().ok().filter(|number: &f64| number.is_finite())).collect()

@@ -1,4 +1,4 @@
-//! Converts conductors of Mitsuba: metals by name, or by complex refractive index.
+//! Converts conductors of Mitsuba, which state a metal's name or a complex refractive index.
 
 use super::color::{ColorMeaning, ColorValue};
 use super::context::ImportContext;
@@ -32,11 +32,10 @@ const METAL_NAMES: [(&str, &str); 14] = [
 
 /// Converts a conductor. An unknown metal becomes chromium, with a message.
 ///
-/// A conductor without a metal is copper before version 1 of the format, and a perfect mirror since
-/// version 2.
+/// A conductor that states no metal is a perfect mirror; in files of version 0, it is copper.
 ///
-/// `tint` is the reflectance of an ideal mirror. For any other metal, the mean of `tint` multiplies
-/// the reflectance at normal incidence.
+/// `tint` (`specular_reflectance`) is the reflectance of a perfect mirror. For any other metal, the
+/// mean of `tint` multiplies the reflectance at normal incidence.
 pub(super) fn convert_conductor(
     context: &ImportContext<'_>,
     bsdf: &MitsubaObject,
@@ -64,7 +63,7 @@ pub(super) fn convert_conductor(
     }
     let metal = if eta.is_some() || k.is_some() {
         metal_from_index(bsdf, eta, k)?
-    } else if let Some((_, known)) = METAL_NAMES.iter().find(|(theirs, _)| *theirs == name) {
+    } else if let Some((_, known)) = METAL_NAMES.iter().find(|(mitsuba_name, _)| *mitsuba_name == name) {
         MetalDescription::Named(Spanned::new((*known).to_owned(), Span::default()))
     } else {
         context.add_note(&format!("the metal `{name}` is not known: it becomes chromium"), bsdf);
@@ -79,7 +78,7 @@ pub(super) fn convert_conductor(
     Ok(single_scattering_conductor(metal, roughness))
 }
 
-/// Returns the metal with the index η + ik of the BSDF, relative to the index outside.
+/// Returns the metal with the complex index η + ik, divided by the index outside (`ext_eta`).
 ///
 /// `eta` and `k` are RGB values or spectra; `None` stands for 0. The result is clamped to the range
 /// that materials accept.
@@ -103,6 +102,7 @@ fn metal_from_index(
     Ok(MetalDescription::with_clamped_index(eta / outer, k / outer))
 }
 
+/// Returns a conductor whose rough surface has no multiple scattering, as in Mitsuba.
 fn single_scattering_conductor(metal: MetalDescription, roughness: TexturedValue<f64>) -> MaterialKindDescription {
     MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, has_multiple_scattering: false })
 }

@@ -9,9 +9,10 @@ use glam::DVec3;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Names of values that are ignored without a message.
+/// Names of Mitsuba values that the importer ignores without a message.
 ///
-/// They concern what Caustica lacks, such as clipping planes, or only some variants of Mitsuba.
+/// They set features that Caustica lacks, such as clipping planes, or details of Mitsuba's
+/// renderer.
 const SILENTLY_IGNORED_VALUES: [&str; 24] = [
     "accel",
     "banner",
@@ -68,9 +69,9 @@ impl ImportContext<'_> {
         self.add_note(message, object);
     }
 
-    /// Returns the nested objects of class `class`, with their names in `object`.
+    /// Returns the objects of class `class` directly inside `object`, each with its name there.
     ///
-    /// References are replaced by the objects that they refer to.
+    /// References are replaced by the objects to which they refer.
     ///
     /// # Errors
     /// If a reference has an unknown identifier.
@@ -94,10 +95,8 @@ impl ImportContext<'_> {
         Ok(found)
     }
 
-    /// Returns the nested object of class `class` that is called `name`, or else the first one
-    /// without a name.
-    ///
-    /// `None` if there is neither.
+    /// Returns the object of class `class` inside `object` that is called `name`, or else the first
+    /// one without a name; `None` if there is neither.
     pub fn named_or_unnamed_child(
         &self,
         object: &MitsubaObject,
@@ -105,18 +104,26 @@ impl ImportContext<'_> {
         name: &str,
     ) -> ReadResult<Option<Rc<MitsubaObject>>> {
         let children = self.children_of_class(object, class)?;
-        let named = children.iter().find(|(own, _)| own == name).or_else(|| children.iter().find(|c| c.0.is_empty()));
+        let named = children
+            .iter()
+            .find(|(child_name, _)| child_name == name)
+            .or_else(|| children.iter().find(|c| c.0.is_empty()));
         Ok(named.map(|(_, child)| Rc::clone(child)))
     }
 
-    /// Returns the nested object of class `class` that is called `name`; `None` if there is none.
+    /// Returns the object of class `class` inside `object` that is called `name`; `None` if there
+    /// is none.
     pub fn named_child(
         &self,
         object: &MitsubaObject,
         class: ObjectClass,
         name: &str,
     ) -> ReadResult<Option<Rc<MitsubaObject>>> {
-        Ok(self.children_of_class(object, class)?.into_iter().find(|(own, _)| own == name).map(|(_, child)| child))
+        Ok(self
+            .children_of_class(object, class)?
+            .into_iter()
+            .find(|(child_name, _)| child_name == name)
+            .map(|(_, child)| child))
     }
 
     /// Returns the color or spectrum `name` of an object; `None` if it is missing or a texture.
@@ -138,8 +145,8 @@ impl ImportContext<'_> {
         self.spectrum_from_object(&texture)
     }
 
-    /// Returns the color or spectrum that a nested object describes; `None` if it describes none,
-    /// such as a `bitmap`.
+    /// Returns the color or spectrum that an object describes, such as a `blackbody`; `None` for
+    /// other objects, such as a `bitmap`.
     pub fn spectrum_from_object(&self, object: &MitsubaObject) -> ReadResult<Option<ColorValue>> {
         let scale = || object.number("scale").or_else(|| object.number("value")).unwrap_or(1.0);
         Ok(match object.plugin.as_str() {
@@ -161,8 +168,8 @@ impl ImportContext<'_> {
         })
     }
 
-    /// Returns the spectrum of a `regular` or `irregular` plugin, whose samples are lists of
-    /// numbers.
+    /// Returns the spectrum of a `regular` or `irregular` plugin, from its lists of wavelengths and
+    /// values.
     fn sampled_spectrum(&self, texture: &MitsubaObject) -> ReadResult<ColorValue> {
         let numbers = |name: &str| texture.text(name).and_then(super::color::parse_numbers);
         let values = numbers("values").unwrap_or_default();
@@ -185,10 +192,10 @@ impl ImportContext<'_> {
         })
     }
 
-    /// Returns the color `name` of an object as linear RGB.
+    /// Returns the color `name` of an object as linear RGB; gray of value `default` if the color is
+    /// missing or a texture.
     ///
-    /// Returns gray of value `default` if the color is missing or a texture. Fails if a component
-    /// is negative or above 10³⁰.
+    /// Fails if a component is negative or above 10³⁰.
     pub fn linear_rgb(
         &self,
         object: &MitsubaObject,
@@ -204,7 +211,9 @@ impl ImportContext<'_> {
         Err(object.place.error(message, "give a color whose values are finite and at least 0"))
     }
 
-    /// Adds a message for each value that the importer has not read, of objects that it has used.
+    /// Adds a message for each unread value of each object that the importer has used.
+    ///
+    /// Call this after the whole scene is converted.
     pub fn note_unread_values(&self) {
         let mut pending = vec![&self.tree.root];
         while let Some(object) = pending.pop() {

@@ -1,10 +1,10 @@
-//! Reads refractive indices of dielectrics: numbers, or Mitsuba's names.
+//! Reads refractive indices of dielectrics, which Mitsuba scenes state as numbers or names.
 
 use super::context::ImportContext;
 use super::files::ReadResult;
 use super::tree::{MitsubaObject, MitsubaValue};
 
-/// Refractive indices by name, in alphabetical order: common values at 589 nm.
+/// Refractive indices at 589 nm by Mitsuba's name of the substance, in alphabetical order.
 const REFRACTIVE_INDICES_BY_NAME: [(&str, f64); 23] = [
     ("acetone", 1.36),
     ("acrylic glass", 1.49),
@@ -31,14 +31,15 @@ const REFRACTIVE_INDICES_BY_NAME: [(&str, f64); 23] = [
     ("water ice", 1.31),
 ];
 
-/// Greatest refractive index that is taken for air or another gas.
+/// Greatest outer refractive index that counts as air or another gas.
 const MAX_GAS_INDEX: f64 = 1.001;
 
-/// Returns the relative refractive index of a dielectric: inner index over outer index.
+/// Returns the refractive index of a dielectric, relative to its surroundings: inner index over
+/// outer index.
 ///
-/// Exception: the outer index is above that of gases and equals the inner index of another
-/// dielectric. The other dielectric may then surround this one. In this case, returns the inner
-/// index alone, because nested bodies in Caustica have absolute indices.
+/// But if the outer index is the inner index of another dielectric in the scene, this dielectric
+/// may be nested in the other one. Then returns the inner index alone, because nested bodies in
+/// Caustica have absolute indices.
 pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &MitsubaObject) -> ReadResult<f64> {
     let inner = index_parameter(bsdf, "int_ior", if bsdf.plugin.contains("plastic") { 1.49 } else { 1.5046 })?;
     let outer = index_parameter(bsdf, "ext_ior", 1.000_277)?;
@@ -54,18 +55,18 @@ pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &MitsubaObject
     Ok(if is_nested { inner } else { inner / outer })
 }
 
-/// True if a relative refractive index is 1, apart from rounding, so that the interface has no
-/// effect.
+/// True if a relative refractive index is 1 up to rounding, so that the interface bends no light.
 pub(super) fn is_index_matched(index: f64) -> bool {
     (index - 1.0).abs() < 1e-9
 }
 
+/// Returns the refractive index that the parameter `name` states as a number or a substance.
 fn index_parameter(bsdf: &MitsubaObject, name: &str, default: f64) -> ReadResult<f64> {
     let index = match bsdf.value(name) {
         None => default,
         Some(MitsubaValue::Text(text)) => {
-            let wanted = text.trim().to_ascii_lowercase();
-            let named = REFRACTIVE_INDICES_BY_NAME.iter().find(|(known, _)| *known == wanted);
+            let lowercase_name = text.trim().to_ascii_lowercase();
+            let named = REFRACTIVE_INDICES_BY_NAME.iter().find(|(known, _)| *known == lowercase_name);
             let Some((_, index)) = named else {
                 let message = format!("no dielectric is called `{text}`");
                 return Err(bsdf.place.error(message, "write its refractive index as a `float`"));

@@ -14,30 +14,32 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Greatest depth of nested elements. Recursion over deeper ones would overflow the stack.
+/// Greatest nesting depth of XML elements. Deeper recursion could overflow the stack.
 const MAX_ELEMENT_DEPTH: u32 = 64;
 
 /// Greatest depth of nested includes.
 const MAX_INCLUDE_DEPTH: usize = 16;
 
-/// Greatest number of includes. A file that is included twice counts twice.
+/// Greatest number of includes in a scene. A file that is included twice counts twice.
 const MAX_INCLUDES: usize = 10_000;
 
-/// Greatest length of an attribute after parameters are replaced by their values \[bytes].
+/// Greatest length of an attribute after each `$name` is replaced by its value \[bytes].
 const MAX_EXPANDED_ATTRIBUTE_BYTES: usize = 1 << 16;
 
-/// Greatest total size of the scene file and its includes \[bytes]. Repeated includes count each
-/// time.
+/// Greatest total size of the scene file and its includes \[bytes]. A file that is included twice
+/// counts twice.
 const MAX_TOTAL_BYTES: u64 = 1 << 28;
+
+/// Greatest number of XML elements in the scene file and its includes.
 const MAX_ELEMENTS: u64 = 1 << 22;
 
-/// Greatest memory that an element takes after it is read \[bytes].
+/// Estimated memory of an XML element in the tree of objects \[bytes].
 const MEMORY_PER_ELEMENT: u64 = 600;
 
-/// Memory that the XML parser takes per byte of an XML file \[bytes].
+/// Estimated memory that the XML parser takes per byte of an XML file \[bytes].
 const MEMORY_PER_XML_BYTE: u64 = 24;
 
-/// Returns the tree of objects of the scene file, whose content is `bytes`.
+/// Reads the scene file, whose content is `bytes`, with its includes, as a tree of objects.
 pub(super) fn read_tree(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ObjectTree> {
     let mut reader = TreeReader {
         files,
@@ -73,11 +75,12 @@ pub(super) fn unknown_reference_error(place: &MitsubaSourceLocation, id: &str) -
 /// State of the reader of a scene file and the files that it includes.
 struct TreeReader<'r, 'a> {
     files: &'r MitsubaSceneFiles<'a>,
-    /// Values of parameters, which attributes refer to as `$name`. The first definition counts.
+    /// Values of parameters, to which attributes refer as `$name`. The first definition counts.
     parameters: HashMap<String, String>,
+    /// Objects by identifier.
     by_id: HashMap<String, Rc<MitsubaObject>>,
-    /// Further identifiers of objects: the new identifier, the original one, and the element's
-    /// position.
+    /// Second identifiers of objects (`alias`): the second identifier, the first one, and the
+    /// position of the element.
     aliases: Vec<(String, String, MitsubaSourceLocation)>,
     /// Files that are being read, from the scene file to the innermost include.
     include_stack: Vec<PathBuf>,
@@ -111,15 +114,14 @@ impl ObjectContents {
 /// Text of the file that is being read, with the position of the element that was read last.
 struct CurrentFile {
     source: SourceText,
-    /// Offset of the element that was read last \[bytes], and its line, from 1.
+    /// Byte offset of the element that was read last, and its line, from 1.
     last_offset_and_line: Cell<(usize, u32)>,
 }
 
 impl CurrentFile {
     /// Returns the position of an element in the file.
     ///
-    /// To save time, counts lines from the element that was read last, which usually stands
-    /// earlier.
+    /// To save time, counts lines from the element that was read last, if this element comes later.
     fn element_place(&self, node: &Node<'_, '_>) -> MitsubaSourceLocation {
         let range = node.range();
         let (offset, line) = self.last_offset_and_line.get();
@@ -149,20 +151,20 @@ impl TreeReader<'_, '_> {
         contents: &mut ObjectContents,
     ) -> ReadResult<()> {
         let name = path.display().to_string();
-        let whole =
+        let whole_file =
             |text: &str| MitsubaSourceLocation { source: SourceText::new(&name, text), span: Span::default(), line: 1 };
         self.total_bytes += bytes.len() as u64;
         self.files.check_memory(path, MEMORY_PER_XML_BYTE * bytes.len() as u64)?;
         if self.total_bytes > MAX_TOTAL_BYTES {
-            let place = includer.cloned().unwrap_or_else(|| whole(""));
+            let place = includer.cloned().unwrap_or_else(|| whole_file(""));
             return Err(place.error("the scene file and its includes are longer than 256 MiB", "put meshes into files"));
         }
         let Ok(text) = String::from_utf8(bytes) else {
-            return Err(whole("").error("the file is not UTF-8 text", "save it in the encoding UTF-8"));
+            return Err(whole_file("").error("the file is not UTF-8 text", "save it in the encoding UTF-8"));
         };
         let options = ParsingOptions { nodes_limit: 4 * MAX_ELEMENTS as u32, ..ParsingOptions::default() };
         let document = Document::parse_with_options(&text, options).map_err(|error| {
-            let place = MitsubaSourceLocation { span: span_of_error(&text, &error), ..whole(&text) };
+            let place = MitsubaSourceLocation { span: span_of_error(&text, &error), ..whole_file(&text) };
             let message = error.to_string();
             place.error(
                 format!("the XML is damaged: {}", message.split(" at ").next().unwrap_or_default()),
@@ -191,7 +193,9 @@ impl TreeReader<'_, '_> {
         Ok(())
     }
 
-    /// Reads an element and adds it to `contents`, the contents of the enclosing object.
+    /// Reads an XML element, and adds it to `contents`, the contents of the enclosing object.
+    ///
+    /// `depth` is the nesting depth of the element.
     fn read_element(
         &mut self,
         file: &CurrentFile,
@@ -266,7 +270,8 @@ impl TreeReader<'_, '_> {
         Ok(())
     }
 
-    /// Reads the file that an `include` element names, and adds it to `contents`.
+    /// Reads the file that an `include` element names, and adds its objects and values to
+    /// `contents`.
     fn read_include(
         &mut self,
         node: &Node<'_, '_>,
@@ -291,7 +296,8 @@ impl TreeReader<'_, '_> {
         self.read_xml(&path, bytes, Some(place), contents)
     }
 
-    /// Parses an element that holds a value, such as `float` or `transform`, and not an object.
+    /// Parses an element that holds a value, such as `float` or `transform`. Fails for any other
+    /// element.
     fn parse_value(
         &self,
         file: &CurrentFile,
@@ -371,6 +377,7 @@ impl TreeReader<'_, '_> {
         })
     }
 
+    /// Reads the file `name` of a `spectrum` element.
     fn read_spectrum_file(&self, name: &str, place: &MitsubaSourceLocation) -> ReadResult<ColorValue> {
         let path = self.files.find_file(name, place)?;
         let bytes = self.files.read_file(&path)?;
@@ -393,7 +400,7 @@ impl TreeReader<'_, '_> {
 
     /// Returns `text` with each parameter `$name` replaced by its value.
     ///
-    /// If several parameter names match at one `$`, the longest is used.
+    /// If several parameter names match after a `$`, the longest one is used.
     fn with_expanded_parameters(&self, text: &str, place: &MitsubaSourceLocation) -> ReadResult<String> {
         if !text.contains('$') {
             return Ok(text.to_owned());
@@ -417,7 +424,7 @@ impl TreeReader<'_, '_> {
     }
 }
 
-/// Returns the attribute `name` of an element; an error if there is none.
+/// Returns the attribute `name` of an element. Fails if it has none.
 fn required_attribute<'n>(node: &Node<'n, '_>, name: &str, place: &MitsubaSourceLocation) -> ReadResult<&'n str> {
     node.attribute(name).ok_or_else(|| {
         let message = format!("this `{}` has no attribute `{name}`", node.tag_name().name());
@@ -425,7 +432,7 @@ fn required_attribute<'n>(node: &Node<'n, '_>, name: &str, place: &MitsubaSource
     })
 }
 
-/// Returns the span in `text` of an error that the XML parser reports.
+/// Returns the position in `text` of an error that the XML parser reports, as a span of length 1.
 fn span_of_error(text: &str, error: &roxmltree::Error) -> Span {
     let position = error.pos();
     let line = text.split_inclusive('\n').take(position.row.saturating_sub(1) as usize).map(str::len).sum::<usize>();

@@ -1,7 +1,7 @@
 //! Converts environment maps of Mitsuba.
 //!
-//! Mitsuba's maps have +y at the top. They show −z at the left edge, and +x at a quarter of the
-//! width.
+//! Mitsuba's maps are equirectangular, with +y at the top. They show −z at the left edge, and +x a
+//! quarter of the width further right.
 
 use super::context::ImportContext;
 use super::files::ReadResult;
@@ -13,12 +13,13 @@ use crate::image::Image;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Greatest relative deviation of an environment map's transform from a rotation about y.
+/// Relative tolerance within which the transform of an environment map counts as a rotation about
+/// y.
 ///
-/// A map with a greater deviation is resampled.
+/// A map with any other transform is resampled.
 const UPRIGHT_TOLERANCE: f64 = 1e-6;
 
-/// Number of samples of the original map along each side of a pixel of a resampled map.
+/// Number of samples of the original map along each side of a pixel, for antialiasing.
 const SAMPLES_PER_PIXEL_SIDE: u32 = 4;
 
 /// Returns the radiance of an `envmap` emitter, with its map embedded as a picture.
@@ -93,16 +94,16 @@ fn resampled_environment(image: &Image, to_world: DMat3) -> Option<Image> {
     Image::from_pixels(width, height, pixels).ok()
 }
 
-/// Returns the radiance of Mitsuba's map `image` in a unit direction of the map's own frame.
-///
-/// The radiance is interpolated between pixels.
+/// Returns the radiance of Mitsuba's map `image` in a unit direction of the map's own frame, with
+/// bilinear interpolation.
 fn radiance_in_direction(image: &Image, direction: DVec3) -> Rgb {
     let (width, height) = (i64::from(image.width()), i64::from(image.height()));
     let x = (libm::atan2(direction.x, -direction.z) / TAU).rem_euclid(1.0) * width as f64 - 0.5;
     let y = libm::acos(direction.y.clamp(-1.0, 1.0)) / PI * height as f64 - 0.5;
     let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
-    let at = |x: i64, y: i64| image.get(x.rem_euclid(width) as u32, y.clamp(0, height - 1) as u32).unwrap_or_default();
-    let row = |y: i64| at(x.floor() as i64, y) * (1.0 - fx) + at(x.floor() as i64 + 1, y) * fx;
+    let pixel_at =
+        |x: i64, y: i64| image.get(x.rem_euclid(width) as u32, y.clamp(0, height - 1) as u32).unwrap_or_default();
+    let row = |y: i64| pixel_at(x.floor() as i64, y) * (1.0 - fx) + pixel_at(x.floor() as i64 + 1, y) * fx;
     row(y.floor() as i64) * (1.0 - fy) + row(y.floor() as i64 + 1) * fy
 }
 
@@ -110,7 +111,7 @@ fn radiance_in_direction(image: &Image, direction: DVec3) -> Rgb {
 mod tests {
     use super::*;
 
-    /// Compares a resampled map with the original one along rotated directions.
+    /// Compares a resampled map with the original map in several directions.
     #[test]
     fn a_tilted_map_shows_the_rotated_sky() {
         let (width, height) = (64, 32);
@@ -126,12 +127,11 @@ mod tests {
         let image = Image::from_pixels(width, height, pixels).unwrap();
         let tilt = DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y);
         let tilted = resampled_environment(&image, tilt).unwrap();
-        // Not the direction Z, which is at the pole of the map. There, the nearest pixels are half
-        // a pixel away.
+        // Leave out the direction Z, which is at the pole of the map, half a pixel from the nearest
+        // pixels.
         for direction in [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::new(0.6, -0.64, 0.48)] {
             let (found, expected) = (radiance_in_direction(&tilted, tilt * direction), color(direction));
-            // Two interpolations of a sine between pixels of 0.1 rad, and averaging, cause the
-            // error.
+            // Two interpolations between pixels of 0.1 rad, and averaging, cause a small error.
             assert!((found - expected).abs().max_element() < 0.01, "{direction}: {found} instead of {expected}");
         }
     }

@@ -1,4 +1,4 @@
-//! Access to the files of a Mitsuba scene: search folders, checks of permission and memory.
+//! Access to the files of a Mitsuba scene, with search folders and checks of permission and memory.
 
 use crate::format::description::Span;
 pub(super) use crate::format::import::ReadResult;
@@ -23,14 +23,13 @@ pub(super) struct MitsubaSourceLocation {
 }
 
 impl MitsubaSourceLocation {
-    /// Returns an error with `message` and the remedy `help`, at this position.
+    /// Returns an error at this position, with `message` and the help text `help`.
     pub fn error(&self, message: impl Display, help: &str) -> SceneReadError {
         SceneError::error_at_span(&self.source, self.span, message.to_string(), "here", help).into()
     }
 
-    /// Returns the position as text for messages, such as `line 3`.
-    ///
-    /// The text begins with the file's name, unless that name is `main`.
+    /// Returns the position as text for messages: `line 3` in the file `main`, and `a.xml line 3`
+    /// in another file.
     pub fn position_text(&self, main: &str) -> String {
         let Self { source, line, .. } = self;
         if source.file_name() == main { format!("line {line}") } else { format!("{} line {line}", source.file_name()) }
@@ -45,14 +44,14 @@ pub(super) struct MitsubaSceneFiles<'a> {
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,
-    /// Search folders of the `path` elements that have been read. Later folders are searched first.
+    /// Folders of the `path` elements read so far, in which files are searched; the last one first.
     search_folders: RefCell<Vec<PathBuf>>,
     /// Free memory before the scene is read \[bytes]; `None` without a limit.
     free_at_start: Option<u64>,
 }
 
 impl<'a> MitsubaSceneFiles<'a> {
-    /// Prepares reading the scene at `path`, without search folders; reads no file.
+    /// Returns the access to the scene at `path` and its files. Reads no file yet.
     pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
         let free_at_start = options.memory_limit.available_bytes();
         Self { path, monitor, options, search_folders: RefCell::default(), free_at_start }
@@ -71,10 +70,10 @@ impl<'a> MitsubaSceneFiles<'a> {
         }
     }
 
-    /// Fails if `total`, the memory of all elements or objects so far \[bytes], exceeds the memory
-    /// that was free before reading.
+    /// Fails if `total`, the estimated memory of all elements or objects so far \[bytes], exceeds
+    /// the memory that was free at the start.
     ///
-    /// This check is fast enough for each element. A query of the free memory is not.
+    /// Unlike a query of the free memory, this check is fast enough for each element.
     pub fn check_total_memory(&self, total: u64) -> ReadResult<()> {
         match self.free_at_start {
             Some(free) if total > free => {
@@ -84,7 +83,7 @@ impl<'a> MitsubaSceneFiles<'a> {
         }
     }
 
-    /// Returns the content of a file; an error if it cannot be read or exceeds the free memory.
+    /// Returns the content of a file. Fails if the file cannot be read or exceeds the free memory.
     pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;
@@ -99,16 +98,17 @@ impl<'a> MitsubaSceneFiles<'a> {
         self.search_folders.borrow_mut().push(self.scene_folder().join(path_with_slashes(name)));
     }
 
-    /// Returns the path of the existing file to which the element at `place` refers as `name`.
+    /// Returns the path of the file `name`, to which the element at `place` refers. Reports the
+    /// file to the monitor.
     ///
-    /// Reports the file to the monitor. Searches the folders of `path` elements, then the folder of
-    /// the scene, then the folder of the file that contains `place`. The file must lie inside the
-    /// scene's folder, unless the options allow outside files.
+    /// Searches the folders of `path` elements, then the folder of the scene, then the folder of
+    /// the file that contains `place`. Fails if the file does not exist. Also fails if it lies
+    /// outside the scene's folder, unless the options allow outside files.
     pub fn find_file(&self, name: &str, place: &MitsubaSourceLocation) -> ReadResult<PathBuf> {
         let relative = path_with_slashes(name);
-        let own = Path::new(place.source.file_name()).parent().map(Path::to_owned);
+        let including_folder = Path::new(place.source.file_name()).parent().map(Path::to_owned);
         let folders = self.search_folders.borrow();
-        let candidates = folders.iter().rev().cloned().chain([self.scene_folder()]).chain(own);
+        let candidates = folders.iter().rev().cloned().chain([self.scene_folder()]).chain(including_folder);
         let found = candidates.map(|folder| folder.join(&relative)).find(|file| file.is_file());
         let Some(file) = found.filter(|_| !name.is_empty()) else {
             let help = format!("put the file at `{}`", self.scene_folder().join(&relative).display());

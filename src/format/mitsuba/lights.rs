@@ -1,4 +1,4 @@
-//! Converts emitters of Mitsuba that have no surface to lights.
+//! Converts Mitsuba emitters to lights, except area lights, which are emission of shapes.
 
 use super::color::ColorMeaning;
 use super::context::ImportContext;
@@ -17,18 +17,19 @@ use crate::image::Image;
 use glam::{DMat4, DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Number of rows of a spotlight's intensity map, over 180 degrees: 8 per degree.
+/// Number of rows of a spotlight's intensity map: 8 per degree, over 180 degrees from the axis.
 const SPOT_MAP_ROWS: u32 = 1_440;
 
-/// Width and height of the projected picture of a spotlight with a texture \[pixels].
+/// Width and height of the picture into which a textured spotlight is converted \[pixels].
 const SPOT_PICTURE_SIZE: u32 = 512;
 
-/// Greatest half angle of a spotlight's cone, if the light has a texture \[degrees].
+/// Greatest half angle of the cone of a textured spotlight \[degrees].
 ///
-/// The light becomes a picture projected on a plane, which cannot reach 90 degrees.
+/// The light becomes a projector. Its flat picture cannot reach 90 degrees from the axis.
 const MAX_TEXTURED_CUTOFF_DEGREES: f64 = 85.0;
 
-/// Converts an emitter to a light; `None` if it is an area light, has strength 0, or is unknown.
+/// Converts an emitter to a light; `None` for an area light, a light of strength 0, or an unknown
+/// kind.
 ///
 /// Emitters of unknown kind are left out with a message.
 ///
@@ -79,7 +80,7 @@ pub(super) fn read_light(
     Ok(light)
 }
 
-/// Returns `strength` times the emitter's parameter `scale`, or times 1 without this parameter.
+/// Returns `strength` times the emitter's parameter `scale`, which is 1 by default.
 ///
 /// A negative `scale` counts as 0. Only scenes before version 2 of the format have `scale`.
 fn scaled_strength(emitter: &MitsubaObject, strength: DVec3) -> DVec3 {
@@ -90,15 +91,16 @@ fn singular_transform_error(emitter: &MitsubaObject) -> crate::format::import::S
     emitter.place.error("the direction of this emitter is zero", "correct its transform")
 }
 
-/// Returns `light`; `None` if its `strength` is zero in all channels.
+/// Returns `light`; `None` if `strength`, the strength of the light, is 0 in all channels.
 fn unless_black(strength: DVec3, light: impl Into<LightDescription>) -> Option<LightDescription> {
     (strength != DVec3::ZERO).then(|| light.into())
 }
 
 /// Converts a spotlight to a goniometric light or a projector; `None` if its intensity is 0.
 ///
-/// Mitsuba's falloff is linear in the angle. It becomes the intensity map of a goniometric light.
-/// If the light has a `bitmap` texture, texture times falloff becomes the picture of a projector.
+/// Mitsuba's falloff is linear in the angle from the axis. A spotlight without a texture becomes a
+/// goniometric light with the falloff as intensity map. A spotlight with a `bitmap` texture becomes
+/// a projector, whose picture is texture times falloff.
 fn read_spot(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,
@@ -163,9 +165,9 @@ fn read_spot(
 
 /// Converts a projector; `None` if its `scale` is not above 0.
 ///
-/// The values of Mitsuba's texture are the irradiance on a plane at distance 1, divided by π. The
-/// values of the new picture are intensities. Negative channels, and pixels that are not finite,
-/// become 0.
+/// Pixels of Mitsuba's texture are the irradiance on a plane at distance 1, divided by π. Pixels of
+/// the converted picture are intensities. Negative channels become 0, and pixels that are not
+/// finite become black.
 fn read_projector(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,
@@ -205,9 +207,9 @@ fn read_projector(
     Ok(unless_black(intensity, ProjectorLightDescription { pose, vertical_fov_degrees: angle, path, strength }))
 }
 
-/// Returns the unit vectors right, up and forward of an emitter in world space.
+/// Returns the unit vectors right, up and forward of an emitter, in world space.
 ///
-/// In the emitter's own frame, they are −x, +y and +z.
+/// In the emitter's own frame, these directions are −x, +y and +z.
 fn emitter_axes(emitter: &MitsubaObject, to_world: DMat4) -> ReadResult<[DVec3; 3]> {
     let axes = [-to_world.x_axis.truncate(), to_world.y_axis.truncate(), to_world.z_axis.truncate()];
     let [Some(right), Some(up), Some(forward)] = axes.map(DVec3::try_normalize) else {
@@ -219,7 +221,7 @@ fn emitter_axes(emitter: &MitsubaObject, to_world: DMat4) -> ReadResult<[DVec3; 
     Ok([right, up, forward])
 }
 
-/// Returns the value of a picture at (u, v) in \[0, 1]², interpolated bilinearly between pixels.
+/// Returns the value of a picture at (u, v) in \[0, 1]², with bilinear interpolation.
 ///
 /// v = 0 is the top of the picture. The picture repeats beyond its edges. Negative channels of the
 /// result become 0, and a result that is not finite becomes black.
@@ -227,11 +229,11 @@ fn interpolated_pixel(image: &Image, u: f64, v: f64) -> Rgb {
     let (width, height) = (f64::from(image.width()), f64::from(image.height()));
     let (x, y) = (u * width - 0.5, v * height - 0.5);
     let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
-    let at = |x: f64, y: f64| {
+    let pixel_at = |x: f64, y: f64| {
         let (x, y) = (x.rem_euclid(width) as u32, y.rem_euclid(height) as u32);
         image.get(x.min(image.width() - 1), y.min(image.height() - 1)).unwrap_or_default()
     };
-    let row = |y: f64| at(x.floor(), y) * (1.0 - fx) + at(x.floor() + 1.0, y) * fx;
+    let row = |y: f64| pixel_at(x.floor(), y) * (1.0 - fx) + pixel_at(x.floor() + 1.0, y) * fx;
     let value = row(y.floor()) * (1.0 - fy) + row(y.floor() + 1.0) * fy;
     if value.is_finite() { value.max(Vec3::ZERO) } else { Vec3::ZERO }
 }

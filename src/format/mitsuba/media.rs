@@ -16,14 +16,15 @@ use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Greatest magnitude of the mean cosine g. At 1, the phase function would be a delta function.
+/// Greatest magnitude of the mean cosine g of a phase function. At 1, it would be a delta function.
 const MAX_MEAN_COSINE: f64 = 0.999;
 
-/// Values of a Mitsuba volume: constant, or a grid in a box.
+/// A Mitsuba volume: a constant or a grid, and its transform to world space.
 enum VolumeValues {
-    /// A constant value, and the map from the unit cube \[0, 1]³ to world space.
+    /// A constant value, and the transform from the unit cube \[0, 1]³ to world space.
     Constant(DVec3, DMat4),
-    /// A grid of values, and the map from the unit cube \[0, 1]³ that it fills to world space.
+    /// A grid of values, and the transform to world space from the unit cube \[0, 1]³ that the grid
+    /// fills.
     Grid(VolumeGrid, DMat4),
 }
 
@@ -34,6 +35,7 @@ pub(super) struct MitsubaMedia {
     pub descriptions: Vec<Spanned<MediumDescription>>,
     /// Embedded density grids, by path.
     pub grids: BTreeMap<String, Arc<DensityGridData>>,
+    /// Names of converted media, by the address of the [`MitsubaObject`].
     names: HashMap<*const MitsubaObject, String>,
 }
 
@@ -78,6 +80,7 @@ impl MitsubaMedia {
         Ok(MediumDescription { name: name.to_owned(), coefficients, emission, phase, density })
     }
 
+    /// Returns the scattering coefficients of a homogeneous medium, multiplied by `scale`.
     fn homogeneous_coefficients(
         &self,
         context: &ImportContext<'_>,
@@ -110,6 +113,11 @@ impl MitsubaMedia {
         Ok(MediumCoefficients::ExtinctionAlbedo { extinction, albedo })
     }
 
+    /// Returns the coefficients and the density grid of a heterogeneous medium. Embeds the grid
+    /// under the path `name`.
+    ///
+    /// Only the density varies over the grid. A varying color or albedo becomes its mean, with a
+    /// message.
     fn heterogeneous_medium(
         &mut self,
         context: &ImportContext<'_>,
@@ -132,7 +140,7 @@ impl MitsubaMedia {
         let extinction = values(["sigma_t", "density"], 1.0)?;
         let albedo = values(["albedo", "albedo"], 0.75)?;
         let (grid, to_world) = match extinction {
-            // Mitsuba limits such a medium to the unit cube of its volume.
+            // In Mitsuba, a medium of constant extinction fills only the unit cube of its volume.
             VolumeValues::Constant(extinction, to_world) => {
                 let values = extinction.as_vec3().to_array().to_vec();
                 (VolumeGrid { size: [1; 3], channel_count: 3, bounds: [[0.0; 3], [1.0; 3]], values }, to_world)
@@ -166,9 +174,9 @@ impl MitsubaMedia {
     }
 }
 
-/// Returns the mean color of a grid. `weight` gives the weight of each cell by its index.
+/// Returns the weighted mean color of a grid. `weight` returns the weight of a cell from its index.
 ///
-/// If all weights are 0, returns the mean of all cells with equal weights.
+/// If all weights are 0, returns the unweighted mean.
 fn weighted_mean(grid: &VolumeGrid, weight: impl Fn(usize) -> f64) -> DVec3 {
     let (mut sum, mut total, mut plain) = (DVec3::ZERO, 0.0, DVec3::ZERO);
     for (i, cell) in grid.values.chunks(grid.channel_count).enumerate() {
@@ -181,6 +189,7 @@ fn weighted_mean(grid: &VolumeGrid, weight: impl Fn(usize) -> f64) -> DVec3 {
     if total > 0.0 { sum / total } else { plain / (grid.values.len() / grid.channel_count).max(1) as f64 }
 }
 
+/// Reads a `constvolume` or `gridvolume`. Fails for any other kind of volume.
 fn read_volume(context: &ImportContext<'_>, volume: &MitsubaObject) -> ReadResult<VolumeValues> {
     match volume.plugin.as_str() {
         "constvolume" => {
@@ -217,11 +226,11 @@ fn read_volume(context: &ImportContext<'_>, volume: &MitsubaObject) -> ReadResul
     }
 }
 
-/// Returns the map from the unit cube that the cells of a `gridvolume` fill to the space of the
-/// volume.
+/// Returns the transform to the space of a `gridvolume` from the unit cube that its cells fill.
 ///
-/// Before version 2 of the format, the values fill the box that the file states, and the outermost
-/// values lie on its sides. The cells then reach half a cell beyond the box, with a message.
+/// In files of version 0, the grid fills the box that the file states, with the outermost values on
+/// the sides of the box. So the cells reach half a cell beyond the box, with a message. In later
+/// files, the cells fill the unit cube, or the box if `use_grid_bbox` is true.
 fn grid_to_volume(context: &ImportContext<'_>, volume: &MitsubaObject, grid: &VolumeGrid) -> DMat4 {
     let is_old = context.tree.has_version_zero || ["send_data", "min"].iter().any(|k| volume.values.contains_key(*k));
     if !volume.boolean("use_grid_bbox", is_old) {
@@ -242,6 +251,7 @@ fn singular_transform_error(volume: &MitsubaObject) -> SceneReadError {
     volume.place.error("the transform of the volume is singular", "scale it less")
 }
 
+/// Reads the phase function of a medium. One of unknown kind becomes isotropic, with a message.
 fn read_phase_function(context: &ImportContext<'_>, medium: &MitsubaObject) -> ReadResult<PhaseFunctionDescription> {
     let Some(phase) = context.named_or_unnamed_child(medium, ObjectClass::PhaseFunction, "phase")? else {
         return Ok(PhaseFunctionDescription::Isotropic);

@@ -1,4 +1,4 @@
-//! Reads meshes of Mitsuba scenes: OBJ, PLY and `.serialized` files, and the built-in cube.
+//! Meshes of Mitsuba scenes: reads OBJ, PLY and `.serialized` files, and makes cubes and spheres.
 
 use super::context::ImportContext;
 use super::files::ReadResult;
@@ -13,64 +13,67 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Relation between a shape's texture coordinates in Caustica and in Mitsuba.
+/// Relation between the texture coordinates (u, v) of a shape in Caustica and in Mitsuba.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum TexcoordConvention {
-    /// Caustica's (u, v) equals Mitsuba's.
+    /// Both have equal u and v.
     ///
-    /// Pictures differ nevertheless: v = 0 is their top in Mitsuba, and their bottom in Caustica.
+    /// Pictures still need a flip: v = 0 is their top in Mitsuba, and their bottom in Caustica.
     Same,
-    /// Caustica's v is 1 − v of Mitsuba; u is equal.
+    /// Both have equal u, and v in Caustica is 1 minus v in Mitsuba.
     FlippedV,
 }
 
-/// Distance between a thin wall and its inner copy, relative to the diagonal of the mesh's bounds.
+/// Distance between a mesh and its shrunken copy, relative to the diagonal of the mesh's bounds.
 const RELATIVE_INNER_DISTANCE: f64 = 1e-4;
 
-/// Memory that a triangle takes when its vertices are split from those of others \[bytes].
+/// Estimated memory of a triangle that shares no vertices with others \[bytes].
 const MEMORY_PER_SPLIT_TRIANGLE: u64 = 3 * 64;
 
-/// A mesh as its file states it, or a part of it.
+/// Mesh that was read from a file of a shape, or the part of this mesh with one BSDF.
 pub(super) struct MitsubaFileMesh {
-    /// Vertices and triangles, without changes by the shape's parameters.
+    /// Vertices and triangles, before parameters of the shape, such as `flip_normals`, apply.
     triangles: TriangleMesh,
     /// True if the file asks for flat faces.
     is_flat: bool,
-    /// True if the file repeats vertices, which separates faces.
+    /// True if the file repeats vertices instead of sharing them between faces.
     is_split: bool,
 }
 
-/// Properties on which the embedded mesh of a file depends.
+/// Key of an embedded mesh: the mesh in a file, and how the importer changes it.
 #[derive(PartialEq, Eq, Hash)]
 struct FileMeshKey {
     file: PathBuf,
     /// Number of the mesh in the file, from 0.
     index: usize,
-    /// Flags of the shape: see [`orientation_flags`].
+    /// Flags for flat faces and reversed orientation: see [`orientation_flags`].
     flags: [bool; 2],
-    /// Convention of the texture coordinates that the mesh must have; `None` if it needs none.
+    /// Convention for texture coordinates that the importer adds; `None` if the mesh needs none.
     texcoords: Option<TexcoordConvention>,
 }
 
 /// Embedded meshes of the imported scene so far.
 ///
-/// Each mesh of a file is read once for each combination of `face_normals`, `flip_normals` and the
-/// texture coordinates that it has to get.
+/// Each mesh of a file is embedded at most once for each combination of `face_normals`,
+/// `flip_normals` and the texture coordinates that the importer adds.
 #[derive(Default)]
 pub(super) struct MitsubaMeshes {
     /// Embedded meshes by path.
     pub embedded: BTreeMap<String, Arc<TriangleMesh>>,
+    /// Paths of the embedded meshes of files.
     file_mesh_paths: HashMap<FileMeshKey, String>,
+    /// Paths of shrunken copies, by the path of the original mesh.
     shrunken_copy_paths: HashMap<String, String>,
     cube_path: Option<String>,
     inward_sphere_path: Option<String>,
 }
 
 impl MitsubaMeshes {
-    /// Reads the mesh file of a shape and embeds the mesh, unless this was done before.
+    /// Returns the path of the embedded mesh of a shape's file. Reads and embeds it at its first
+    /// use.
     ///
-    /// Returns the path of the embedded mesh. `texcoords` is the convention of a shape that needs
-    /// texture coordinates, and `None` for other shapes.
+    /// `texcoords` is the convention of a shape that needs texture coordinates; `None` for a shape
+    /// that needs none.
     pub fn embed_mesh_file(
         &mut self,
         context: &ImportContext<'_>,
@@ -94,10 +97,11 @@ impl MitsubaMeshes {
         Ok(path)
     }
 
-    /// Embeds a mesh from the file of a shape, or a part of it, and returns its path.
+    /// Embeds `mesh` from the file of a shape, with the shape's parameters applied. Returns its
+    /// path.
     ///
-    /// A mesh without normals gets smooth ones, unless it asks for flat faces or repeats vertices.
-    /// A mesh without texture coordinates gets Mitsuba's if `texcoords` states a convention.
+    /// A mesh without normals gets smooth ones, unless its faces are flat or it repeats vertices. A
+    /// mesh without texture coordinates gets Mitsuba's default, if `texcoords` is a convention.
     pub fn embed_mesh_part(
         &mut self,
         context: &ImportContext<'_>,
@@ -109,7 +113,7 @@ impl MitsubaMeshes {
         if shape.number("max_smooth_angle").is_some() {
             context.add_note("`max_smooth_angle` is ignored: normals are those of the file", shape);
         }
-        let [has_flat_faces, is_turned] = orientation_flags(shape);
+        let [has_flat_faces, flips_normals] = orientation_flags(shape);
         // For a mesh without normals, Mitsuba computes smooth ones across all faces that share a
         // vertex.
         match triangles.normals {
@@ -123,7 +127,7 @@ impl MitsubaMeshes {
             context.files.check_memory(context.files.path, needed)?;
             add_barycentric_texcoords(&mut triangles, convention);
         }
-        if is_turned {
+        if flips_normals {
             triangles.reverse_orientation();
         }
         triangles.materials.clear();
@@ -133,7 +137,7 @@ impl MitsubaMeshes {
 
     /// Returns the path of an embedded mesh of the cube \[−1, 1]³. Embeds it at its first use.
     ///
-    /// Each side has texture coordinates that cover the unit square.
+    /// The texture coordinates of each side cover \[0, 1]².
     pub fn cube_path(&mut self) -> String {
         if let Some(path) = &self.cube_path {
             return path.clone();
@@ -161,7 +165,7 @@ impl MitsubaMeshes {
     /// Returns the path of an embedded mesh of the unit sphere with inward normals. Embeds it at
     /// its first use.
     ///
-    /// Its texture coordinates are longitude over 2π, and 1 minus the angle from the z axis over π.
+    /// Texture coordinates are u = φ / 2π and v = 1 − θ / π, with the angle θ from the z axis.
     pub fn inward_sphere_path(&mut self) -> String {
         const STACKS: u32 = 128;
         const SLICES: u32 = 2 * STACKS;
@@ -176,7 +180,7 @@ impl MitsubaMeshes {
                 let phi = std::f64::consts::TAU * f64::from(slice % SLICES) / f64::from(SLICES);
                 let ring = if stack % STACKS == 0 { 0.0 } else { libm::sin(theta) };
                 sphere.positions.push(DVec3::new(ring * libm::cos(phi), ring * libm::sin(phi), libm::cos(theta)));
-                // A pole has one vertex for each triangle, at the middle of its other two.
+                // Each triangle at a pole has its own pole vertex, with u between its other two.
                 let shift = [(0, 0.5), (STACKS, -0.5)].iter().find(|(row, _)| *row == stack).map_or(0.0, |row| row.1);
                 let u = (f64::from(slice) + shift) / f64::from(SLICES);
                 texcoords.push(DVec2::new(u, 1.0 - f64::from(stack) / f64::from(STACKS)));
@@ -184,11 +188,11 @@ impl MitsubaMeshes {
         }
         for stack in 0..STACKS {
             for slice in 0..SLICES {
-                let at = |row: u32, column: u32| row * (SLICES + 1) + column;
-                let [a, b] = [at(stack, slice), at(stack, slice + 1)];
-                let [c, d] = [at(stack + 1, slice), at(stack + 1, slice + 1)];
-                // The rings at both poles are single points, so one triangle of each quad there has
-                // no area.
+                let vertex = |row: u32, column: u32| row * (SLICES + 1) + column;
+                let [a, b] = [vertex(stack, slice), vertex(stack, slice + 1)];
+                let [c, d] = [vertex(stack + 1, slice), vertex(stack + 1, slice + 1)];
+                // At the poles, a ring is a single point. Skip the triangle of each quad without
+                // area.
                 if stack > 0 {
                     sphere.triangles.push([a, b, d]);
                 }
@@ -205,10 +209,10 @@ impl MitsubaMeshes {
         path
     }
 
-    /// Returns the path of a slightly smaller copy that lies just inside the embedded mesh `path`.
+    /// Returns the path of a slightly smaller copy of the embedded mesh `path`, just inside it.
+    /// Embeds the copy at its first use.
     ///
-    /// Embeds the copy at its first use. It bounds the medium inside a thin wall, because the wall
-    /// itself cannot bound a medium.
+    /// The copy bounds the medium inside a thin pane, because a pane cannot bound a medium.
     pub fn embed_shrunken_copy(&mut self, path: &str) -> String {
         if let Some(inner) = self.shrunken_copy_paths.get(path) {
             return inner.clone();
@@ -239,43 +243,44 @@ impl MitsubaMeshes {
     }
 }
 
-/// Returns the convention for the texture coordinates of a shape from a mesh file.
+/// Returns the relation between Caustica's and Mitsuba's texture coordinates for a shape from a
+/// mesh file.
 pub(super) fn file_texcoord_convention(shape: &MitsubaObject) -> TexcoordConvention {
     // Mitsuba flips v of OBJ files by default, because v grows upwards in OBJ.
     let is_flipped = shape.boolean("flip_tex_coords", shape.plugin == "obj");
     if is_flipped { TexcoordConvention::FlippedV } else { TexcoordConvention::Same }
 }
 
-/// Reads the OBJ file of a shape with several BSDFs, and splits it by BSDF.
+/// Reads the OBJ file of a shape with several BSDFs, and splits the mesh by BSDF.
 ///
-/// `bsdf_names` are their names. A BSDF belongs to the faces whose material has its name, and a
-/// BSDF without a name to all other faces. Each part has the index of its BSDF; `None` for faces
-/// without a BSDF.
+/// Returns each part with the index of its BSDF in `bsdf_names`; `None` for faces without a BSDF.
+/// Faces of an OBJ material have the BSDF of the same name. All other faces have the BSDF with an
+/// empty name, if there is one.
 pub(super) fn read_obj_parts(
     context: &ImportContext<'_>,
     shape: &MitsubaObject,
     bsdf_names: &[&str],
 ) -> ReadResult<Vec<(Option<usize>, MitsubaFileMesh)>> {
     let (file, index) = mesh_file(context, shape)?;
-    let MitsubaFileMesh { triangles: mut whole, is_flat, is_split } = read_mesh_file(context, shape, &file, index)?;
-    let bsdf_called = |name: &str| bsdf_names.iter().position(|own| *own == name);
+    let MitsubaFileMesh { triangles: mut mesh, is_flat, is_split } = read_mesh_file(context, shape, &file, index)?;
+    let bsdf_called = |name: &str| bsdf_names.iter().position(|bsdf_name| *bsdf_name == name);
     let others = bsdf_called("").map_or(NO_MATERIAL, |bsdf| bsdf as u32);
-    // Names of objects are in snake case.
-    let own = |material: &String| bsdf_called(&snake_case(material)).map_or(others, |bsdf| bsdf as u32);
-    let bsdfs: Vec<u32> = whole.materials.iter().map(own).collect();
+    // The importer stores names of objects in snake case.
+    let bsdf_of_material = |material: &String| bsdf_called(&snake_case(material)).map_or(others, |bsdf| bsdf as u32);
+    let bsdfs: Vec<u32> = mesh.materials.iter().map(bsdf_of_material).collect();
     let bsdf_of_triangle = |t: usize| {
-        let material = whole.triangle_materials.get(t).copied().unwrap_or(NO_MATERIAL);
+        let material = mesh.triangle_materials.get(t).copied().unwrap_or(NO_MATERIAL);
         bsdfs.get(material as usize).copied().unwrap_or(others)
     };
-    whole.triangle_materials = (0..whole.triangles.len()).map(bsdf_of_triangle).collect();
-    let parts = whole.split_by_material().into_iter().map(|(bsdf, triangles)| {
+    mesh.triangle_materials = (0..mesh.triangles.len()).map(bsdf_of_triangle).collect();
+    let parts = mesh.split_by_material().into_iter().map(|(bsdf, triangles)| {
         let bsdf = (bsdf != NO_MATERIAL).then_some(bsdf as usize);
         (bsdf, MitsubaFileMesh { triangles, is_flat, is_split })
     });
     Ok(parts.collect())
 }
 
-/// Returns the file of a shape's mesh, and the number of the mesh in it, from 0.
+/// Returns the path of a shape's mesh file, and the index of the mesh in the file (`shape_index`).
 fn mesh_file(context: &ImportContext<'_>, shape: &MitsubaObject) -> ReadResult<(PathBuf, usize)> {
     let Some(name) = shape.text("filename") else {
         return Err(shape.place.error("this mesh has no file", "give it a `filename`"));
@@ -288,12 +293,13 @@ fn mesh_file(context: &ImportContext<'_>, shape: &MitsubaObject) -> ReadResult<(
     Ok((file, index as usize))
 }
 
-/// Returns whether the shape's mesh has flat faces, and whether its orientation is reversed.
+/// Returns whether the faces of the shape are flat (`face_normals`), and whether its orientation is
+/// reversed (`flip_normals`).
 fn orientation_flags(shape: &MitsubaObject) -> [bool; 2] {
     ["face_normals", "flip_normals"].map(|name| shape.boolean(name, false))
 }
 
-/// Reads the mesh of number `index` in a file, with the memory that is free.
+/// Reads the mesh with number `index` of a file. Only `.serialized` files have several meshes.
 fn read_mesh_file(
     context: &ImportContext<'_>,
     shape: &MitsubaObject,
@@ -321,9 +327,10 @@ fn read_mesh_file(
     Ok(MitsubaFileMesh { triangles: decoded.mesh, is_flat: decoded.uses_flat_faces, is_split })
 }
 
-/// Gives each triangle the texture coordinates (0, 0), (1, 0) and (0, 1) of Mitsuba.
+/// Gives each triangle Mitsuba's default texture coordinates (0, 0), (1, 0) and (0, 1), which
+/// Mitsuba uses for meshes without any.
 ///
-/// Mitsuba uses them for meshes that have none. Vertices of several triangles are split.
+/// Vertices of several triangles are split. `convention` decides how v is stored.
 fn add_barycentric_texcoords(mesh: &mut TriangleMesh, convention: TexcoordConvention) {
     let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
     mesh.positions = corners.iter().map(|v| mesh.positions[*v as usize]).collect();
@@ -338,7 +345,7 @@ fn add_barycentric_texcoords(mesh: &mut TriangleMesh, convention: TexcoordConven
     mesh.merge_equal_vertices();
 }
 
-/// Converts the error of a mesh file to an error at the shape that names the file.
+/// Converts an error in a mesh file to an error at `shape`, which names the file.
 fn mesh_error(shape: &MitsubaObject, error: &mesh::MeshError) -> SceneReadError {
     let help = "repair the mesh or name another";
     let place = &shape.place;

@@ -133,14 +133,14 @@ fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Imp
     Ok(ImportedScene { description, source, assets, notes: notes.into_notes() })
 }
 
-/// Returns the lights of the scene, without the area lights of shapes.
+/// Converts the lights of the scene, except area lights, which are emission of shapes.
 ///
-/// `has_emitters` is true if a shape emits. Without any emitter, adds a white sky and a message.
-/// Leaves out environment emitters after the first one, with a message.
+/// `has_emissive_surfaces` is true if a shape emits light. Without any emitter in the file, adds a
+/// white sky and a message. Leaves out environment emitters after the first one, with a message.
 fn read_lights(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,
-    has_emitters: bool,
+    has_emissive_surfaces: bool,
 ) -> ReadResult<Vec<Spanned<LightDescription>>> {
     let mut lights: Vec<Spanned<LightDescription>> = Vec::new();
     let emitters: Vec<(String, Rc<MitsubaObject>)> =
@@ -154,7 +154,7 @@ fn read_lights(
         }
         lights.push(Spanned::new(light, Span::default()));
     }
-    if emitters.is_empty() && !has_emitters {
+    if emitters.is_empty() && !has_emissive_surfaces {
         let message = "the file has no light: a white sky of radiance 1 lights the scene";
         context.notes.borrow_mut().add_missing(message);
         let sky = LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::ONE));

@@ -1,4 +1,4 @@
-//! Names of values. Mitsuba spells them `toWorld` or `to_world`, and the importer uses snake case.
+//! Spelling of names in Mitsuba files: `toWorld` in old files, and `to_world` in later ones.
 
 /// Returns a name in snake case: `toWorld` becomes `to_world`, and `intIOR` becomes `int_ior`.
 pub(super) fn snake_case(name: &str) -> String {

@@ -8,26 +8,26 @@ use crate::format::description::{
 };
 use glam::{DMat4, DVec3};
 
-/// Width and height of the film if the file does not state them \[pixels].
+/// Width and height of a film if the file states none \[pixels].
 const DEFAULT_FILM_SIZE: [u32; 2] = [768, 576];
 
-/// Diagonal of 35 mm film, 24 mm × 36 mm, to which Mitsuba's focal lengths refer \[mm].
+/// Diagonal of 35 mm film (24 mm × 36 mm), for which Mitsuba states focal lengths \[mm].
 const FULL_FRAME_DIAGONAL_MM: f64 = 43.266_615_305_567_875;
 
 /// Greatest width and height of a picture \[pixels].
 const MAX_FILM_SIDE: f64 = 65_536.0;
 
-/// Size of the film, and size of the centered crop that the picture shows.
+/// Size of a film, and of the centered part of it (the crop) that is rendered.
 struct MitsubaFilm {
-    /// Full size of the film \[pixels].
+    /// Width and height of the film \[pixels].
     size: [f64; 2],
-    /// Size of the picture, a centered part of the film \[pixels].
+    /// Width and height of the crop, which is the size of the picture \[pixels].
     crop_size: [f64; 2],
 }
 
 /// Converts a sensor to a camera; `None` if the kind of sensor is not supported.
 ///
-/// A sensor looks along +z of its own frame, with +y up and +x to the left.
+/// A sensor of Mitsuba looks along +z of its own frame, with +y up and +x to the left.
 pub(super) fn read_camera(
     context: &ImportContext<'_>,
     sensor: &MitsubaObject,
@@ -124,6 +124,7 @@ pub(super) fn tan_half_vertical_fov(sensor: &MitsubaObject, size: [f64; 2]) -> R
     })
 }
 
+/// Reads the size of a sensor's film and its crop. A crop off the center is ignored with a message.
 fn read_film(context: &ImportContext<'_>, sensor: &MitsubaObject) -> ReadResult<MitsubaFilm> {
     let [width, height] = DEFAULT_FILM_SIZE.map(f64::from);
     let Some(film) = context.named_or_unnamed_child(sensor, ObjectClass::Film, "film")? else {

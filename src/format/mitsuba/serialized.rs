@@ -1,11 +1,11 @@
-//! Reads Mitsuba's format `.serialized`: several compressed meshes in one file.
+//! Reads Mitsuba's mesh format `.serialized`, which holds several compressed meshes in one file.
 
 use crate::format::mesh::{TriangleMesh, unit_normal};
 use flate2::read::ZlibDecoder;
 use glam::{DVec2, DVec3};
 use std::io::Read;
 
-/// First two bytes of the file and of each mesh in it, as a little-endian number.
+/// First two bytes of a `.serialized` file and of each mesh in it, as a little-endian number.
 const SIGNATURE: u16 = 0x041c;
 
 // Bits of the flags at the start of a mesh.
@@ -15,7 +15,7 @@ const HAS_COLORS: u32 = 0x0008;
 const USES_FLAT_FACES: u32 = 0x0010;
 const DOUBLE_PRECISION: u32 = 0x2000;
 
-/// Greatest number of decompressed bytes per compressed byte, a limit of zlib.
+/// Greatest number of decompressed bytes per compressed byte that zlib can reach.
 const MAX_COMPRESSION_RATIO: u64 = 1_032;
 
 /// Estimated memory per vertex and per triangle of a decoded mesh \[bytes].
@@ -24,7 +24,7 @@ const MEMORY_PER_MESH_ELEMENT: u64 = 200;
 /// Greatest length of a mesh's name \[bytes]. Names are skipped.
 const MAX_NAME_BYTES: usize = 1 << 16;
 
-/// Message that describes a defect of a file.
+/// Text of an error about a malformed file.
 pub(super) type Defect = String;
 
 /// One of the meshes of a `.serialized` file.
@@ -32,17 +32,16 @@ pub(super) type Defect = String;
 pub(super) struct SerializedMesh {
     /// The mesh, with the normals of the file if it has any.
     pub mesh: TriangleMesh,
-    /// True if the file requests flat faces instead of shading normals.
+    /// True if the file asks for flat faces instead of smooth shading.
     pub uses_flat_faces: bool,
 }
 
-/// Decodes the mesh number `index`, from 0, of a file.
+/// Decodes the mesh with number `index`, from 0, of a `.serialized` file.
 ///
 /// `free` is the free memory \[bytes]; `None` without a limit.
 ///
 /// # Errors
-/// A message if the file is damaged, has no such mesh, or describes one that does not fit into
-/// memory.
+/// A text, if the file is damaged, has no such mesh, or holds one that does not fit into `free`.
 pub(super) fn decode(file: &[u8], index: usize, free: Option<u64>) -> Result<SerializedMesh, Defect> {
     let truncated = || "the file is too short".to_owned();
     let bytes = |at: usize, count: usize| at.checked_add(count).and_then(|end| file.get(at..end)).ok_or_else(truncated);
@@ -112,8 +111,7 @@ fn missing_mesh_error(index: usize) -> Defect {
     format!("the file has no mesh with number {index}")
 }
 
-/// Returns the offset in the file of mesh `index`, from the list at the end of the file \[bytes].
-///
+/// Returns the byte offset in the file of mesh `index`, from the list at the end of the file;
 /// `None` if the list has no such entry.
 fn mesh_offset(file: &[u8], index: usize, version: u16) -> Option<usize> {
     let end = file.len().checked_sub(4)?;
@@ -128,7 +126,7 @@ fn mesh_offset(file: &[u8], index: usize, version: u16) -> Option<usize> {
     }
 }
 
-/// Decompressing reader of the numbers of one mesh.
+/// Reader of the numbers of one mesh. It decompresses while it reads.
 struct MeshReader<'f> {
     stream: ZlibDecoder<&'f [u8]>,
     /// True if the numbers are in double precision, false for single precision.

@@ -5,7 +5,7 @@ use super::files::ReadResult;
 use super::tree::{MitsubaObject, ObjectClass};
 use std::rc::Rc;
 
-/// Integrators of Mitsuba, each with the algorithm of Caustica that finds the same light paths.
+/// Integrators of Mitsuba, each with the Caustica algorithm that finds the same light paths.
 const INTEGRATOR_NAMES: [(&str, &str); 13] = [
     ("path", "path"),
     ("prbvolpath", "path"),
@@ -29,19 +29,20 @@ const FILTER_NAMES: [(&str, &str); 5] =
 /// Greatest nesting depth of integrators.
 const MAX_INTEGRATOR_DEPTH: u32 = 16;
 
-/// Returns flags of `caustica render` for the integrator and the pixel filter of the scene.
+/// Returns the flags of `caustica render` that correspond to the scene's integrator and pixel
+/// filter.
 ///
-/// The text is empty if no flag corresponds to them.
+/// The text is empty if there are none.
 pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<MitsubaObject>>) -> ReadResult<String> {
     let mut flags = Vec::new();
     let integrators = context.children_of_class(&context.tree.root, ObjectClass::Integrator)?;
     if let Some((_, integrator)) = integrators.first() {
         let inner = innermost_integrator(context, integrator)?;
-        if let Some((_, algorithm)) = INTEGRATOR_NAMES.iter().find(|(theirs, _)| *theirs == inner.plugin) {
+        if let Some((_, algorithm)) = INTEGRATOR_NAMES.iter().find(|(mitsuba_name, _)| *mitsuba_name == inner.plugin) {
             flags.push(format!("--integrator {algorithm}"));
         }
-        // Mitsuba counts path edges. Direct light has two edges, but no bounce in Caustica's count.
-        // The depth −1 stands for no limit.
+        // Mitsuba counts the edges of a path, and Caustica its bounces. Direct light has two edges
+        // and no bounce. The depth −1 stands for no limit.
         let depth = if inner.plugin == "direct" { Some(2.0) } else { inner.number("max_depth") };
         if let Some(depth) = depth.filter(|depth| *depth >= 2.0) {
             flags.push(format!("--max-bounces {}", depth - 2.0));
@@ -52,7 +53,7 @@ pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<Mi
         && let Some(filter) = context.named_or_unnamed_child(&film, ObjectClass::Filter, "rfilter")?
     {
         filter.mark_as_read();
-        if let Some((_, name)) = FILTER_NAMES.iter().find(|(theirs, _)| *theirs == filter.plugin) {
+        if let Some((_, name)) = FILTER_NAMES.iter().find(|(mitsuba_name, _)| *mitsuba_name == filter.plugin) {
             flags.push(format!("--filter {name}"));
         }
     }
@@ -62,10 +63,10 @@ pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<Mi
     Ok(flags.join(" "))
 }
 
-/// Returns the integrator that `outer` wraps, or `outer` itself if it wraps none.
+/// Returns the innermost integrator that `outer` wraps; `outer` itself if it wraps none.
 ///
 /// Integrators such as `moment` and `aov` wrap another integrator, which may wrap a further one.
-/// Marks the values of all of them as read.
+/// The values of all of them are marked as read.
 fn innermost_integrator(context: &ImportContext<'_>, outer: &Rc<MitsubaObject>) -> ReadResult<Rc<MitsubaObject>> {
     let mut inner = Rc::clone(outer);
     for _ in 0..=MAX_INTEGRATOR_DEPTH {

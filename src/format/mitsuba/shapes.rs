@@ -38,33 +38,36 @@ pub(super) struct MitsubaShapes {
     pub world_bounds: Option<(DVec3, DVec3)>,
     /// True if a surface emits light.
     pub has_emissive_surfaces: bool,
-    /// Converted members of each shape group, by the address of the group's [`MitsubaObject`].
+    /// Converted shapes of each shape group, by the address of the group's [`MitsubaObject`].
     groups: HashMap<*const MitsubaObject, Rc<Vec<PlacedShape>>>,
 }
 
-/// A shape of the imported scene with its material and transform.
+/// A converted shape with its material, emission and transform.
 #[derive(Clone, Debug)]
 struct PlacedShape {
+    /// Name of the material in the imported scene.
     material: String,
     shape: ShapeDescription,
+    /// Emitted radiance; `None` if the shape emits nothing, or emits by a texture of its material.
     emission: Option<DVec3>,
+    /// Transform from the shape's own space to world space, or to the space of its shape group.
     to_world: DAffine3,
     /// Lower and upper corner of the shape's bounds in its own space, before `to_world`.
     local_bounds: (DVec3, DVec3),
 }
 
-/// Mesh of a shape that is not built in.
+/// Mesh of a shape that comes from a mesh file.
 enum ShapeMesh {
     /// The whole mesh of the shape's file.
     File,
-    /// A part of this mesh.
+    /// The part of this mesh with one BSDF.
     Part(MitsubaFileMesh),
 }
 
-/// Geometry of a shape in the imported scene, with its transform.
+/// Geometry of a converted shape, with its transform.
 struct ShapeGeometry {
     surface: ShapeDescription,
-    /// Transform from the surface's own space to the space around the shape.
+    /// Transform from the surface's own space to world space, or to the space of its shape group.
     to_world: DAffine3,
     /// Lower and upper corner of the surface's bounds in its own space, before `to_world`.
     local_bounds: (DVec3, DVec3),
@@ -74,6 +77,7 @@ struct ShapeGeometry {
 #[derive(Default)]
 struct MitsubaShapeEmission {
     radiance: Option<DVec3>,
+    /// Name of the emission texture, and the factor from its values to radiance.
     texture: Option<(Spanned<String>, f64)>,
 }
 
@@ -122,6 +126,7 @@ impl MitsubaShapes {
         }
     }
 
+    /// Returns the converted shapes of a `shapegroup` or `merge`. Converts them at their first use.
     fn shapes_of_group(
         &mut self,
         context: &ImportContext<'_>,
@@ -142,7 +147,9 @@ impl MitsubaShapes {
         Ok(members)
     }
 
-    /// Converts one shape, and each part of an OBJ file with its own BSDF.
+    /// Converts one shape, which is neither a group nor an instance.
+    ///
+    /// An OBJ file with several BSDFs becomes one shape for each BSDF.
     fn convert_single_shape(
         &mut self,
         context: &ImportContext<'_>,
@@ -164,7 +171,8 @@ impl MitsubaShapes {
         self.convert_surface(context, textures, shape, bsdfs.first().map(|(_, bsdf)| bsdf), mesh)
     }
 
-    /// Converts an OBJ file whose shape has several BSDFs, each for the faces of one material.
+    /// Converts an OBJ shape with several BSDFs, each for the faces of the OBJ material of its
+    /// name.
     fn convert_obj_parts(
         &mut self,
         context: &ImportContext<'_>,
@@ -174,7 +182,7 @@ impl MitsubaShapes {
     ) -> ReadResult<Vec<PlacedShape>> {
         let names: Vec<&str> = bsdfs.iter().map(|(name, _)| name.as_str()).collect();
         let parts = read_obj_parts(context, shape, &names)?;
-        if (0..bsdfs.len()).any(|bsdf| parts.iter().all(|(own, _)| *own != Some(bsdf))) {
+        if (0..bsdfs.len()).any(|bsdf| parts.iter().all(|(part_bsdf, _)| *part_bsdf != Some(bsdf))) {
             context.add_note("BSDFs without faces of their name are ignored", shape);
         }
         let mut placed = Vec::new();
@@ -188,10 +196,10 @@ impl MitsubaShapes {
         Ok(placed)
     }
 
-    /// Converts a shape with one BSDF. A thin wall around a medium becomes two shapes: the wall,
-    /// and a null interface inside it.
+    /// Converts a shape with at most one BSDF. `mesh` is the mesh of a shape from a file.
     ///
-    /// Returns an empty list if the kind of shape is not supported, or if a null interface neither
+    /// A thin pane around a medium becomes two shapes: the pane, and a null interface inside it.
+    /// The list is empty if the kind of shape is not supported, or if a null interface neither
     /// emits nor contains a medium.
     fn convert_surface(
         &mut self,
@@ -247,9 +255,9 @@ impl MitsubaShapes {
         Ok(placed)
     }
 
-    /// Returns the emission that the first emitter nested in a shape states.
+    /// Returns the emission of a shape, from its first nested emitter.
     ///
-    /// If this emitter is not of kind `area`, it is ignored with a message.
+    /// An emitter of another kind than `area` is ignored with a message.
     fn shape_emission(
         &mut self,
         context: &ImportContext<'_>,
@@ -264,8 +272,8 @@ impl MitsubaShapes {
             context.add_whole_object_note(&message, emitter);
             return Ok(MitsubaShapeEmission::default());
         }
-        let wanted = (MitsubaTextureUse::Radiance, convention);
-        Ok(match textures.convert_texture_parameter(context, emitter, ("radiance", 1.0), wanted, 1.0)? {
+        let texture_use = (MitsubaTextureUse::Radiance, convention);
+        Ok(match textures.convert_texture_parameter(context, emitter, ("radiance", 1.0), texture_use, 1.0)? {
             MitsubaConvertedTexture::Constant(radiance) => {
                 let radiance = Some(radiance).filter(|radiance| *radiance != DVec3::ZERO);
                 self.has_emissive_surfaces |= radiance.is_some();
@@ -280,8 +288,8 @@ impl MitsubaShapes {
 
     /// Returns the geometry and transform of a shape; `None` if its kind is not supported.
     ///
-    /// `mesh` is the path of the shape's embedded mesh, if it comes from a file. `is_textured` and
-    /// `boundary` are those of its material.
+    /// `mesh` is the path of the embedded mesh of a shape from a file. `is_textured` is true if the
+    /// material may have textures, and `boundary` is the boundary that it makes.
     fn shape_geometry(
         &mut self,
         context: &ImportContext<'_>,
@@ -297,9 +305,9 @@ impl MitsubaShapes {
             let bounds = positions.fold(start, |(low, high), p| (low.min(*p), high.max(*p)));
             return Ok(Some(ShapeGeometry { surface: mesh_shape(path.to_owned()), to_world, local_bounds: bounds }));
         }
-        let is_turned = shape.boolean("flip_normals", false);
-        let unit = (DVec3::splat(-1.0), DVec3::ONE);
-        let flat = (DVec3::new(-1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0));
+        let flips_normals = shape.boolean("flip_normals", false);
+        let cube_bounds = (DVec3::splat(-1.0), DVec3::ONE);
+        let square_bounds = (DVec3::new(-1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0));
         let radius = |default: f64| {
             let radius = shape.number("radius").unwrap_or(default);
             let invalid = || shape.place.error("the radius of this shape is not above 0", "correct `radius`");
@@ -310,44 +318,45 @@ impl MitsubaShapes {
                 let center = shape.vector("center").unwrap_or(DVec3::ZERO);
                 let radius = radius(1.0)?;
                 to_world *= DAffine3::from_translation(center);
-                let is_inward = is_turned && boundary != MaterialBoundary::Null;
+                let is_inward = flips_normals && boundary != MaterialBoundary::Null;
                 if is_inward {
                     context.add_note("spheres with flipped normals become meshes of 65,000 triangles", shape);
                     to_world *= DAffine3::from_scale(DVec3::splat(radius));
-                    (mesh_shape(self.meshes.inward_sphere_path()), unit)
+                    (mesh_shape(self.meshes.inward_sphere_path()), cube_bounds)
                 } else {
                     if is_textured {
-                        // Longitude and latitude of texture coordinates refer to other axes than in
-                        // Mitsuba.
+                        // Rotate the sphere, because Caustica's texture coordinates on spheres use
+                        // other axes than Mitsuba's.
                         let columns = [DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y];
                         let inverse = glam::DMat3::from_cols(columns[0], columns[1], columns[2]).transpose();
                         to_world *= DAffine3::from_mat3(inverse);
                     }
                     (
                         ShapeDescription::Sphere(SphereDescription { center: DVec3::ZERO, radius }),
-                        (unit.0 * radius, unit.1 * radius),
+                        (cube_bounds.0 * radius, cube_bounds.1 * radius),
                     )
                 }
             }
             "rectangle" => {
-                // A turned rectangle has u along the same edge, and v in the other direction.
-                let side = if is_turned { -1.0 } else { 1.0 };
+                // A rectangle with flipped normals keeps the direction of u, and reverses that of
+                // v.
+                let side = if flips_normals { -1.0 } else { 1.0 };
                 let (corner, edge0) = (DVec3::new(-1.0, -side, 0.0), DVec3::new(2.0, 0.0, 0.0));
                 let edge1 = DVec3::new(0.0, 2.0 * side, 0.0);
-                (ShapeDescription::Rectangle(RectangleDescription { corner, edge0, edge1 }), flat)
+                (ShapeDescription::Rectangle(RectangleDescription { corner, edge0, edge1 }), square_bounds)
             }
             "disk" => {
                 if is_textured {
                     context.add_note("textures lie flat on disks instead of by radius and angle", shape);
                 }
-                let normal = if is_turned { DVec3::NEG_Z } else { DVec3::Z };
-                (ShapeDescription::Disc(DiscDescription { center: DVec3::ZERO, normal, radius: 1.0 }), flat)
+                let normal = if flips_normals { DVec3::NEG_Z } else { DVec3::Z };
+                (ShapeDescription::Disc(DiscDescription { center: DVec3::ZERO, normal, radius: 1.0 }), square_bounds)
             }
             "cylinder" => {
                 if is_textured {
                     context.add_note("textures lie on cylinders by our coordinates instead of Mitsuba's", shape);
                 }
-                if is_turned {
+                if flips_normals {
                     context.add_note("flipped normals of cylinders are ignored", shape);
                 }
                 let ends = [shape.vector("p0").unwrap_or(DVec3::ZERO), shape.vector("p1").unwrap_or(DVec3::Z)];
@@ -358,13 +367,13 @@ impl MitsubaShapes {
                 let bounds = (ends[0].min(ends[1]) - radius, ends[0].max(ends[1]) + radius);
                 (ShapeDescription::Cylinder(CylinderDescription { ends, radius, is_capped: false }), bounds)
             }
-            "cube" if is_textured || is_turned => {
-                if is_turned {
+            "cube" if is_textured || flips_normals => {
+                if flips_normals {
                     context.add_note("flipped normals of cubes are ignored", shape);
                 }
-                (mesh_shape(self.meshes.cube_path()), unit)
+                (mesh_shape(self.meshes.cube_path()), cube_bounds)
             }
-            "cube" => (ShapeDescription::Box(BoxDescription { min: unit.0, max: unit.1 }), unit),
+            "cube" => (ShapeDescription::Box(BoxDescription { min: cube_bounds.0, max: cube_bounds.1 }), cube_bounds),
             other => {
                 context.add_whole_object_note(&format!("shapes of kind `{other}` are left out"), shape);
                 return Ok(None);
@@ -373,10 +382,10 @@ impl MitsubaShapes {
         Ok(Some(ShapeGeometry { surface, to_world, local_bounds: bounds }))
     }
 
-    /// Returns a slightly smaller copy that lies just inside `shape`.
+    /// Returns a slightly smaller copy of `shape`, just inside it.
     ///
-    /// Only meshes, spheres and boxes become smaller; any other shape is returned unchanged. The
-    /// smaller copy of a mesh is embedded.
+    /// Only meshes, spheres and boxes become smaller. Other shapes enclose no volume, and are
+    /// returned unchanged. The smaller copy of a mesh is embedded.
     fn shrunken_shape(&mut self, shape: ShapeDescription) -> ShapeDescription {
         const SHRINK_FACTOR: f64 = 1.0 - 1e-4;
         match shape {
@@ -390,7 +399,7 @@ impl MitsubaShapes {
             ShapeDescription::Box(BoxDescription { min, max }) => {
                 ShapeDescription::Box(BoxDescription { min: min * SHRINK_FACTOR, max: max * SHRINK_FACTOR })
             }
-            // The importer makes discs, rectangles and tubes besides. They have no inside.
+            // Discs, rectangles and open cylinders enclose no volume.
             sheet => sheet,
         }
     }
@@ -428,7 +437,8 @@ impl MitsubaShapes {
     }
 }
 
-/// Returns the convention for the texture coordinates of a shape that is no mesh from a file.
+/// Returns the relation between Caustica's and Mitsuba's texture coordinates for a shape that is
+/// not from a mesh file, such as a sphere.
 fn built_in_texcoord_convention(shape: &MitsubaObject) -> TexcoordConvention {
     match shape.plugin.as_str() {
         "sphere" => TexcoordConvention::FlippedV,

@@ -1,4 +1,4 @@
-//! Tests of reading Mitsuba scenes.
+//! Tests of the importer of Mitsuba scenes.
 
 mod materials;
 mod shapes;
@@ -124,7 +124,7 @@ fn files_are_included_once_and_never_in_circles() {
 }
 
 #[test]
-fn growing_includes_and_parameters_end_with_an_error() {
+fn exponentially_growing_includes_and_parameters_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     // Each file includes the next one ten times.
     for i in 0..15 {
@@ -170,7 +170,7 @@ fn damaged_documents_are_errors_with_a_place() {
 }
 
 #[test]
-fn fields_of_view_follow_their_axis() {
+fn fields_of_view_refer_to_their_axis() {
     let camera = |values: &str, size: [u32; 2]| {
         let scene = import_text(&format!(
             r#"<sensor type="perspective">{values}<transform name="to_world">
@@ -289,7 +289,7 @@ fn tinted_metals_keep_their_reflectance_at_normal_incidence() {
 }
 
 #[test]
-fn wrapped_materials_become_mixes_and_perturbations() {
+fn wrapper_bsdfs_become_mixes_and_bump_maps() {
     let inner = "<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"0.1\"/></bsdf>";
     let masked =
         sphere_material(&format!("<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.25\"/>{inner}</bsdf>"));
@@ -314,7 +314,7 @@ fn wrapped_materials_become_mixes_and_perturbations() {
 }
 
 #[test]
-fn unknown_parts_are_one_note_for_each_kind() {
+fn unknown_plugins_give_one_note_per_kind() {
     let scene = import_text(
         r#"<shape type="hair"/><shape type="hair"/>
         <shape type="sphere"><boolean name="caustic_caster" value="true"/><bsdf type="velvet"/></shape>"#,
@@ -328,7 +328,7 @@ fn unknown_parts_are_one_note_for_each_kind() {
 }
 
 #[test]
-fn checkerboards_have_half_the_period_of_the_description() {
+fn checkerboard_scales_double_for_caustica() {
     let scene = import_text(
         r#"<shape type="rectangle"><bsdf type="diffuse"><texture name="reflectance" type="checkerboard">
           <rgb name="color0" value="0.1"/><rgb name="color1" value="0.9"/>
@@ -363,7 +363,7 @@ fn bitmaps_are_decoded_and_upright() {
     );
     let [texture, _] = &scene.description.textures[..] else { panic!("{:?}", scene.description.textures) };
     let TextureKindDescription::Image { path, uv_transform: coordinates, .. } = &texture.kind else { panic!() };
-    // Mitsuba's rectangles show pictures upside down: their v is 1 − v here.
+    // The top of a picture has v = 0 in Mitsuba and v = 1 in Caustica, so v becomes 1 − v.
     assert_eq!((coordinates.scale, coordinates.offset), (DVec2::new(1.0, -1.0), DVec2::Y));
     assert_eq!(scene.assets.pictures[&path.value].pixels()[0], glam::Vec3::X);
     let emission = &scene.description.materials[0].emission;
@@ -422,7 +422,7 @@ fn media_fill_the_shapes_that_name_them() {
         MediumCoefficients::ExtinctionAlbedo { extinction: DVec3::new(2.0, 4.0, 6.0), albedo: DVec3::splat(0.5) };
     assert_eq!(scene.description.media[0].coefficients, expected);
     assert_eq!(scene.description.materials[0].medium.as_ref().unwrap().value, scene.description.media[0].name);
-    // A thin wall around a medium needs a second surface, just inside.
+    // A thin pane around a medium needs a second surface, just inside.
     let walled = import_text(&format!("<shape type=\"sphere\"><bsdf type=\"thindielectric\"/>{medium}</shape>"));
     let radii = placed_objects(&walled).into_iter().map(|(_, object)| match object {
         ObjectDescription::Shape { shape: ShapeDescription::Sphere(SphereDescription { radius, .. }), .. } => radius,

@@ -22,25 +22,26 @@ use std::sync::Arc;
 /// Greatest nesting depth of textures.
 const MAX_TEXTURE_DEPTH: u32 = 8;
 
-/// Quantity that a texture stands for. It selects the conversion and the range of pixel values.
+/// Quantity that a texture describes. It selects the conversion of pixel values and their range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum MitsubaTextureUse {
     /// Colors inside \[0, 1].
     Color,
     /// Numbers inside \[0, 1]: the luminance of the texture's colors.
     Fraction,
-    /// Squares of numbers inside \[0, 1], such as GGX α, the square of `roughness`. Each number is
-    /// the luminance of the texture's color.
+    /// Squares of numbers inside \[0, 1], such as GGX α = `roughness`². Each number is the
+    /// luminance of the texture's color.
     SquaredFraction,
     /// Numbers of at least 0, such as heights: the luminance of the texture's colors.
     Height,
-    /// Radiance of at least 0.
+    /// RGB radiance of at least 0.
     Radiance,
-    /// Tangent-space normals, encoded as raw colors inside \[0, 1].
+    /// Tangent-space normals, stored as linear colors inside \[0, 1].
     Normal,
 }
 
-/// Values of a color parameter or texture: a constant, or a texture of the imported scene.
+/// Result of converting a color parameter or texture: a constant, or a texture of the imported
+/// scene.
 #[derive(Clone, Debug)]
 pub(super) enum MitsubaConvertedTexture {
     /// Equal values everywhere.
@@ -51,7 +52,7 @@ pub(super) enum MitsubaConvertedTexture {
 }
 
 impl MitsubaConvertedTexture {
-    /// Returns the mean of the values over the texture; for a constant, the constant.
+    /// Returns the constant, or the mean of the values over the texture.
     pub fn mean(&self) -> DVec3 {
         match self {
             Self::Constant(mean) | Self::Texture(_, mean) => *mean,
@@ -66,8 +67,7 @@ impl MitsubaConvertedTexture {
         }
     }
 
-    /// Returns the constant or texture as a number parameter. A constant color gives its red
-    /// channel.
+    /// Returns the constant or texture as a number parameter. A constant gives its first channel.
     pub fn into_number(self) -> TexturedValue<f64> {
         match self {
             Self::Constant(color) => TexturedValue::Constant(color.x),
@@ -83,31 +83,33 @@ pub(super) struct MitsubaTextures {
     pub descriptions: Vec<Spanned<TextureDescription>>,
     /// Embedded pictures, by path.
     pub pictures: BTreeMap<String, Arc<Image>>,
-    /// Decoded picture files. The key's flag is true for raw values, false for decoded sRGB.
+    /// Decoded picture files. A key holds the path, and a flag: true for raw values, false for
+    /// values decoded from sRGB.
     decoded_pictures: HashMap<(PathBuf, bool), Rc<Image>>,
-    /// Converted picture files, as paths of embedded pictures or as constants.
+    /// Converted picture files. A `Texture` here holds the path of an embedded picture.
     ///
-    /// The key holds the file, a flag for raw values, the use, and the bits of the factor.
+    /// A key holds the file, a flag for raw values, the use, and the bits of the factor.
     converted_pictures: HashMap<(PathBuf, bool, MitsubaTextureUse, u64), MitsubaConvertedTexture>,
-    /// Names of the textures. A key is a texture's content as text, so equal textures become one.
+    /// Names of the imported textures. A key is the content of a texture as text, so equal textures
+    /// become one.
     texture_names_by_content: HashMap<String, String>,
 }
 
 impl MitsubaTextures {
-    /// Converts the texture or color `name` of an object, or `default` if the object has neither.
+    /// Converts the parameter `name` of an object, a color or a texture; a missing one is gray of
+    /// value `default`.
     ///
-    /// `wanted` is the quantity that the values stand for. Values are multiplied by `factor`, and
-    /// clamped to the range of the quantity. `convention` is that of the shape's texture
-    /// coordinates.
+    /// Values are multiplied by `factor`, and clamped to the range of `texture_use`, the quantity
+    /// that they describe. `convention` relates the shape's texture coordinates to Mitsuba's.
     pub fn convert_texture_parameter(
         &mut self,
         context: &ImportContext<'_>,
         object: &MitsubaObject,
         (name, default): (&str, f64),
-        (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
+        (texture_use, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
     ) -> ReadResult<MitsubaConvertedTexture> {
-        let meaning = match wanted {
+        let meaning = match texture_use {
             MitsubaTextureUse::Color => ColorMeaning::Reflectance,
             MitsubaTextureUse::Radiance => ColorMeaning::Emission,
             MitsubaTextureUse::Fraction
@@ -118,21 +120,22 @@ impl MitsubaTextures {
         if context.color_value(object, name)?.is_none()
             && let Some(texture) = context.named_child(object, ObjectClass::Texture, name)?
         {
-            return self.convert_texture(context, &texture, (wanted, convention), factor, 0);
+            return self.convert_texture(context, &texture, (texture_use, convention), factor, 0);
         }
         let color = factor * context.linear_rgb(object, name, meaning, default)?;
-        Ok(MitsubaConvertedTexture::Constant(clamped_to_range(color, wanted)))
+        Ok(MitsubaConvertedTexture::Constant(clamped_to_range(color, texture_use)))
     }
 
-    /// Converts a texture object to the quantity `wanted`, with its values multiplied by `factor`.
+    /// Converts a texture object to the quantity `texture_use`, with its values multiplied by
+    /// `factor`.
     ///
-    /// Values are clamped to the range of `wanted`. A texture of unknown kind counts as gray of
-    /// value 0.5, with a message. `depth` is the number of textures around this one.
+    /// Values are clamped to the range of `texture_use`. A texture of unknown kind counts as gray
+    /// of value 0.5, with a message. `depth` is the number of textures in which this one is nested.
     pub fn convert_texture(
         &mut self,
         context: &ImportContext<'_>,
         texture: &MitsubaObject,
-        (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
+        (texture_use, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
         depth: u32,
     ) -> ReadResult<MitsubaConvertedTexture> {
@@ -141,22 +144,26 @@ impl MitsubaTextures {
         }
         if let Some(color) = context.spectrum_from_object(texture)? {
             let color = color.to_rgb(ColorMeaning::Reflectance).max(DVec3::ZERO) * factor;
-            return Ok(MitsubaConvertedTexture::Constant(clamped_to_range(color, wanted)));
+            return Ok(MitsubaConvertedTexture::Constant(clamped_to_range(color, texture_use)));
         }
         match texture.plugin.as_str() {
-            "bitmap" => self.convert_bitmap(context, texture, (wanted, convention), factor),
-            "checkerboard" => self.convert_checkerboard(context, texture, (wanted, convention), factor, depth),
+            "bitmap" => self.convert_bitmap(context, texture, (texture_use, convention), factor),
+            "checkerboard" => self.convert_checkerboard(context, texture, (texture_use, convention), factor, depth),
             "scale" => {
-                let own = factor * scale_factor(texture);
+                let inner_factor = factor * scale_factor(texture);
                 match context.children_of_class(texture, ObjectClass::Texture)?.first() {
-                    Some((_, inner)) => self.convert_texture(context, inner, (wanted, convention), own, depth + 1),
-                    None => Ok(MitsubaConvertedTexture::Constant(clamped_to_range(DVec3::splat(own), wanted))),
+                    Some((_, inner)) => {
+                        self.convert_texture(context, inner, (texture_use, convention), inner_factor, depth + 1)
+                    }
+                    None => {
+                        Ok(MitsubaConvertedTexture::Constant(clamped_to_range(DVec3::splat(inner_factor), texture_use)))
+                    }
                 }
             }
             _ => {
                 let message = format!("textures of kind `{}` become gray of reflectance 0.5", texture.plugin);
                 context.add_whole_object_note(&message, texture);
-                Ok(MitsubaConvertedTexture::Constant(clamped_to_range(DVec3::splat(0.5 * factor), wanted)))
+                Ok(MitsubaConvertedTexture::Constant(clamped_to_range(DVec3::splat(0.5 * factor), texture_use)))
             }
         }
     }
@@ -215,10 +222,11 @@ impl MitsubaTextures {
         path
     }
 
-    /// Keeps only the textures called `names`, and the pictures that these textures or lights use.
+    /// Removes all textures but those called `names`, and all pictures that neither these textures
+    /// nor lights use.
     ///
-    /// `others` are the paths of the pictures that lights use.
-    pub fn keep_textures(&mut self, names: &HashSet<String>, others: &HashSet<String>) {
+    /// `light_pictures` are the paths of the pictures that lights use.
+    pub fn keep_textures(&mut self, names: &HashSet<String>, light_pictures: &HashSet<String>) {
         self.descriptions.retain(|texture| names.contains(&texture.name));
         let shown: HashSet<&str> = self
             .descriptions
@@ -228,31 +236,31 @@ impl MitsubaTextures {
                 TextureKindDescription::Checker { .. } | TextureKindDescription::Solid { .. } => None,
             })
             .collect();
-        self.pictures.retain(|path, _| shown.contains(path.as_str()) || others.contains(path));
+        self.pictures.retain(|path, _| shown.contains(path.as_str()) || light_pictures.contains(path));
     }
 
     /// Converts the picture file of a `bitmap` texture, with its values multiplied by `factor`.
     ///
-    /// `wanted` is the quantity that the values stand for. Values are clamped to its range. Returns
-    /// a constant if all pixels are equal.
+    /// Values are clamped to the range of `texture_use`, the quantity that they describe. Returns a
+    /// constant if all pixels are equal.
     pub fn convert_bitmap(
         &mut self,
         context: &ImportContext<'_>,
         texture: &MitsubaObject,
-        (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
+        (texture_use, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
     ) -> ReadResult<MitsubaConvertedTexture> {
         // Before version 2, the encoding is called `gamma`.
-        let is_raw = wanted == MitsubaTextureUse::Normal
+        let is_raw = texture_use == MitsubaTextureUse::Normal
             || texture.boolean("raw", false)
             || texture.number("gamma").is_some_and(|gamma| gamma == 1.0);
         let (file, picture) = self.decode_picture_file(context, texture, is_raw)?;
-        let key = (file, is_raw, wanted, factor.to_bits());
+        let key = (file, is_raw, texture_use, factor.to_bits());
         let values = match self.converted_pictures.get(&key) {
             Some(values) => values.clone(),
             None => {
                 context.files.check_memory(&key.0, 12 * picture.pixels().len() as u64)?;
-                let value = |pixel: &Rgb| -> Vec3 { value_for_use(*pixel * factor as f32, wanted) };
+                let value = |pixel: &Rgb| -> Vec3 { value_for_use(*pixel * factor as f32, texture_use) };
                 let pixels: Vec<Rgb> = picture.pixels().iter().map(value).collect();
                 let mean = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / pixels.len() as f64;
                 let values = if pixels.iter().all(|pixel| *pixel == pixels[0]) {
@@ -288,11 +296,12 @@ impl MitsubaTextures {
         Ok(MitsubaConvertedTexture::Texture(self.texture_name(kind), mean))
     }
 
+    /// Converts a checkerboard of two colors. A texture inside it becomes its mean, with a message.
     fn convert_checkerboard(
         &mut self,
         context: &ImportContext<'_>,
         texture: &MitsubaObject,
-        (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
+        (texture_use, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
         depth: u32,
     ) -> ReadResult<MitsubaConvertedTexture> {
@@ -305,11 +314,11 @@ impl MitsubaTextures {
             *color = match inner {
                 Some(inner) => {
                     context.add_note("textures inside a checkerboard become their mean", &inner);
-                    self.convert_texture(context, &inner, (wanted, convention), factor, depth + 1)?.mean()
+                    self.convert_texture(context, &inner, (texture_use, convention), factor, depth + 1)?.mean()
                 }
                 None => {
                     let color = context.linear_rgb(texture, name, ColorMeaning::Reflectance, default)? * factor;
-                    clamped_to_range(color, wanted)
+                    clamped_to_range(color, texture_use)
                 }
             };
         }
@@ -321,8 +330,8 @@ impl MitsubaTextures {
         Ok(MitsubaConvertedTexture::Texture(name, mean))
     }
 
-    /// Returns the name of the texture with this content. Adds it to the imported scene if it is
-    /// new.
+    /// Returns the name of the imported texture with the content `kind`. Adds the texture to the
+    /// imported scene at its first use.
     fn texture_name(&mut self, kind: TextureKindDescription) -> Spanned<String> {
         let next = format!("texture{}", self.descriptions.len());
         let name = self.texture_names_by_content.entry(format!("{kind:?}")).or_insert_with(|| next.clone()).clone();
@@ -334,7 +343,7 @@ impl MitsubaTextures {
     }
 }
 
-/// Returns −1 if the product of the factors of nested `scale` textures is negative, else 1.
+/// Returns the sign of the total factor of nested `scale` textures: −1 if it is negative, else 1.
 pub(super) fn sign_of_scales(context: &ImportContext<'_>, texture: &Rc<MitsubaObject>) -> ReadResult<f64> {
     let (mut sign, mut texture) = (1.0, Rc::clone(texture));
     for _ in 0..=MAX_TEXTURE_DEPTH {
@@ -352,16 +361,16 @@ pub(super) fn sign_of_scales(context: &ImportContext<'_>, texture: &Rc<MitsubaOb
     Ok(sign)
 }
 
-/// Returns the factor of a `scale` texture.
+/// Returns the factor by which a `scale` texture multiplies its nested texture.
 fn scale_factor(texture: &MitsubaObject) -> f64 {
     texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0)
 }
 
-/// Returns a color clamped to the range of the quantity `wanted`.
+/// Returns `color` clamped to the range of the quantity `texture_use`.
 ///
 /// For [`MitsubaTextureUse::SquaredFraction`], squares each channel after clamping.
-fn clamped_to_range(color: DVec3, wanted: MitsubaTextureUse) -> DVec3 {
-    match wanted {
+fn clamped_to_range(color: DVec3, texture_use: MitsubaTextureUse) -> DVec3 {
+    match texture_use {
         MitsubaTextureUse::Color | MitsubaTextureUse::Fraction | MitsubaTextureUse::Normal => {
             color.clamp(DVec3::ZERO, DVec3::ONE)
         }
@@ -373,19 +382,19 @@ fn clamped_to_range(color: DVec3, wanted: MitsubaTextureUse) -> DVec3 {
     }
 }
 
-/// Converts a pixel to the quantity `wanted`, clamped to the range of this quantity.
+/// Converts a pixel to the quantity `texture_use`, clamped to its range.
 ///
-/// Numbers are the pixel's luminance in all channels. A pixel with a channel that is not finite
-/// counts as black.
-fn value_for_use(pixel: Rgb, wanted: MitsubaTextureUse) -> Vec3 {
+/// If the quantity is a number, all channels of the result are the pixel's luminance. A pixel with
+/// a channel that is not finite counts as black.
+fn value_for_use(pixel: Rgb, texture_use: MitsubaTextureUse) -> Vec3 {
     let pixel = if pixel.is_finite() { pixel } else { Rgb::ZERO };
-    let pixel = match wanted {
+    let pixel = match texture_use {
         MitsubaTextureUse::Color | MitsubaTextureUse::Radiance | MitsubaTextureUse::Normal => pixel,
         MitsubaTextureUse::Fraction | MitsubaTextureUse::SquaredFraction | MitsubaTextureUse::Height => {
             Rgb::splat(luminance(pixel))
         }
     };
-    match wanted {
+    match texture_use {
         MitsubaTextureUse::Color | MitsubaTextureUse::Fraction | MitsubaTextureUse::Normal => {
             pixel.clamp(Vec3::ZERO, Vec3::ONE)
         }
@@ -397,11 +406,11 @@ fn value_for_use(pixel: Rgb, wanted: MitsubaTextureUse) -> Vec3 {
     }
 }
 
-/// Returns the affine map from a shape's texture coordinates in Caustica to those of a lookup in
-/// Mitsuba.
+/// Returns the affine map from a shape's texture coordinates in Caustica to the coordinates at
+/// which Mitsuba evaluates `texture`: its linear part and its offset.
 ///
-/// The result is the linear part and the offset. It includes the `to_uv` transform of `texture`.
-/// Singular transforms are ignored with a message.
+/// The map includes the transform `to_uv` of the texture. A singular transform is ignored with a
+/// message.
 fn mitsuba_texcoord_transform(
     context: &ImportContext<'_>,
     texture: &MitsubaObject,
@@ -431,15 +440,15 @@ fn mitsuba_texcoord_transform(
     }
 }
 
-/// Returns the given affine map, followed by a flip that replaces v by 1 − v.
+/// Returns the given affine map of (u, v), followed by the flip of v to 1 − v.
 fn flipped_v((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
     let flip = DMat2::from_diagonal(DVec2::new(1.0, -1.0));
     (flip * linear, flip * offset + DVec2::Y)
 }
 
-/// Decomposes an affine map of texture coordinates into scale, rotation and offset.
+/// Decomposes an affine map of texture coordinates into scale, then rotation, then offset.
 ///
-/// A shear is ignored with a message.
+/// A shear of the map is ignored with a message.
 fn texcoord_transform_description(
     context: &ImportContext<'_>,
     texture: &MitsubaObject,

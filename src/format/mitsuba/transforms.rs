@@ -1,14 +1,14 @@
-//! Parses transforms of Mitsuba.
+//! Parses the transforms of a Mitsuba scene file.
 
 use super::color::parse_numbers;
 use super::files::{MitsubaSourceLocation, ReadResult};
 use glam::{DMat3, DMat4, DVec3};
 use std::collections::HashMap;
 
-/// Element of a transform, such as `translate`: its name, attributes and position in the file.
+/// XML element inside a transform, such as `translate`: its name, attributes and position.
 pub(super) type TransformElement = (String, HashMap<String, String>, MitsubaSourceLocation);
 
-/// Returns the product of all elements' matrices. The first element is applied first.
+/// Returns the matrix of a transform, the product of its elements. The first element applies first.
 ///
 /// # Errors
 /// If an element is not known or has invalid attributes. Also if the product is not affine.
@@ -54,6 +54,7 @@ pub(super) fn parse_vector(
     Ok(vector)
 }
 
+/// Returns the matrix of one element, such as `translate`.
 fn element_matrix(tag: &str, attributes: &HashMap<String, String>, place: &MitsubaSourceLocation) -> ReadResult<DMat4> {
     let vector = |default: f64| parse_vector(attributes.clone(), default, place);
     Ok(match tag {

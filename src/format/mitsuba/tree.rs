@@ -1,6 +1,6 @@
-//! Tree of the objects of a Mitsuba scene file. An object has values and nested objects.
+//! Tree of the objects of a Mitsuba scene file. An object has named values and nested objects.
 //!
-//! Names of values are in snake case, whatever the version of the file: `toWorld` is `to_world`.
+//! Names are in snake case, also for old files: `toWorld` is `to_world`.
 
 use super::color::ColorValue;
 use super::files::MitsubaSourceLocation;
@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
-/// Class of an object, given by the name of its XML element, such as `bsdf`.
+/// Class of an object, from the name of its XML element, such as `bsdf`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ObjectClass {
     /// The whole scene.
@@ -24,13 +24,13 @@ pub(super) enum ObjectClass {
     Shape,
     /// Reflection and transmission of a surface (its material).
     Bsdf,
-    /// Function of a surface point, or a spectrum that the file writes as an object.
+    /// Texture, or a spectrum that the file writes as an object with a plugin.
     Texture,
     /// Participating medium.
     Medium,
     /// Phase function of a medium.
     PhaseFunction,
-    /// Volume: a value at each point of space, such as the density of a medium.
+    /// Volume: a function of the position in space, such as the density of a medium.
     Volume,
     /// Film of a sensor, which states the size of the picture.
     Film,
@@ -43,8 +43,8 @@ pub(super) enum ObjectClass {
 }
 
 impl ObjectClass {
-    /// Returns the class of objects with the element name `tag`; `None` if such elements define no
-    /// object.
+    /// Returns the class of objects from XML elements called `tag`; `None` if such elements are no
+    /// objects.
     pub fn from_tag(tag: &str) -> Option<Self> {
         Some(match tag {
             "scene" => Self::Scene,
@@ -88,7 +88,8 @@ pub(super) enum MitsubaValue {
 pub(super) enum ChildObject {
     /// The nested object itself.
     Own(Rc<MitsubaObject>),
-    /// Identifier of the object, which may be defined later, and the position of the reference.
+    /// Identifier of the object, and the position of the reference. The object may be defined later
+    /// in the file.
     Reference(String, MitsubaSourceLocation),
 }
 
@@ -97,13 +98,13 @@ pub(super) enum ChildObject {
 pub(super) struct MitsubaObject {
     /// Class of the object, such as BSDF or emitter.
     pub class: ObjectClass,
-    /// Name of its plugin, such as `diffuse`.
+    /// Name of the object's Mitsuba plugin, such as `diffuse`.
     pub plugin: String,
     /// Identifier by which references name the object; `None` without one.
     pub id: Option<String>,
-    /// Position in the file.
+    /// Position of the object in the file.
     pub place: MitsubaSourceLocation,
-    /// Values by name, each with a flag that is true if the importer has read it.
+    /// Values by name. The flag of each value is true if the importer has read it.
     pub values: BTreeMap<String, (MitsubaValue, Cell<bool>)>,
     /// Nested objects, each with its name inside this object, in the order of the file.
     pub children: Vec<(String, ChildObject)>,
@@ -118,8 +119,7 @@ pub(super) struct ObjectTree {
     pub root: Rc<MitsubaObject>,
     /// Objects by identifier.
     pub by_id: HashMap<String, Rc<MitsubaObject>>,
-    /// True if the file states a version before 1, whose plugins have other defaults than later
-    /// ones.
+    /// True if the file states a version before 1. Such files have other default values.
     pub has_version_zero: bool,
 }
 
@@ -166,8 +166,8 @@ impl MitsubaObject {
         }
     }
 
-    /// Returns the truth value called `name`; `default` if there is none, or if the value has
-    /// another type.
+    /// Returns the truth value called `name`; `default` if there is none, or if it has another
+    /// type.
     ///
     /// A text counts as a truth value: `true` is true, and any other text is false.
     pub fn boolean(&self, name: &str, default: bool) -> bool {
@@ -219,7 +219,9 @@ impl MitsubaObject {
         }
     }
 
-    /// Marks all values of the object as read. Use this if one message covers the whole object.
+    /// Marks all values of the object as read, so that they cause no messages.
+    ///
+    /// Use this if one message covers the whole object.
     pub fn mark_as_read(&self) {
         self.values.values().for_each(|(_, is_read)| is_read.set(true));
     }

@@ -1,27 +1,26 @@
-//! Reads Mitsuba's format `.vol` of values on a regular grid.
+//! Reads Mitsuba's format `.vol`, which holds values on a regular grid.
 
-/// Values of a volume on a regular grid of cells.
+/// Values on a regular grid of cells, such as the density of a medium.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct VolumeGrid {
     /// Number of cells along x, y and z.
     pub size: [u32; 3],
     /// Number of channels: 1 or 3.
     pub channel_count: usize,
-    /// Lower and upper corner of the box that the file states.
+    /// Lower and upper corner of the grid's box, as stated in the file.
     pub bounds: [[f32; 3]; 2],
-    /// Values of all cells, finite and at least 0; the index x varies fastest.
-    ///
-    /// The channels of a cell are adjacent.
+    /// Values of all cells, finite and at least 0; x varies fastest. The channels of a cell are
+    /// adjacent.
     pub values: Vec<f32>,
 }
 
-/// Length of the header \[bytes].
+/// Length of the header of a `.vol` file \[bytes].
 const HEADER_BYTES: usize = 48;
 
-/// Decodes a volume with 32-bit floating-point values.
+/// Decodes a `.vol` file with 32-bit floating-point values.
 ///
 /// # Errors
-/// A message if the file is damaged, or if its version, encoding or number of channels is not
+/// A text, if the file is damaged, or if its version, encoding or number of channels is not
 /// supported. Also if a value is negative or not finite.
 pub(super) fn decode(file: &[u8]) -> Result<VolumeGrid, String> {
     let Some((header, data)) = file.split_at_checked(HEADER_BYTES) else {

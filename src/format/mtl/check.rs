@@ -12,7 +12,7 @@ pub(super) fn check_and_rewrite_mtl(text: &str) -> Result<String, (usize, Messag
     let mut valid_lines = String::new();
     let mut named = false;
     for (i, line) in text.lines().enumerate() {
-        append_valid_mtl_line(line.trim(), &mut named, &mut valid_lines).map_err(|wrong| (i + 1, wrong))?;
+        append_valid_mtl_line(line.trim(), &mut named, &mut valid_lines).map_err(|problem| (i + 1, problem))?;
     }
     Ok(valid_lines)
 }

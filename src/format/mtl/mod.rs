@@ -115,7 +115,7 @@ pub fn load_mesh_materials(
 /// [`MeshError`].
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> {
     let valid_lines = check::check_and_rewrite_mtl(&String::from_utf8_lossy(strip_byte_order_mark(bytes)))
-        .map_err(|(line, wrong)| MeshError::error_at_line(path, line, wrong))?;
+        .map_err(|(line, problem)| MeshError::error_at_line(path, line, problem))?;
     let malformed = |source| MeshError::RejectedByTobj { path: path.into(), source };
     let (materials, _) = tobj::load_mtl_buf(&mut valid_lines.as_bytes()).map_err(malformed)?;
     let vector = |v: Option<[f64; 3]>| v.map(DVec3::from_array);

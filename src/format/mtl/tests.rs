@@ -177,7 +177,7 @@ fn material_libraries_are_found_beside_the_mesh() {
 
 proptest::proptest! {
     #[test]
-    fn no_text_makes_the_reader_panic(
+    fn random_text_never_panics_the_reader(
         words in proptest::collection::vec("newmtl|K[dse]|Tf|N[si]|d|Tr|illum|map_Kd|-s|-o|\n|\\\\|-?[0-9.]{1,4}|.{0,3}", 0..60),
     ) {
         for material in decode_text(&words.join(" ")).unwrap_or_default() {

@@ -12,24 +12,24 @@ use glam::{DAffine3, DVec3};
 /// Greatest width and height of a picture \[pixels].
 const MAX_FILM_SIDE: f64 = 65_536.0;
 
-/// Message about films whose values are radiance times an exposure.
+/// Message about pbrt films that scale radiance by an exposure or a sensor response.
 const EXPOSURE_NOTE: &str = "sensors and exposures of films are ignored: pixels are radiance";
 
-/// Size of a film and of the part of it that is rendered \[pixels].
+/// Size of a pbrt film and of its crop window \[pixels].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct FilmSize {
-    /// Width and height of the film.
+    /// Width and height of the whole film.
     pub whole: [u32; 2],
-    /// Width and height of the part around the center that is rendered.
+    /// Width and height of the crop window, the centered part that is rendered.
     pub crop: [u32; 2],
 }
 
 impl FilmSize {
-    /// Size of pbrt-v4's film by default.
+    /// Size of a film in pbrt-v4 if the file states none.
     pub const DEFAULT: Self = Self { whole: [1280, 720], crop: [1280, 720] };
 }
 
-/// Returns the size of a film of type `name`, and of its crop window.
+/// Reads the size of a film of type `name`, such as `rgb`, and of its crop window.
 ///
 /// A crop window off the center is ignored with a message.
 pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportNotes) -> ReadResult<FilmSize> {
@@ -69,7 +69,9 @@ pub(super) fn shutter_times(parameters: &Parameters) -> [f64; 2] {
     [open.min(close), open.max(close)]
 }
 
-/// Adds a message if a camera of pbrt-v4 exposes for another time than 1.
+/// Adds a message if the shutter of a camera is not open for a time of 1.
+///
+/// pbrt-v4 multiplies pixels by this time, and Caustica does not.
 pub(super) fn note_exposure_time(parameters: &Parameters, notes: &mut ImportNotes) {
     let [open, close] = shutter_times(parameters);
     if (close - open - 1.0).abs() > 1e-6 {
@@ -77,7 +79,7 @@ pub(super) fn note_exposure_time(parameters: &Parameters, notes: &mut ImportNote
     }
 }
 
-/// Returns the size of the crop window, or of the whole film if there is none \[pixels].
+/// Returns the size of the crop window; the size of the film if there is none \[pixels].
 ///
 /// `None` if the window is empty, or if its center is more than half a pixel off the film's center.
 fn crop_size(parameters: &Parameters, whole: [f64; 2]) -> Option<[f64; 2]> {
@@ -100,11 +102,12 @@ fn crop_size(parameters: &Parameters, whole: [f64; 2]) -> Option<[f64; 2]> {
     Some(size)
 }
 
-/// Returns the camera, and the reflection to apply to the whole scene.
+/// Returns the camera, and the map from pbrt's world to the imported scene: a reflection along z,
+/// or the identity.
 ///
-/// pbrt's camera space is left-handed, and Caustica's is right-handed. So the scene is mirrored. If
-/// the camera's own transform already mirrors the scene, the reflection is the identity. For a
-/// spherical camera, both cases are exchanged.
+/// pbrt's camera space is left-handed, and Caustica's is right-handed. So the scene is mirrored,
+/// unless the transform of the camera already mirrors. For a spherical camera, both cases are
+/// exchanged. `to_world` maps camera space to pbrt's world.
 pub(super) fn read_camera(
     name: &str,
     parameters: &Parameters,
@@ -125,8 +128,7 @@ pub(super) fn read_camera(
         notes.add_unsupported("cameras that are sheared or stretched are not", place.position_text());
     }
     let is_spherical = matches!(name, "spherical" | "environment");
-    // A spherical camera shows all directions. Its picture has the same right side in pbrt and
-    // Caustica.
+    // The pictures of spherical cameras have equal handedness in pbrt and Caustica.
     let needs_mirror = (axes.determinant() > 0.0) != is_spherical;
     let mirror = if needs_mirror { DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)) } else { DAffine3::IDENTITY };
     let placed = mirror * to_world;

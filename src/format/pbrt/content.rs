@@ -1,4 +1,4 @@
-//! Meshes, textures and materials that the directives of a pbrt scene share.
+//! Tables of meshes, textures and materials that the directives of a pbrt scene fill and use.
 
 use super::materials::PbrtMaterials;
 use super::textures::PbrtTextures;
@@ -7,8 +7,7 @@ use crate::format::mesh::TriangleMesh;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Meshes, textures, materials and messages collected while the directives of a pbrt scene are
-/// read.
+/// Tables of meshes, textures, materials and messages that the directives of a pbrt scene fill.
 pub(super) struct PbrtSceneContent {
     /// Embedded meshes, by the path to which shapes refer.
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
@@ -18,7 +17,6 @@ pub(super) struct PbrtSceneContent {
     pub materials: PbrtMaterials,
     /// Messages about content that is ignored, approximated or added.
     pub notes: ImportNotes,
-    /// True for a scene of pbrt-v3. There, spectra of lights are radiance; in pbrt-v4 they are
-    /// normalized.
+    /// True for a scene of pbrt-v3, whose defaults and conversions differ from pbrt-v4.
     pub is_v3: bool,
 }

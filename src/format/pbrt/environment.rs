@@ -5,13 +5,13 @@ use crate::image::Image;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
-/// Number of samples of pbrt's map along each side of a pixel of the converted map.
+/// Number of samples of pbrt's map along each side of a pixel, for antialiasing.
 const SAMPLES_PER_PIXEL_SIDE: u32 = 3;
 
 /// Mapping of directions to pixels in an environment map of pbrt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MapLayout {
-    /// Equal-area octahedral map of pbrt-v4.
+    /// Equal-area octahedral map of pbrt-v4 (Clarberg 2008).
     Octahedral,
     /// Map by latitude and longitude of pbrt-v3, with +z at the top.
     LatitudeLongitude,
@@ -53,23 +53,23 @@ pub(super) fn to_equirectangular(image: &Image, layout: MapLayout, to_world: DMa
 /// between pixels.
 fn radiance_in_direction(image: &Image, layout: MapLayout, direction: DVec3) -> Rgb {
     let (width, height) = (i64::from(image.width()), i64::from(image.height()));
-    let place = match layout {
+    let map_point = match layout {
         MapLayout::Octahedral => octahedral_coordinates(direction),
         MapLayout::LatitudeLongitude => DVec2::new(
             (libm::atan2(direction.y, direction.x) / TAU).rem_euclid(1.0),
             libm::acos(direction.z.clamp(-1.0, 1.0)) / PI,
         ),
     };
-    let (x, y) = (place.x * width as f64 - 0.5, place.y * height as f64 - 0.5);
+    let (x, y) = (map_point.x * width as f64 - 0.5, map_point.y * height as f64 - 0.5);
     let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
-    let at = |x: i64, y: i64| {
+    let pixel_at = |x: i64, y: i64| {
         let x = match layout {
             MapLayout::Octahedral => x.clamp(0, width - 1),
             MapLayout::LatitudeLongitude => x.rem_euclid(width),
         };
         image.get(x as u32, y.clamp(0, height - 1) as u32).unwrap_or_default()
     };
-    let row = |y: i64| at(x.floor() as i64, y) * (1.0 - fx) + at(x.floor() as i64 + 1, y) * fx;
+    let row = |y: i64| pixel_at(x.floor() as i64, y) * (1.0 - fx) + pixel_at(x.floor() as i64 + 1, y) * fx;
     row(y.floor() as i64) * (1.0 - fy) + row(y.floor() as i64 + 1) * fy
 }
 

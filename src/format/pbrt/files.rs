@@ -11,7 +11,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Position in a file of a pbrt scene: file name and line.
+/// Position in a pbrt file, for messages: file name and line.
 #[derive(Clone, Debug)]
 pub(super) struct PbrtSourceLocation {
     /// Path of the file, as text.
@@ -21,7 +21,7 @@ pub(super) struct PbrtSourceLocation {
 }
 
 impl PbrtSourceLocation {
-    /// Returns an error with `message` and the remedy `help`, at this position.
+    /// Returns an error at this position, with `message` and the help text `help`.
     pub fn error(&self, message: impl Display, help: &str) -> SceneReadError {
         SceneError::error_without_position(&self.file, format!("line {}: {message}", self.line), help).into()
     }
@@ -48,7 +48,7 @@ pub(super) struct PbrtSceneFiles<'a> {
 }
 
 impl<'a> PbrtSceneFiles<'a> {
-    /// Prepares reading the scene at `path`; reads no file.
+    /// Returns the access to the scene at `path` and its files. Reads no file yet.
     pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
         let free_at_start = options.memory_limit.available_bytes();
         Self { path, monitor, options, free_at_start, reserved_memory: Cell::new(0) }
@@ -82,10 +82,11 @@ impl<'a> PbrtSceneFiles<'a> {
         Ok(bytes)
     }
 
-    /// Returns the path of the file to which the scene refers as `name`.
+    /// Returns the path of the file `name`, relative to the folder of the scene file. Reports the
+    /// file to the monitor.
     ///
-    /// `name` is relative to the folder of the scene file. Reports the file to the monitor. The
-    /// file must lie inside that folder, unless the options allow outside files.
+    /// Fails if the file does not exist. Also fails if it lies outside that folder, unless the
+    /// options allow outside files.
     pub fn resolve_path(&self, place: &PbrtSourceLocation, name: &str) -> ReadResult<PathBuf> {
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let file = folder.join(name);

@@ -1,4 +1,4 @@
-//! The graphics state of pbrt: transforms, material, media and area light of the next shape.
+//! The graphics state of pbrt: current transforms, material, media and area light.
 
 use super::files::{PbrtSourceLocation, ReadResult};
 use super::parameters::Parameters;
@@ -7,15 +7,17 @@ use crate::math::Transform;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use std::rc::Rc;
 
-/// Rotations of at most this angle are ignored \[radians].
+/// Greatest angle of a rotation that counts as no rotation \[radians].
 const MIN_ROTATION_RADIANS: f64 = 1e-9;
 
-/// Transforms from object to world space at the start and the end of the shutter interval.
+/// Transform of a moving object or camera: two affine maps, at the start and the end of its motion.
+///
+/// Unless stated otherwise, the maps go from object space to world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MovingTransform(pub [DAffine3; 2]);
 
 impl MovingTransform {
-    /// Identity at shutter start and shutter end.
+    /// Identity at both times.
     pub const IDENTITY: Self = Self([DAffine3::IDENTITY; 2]);
 
     /// Returns the inverse transforms; `None` if one of the transforms is singular.
@@ -24,17 +26,17 @@ impl MovingTransform {
         Some(Self([inverse(self.0[0])?, inverse(self.0[1])?]))
     }
 
-    /// Returns the transforms at two times, where 0 is the time of the first and 1 that of the
-    /// second.
+    /// Returns the part of the motion between two fractions of its duration: 0 is its start, and 1
+    /// its end.
     ///
-    /// Times outside of \[0, 1] count as 0 or 1. Translation and rotation have constant speed
-    /// between; a transform that also deforms is interpolated linearly. If the result is singular,
-    /// it is replaced by the first transform.
-    pub fn cut(&self, times: [f64; 2]) -> Self {
-        let Some(motion) = object_motion(self).filter(|_| times != [0.0, 1.0]) else { return *self };
+    /// Fractions are clamped to \[0, 1]. Translation and rotation have constant speed. If scale or
+    /// shear change too, the matrices are interpolated linearly; a singular result is replaced by
+    /// the start transform.
+    pub fn at_fractions(&self, fractions: [f64; 2]) -> Self {
+        let Some(motion) = object_motion(self).filter(|_| fractions != [0.0, 1.0]) else { return *self };
         let [start, end] = self.0;
         let (center, target) = (DAffine3::from_translation(motion.rotation_center), end.translation);
-        Self(times.map(|time| time.clamp(0.0, 1.0)).map(|time| {
+        Self(fractions.map(|fraction| fraction.clamp(0.0, 1.0)).map(|time| {
             if time == 0.0 || time == 1.0 {
                 return self.0[time as usize];
             }
@@ -54,21 +56,22 @@ impl MovingTransform {
         }))
     }
 
-    /// True if the transforms at shutter start and shutter end are equal.
+    /// True if the transforms at both times are equal.
     pub fn is_still(&self) -> bool {
         self.0[0] == self.0[1]
     }
 }
 
-/// Motion of an object over the shutter interval: a translation and a rotation about
-/// `rotation_center`.
+/// Motion of an object from its start to its end transform: a rotation about `rotation_center`,
+/// then a translation.
 pub(super) struct ObjectMotion {
-    /// Center of the rotation in world space: the origin of the object when the shutter opens.
+    /// Center of the rotation in world space: the object's origin at the start.
     pub rotation_center: DVec3,
-    /// The translation, then the rotation if there is any. The rotation is applied first.
+    /// List of the translation, and the rotation if there is any. The last step applies first.
     pub steps: Vec<TransformStep>,
-    /// True if the object's scale, shear or handedness also changes. `steps` leave that out; if not
-    /// only the scale changes, they leave out the rotation too.
+    /// True if the object's scale, shear or handedness also changes.
+    ///
+    /// `steps` leave out this change. They have no rotation if shear or handedness changes.
     pub omits_deformation: bool,
 }
 
@@ -96,7 +99,7 @@ pub(super) fn object_motion(transform: &MovingTransform) -> Option<ObjectMotion>
     Some(ObjectMotion { rotation_center: start.translation, steps, omits_deformation: omits_scale })
 }
 
-/// Directive `AreaLightSource`, which applies to the shapes that follow.
+/// Directive `AreaLightSource`, which makes the shapes that follow emit light.
 #[derive(Clone, Debug)]
 pub(super) struct AreaLightDirective {
     /// Parameters of the directive.
@@ -106,20 +109,22 @@ pub(super) struct AreaLightDirective {
 /// Material that applies to the shapes that follow.
 #[derive(Clone, Debug)]
 pub(super) enum MaterialReference {
-    /// Number of an unnamed material, which a `Material` directive defines; 0 for pbrt's default.
+    /// Number of a material that the file has defined so far; 0 for pbrt's default material.
     Numbered(usize),
-    /// Name of a material, and the position of the directive that uses it.
+    /// Name of a material that the file has not defined so far, and the position of the directive
+    /// that uses it.
     ///
-    /// The material may be defined later.
+    /// The definition must follow before a shape uses the material.
     Named(Rc<str>, PbrtSourceLocation),
 }
 
-/// pbrt's graphics state, which applies to the directives that follow.
+/// pbrt's graphics state: the current values that apply to the shapes and lights that follow.
 #[derive(Clone, Debug)]
 pub(super) struct GraphicsState {
     /// Current transform from object to world space.
     pub transform: MovingTransform,
-    /// For the transforms at shutter start and shutter end: true if transform directives change it.
+    /// Flags for the start and the end transform: true if transform directives change it
+    /// (`ActiveTransform`).
     pub is_transform_active: [bool; 2],
     /// True if the shapes that follow are turned inside out (`ReverseOrientation`).
     pub is_reversed: bool,
@@ -129,7 +134,9 @@ pub(super) struct GraphicsState {
     pub area_light: Option<AreaLightDirective>,
     /// Names of the media inside and outside of the shapes that follow; empty for vacuum.
     pub medium_interface: [Rc<str>; 2],
-    /// Number of definitions of material names before the block that this state was saved for.
+    /// Number of named materials that were defined before the block for which this state was saved.
+    ///
+    /// The end of the block removes the later names, as in pbrt-v3.
     pub named_definition_count: usize,
 }
 
@@ -147,9 +154,9 @@ impl GraphicsState {
         }
     }
 
-    /// At each active time (shutter start or end), replaces the current transform T by T · `map`.
+    /// Replaces the current transform T by T · `map`, so that `map` applies to points first.
     ///
-    /// So `map` is applied to points first.
+    /// Changes only the active ones of the start and the end transform.
     pub fn concatenate(&mut self, map: DAffine3, place: &PbrtSourceLocation) -> ReadResult<()> {
         for i in 0..2 {
             if self.is_transform_active[i] {
@@ -163,8 +170,9 @@ impl GraphicsState {
         Ok(())
     }
 
-    /// Replaces the current transform by `transform`, but only at the active times (shutter start
-    /// or end).
+    /// Replaces the current transform by `transform`.
+    ///
+    /// Changes only the active ones of the start and the end transform.
     pub fn set_transform(&mut self, transform: MovingTransform) {
         for i in 0..2 {
             if self.is_transform_active[i] {
@@ -174,7 +182,7 @@ impl GraphicsState {
     }
 }
 
-/// Returns the affine map of a transform directive, such as `Rotate`, with the numbers `n`.
+/// Returns the affine map of a transform directive, such as `Rotate`, with the arguments `n`.
 pub(super) fn directive_transform(directive: &str, n: &[f64], place: &PbrtSourceLocation) -> ReadResult<DAffine3> {
     let vector = |i: usize| DVec3::new(n[i], n[i + 1], n[i + 2]);
     let invalid = |message: &str| place.error(message, "correct the numbers of the transform");

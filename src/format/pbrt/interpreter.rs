@@ -1,4 +1,4 @@
-//! Interprets the directives of a pbrt scene.
+//! Interprets the directives of a pbrt scene file, in order, and collects the imported scene.
 
 mod shape_directive;
 
@@ -40,8 +40,8 @@ const MAX_SAVED_STATES: usize = 10_000;
 /// Estimated memory of each saved graphics state \[bytes].
 const MEMORY_PER_STATE: u64 = 600;
 
-/// Directives that do not change the imported scene: they concern how pbrt samples or stores
-/// pictures. Some of them become suggested flags.
+/// Directives that set how pbrt renders or stores pictures. They do not change the imported scene,
+/// but some of them become suggested flags of `caustica render`.
 const RENDER_SETTING_DIRECTIVES: [&str; 8] = [
     "Accelerator",
     "ColorSpace",
@@ -53,11 +53,14 @@ const RENDER_SETTING_DIRECTIVES: [&str; 8] = [
     "VolumeIntegrator",
 ];
 
-/// State of the interpreter while it reads a pbrt scene.
+/// Interpreter of a pbrt scene: pbrt's graphics state, and the imported scene so far.
 pub(super) struct Interpreter<'a> {
     files: &'a PbrtSceneFiles<'a>,
+    /// Current graphics state.
     state: GraphicsState,
+    /// Graphics states of the open attribute, transform and object blocks, the innermost last.
     saved: Vec<GraphicsState>,
+    /// Transforms that `CoordinateSystem` stored, by name, with `world` and `camera`.
     coordinate_systems: HashMap<String, MovingTransform>,
     content: PbrtSceneContent,
     lights: PbrtLights,
@@ -65,16 +68,17 @@ pub(super) struct Interpreter<'a> {
     film_size: Option<FilmSize>,
     settings: SuggestedFlags,
     camera: Option<CameraDescription>,
+    /// Name of the medium around the camera; empty for vacuum.
     ambient_medium: Rc<str>,
-    /// Reflection that converts the scene to right-handed coordinates; the identity if none is
-    /// needed.
+    /// Map from pbrt's left-handed world to the right-handed imported scene: a reflection along z,
+    /// or the identity if the camera's transform already mirrors the scene.
     mirror: DAffine3,
-    /// Parameters, kind and transform of the last `Camera` directive; `None` once the camera is
-    /// made.
+    /// Parameters, kind and camera-to-world transform of a `Camera` directive, until `WorldBegin`
+    /// makes the camera; `None` afterwards.
     ///
-    /// The camera is made at `WorldBegin`, because it needs the film.
+    /// The camera needs the film, which may follow the `Camera` directive.
     camera_directive: Option<(Rc<Parameters>, String, MovingTransform)>,
-    /// Times of the two transforms of each moving object.
+    /// Times of the first and second transform of each moving object (`TransformTimes`).
     transform_times: [f64; 2],
     /// Times at which the shutter opens and closes.
     shutter_times: [f64; 2],
@@ -84,7 +88,7 @@ pub(super) struct Interpreter<'a> {
 }
 
 impl<'a> Interpreter<'a> {
-    /// Returns the interpreter in its state before the first directive.
+    /// Returns an interpreter that has read no directive.
     pub fn new(files: &'a PbrtSceneFiles<'a>) -> Self {
         let content = PbrtSceneContent {
             meshes: BTreeMap::new(),
@@ -115,7 +119,7 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    /// Reads the directives of the scene file, whose content is `bytes`.
+    /// Executes all directives of the scene file, whose content is `bytes`.
     pub fn run(&mut self, bytes: &[u8]) -> ReadResult<()> {
         let file: Rc<str> = self.files.path.display().to_string().into();
         self.run_file(bytes, file, 0)?;
@@ -175,7 +179,7 @@ impl<'a> Interpreter<'a> {
         Ok(ImportedScene { description, source, assets, notes: notes.into_notes() })
     }
 
-    /// Reads the directives of one file, and of the files that it includes.
+    /// Executes the directives of one file, and of the files that it includes.
     ///
     /// `depth` is the number of files that include this one, directly or indirectly.
     fn run_file(&mut self, bytes: &[u8], file: Rc<str>, depth: usize) -> ReadResult<()> {
@@ -192,6 +196,7 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
+    /// Reads the arguments of one directive from `tokens`, and executes it.
     fn run_directive(
         &mut self,
         directive: &str,
@@ -223,7 +228,7 @@ impl<'a> Interpreter<'a> {
                 Ok(())
             }
             "Option" => {
-                // The value is one word or text.
+                // Skip the value, which is one word or quoted text.
                 read_quoted(tokens, &place)?;
                 tokens.next_token()?;
                 Ok(())
@@ -300,7 +305,8 @@ impl<'a> Interpreter<'a> {
             }
             "ObjectInstance" => {
                 let name = read_quoted(tokens, &place)?;
-                let placement = PbrtPlacement { mirror: self.mirror, transform: self.open_transform(), place: &place };
+                let placement =
+                    PbrtPlacement { mirror: self.mirror, transform: self.transform_over_shutter(), place: &place };
                 self.objects.add_instance(&name, &placement, self.files, &mut self.content.notes)
             }
             "Include" | "Import" => {
@@ -354,7 +360,7 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    /// Executes a directive that has a name and parameters, such as `Shape "sphere"`.
+    /// Executes a directive with a name and a parameter list, such as `Shape "sphere" …`.
     fn run_parametrized_directive(&mut self, directive: &str, name: &str, parameters: Parameters) -> ReadResult<()> {
         let place = parameters.place.clone();
         match directive {
@@ -385,11 +391,11 @@ impl<'a> Interpreter<'a> {
             }
             "MakeNamedMaterial" => self.content.materials.add_named(name, parameters, self.content.is_v3),
             "MakeNamedMedium" => {
-                let (to_world, notes) = (self.open_transform().0[0], &mut self.content.notes);
+                let (to_world, notes) = (self.transform_over_shutter().0[0], &mut self.content.notes);
                 self.media.add_medium(name, &parameters, to_world, self.files, notes)
             }
             "LightSource" => {
-                let transform = self.open_transform();
+                let transform = self.transform_over_shutter();
                 if !transform.is_still() {
                     let message = "lights that move stay where they are when the shutter opens";
                     self.content.notes.add_unsupported(message, place.position_text());
@@ -411,7 +417,7 @@ impl<'a> Interpreter<'a> {
                 self.content.notes.add_unsupported(message, place.position_text());
                 Ok(())
             }
-            // Directives that change only how pbrt samples or stores a picture.
+            // Settings of the renderer.
             _ => {
                 self.settings.add_directive(directive, name, &parameters);
                 Ok(())
@@ -419,6 +425,7 @@ impl<'a> Interpreter<'a> {
         }
     }
 
+    /// Saves the graphics state at the start of a block.
     fn save_state(&mut self, place: &PbrtSourceLocation) -> ReadResult<()> {
         if self.saved.len() >= MAX_SAVED_STATES {
             return Err(place.error("attribute blocks nest too deep", "close the blocks: `AttributeEnd`"));
@@ -429,26 +436,25 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    /// Returns the times at which the shutter opens and closes, relative to the two transforms of a
-    /// moving object: 0 is the time of the first, and 1 that of the second.
-    fn open_times(&self) -> [f64; 2] {
+    /// Returns the times at which the shutter opens and closes, as fractions of the motion of an
+    /// object: at 0, it has its first transform, and at 1, its second.
+    fn shutter_fractions(&self) -> [f64; 2] {
         let [start, end] = self.transform_times;
         if start < end { self.shutter_times.map(|time| (time - start) / (end - start)) } else { [0.0, 1.0] }
     }
 
-    /// Returns the current transforms when the shutter opens and when it closes.
-    fn open_transform(&self) -> MovingTransform {
-        self.state.transform.cut(self.open_times())
+    /// Returns the current object-to-world transforms at the opening and closing of the shutter.
+    fn transform_over_shutter(&self) -> MovingTransform {
+        self.state.transform.at_fractions(self.shutter_fractions())
     }
 
-    /// Makes the camera from the pending `Camera` directive, and sets the scene's reflection
-    /// `mirror`.
+    /// Makes the camera from the last `Camera` directive, and sets `mirror`.
     ///
-    /// Does nothing if no directive is pending.
+    /// Does nothing if there was no `Camera` directive since the last call.
     fn place_camera(&mut self) -> ReadResult<()> {
         let Some((parameters, name, to_world)) = self.camera_directive.take() else { return Ok(()) };
         let size = self.film_size.unwrap_or(FilmSize::DEFAULT);
-        let to_world = to_world.cut(self.open_times());
+        let to_world = to_world.at_fractions(self.shutter_fractions());
         if !self.content.is_v3 {
             note_exposure_time(&parameters, &mut self.content.notes);
         }
@@ -458,6 +464,7 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
+    /// Executes the directives of the file `name`, for `Include` or `Import`.
     fn run_included_file(
         &mut self,
         name: &str,
@@ -473,7 +480,7 @@ impl<'a> Interpreter<'a> {
         let path = self.files.resolve_path(place, name)?;
         let bytes = self.files.read_file(&path)?;
         let bytes = if name.ends_with(".gz") { self.files.gunzipped(&bytes, place)? } else { bytes };
-        // State changes that an imported file makes end with this file.
+        // An imported file does not change the graphics state of the file that imports it.
         let saved = is_import.then(|| self.state.clone());
         self.run_file(&bytes, path.display().to_string().into(), depth + 1)?;
         if let Some(saved) = saved {

@@ -15,30 +15,32 @@ use crate::image::{Image, PictureSizeError};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Rotation about y of an environment map with −z at its left edge \[degrees].
+/// Rotation about y for an environment map that shows −z at its left edge \[degrees].
 ///
-/// Caustica's maps without rotation show −z at their center.
+/// Without rotation, Caustica's environment maps show −z at the center.
 const LEFT_EDGE_ROTATION_DEGREES: f64 = 180.0;
 
-/// Number of rows of the intensity map of a spotlight, over 180 degrees: 8 per degree.
+/// Number of rows of a spotlight's intensity map: 8 per degree, over 180 degrees from the axis.
 const SPOT_MAP_ROWS: u32 = 1_440;
 
-/// Lights of the imported scene so far. All infinite lights are merged into one.
+/// Lights of the imported scene so far. All infinite lights become one environment light.
 #[derive(Default)]
 pub(super) struct PbrtLights {
     /// True if a shape emits light.
     pub has_emissive_surfaces: bool,
+    /// Lights of the imported scene, without infinite lights.
     descriptions: Vec<Spanned<LightDescription>>,
     /// Sum of the radiances of all infinite lights without a picture \[W/(m² sr)].
     constant_radiance: DVec3,
-    /// Picture of the last infinite light that has one, as an equirectangular map in world space.
+    /// Radiance of the last infinite light with a picture, as an equirectangular map in world
+    /// space.
     environment_map: Option<Image>,
 }
 
 impl PbrtLights {
-    /// Converts and adds a light.
+    /// Converts the light of a `LightSource` directive, and adds it.
     ///
-    /// `kind` is the light's type in pbrt. `to_world` maps the light's own space to the world space
+    /// `kind` is its type, such as `spot`. `to_world` maps the light's own space to the world space
     /// of the imported scene.
     pub fn add_light(
         &mut self,
@@ -50,19 +52,19 @@ impl PbrtLights {
     ) -> ReadResult<()> {
         let place = &parameters.place;
         let is_v3 = content.is_v3;
-        let wanted = ColorMeaning::Emission { is_v3 };
+        let meaning = ColorMeaning::Emission { is_v3 };
         let scale = light_scale(parameters, files)?;
         let color_of = |name: &str| -> ReadResult<DVec3> {
             match parameters.find(name) {
-                Some(parameter) => Ok(linear_rgb(parameter, wanted, place, files)? * scale),
+                Some(parameter) => Ok(linear_rgb(parameter, meaning, place, files)? * scale),
                 None => Ok(scale),
             }
         };
         let position =
             |name: &str, default: DVec3| to_world.transform_point3(parameters.point(name).unwrap_or(default));
         let degenerate = |message: &str| place.error(message, "give two different points `from` and `to`");
-        // A parameter `power` replaces the unit of the intensity. As in pbrt, color and scale still
-        // multiply it.
+        // With a parameter `power`, the light has the flux `power` times color and scale, as in
+        // pbrt.
         let strength = |intensity: DVec3| match parameters.number("power") {
             Some(power) if power > 0.0 => PointLightStrength::Power(intensity * power),
             _ => PointLightStrength::Intensity(intensity),
@@ -160,6 +162,11 @@ impl PbrtLights {
         Ok(())
     }
 
+    /// Adds the radiance of an infinite light, constant or from a picture.
+    ///
+    /// `axes` is the linear part of the light's transform to world space. `scale` is the factor of
+    /// a picture of pbrt-v4. `constant` is the parameter `L` times `scale`: the radiance of a light
+    /// without a picture, or the factor of a picture of pbrt-v3.
     fn add_infinite_light(
         &mut self,
         parameters: &Parameters,
@@ -198,9 +205,9 @@ impl PbrtLights {
         Ok(())
     }
 
-    /// Returns all lights of the scene. Merges the infinite lights into one environment light.
+    /// Returns all lights of the scene, with the infinite lights merged into one environment light.
     ///
-    /// If that light has a map, embeds it as a picture in `content`.
+    /// An environment map is embedded as a picture in `content`.
     pub fn into_descriptions(
         mut self,
         content: &mut PbrtSceneContent,
@@ -224,9 +231,10 @@ impl PbrtLights {
     }
 }
 
-/// Reads the environment map that a parameter names, and returns it with its layout.
+/// Reads the picture of directions that `parameter` names: an environment map, or the map of a
+/// goniometric light. Returns the picture and its layout.
 ///
-/// A square map of pbrt-v4 is octahedral; any other is by latitude and longitude.
+/// A square map of pbrt-v4 is octahedral. Any other map is by latitude and longitude.
 fn read_spherical_map(
     parameter: &Parameter,
     place: &PbrtSourceLocation,
@@ -296,11 +304,12 @@ fn projected_picture(
     image.pixels_mut().iter_mut().for_each(|pixel| *pixel = nonnegative_finite_pixel(*pixel));
     let width = image.width() as usize;
     if is_v3 {
-        // The order of all pixels, and then that in each row.
+        // Reverse the order of all pixels, and then the order in each row: this swaps top and
+        // bottom.
         image.pixels_mut().reverse();
         image.pixels_mut().chunks_mut(width).for_each(<[Vec3]>::reverse);
     }
-    // Seen from the light, +x is to the right if the axes are left-handed.
+    // Seen from the light, +x is to the right if the axes are left-handed. Flip other pictures.
     if axes.determinant() > 0.0 {
         image.pixels_mut().chunks_mut(width).for_each(<[Vec3]>::reverse);
     }
@@ -310,18 +319,19 @@ fn projected_picture(
     Ok((image, 2.0 * libm::atan(half_height).to_degrees()))
 }
 
-/// Returns the intensity map of a spotlight of pbrt-v3, by the angle to its axis.
+/// Returns the relative intensity of a spotlight of pbrt-v3 as an image of one column. Its rows go
+/// from 0 to 180 degrees from the light's axis.
 ///
-/// `cone` is the half angle of the cone, and `rim` the width of the falloff inside it \[degrees].
-/// The falloff is the fourth power of a linear function of the cosine.
+/// `cone` is the half angle of the cone, and `rim` is the width of the falloff inside it
+/// \[degrees]. The falloff is the fourth power of a linear function of the cosine.
 fn v3_spot_map(cone: f64, rim: f64) -> Result<Image, PictureSizeError> {
-    let [least, most] = [cone, cone - rim].map(|degrees| libm::cos(degrees.to_radians()));
+    let [cos_outer, cos_inner] = [cone, cone - rim].map(|degrees| libm::cos(degrees.to_radians()));
     let falloff = |row: u32| {
         let cosine = libm::cos((f64::from(row) + 0.5) * PI / f64::from(SPOT_MAP_ROWS));
-        if cosine >= most {
+        if cosine >= cos_inner {
             1.0
         } else {
-            let delta = ((cosine - least) / (most - least)).max(0.0);
+            let delta = ((cosine - cos_outer) / (cos_inner - cos_outer)).max(0.0);
             delta * delta * delta * delta
         }
     };
@@ -329,7 +339,7 @@ fn v3_spot_map(cone: f64, rim: f64) -> Result<Image, PictureSizeError> {
     Image::from_pixels(1, SPOT_MAP_ROWS, pixels)
 }
 
-/// Returns a pixel with negative channels set to 0; black if a channel is infinite or NaN.
+/// Returns `pixel` with negative channels set to 0; black if a channel is infinite or NaN.
 fn nonnegative_finite_pixel(pixel: Vec3) -> Vec3 {
     if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO }
 }
@@ -342,15 +352,16 @@ fn light_scale(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResul
     }
 }
 
-/// Emission of a shape, as its `AreaLightSource` states it.
+/// Emission of a shape, from the directive `AreaLightSource`: its strength and its sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PbrtShapeEmission {
+    /// Radiance or flux.
     strength: EmissionStrength,
-    /// True if both sides emit.
+    /// True if both sides of the surface emit.
     pub is_two_sided: bool,
 }
 
-/// Strength of the emission of a shape for linear red, green and blue, as radiance or flux.
+/// Radiance or flux of a shape, in linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum EmissionStrength {
     /// Radiance \[W/(m² sr)].
@@ -367,9 +378,9 @@ impl PbrtShapeEmission {
         content: &mut PbrtSceneContent,
     ) -> ReadResult<Self> {
         let place: &PbrtSourceLocation = &parameters.place;
-        let wanted = ColorMeaning::Emission { is_v3: content.is_v3 };
+        let meaning = ColorMeaning::Emission { is_v3: content.is_v3 };
         let color = match parameters.find("L") {
-            Some(parameter) => linear_rgb(parameter, wanted, place, files)?,
+            Some(parameter) => linear_rgb(parameter, meaning, place, files)?,
             None => DVec3::ONE,
         };
         if parameters.find("filename").is_some() {
@@ -393,8 +404,9 @@ impl PbrtShapeEmission {
 
     /// Returns the radiance of a shape \[W/(m² sr)].
     ///
-    /// A flux is divided by π, the lamp's area and the number of sides that emit. `area` computes
-    /// the world-space area of one lamp; it is called only if the file states a flux.
+    /// A flux Φ gives the radiance Φ / (π · area · number of sides that emit). `area` returns the
+    /// area that emits the flux, in world space: the shape, or one triangle of a mesh. It is called
+    /// only if the file states a flux.
     pub fn radiance(&self, area: impl FnOnce() -> f64) -> DVec3 {
         let sides = if self.is_two_sided { 2.0 } else { 1.0 };
         match self.strength {

@@ -13,28 +13,28 @@ use glam::{DAffine3, DMat4, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Bytes of memory for each cell of a grid: its density, and its majorant.
+/// Memory of each cell of a grid \[bytes]: its density, and its share of the majorant grid.
 const MEMORY_PER_CELL: u64 = 8;
 
-/// Greatest color deviation of a cell that causes no message, relative to the cell's density.
+/// Tolerance for cells of different color in a grid medium, relative to the density of the cell.
 ///
-/// It is the deviation of σa or σs from the grid's mean color times the density.
+/// A message is added if σa or σs of a cell deviates further from the mean color times its density.
 const MAX_RELATIVE_COLOR_DEVIATION: f64 = 1e-3;
 
-/// Coefficients, emission and density of a medium.
+/// Converted properties of a medium: scattering coefficients, emission and density.
 struct MediumProperties {
     coefficients: MediumCoefficients,
     emission: DVec3,
     density: DensityDescription,
 }
 
-/// Density grids by path.
+/// Embedded density grids, by the path to which media refer.
 type GridFiles = BTreeMap<String, Arc<DensityGridData>>;
 
 /// Media of the imported scene so far, with their density grids.
 #[derive(Default)]
 pub(super) struct PbrtMedia {
-    /// Media of the imported scene. Boxes of grids are in pbrt's world space.
+    /// Media of the imported scene. The boxes of their grids are still in pbrt's world space.
     descriptions: Vec<Spanned<MediumDescription>>,
     grids: GridFiles,
 }
@@ -45,8 +45,10 @@ impl PbrtMedia {
         self.descriptions.iter().any(|medium| medium.name == name)
     }
 
-    /// Returns the media, with the boxes of their grids transformed by `map`, and the grids by
-    /// path.
+    /// Returns the media and their density grids.
+    ///
+    /// `map` goes from pbrt's world space to that of the imported scene. It is applied to the boxes
+    /// of the grids.
     pub fn into_descriptions(mut self, map: DAffine3) -> (Vec<Spanned<MediumDescription>>, GridFiles) {
         for medium in &mut self.descriptions {
             if let DensityDescription::Grid { extent, .. } = &mut medium.value.density {
@@ -100,7 +102,7 @@ impl PbrtMedia {
         Ok(())
     }
 
-    /// Reads the values of a grid medium with one density per cell, and embeds its grid.
+    /// Converts a grid medium with one density per cell, and embeds its grid.
     ///
     /// Emission that varies over cells becomes its density-weighted mean, with a message.
     fn uniform_grid_medium(
@@ -120,7 +122,7 @@ impl PbrtMedia {
         if parameters.find("temperature").is_some() {
             notes.add_unsupported("emission by the temperature of media is left out", place.position_text());
         }
-        // Emission counts once per absorption in pbrt.
+        // pbrt's media emit σa · Le per length.
         let mut emission = unscaled_emission(parameters, files)? * absorption;
         if emission != DVec3::ZERO
             && let Some(factors) = cell_values::<1>(parameters, "Lescale", size)?
@@ -136,11 +138,11 @@ impl PbrtMedia {
         Ok(MediumProperties { coefficients, emission, density })
     }
 
-    /// Reads the values of a grid medium with an absorption and scattering color per cell.
+    /// Converts a grid medium with RGB absorption and scattering per cell (`rgbgrid`).
     ///
-    /// Caustica varies only the density over cells: it is the mean of the extinction's channels.
-    /// The colors become density-weighted means over all cells. A message is added if the cells'
-    /// colors differ, or if the medium emits.
+    /// In Caustica, only the density varies over cells: it is the mean of the channels of
+    /// extinction. All cells share the density-weighted mean colors. A message is added if the
+    /// colors of cells differ, or if the medium emits.
     fn rgb_grid_medium(
         &mut self,
         parameters: &Parameters,
@@ -185,8 +187,7 @@ impl PbrtMedia {
         Ok(MediumProperties { coefficients, emission, density })
     }
 
-    /// Embeds a density grid that fills the medium's box, and returns the density that refers to
-    /// it.
+    /// Embeds a density grid that fills the medium's box, and returns a reference to it.
     fn embed_grid(
         &mut self,
         (size, values): ([u32; 3], Vec<f32>),
@@ -208,7 +209,7 @@ impl PbrtMedia {
     }
 }
 
-/// Reads the values of a homogeneous medium.
+/// Converts a homogeneous medium.
 fn homogeneous_medium(
     parameters: &Parameters,
     files: &PbrtSceneFiles<'_>,
@@ -219,7 +220,7 @@ fn homogeneous_medium(
         notes.add_unsupported(&message, parameters.place.position_text());
     }
     let [absorption, scattering] = absorption_and_scattering(parameters, false, files)?;
-    // Emission counts once per absorption in pbrt.
+    // pbrt's media emit σa · Le per length.
     let emission = unscaled_emission(parameters, files)? * parameters.number_or("Lescale", 1.0).max(0.0) * absorption;
     let coefficients = MediumCoefficients::AbsorptionScattering { absorption, scattering };
     Ok(MediumProperties { coefficients, emission, density: DensityDescription::Homogeneous })
@@ -227,7 +228,8 @@ fn homogeneous_medium(
 
 /// Returns σa and σs \[1/length], multiplied by the parameter `scale`.
 ///
-/// A missing coefficient is 1 if `defaults_to_one`, else that of whole milk per millimeter.
+/// A missing coefficient is 1 if `defaults_to_one` is true. Else it is that of whole milk, for a
+/// length unit of 1 mm.
 fn absorption_and_scattering(
     parameters: &Parameters,
     defaults_to_one: bool,
@@ -243,9 +245,10 @@ fn absorption_and_scattering(
     Ok([value("sigma_a", DVec3::new(0.0011, 0.0024, 0.014))?, value("sigma_s", DVec3::new(2.55, 3.21, 3.77))?])
 }
 
-/// Returns the parameter `Le` of a medium: emitted radiance per optical depth of absorption.
+/// Returns the parameter `Le` of a medium: the radiance that it emits per optical depth of
+/// absorption; 0 if the medium does not emit.
 ///
-/// The factor `Lescale` is not included. The result is 0 if the medium does not emit.
+/// The factor `Lescale` is not included.
 fn unscaled_emission(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<DVec3> {
     match parameters.find("Le") {
         Some(parameter) => linear_rgb(parameter, ColorMeaning::Emission { is_v3: false }, &parameters.place, files),
@@ -253,7 +256,7 @@ fn unscaled_emission(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> Rea
     }
 }
 
-/// Returns the number of cells along each axis.
+/// Returns the number of cells of a grid medium along x, y and z: the parameters `nx`, `ny`, `nz`.
 fn grid_size(parameters: &Parameters) -> ReadResult<[u32; 3]> {
     let size = ["nx", "ny", "nz"].map(|name| parameters.number_or(name, 1.0));
     if size.iter().all(|n| *n >= 1.0 && *n <= f64::from(u32::MAX) && n.fract() == 0.0) {
@@ -262,9 +265,11 @@ fn grid_size(parameters: &Parameters) -> ReadResult<[u32; 3]> {
     Err(parameters.place.error("the numbers of cells are no whole numbers above 0", "correct `nx`, `ny` and `nz`"))
 }
 
-/// Returns the values of a parameter with `N` numbers for each cell; `None` if it is missing.
+/// Returns the values of the parameter `name`, with `N` numbers for each cell of a grid; `None` if
+/// it is missing.
 ///
-/// Fails if the count does not fit `size`, or if a value is negative or too large.
+/// `size` is the number of cells along each axis. Fails if the number of values does not fit it, or
+/// if a value is negative or too large.
 fn cell_values<'p, const N: usize>(
     parameters: &'p Parameters,
     name: &str,

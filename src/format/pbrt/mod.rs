@@ -1,4 +1,4 @@
-//! Imports scenes in pbrt's text format, in the spelling of version 4 or 3.
+//! Imports scenes in pbrt's text format, in the syntax of pbrt-v4 or pbrt-v3.
 
 mod camera;
 mod content;

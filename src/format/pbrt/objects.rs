@@ -1,4 +1,5 @@
-//! Objects of an imported pbrt scene, and the object definitions that instances refer to.
+//! Objects of an imported pbrt scene, and the object definitions (`ObjectBegin`) that instances
+//! refer to.
 
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::graphics_state::{MovingTransform, object_motion};
@@ -10,18 +11,21 @@ use glam::{DAffine3, DMat4, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Greatest depth of object instances inside object definitions.
+/// Greatest nesting depth of object instances in object definitions.
 const MAX_INSTANCE_DEPTH: usize = 64;
 
 /// Estimated memory of each object: its description and its share of the built scene \[bytes].
 pub(super) const MEMORY_PER_OBJECT: u64 = 2_000;
 
-/// Objects of the imported scene, and object definitions that instances refer to.
+/// Objects of the imported scene, and the object definitions that instances copy.
 #[derive(Default)]
 pub(super) struct PbrtObjects {
+    /// Objects of the imported scene with their materials, in the order of the file.
     root: ObjectGroup,
+    /// Closed object definitions, by name.
     definitions: HashMap<String, Rc<ObjectDefinition>>,
-    /// Name and content of the object definition that is open; `None` outside of `ObjectBegin`.
+    /// Name and content of the object definition between `ObjectBegin` and `ObjectEnd`; `None`
+    /// outside of one.
     open_definition: Option<(String, ObjectDefinition)>,
 }
 
@@ -29,19 +33,20 @@ pub(super) struct PbrtObjects {
 #[derive(Clone, Default)]
 struct ObjectDefinition {
     group: ObjectGroup,
-    /// Number of shapes in the definition, including those of nested instances.
+    /// Number of shapes in the definition, including the shapes of nested instances.
     shape_count: u64,
+    /// Nesting depth of instances: 0 without any, 1 for instances of plain definitions.
     instance_depth: usize,
 }
 
-/// Transform of a shape or instance to the imported scene, with the position of its directive.
+/// Transforms of a shape or instance, and the position of its directive.
 pub(super) struct PbrtPlacement<'a> {
-    /// Reflection that converts the scene to right-handed coordinates.
+    /// Map from pbrt's world to the imported scene: a reflection or the identity.
     pub mirror: DAffine3,
-    /// Transform from object space to the world of the pbrt file, or to the space of the definition
-    /// that is open.
+    /// Transform from object space to pbrt's world space, or to the space of the open object
+    /// definition.
     pub transform: MovingTransform,
-    /// Position of the directive, for messages.
+    /// Position of the directive in the file, for messages.
     pub place: &'a PbrtSourceLocation,
 }
 
@@ -51,7 +56,7 @@ impl PbrtObjects {
         self.open_definition.is_some()
     }
 
-    /// Opens the definition of the object `name`, which receives the shapes that follow.
+    /// Opens the definition of the object `name`. Later shapes and instances are added to it.
     pub fn begin_definition(&mut self, name: String) {
         self.open_definition = Some((name, ObjectDefinition::default()));
     }
@@ -65,7 +70,7 @@ impl PbrtObjects {
 
     /// Adds `shapes` of one material to the open definition, or else to the scene.
     ///
-    /// `emission` is the radiance of the shapes \[W/(m² sr)]; `None` for that of the material.
+    /// `emission` is the radiance that they emit \[W/(m² sr)]; `None` if they emit nothing.
     pub fn add_shapes(
         &mut self,
         material: String,
@@ -123,10 +128,10 @@ impl PbrtObjects {
     }
 }
 
-/// Returns `object` under the transform of `placement`, followed by `outer`.
+/// Returns `object` with `placement.transform` applied to it, and then `outer`.
 ///
-/// `outer` replaces the mirror of `placement`, which is not applied here. The object moves if its
-/// transform differs between shutter start and shutter end.
+/// `outer` is the mirror of the scene, or the identity inside an object definition. It replaces
+/// `placement.mirror`. The object moves if its transforms at shutter start and end differ.
 fn transformed_object(
     object: Spanned<ObjectDescription>,
     outer: DAffine3,
@@ -134,19 +139,19 @@ fn transformed_object(
     notes: &mut ImportNotes,
 ) -> Spanned<ObjectDescription> {
     let PbrtPlacement { transform, place, .. } = *placement;
-    let under = |map: DAffine3, object: Spanned<ObjectDescription>| {
+    let with_transform = |map: DAffine3, object: Spanned<ObjectDescription>| {
         if map == DAffine3::IDENTITY {
             return object;
         }
         let steps = vec![TransformStep::Matrix(DMat4::from(map))];
         Spanned::new(ObjectDescription::Transform { steps, object: Box::new(object) }, Span::default())
     };
-    let Some(motion) = object_motion(&transform) else { return under(outer * transform.0[0], object) };
+    let Some(motion) = object_motion(&transform) else { return with_transform(outer * transform.0[0], object) };
     if motion.omits_deformation {
         notes.add_unsupported("scales that change over the shutter stay as at its start", place.position_text());
     }
     let center = DAffine3::from_translation(motion.rotation_center);
-    let object = under(center.inverse() * transform.0[0], object);
+    let object = with_transform(center.inverse() * transform.0[0], object);
     let moving = ObjectDescription::Moving { steps: motion.steps, object: Box::new(object) };
-    under(outer * center, Spanned::new(moving, Span::default()))
+    with_transform(outer * center, Spanned::new(moving, Span::default()))
 }

@@ -1,4 +1,4 @@
-//! Values of pbrt directives: names, numbers, and parameter lists `"type name" [values]`.
+//! Reads the arguments of pbrt directives: names, numbers, and parameters `"type name" [values]`.
 
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::tokens::{PbrtToken, TokenKind, Tokenizer};
@@ -7,7 +7,7 @@ use glam::DVec3;
 /// Estimated memory of each parameter \[bytes].
 const MEMORY_PER_PARAMETER: u64 = 200;
 
-/// Remedy for a parameter whose values are missing or do not fit its type.
+/// Help text of errors about a parameter whose values are missing or malformed.
 const VALUE_HELP: &str = "write the values as `\"float radius\" [ 1 ]`";
 
 /// A parameter of a pbrt directive, such as `"float radius" [ 1 ]`.
@@ -44,7 +44,7 @@ impl Parameters {
         Self { place, list: numbers.iter().map(parameter).collect() }
     }
 
-    /// Reads the parameters of the directive at `place`, up to the next directive.
+    /// Reads all parameters of the directive at `place`. Stops before the next directive.
     pub fn read(tokens: &mut Tokenizer<'_>, place: PbrtSourceLocation, files: &PbrtSceneFiles<'_>) -> ReadResult<Self> {
         let mut list = Vec::new();
         while let Some(token) = tokens.peek_token()? {
@@ -71,8 +71,7 @@ impl Parameters {
         self.list.iter().find(|parameter| parameter.name == name)
     }
 
-    /// Returns the first parameter, in the order of `names`, that the directive has; `None` if it
-    /// has none of them.
+    /// Returns the first of the parameters `names` that the directive has; `None` if it has none.
     pub fn find_any(&self, names: &[&str]) -> Option<&Parameter> {
         names.iter().find_map(|name| self.find(name))
     }
@@ -125,7 +124,7 @@ impl Parameters {
 }
 
 impl Parameter {
-    /// Reads the values after a parameter's type and name: one value, or all values in brackets.
+    /// Reads the values after a parameter's type and name: a single value, or values in brackets.
     fn read_values(&mut self, tokens: &mut Tokenizer<'_>, place: &PbrtSourceLocation) -> ReadResult<()> {
         let missing = |name: &str| place.error(format!("the parameter `{name}` has no values"), VALUE_HELP);
         let first = tokens.next_token()?.ok_or_else(|| missing(&self.name))?;
@@ -157,7 +156,7 @@ impl Parameter {
     }
 }
 
-/// Parses a finite number of magnitude at most 10³⁰.
+/// Parses a number. Fails if it is not finite, or if its magnitude exceeds 10³⁰.
 pub(super) fn parse_number(word: &str, place: &PbrtSourceLocation) -> ReadResult<f64> {
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() && number.abs() <= 1e30 => Ok(number),
@@ -166,8 +165,8 @@ pub(super) fn parse_number(word: &str, place: &PbrtSourceLocation) -> ReadResult
     }
 }
 
-/// Reads a text in quotes, and returns it without the quotes; an error if the next token is no such
-/// text.
+/// Reads a text in quotes, and returns it without the quotes. Fails if the next token is anything
+/// else.
 pub(super) fn read_quoted(tokens: &mut Tokenizer<'_>, place: &PbrtSourceLocation) -> ReadResult<String> {
     match tokens.next_token()? {
         Some(PbrtToken { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),

@@ -5,32 +5,32 @@ use super::parameters::Parameters;
 use crate::image::{Image, PixelMeaning, QuantizedRgba, decode, decode_quantized_rgba};
 use glam::Vec3;
 
-/// Curve from the integer levels of a picture file to linear values.
+/// Transfer curve from the integer levels of a picture file to linear values.
 ///
-/// OpenEXR and Radiance HDR files store linear values, whatever the curve.
+/// OpenEXR and Radiance HDR files store linear values, so no curve applies to them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum LevelCurve {
     /// Levels are proportional to the values.
     Linear,
     /// Transfer function of sRGB.
     Srgb,
-    /// Power function with this exponent.
+    /// Power function with this exponent: linear value = level^exponent, for levels in \[0, 1].
     Gamma(f64),
 }
 
-/// Pixels of a picture file.
+/// Decoded pixels of a picture file.
 pub(super) struct PbrtPicture {
     /// Linear red, green and blue.
     pub image: Image,
-    /// Fourth channel of each pixel; `None` if the file has none, or if it is 1 everywhere.
+    /// Alpha of each pixel; `None` if the file has no alpha, or if alpha is 1 everywhere.
     ///
-    /// The curve of the colors applies to it too, as in pbrt.
+    /// The transfer curve of the colors applies to alpha too, as in pbrt.
     pub alpha: Option<Vec<f32>>,
 }
 
 impl LevelCurve {
-    /// Returns the curve that the parameters of an `imagemap` state: `encoding` of pbrt-v4, or
-    /// `gamma` of pbrt-v3. It is sRGB by default.
+    /// Returns the curve of an `imagemap` texture, from its parameter `encoding` (pbrt-v4) or
+    /// `gamma` (pbrt-v3); sRGB without either.
     pub fn from_parameters(parameters: &Parameters) -> ReadResult<Self> {
         let Some(encoding) = parameters.text("encoding") else {
             return Ok(if parameters.flag("gamma") == Some(false) { Self::Linear } else { Self::Srgb });
@@ -47,12 +47,13 @@ impl LevelCurve {
         }
     }
 
-    /// Returns the curve of the pictures of lights, which pbrt-v3 does not decode.
+    /// Returns the curve of pictures of lights: sRGB, but linear in pbrt-v3, which does not decode
+    /// them.
     pub fn of_lights(is_v3: bool) -> Self {
         if is_v3 { Self::Linear } else { Self::Srgb }
     }
 
-    /// Returns the linear value of each level of a picture.
+    /// Returns the linear value of each integer level of a picture, from 0 to its greatest level.
     fn table(self, levels: &QuantizedRgba) -> Vec<f32> {
         let greatest = f64::from(levels.max_level);
         let by_level = |value: &dyn Fn(f64) -> f64| {
@@ -66,7 +67,7 @@ impl LevelCurve {
     }
 }
 
-/// Reads the picture file that the scene calls `name`.
+/// Reads and decodes the picture file `name`, which the directive at `place` refers to.
 pub(super) fn read_picture(
     name: &str,
     curve: LevelCurve,

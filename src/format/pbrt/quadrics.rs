@@ -1,4 +1,4 @@
-//! Parts of spheres, cylinders, disks and other quadrics of pbrt as triangle meshes.
+//! Converts quadrics of pbrt, such as parts of spheres and cones, to triangle meshes.
 
 use super::files::ReadResult;
 use super::parameters::Parameters;
@@ -6,23 +6,23 @@ use crate::format::mesh::TriangleMesh;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Number of segments of a whole turn about the z axis.
+/// Number of segments over a full turn about the z axis.
 const TURN_SEGMENTS: f64 = 64.0;
 
-/// Number of segments along a curved generatrix.
+/// Number of segments along a generatrix that is curved or sweeps a hyperboloid.
 const CURVE_SEGMENTS: u32 = 32;
 
-/// Curve that turns about the z axis, from v = 0 to v = 1, as a polyline.
+/// Generatrix of a surface of revolution about the z axis: a polyline with a tangent at each point.
 ///
-/// Each point has a tangent in the direction of increasing v. Tangents may have any length.
+/// The parameter v goes from 0 to 1 along it. Tangents point towards larger v, and have any length.
 struct Generatrix {
     points: Vec<DVec3>,
     tangents: Vec<DVec3>,
 }
 
 impl Generatrix {
-    /// Returns the curve divided into `segments` pieces. `at` gives point and tangent for v in \[0,
-    /// 1].
+    /// Returns a polyline of `segments` pieces. `at` returns the point and tangent of the curve at
+    /// v.
     fn new(segments: u32, at: impl Fn(f64) -> (DVec3, DVec3)) -> Self {
         let (points, tangents) = (0..=segments).map(|i| at(f64::from(i) / f64::from(segments))).unzip();
         Self { points, tangents }
@@ -33,10 +33,10 @@ impl Generatrix {
         Self::new(segments, |v| (start.lerp(end, v), end - start))
     }
 
-    /// Returns the surface that the curve sweeps when it turns by `phi_max` \[radians] about the z
-    /// axis.
+    /// Returns the surface that the curve sweeps when it turns about the z axis by `phi_max`
+    /// \[radians].
     ///
-    /// Its normals are ∂p/∂u × ∂p/∂v.
+    /// Texture coordinates are u = φ / `phi_max`, and v along the curve. Normals are ∂p/∂u × ∂p/∂v.
     fn surface_of_revolution(&self, phi_max: f64) -> TriangleMesh {
         let columns = (TURN_SEGMENTS * phi_max / (2.0 * PI)).ceil().max(1.0) as u32;
         let rows = self.points.len() as u32;
@@ -47,23 +47,23 @@ impl Generatrix {
             let turn = DMat3::from_rotation_z(u * phi_max);
             for row in 0..rows {
                 let (point, tangent) = (self.points[row as usize], self.tangents[row as usize]);
-                // On the axis, the direction of the turn is that of the neighbor.
+                // A point on the axis does not move: use the direction in which its neighbor moves.
                 let neighbor = self.points[if row == 0 { 1 } else { row as usize - 1 }];
                 let off_axis = if point.truncate() == DVec2::ZERO { neighbor } else { point };
-                let around = DVec3::Z.cross(off_axis).normalize_or(DVec3::Y);
+                let turn_direction = DVec3::Z.cross(off_axis).normalize_or(DVec3::Y);
                 mesh.positions.push(turn * point);
-                normals.push((turn * around.cross(tangent)).normalize_or(DVec3::Z));
+                normals.push((turn * turn_direction.cross(tangent)).normalize_or(DVec3::Z));
                 texcoords.push(DVec2::new(u, f64::from(row) / f64::from(rows - 1)));
             }
         }
         for column in 0..columns {
             for row in 0..rows - 1 {
-                let at = |i: u32, j: u32| (column + i) * rows + row + j;
-                mesh.triangles.push([at(0, 0), at(1, 0), at(1, 1)]);
-                mesh.triangles.push([at(0, 0), at(1, 1), at(0, 1)]);
+                let vertex = |i: u32, j: u32| (column + i) * rows + row + j;
+                mesh.triangles.push([vertex(0, 0), vertex(1, 0), vertex(1, 1)]);
+                mesh.triangles.push([vertex(0, 0), vertex(1, 1), vertex(0, 1)]);
             }
         }
-        // A side of a triangle on the axis has no length.
+        // Drop triangles with an edge on the axis: the edge has no length.
         let positions = &mesh.positions;
         mesh.triangles.retain(|triangle| {
             let [a, b, c] = triangle.map(|i| positions[i as usize]);

@@ -2,7 +2,7 @@
 
 use super::parameters::Parameters;
 
-/// Integrators of pbrt-v3 and pbrt-v4, each with Caustica's algorithm that finds the same light
+/// Integrators of pbrt-v3 and pbrt-v4, each with the Caustica algorithm that finds the same light
 /// paths.
 const INTEGRATOR_NAMES: [(&str, &str); 13] = [
     ("path", "path"),
@@ -38,17 +38,19 @@ pub(super) struct SuggestedFlags {
 }
 
 impl SuggestedFlags {
-    /// Converts a directive to flags, if it is an integrator, a pixel filter or a sampler.
+    /// Converts the directive of an integrator, a pixel filter or a sampler to flags. Ignores other
+    /// directives.
     ///
-    /// Other directives are ignored. `name` and `parameters` are those of the directive.
+    /// `name` is the type after the directive, such as `path` in `Integrator "path"`.
     pub fn add_directive(&mut self, directive: &str, name: &str, parameters: &Parameters) {
         match directive {
             "Integrator" | "SurfaceIntegrator" => {
                 self.integrator.clear();
-                let algorithm = INTEGRATOR_NAMES.iter().find(|(theirs, _)| *theirs == name);
+                let algorithm = INTEGRATOR_NAMES.iter().find(|(pbrt_name, _)| *pbrt_name == name);
                 let Some((_, algorithm)) = algorithm else { return };
                 self.integrator.push(format!("--integrator {algorithm}"));
-                // pbrt counts the points at which light is sampled; the first is no bounce.
+                // pbrt counts the points of a path at which lights are sampled. Caustica counts the
+                // bounces between them: one less.
                 let depth = parameters.number_or("maxdepth", DEFAULT_MAX_DEPTH);
                 if depth >= 1.0 && *algorithm != "whitted" {
                     self.integrator.push(format!("--max-bounces {}", depth.min(1e6) as u32 - 1));
@@ -58,14 +60,14 @@ impl SuggestedFlags {
                 }
             }
             "PixelFilter" => {
-                let filter = FILTERS.iter().find(|(theirs, _)| *theirs == name);
-                self.filter = filter.map(|(_, ours)| format!("--filter {ours}"));
+                let filter = FILTERS.iter().find(|(pbrt_name, _)| *pbrt_name == name);
+                self.filter = filter.map(|(_, caustica_name)| format!("--filter {caustica_name}"));
             }
             "Sampler" => {
                 let samples = parameters.number("pixelsamples").filter(|samples| *samples >= 1.0);
                 self.sampler = samples.map(|samples| format!("--spp {}", samples.min(1e6) as u32));
             }
-            // The others have no flag: they choose data structures and numbers of threads.
+            // Other directives, such as `Accelerator`, have no flag.
             _ => {}
         }
     }

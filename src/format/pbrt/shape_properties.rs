@@ -1,5 +1,5 @@
-//! Properties of shapes that area lights, media and textures need: area, back side, number of
-//! lamps, whether a shape is a sheet without inside, and whether it has pbrt's texture coordinates.
+//! Properties of shapes that area lights, media and textures need, such as the area of a shape, its
+//! back side, and whether it encloses a volume.
 
 use super::files::{PbrtSceneFiles, ReadResult};
 use super::parameters::Parameters;
@@ -13,9 +13,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Distance between the front of a two-sided area light and the added back.
+/// Distance between the front of a two-sided area light and the added back side.
 ///
-/// It is relative to the radius of a disc, or to the diagonal of a mesh's bounds.
+/// The distance is relative to the radius of a disc, or to the diagonal of a mesh's bounds.
 const RELATIVE_BACK_DISTANCE: f64 = 1e-4;
 
 /// Greatest relative difference between areas that count as equal.
@@ -24,7 +24,7 @@ const AREA_TOLERANCE: f64 = 1e-3;
 /// Bytes of memory for each vertex and each triangle of a copied mesh.
 const MEMORY_PER_MESH_ELEMENT: u64 = 100;
 
-/// True if the shape has no inside: it is a disc, a tube or an open mesh.
+/// True if the shape encloses no volume: it is a disc, an open cylinder or an open mesh.
 pub(super) fn is_sheet(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<TriangleMesh>>) -> bool {
     if let ShapeDescription::Cylinder(CylinderDescription { is_capped, .. }) = shape {
         !is_capped
@@ -32,16 +32,17 @@ pub(super) fn is_sheet(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<T
         let mesh = meshes.get(&path.value);
         mesh.is_some_and(|mesh| matches!(mesh.solid_defect(), Some(SolidDefect::Open { .. })))
     } else {
-        // The importer makes no shapes besides these, discs and spheres.
+        // The only other shapes of this importer are discs and spheres.
         matches!(shape, ShapeDescription::Disc(_))
     }
 }
 
 /// Returns a second shape that emits on the back of a disc or open mesh; `None` for other shapes.
 ///
-/// The second shape faces backwards. It lies behind the sheet by a fraction of the sheet's size,
-/// because two coincident surfaces would be one hit. Its mesh, if any, is added under a name that
-/// begins with `name`. The back of a closed shape is not visible. The back of a tube stays dark.
+/// The second shape faces backwards. It lies slightly behind the first one, because a ray hits only
+/// one of two coincident surfaces. A mesh is added to `meshes` under a name that begins with
+/// `name`. Closed shapes need no back side, because it is not visible. The inside of an open
+/// cylinder stays dark.
 pub(super) fn back_side_shape(
     shape: &ShapeDescription,
     name: &str,
@@ -76,10 +77,10 @@ pub(super) fn back_side_shape(
     })
 }
 
-/// Returns the area of a shape under `to_world` \[length²].
+/// Returns the area of a shape after the transform `to_world` \[length²].
 ///
-/// It is exact for meshes and discs. For spheres and tubes, it is exact if the transform keeps
-/// angles. The area of any other shape is infinite; the importer makes none.
+/// The area of meshes and discs is exact. The area of spheres and cylinders is exact only for
+/// transforms that keep angles. Any other shape gives +∞; the importer makes none.
 pub(super) fn world_area(
     shape: &ShapeDescription,
     meshes: &BTreeMap<String, Arc<TriangleMesh>>,
@@ -108,8 +109,8 @@ pub(super) fn world_area(
     }
 }
 
-/// Returns the number of lamps that pbrt makes of an area light of type `kind`: one for each
-/// triangle or patch of a mesh.
+/// Returns the number of separate lamps that pbrt makes of an emitting shape of type `kind`: one
+/// for each triangle or bilinear patch of a mesh, and 1 for other shapes.
 pub(super) fn lamp_count(
     (kind, parameters): (&str, &Parameters),
     shape: &ShapeDescription,
@@ -124,9 +125,11 @@ pub(super) fn lamp_count(
     }
 }
 
-/// True if the triangles of a mesh of type `kind` have equal areas under `to_world`.
+/// True if all lamps that pbrt makes of a shape of type `kind` have equal areas after the transform
+/// `to_world`.
 ///
-/// It is false for any mesh of bilinear patches.
+/// The lamps are the triangles of a mesh. The result is false for any mesh of bilinear patches, and
+/// true for shapes that are no mesh.
 pub(super) fn lamps_have_equal_areas(
     kind: &str,
     shape: &ShapeDescription,
@@ -144,13 +147,14 @@ pub(super) fn lamps_have_equal_areas(
     most - least <= AREA_TOLERANCE * most
 }
 
-/// True if the shape has pbrt's texture coordinates: it is a mesh that stores them.
+/// True if the shape is a mesh that stores pbrt's texture coordinates. Other shapes have
+/// Caustica's.
 pub(super) fn has_texcoords_of_pbrt(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<TriangleMesh>>) -> bool {
     let ShapeDescription::Mesh(MeshDescription { path, .. }) = shape else { return false };
     meshes.get(&path.value).is_some_and(|mesh| mesh.texcoords.is_some())
 }
 
-/// Returns the rotation of a sphere that gives it pbrt's texture coordinates.
+/// Returns the rotation of a sphere that turns Caustica's texture coordinates into pbrt's.
 ///
 /// pbrt has u = 0 at +x, u = ¼ at +y, and v = 0 at −z. Caustica has u = 0 at −z, u = ¼ at −x, and
 /// v = 0 at −y.

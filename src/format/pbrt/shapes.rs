@@ -20,17 +20,19 @@ const MEMORY_PER_CORNER: u64 = 100;
 /// Greatest number of Loop subdivision levels.
 const MAX_SUBDIVISION_LEVELS: f64 = 10.0;
 
-/// Greatest number of vertices and triangle corners of the mesh of a quadric.
+/// Upper bound of the vertices plus triangle corners of a quadric's mesh.
 const MAX_QUADRIC_CORNERS: u64 = 16_000;
 
-/// Number of segments along each side of a bilinear patch that is no parallelogram.
+/// Number of segments along each side of a bilinear patch that is not a parallelogram.
 const PATCH_SEGMENTS: u32 = 16;
 
 /// Converts a `Shape` directive to a shape in object space.
 ///
-/// `None`, with a message, for curves and for meshes without triangles. `kind` is the shape's type
-/// in pbrt. A mesh is embedded under the path `name`. If `is_reversed`, the shape is turned inside
-/// out. If `needs_texcoords`, the shape has pbrt's texture coordinates; only a sphere does not.
+/// Returns `None`, with a message, for curves and for meshes without triangles.
+///
+/// `kind` is the shape's type in pbrt. A mesh is embedded under the path `name`. If `is_reversed`
+/// is true, the shape is turned inside out. If `needs_texcoords` is true, the result is a mesh with
+/// pbrt's texture coordinates, except for whole spheres.
 pub(super) fn read_shape(
     (kind, name): (&str, &str),
     parameters: &Parameters,
@@ -89,7 +91,7 @@ pub(super) fn read_shape(
             }
             let base = triangle_mesh(parameters, files)?;
             let corners = 3 * base.triangles.len() as u64 + base.positions.len() as u64;
-            // Each level has four times as many triangles. The estimate includes tables of edges.
+            // Each level has four times as many triangles. The factor 6 includes tables of edges.
             files.reserve_memory((6 * MEMORY_PER_CORNER * corners).saturating_mul(1 << (2 * levels as u64)))?;
             loop_subdivided_to_limit(base.positions, base.triangles, levels as u32)
         }
@@ -98,7 +100,7 @@ pub(super) fn read_shape(
             let path = files.resolve_path(place, file)?;
             let bytes = files.read_file(&path)?;
             let bytes = if bytes.starts_with(&[0x1f, 0x8b]) { files.gunzipped(&bytes, place)? } else { bytes };
-            // The extension selects the reader, and `.ply.gz` is PLY too.
+            // The file extension selects the reader, so remove `.gz` from `.ply.gz`.
             let named = Path::new(file.strip_suffix(".gz").unwrap_or(file));
             let loaded = decode(named, bytes, files.monitor, files.free_memory());
             let mesh = loaded.map_err(|e| place.error(e, "export the mesh again, or check it: `caustica mesh`"))?.mesh;
@@ -138,7 +140,7 @@ pub(super) fn read_shape(
     Ok(Some(ShapeDescription::Mesh(MeshDescription { path, options: MeshOptions::default() })))
 }
 
-/// True if the parameters describe only a part of a whole sphere, cylinder or disk.
+/// True if the parameters cut a part out of a sphere, cylinder or disk, for example by `phimax`.
 fn is_partial_quadric(kind: &str, parameters: &Parameters) -> bool {
     let radius = parameters.number_or("radius", 1.0);
     let [low, high] = ["zmin", "zmax"].map(|name| parameters.number(name));
@@ -147,7 +149,8 @@ fn is_partial_quadric(kind: &str, parameters: &Parameters) -> bool {
     parameters.number_or("phimax", 360.0) < 360.0 || is_cut_sphere || is_ring
 }
 
-/// Returns the vertex indices of the parameter `indices`. Fails if one is not below `count`.
+/// Returns the parameter `indices` of a mesh with `count` vertices. Fails if an index is not a
+/// whole number below `count`.
 fn vertex_indices(parameters: &Parameters, count: usize, files: &PbrtSceneFiles<'_>) -> ReadResult<Vec<u32>> {
     let numbers = parameters.numbers("indices");
     files.reserve_memory(MEMORY_PER_CORNER * numbers.len() as u64)?;
@@ -161,7 +164,8 @@ fn vertex_indices(parameters: &Parameters, count: usize, files: &PbrtSceneFiles<
     numbers.iter().map(index).collect()
 }
 
-/// Returns a mesh with the positions, normals and texture coordinates of a shape, but no triangles.
+/// Reads the vertices of a mesh shape: positions, normals and texture coordinates. The returned
+/// mesh has no triangles yet.
 fn mesh_without_triangles(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let place = &parameters.place;
     let positions = parameters.points("P")?;
@@ -186,7 +190,7 @@ fn mesh_without_triangles(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -
     Ok(TriangleMesh { positions, normals, texcoords, ..TriangleMesh::default() })
 }
 
-/// Returns the mesh of a `trianglemesh` or the control mesh of a `loopsubdiv` shape.
+/// Reads the mesh of a `trianglemesh`, or the control mesh of a `loopsubdiv` shape.
 fn triangle_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let mut mesh = mesh_without_triangles(parameters, files)?;
     let mut corners = vertex_indices(parameters, mesh.positions.len(), files)?;
@@ -201,8 +205,9 @@ fn triangle_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadRes
     Ok(mesh)
 }
 
-/// Gives each triangle the texture coordinates that pbrt has where a mesh states none: (0, 0),
-/// (1, 0) and (1, 1). Triangles share no vertices then.
+/// Gives each triangle pbrt's default texture coordinates: (0, 0), (1, 0) and (1, 1).
+///
+/// Afterwards, triangles share no vertices.
 fn give_default_texcoords(mesh: &mut TriangleMesh) {
     let corners: Vec<usize> = mesh.triangles.iter().flatten().map(|i| *i as usize).collect();
     mesh.positions = corners.iter().map(|i| mesh.positions[*i]).collect();
@@ -213,8 +218,8 @@ fn give_default_texcoords(mesh: &mut TriangleMesh) {
     }
 }
 
-/// Flips each triangle whose winding opposes its vertex normals, because vertex normals orient
-/// pbrt's faces.
+/// Flips each triangle whose winding opposes its vertex normals. In pbrt, vertex normals decide
+/// which side of a face is its front.
 fn orient_along_normals(mesh: &mut TriangleMesh) {
     let TriangleMesh { positions, triangles, normals: Some(normals), .. } = mesh else { return };
     for triangle in triangles {
@@ -226,9 +231,10 @@ fn orient_along_normals(mesh: &mut TriangleMesh) {
     }
 }
 
-/// Returns the triangles of bilinear patches. A parallelogram becomes two triangles.
+/// Returns a triangle mesh of the bilinear patches of a `bilinearmesh`.
 ///
-/// Any other patch is divided into [`PATCH_SEGMENTS`]² quads.
+/// A parallelogram becomes two triangles. Any other patch is divided into [`PATCH_SEGMENTS`]² quads
+/// of two triangles each.
 fn bilinear_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let base = mesh_without_triangles(parameters, files)?;
     let mut corners = vertex_indices(parameters, base.positions.len(), files)?;
@@ -266,9 +272,9 @@ fn bilinear_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadRes
         }
         for j in 0..segments {
             for i in 0..segments {
-                let at = |i: u32, j: u32| first + j * (segments + 1) + i;
-                mesh.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-                mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+                let vertex = |i: u32, j: u32| first + j * (segments + 1) + i;
+                mesh.triangles.push([vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)]);
+                mesh.triangles.push([vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)]);
             }
         }
     }

@@ -6,7 +6,7 @@ use crate::bsdf::metal_refractive_index;
 use crate::color::{Spectrum, illuminant_rgb, xyz_to_rgb};
 use glam::DVec3;
 
-/// Quantity that a color stands for. It selects the conversion of a spectrum to RGB.
+/// Quantity that a color parameter describes. It selects the conversion of a spectrum to RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ColorMeaning {
     /// Reflectance or transmittance, inside \[0, 1].
@@ -16,8 +16,7 @@ pub(super) enum ColorMeaning {
         /// True for a scene of pbrt-v3, which does not normalize spectra.
         is_v3: bool,
     },
-    /// Any quantity that is neither limited to \[0, 1] nor emission, such as an absorption
-    /// coefficient.
+    /// Any other quantity, without an upper limit, such as an absorption coefficient.
     Unbounded,
 }
 
@@ -41,13 +40,13 @@ impl SpectralValue {
     }
 }
 
-/// Converts a color parameter to linear RGB. `wanted` is the quantity that the parameter stands
-/// for.
+/// Converts a color parameter to linear RGB. `meaning` is the quantity that the parameter
+/// describes.
 ///
-/// Reflectances are clamped to \[0, 1]. Other quantities must be at least 0.
+/// Reflectances are clamped to \[0, 1]. Fails if another quantity is negative.
 pub(super) fn linear_rgb(
     parameter: &Parameter,
-    wanted: ColorMeaning,
+    meaning: ColorMeaning,
     place: &PbrtSourceLocation,
     files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<DVec3> {
@@ -57,7 +56,7 @@ pub(super) fn linear_rgb(
                 return Err(place.error("the temperature is not between 100 and 1,000,000 K", "correct `blackbody`"));
             }
             let spectrum = Spectrum::normalized_blackbody(*kelvin);
-            match (wanted, rest.first()) {
+            match (meaning, rest.first()) {
                 (ColorMeaning::Emission { .. }, Some(scale)) => spectrum.radiance_rgb() * *scale,
                 (ColorMeaning::Emission { .. }, None) => spectrum.normalized_radiance_rgb(),
                 (ColorMeaning::Reflectance | ColorMeaning::Unbounded, _) => spectrum.reflectance_rgb(),
@@ -65,7 +64,7 @@ pub(super) fn linear_rgb(
         }
         _ => match spectral_value(parameter, place, files)? {
             SpectralValue::Rgb(rgb) => rgb,
-            SpectralValue::Spectrum(spectrum) => match wanted {
+            SpectralValue::Spectrum(spectrum) => match meaning {
                 ColorMeaning::Reflectance => spectrum.reflectance_rgb(),
                 ColorMeaning::Emission { is_v3: true } => spectrum.radiance_rgb(),
                 ColorMeaning::Emission { is_v3: false } => spectrum.normalized_radiance_rgb(),
@@ -73,14 +72,15 @@ pub(super) fn linear_rgb(
             },
         },
     };
-    let value = if wanted == ColorMeaning::Reflectance { value.clamp(DVec3::ZERO, DVec3::ONE) } else { value };
+    let value = if meaning == ColorMeaning::Reflectance { value.clamp(DVec3::ZERO, DVec3::ONE) } else { value };
     if value.min_element() < 0.0 {
         return Err(place.error(format!("`{}` is negative", parameter.name), "use values of at least 0"));
     }
     Ok(value)
 }
 
-/// Returns the value of a color parameter: a spectrum if the file gives samples, else RGB.
+/// Returns the value of a color parameter: a spectrum if the file gives values by wavelength, else
+/// linear RGB.
 pub(super) fn spectral_value(
     parameter: &Parameter,
     place: &PbrtSourceLocation,
@@ -100,7 +100,7 @@ pub(super) fn spectral_value(
     }
 }
 
-/// Returns the spectrum of a list that alternates between wavelength \[nm] and value.
+/// Returns the spectrum through `pairs`, a list that alternates between wavelength \[nm] and value.
 fn sampled_spectrum(pairs: &[f64], place: &PbrtSourceLocation) -> ReadResult<Spectrum> {
     let samples = pairs.as_chunks::<2>().0.to_vec();
     let spectrum = if pairs.len().is_multiple_of(2) { Spectrum::from_samples(samples) } else { None };
@@ -109,9 +109,9 @@ fn sampled_spectrum(pairs: &[f64], place: &PbrtSourceLocation) -> ReadResult<Spe
     })
 }
 
-/// Returns the spectrum that pbrt calls `name`, or else the spectrum in the file `name`.
+/// Returns pbrt's built-in spectrum `name`, or else the spectrum in the file `name`.
 ///
-/// pbrt's metals and standard illuminants are RGB here. Its other named spectra give an error.
+/// pbrt's metals and standard illuminants give RGB values. Its other built-in spectra are errors.
 fn named_spectrum(name: &str, place: &PbrtSourceLocation, files: &PbrtSceneFiles<'_>) -> ReadResult<SpectralValue> {
     if let Some(metal) = name.strip_prefix("metal-") {
         let (metal, is_eta) = match (metal.strip_suffix("-eta"), metal.strip_suffix("-k")) {
@@ -145,9 +145,8 @@ fn named_spectrum(name: &str, place: &PbrtSourceLocation, files: &PbrtSceneFiles
 
 /// Returns η or k of a metal's complex refractive index η + ik, for red, green and blue.
 ///
-/// The result is η if `is_eta` is true, else k; `None` if the metal is unknown.
-///
-/// Includes the oxides that pbrt lists among the metals.
+/// The result is η if `is_eta` is true, else k; `None` if the metal is unknown. The metals include
+/// the oxides that pbrt lists among them.
 fn metal_eta_or_k(name: &str, is_eta: bool) -> Option<DVec3> {
     let oxide = match name {
         "MgO" => Some(1.737),

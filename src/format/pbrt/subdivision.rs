@@ -1,10 +1,10 @@
-//! Loop subdivision of triangle meshes (Loop 1987). Vertices move to their limit positions.
+//! Loop subdivision of triangle meshes (Loop 1987), with vertices at their limit positions.
 
 use crate::format::mesh::TriangleMesh;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Sums over the neighbors of a vertex.
+/// Sums over the neighbors of a vertex, from which subdivision computes its new position.
 #[derive(Clone, Debug, Default)]
 struct Neighborhood {
     /// Number of edges at the vertex.
@@ -17,14 +17,14 @@ struct Neighborhood {
     boundary_neighbor_sum: DVec3,
 }
 
-/// Edges of a mesh. A key holds both vertex indices, the lower one first.
+/// Edges of a mesh, each with its adjacent triangles.
 ///
-/// A value holds the number of triangles at the edge. It also holds, for the first two of these
-/// triangles, the vertex opposite to the edge.
+/// A key holds both vertex indices of an edge, the lower one first. A value holds the number of
+/// triangles at the edge, and the vertices opposite to the edge in the first two of them.
 type EdgeTable = HashMap<[u32; 2], (u32, [u32; 2])>;
 
-/// Returns the mesh after `levels` Loop subdivisions, at its limit positions and with smooth
-/// normals.
+/// Returns the mesh after `levels` Loop subdivisions, with vertices at their limit positions and
+/// with smooth normals.
 pub(super) fn loop_subdivided_to_limit(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, levels: u32) -> TriangleMesh {
     let (mut positions, mut triangles) = (positions, triangles);
     for _ in 0..levels {
@@ -32,17 +32,19 @@ pub(super) fn loop_subdivided_to_limit(positions: Vec<DVec3>, triangles: Vec<[u3
     }
     let edges = edges_of_triangles(&triangles);
     let neighbors = neighborhoods(&positions, &edges);
-    let limits = positions.iter().zip(&neighbors).map(|(position, around)| limit_position(*position, around));
+    let limits =
+        positions.iter().zip(&neighbors).map(|(position, neighborhood)| limit_position(*position, neighborhood));
     let mut mesh = TriangleMesh { positions: limits.collect(), triangles, ..TriangleMesh::default() };
     mesh.compute_missing_smooth_normals(180.0);
     mesh
 }
 
-/// Returns the mesh after one subdivision: each triangle becomes four.
+/// Returns positions and triangles after one Loop subdivision: each triangle becomes four.
 fn subdivided_once(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let edges = edges_of_triangles(triangles);
     let neighbors = neighborhoods(positions, &edges);
-    let mut fine: Vec<DVec3> = positions.iter().zip(&neighbors).map(|(p, around)| even_position(*p, around)).collect();
+    let mut fine: Vec<DVec3> =
+        positions.iter().zip(&neighbors).map(|(p, neighborhood)| even_position(*p, neighborhood)).collect();
     let mut middles: HashMap<[u32; 2], u32> = HashMap::with_capacity(edges.len());
     let mut middle = |a: u32, b: u32| {
         let key = [a.min(b), a.max(b)];
@@ -63,7 +65,7 @@ fn subdivided_once(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, 
     (fine, out)
 }
 
-/// Returns the edges of a mesh. The two vertex indices of each edge are sorted.
+/// Returns all edges of a triangle mesh.
 fn edges_of_triangles(triangles: &[[u32; 3]]) -> EdgeTable {
     let mut edges = EdgeTable::with_capacity(2 * triangles.len());
     for &[a, b, c] in triangles {
@@ -78,52 +80,52 @@ fn edges_of_triangles(triangles: &[[u32; 3]]) -> EdgeTable {
     edges
 }
 
-/// Returns, for each vertex, sums over its neighbors.
+/// Returns the sums over neighbors for each vertex, in the order of `positions`.
 fn neighborhoods(positions: &[DVec3], edges: &EdgeTable) -> Vec<Neighborhood> {
     let mut neighbors = vec![Neighborhood::default(); positions.len()];
-    // A floating-point sum depends on the order of its terms, and a hash map has no order.
+    // Sort the edges: a hash map has no fixed order, and rounding depends on the order of a sum.
     let mut sorted: Vec<_> = edges.iter().collect();
     sorted.sort_unstable_by_key(|(ends, _)| **ends);
     for (&[a, b], (count, _)) in sorted {
         for (vertex, neighbor) in [(a, b), (b, a)] {
-            let around = &mut neighbors[vertex as usize];
-            around.valence += 1;
-            around.neighbor_sum += positions[neighbor as usize];
+            let neighborhood = &mut neighbors[vertex as usize];
+            neighborhood.valence += 1;
+            neighborhood.neighbor_sum += positions[neighbor as usize];
             if *count == 1 {
-                around.boundary_edge_count += 1;
-                around.boundary_neighbor_sum += positions[neighbor as usize];
+                neighborhood.boundary_edge_count += 1;
+                neighborhood.boundary_neighbor_sum += positions[neighbor as usize];
             }
         }
     }
     neighbors
 }
 
-/// Returns the weight of each neighbor of an inner vertex in Loop subdivision (Warren 1995).
+/// Returns the weight β of each neighbor of an inner vertex in Loop subdivision (Warren 1995).
 fn neighbor_weight(valence: u32) -> f64 {
     if valence == 3 { 3.0 / 16.0 } else { 3.0 / (8.0 * f64::from(valence)) }
 }
 
-/// Returns the position of a vertex of the old mesh after one Loop subdivision.
-fn even_position(position: DVec3, around: &Neighborhood) -> DVec3 {
-    match around.boundary_edge_count {
-        0 if around.valence > 0 => {
-            let weight = neighbor_weight(around.valence);
-            position * (1.0 - f64::from(around.valence) * weight) + weight * around.neighbor_sum
+/// Returns the position after one Loop subdivision of a vertex that the coarse mesh already has.
+fn even_position(position: DVec3, neighborhood: &Neighborhood) -> DVec3 {
+    match neighborhood.boundary_edge_count {
+        0 if neighborhood.valence > 0 => {
+            let weight = neighbor_weight(neighborhood.valence);
+            position * (1.0 - f64::from(neighborhood.valence) * weight) + weight * neighborhood.neighbor_sum
         }
-        2 => 0.75 * position + 0.125 * around.boundary_neighbor_sum,
+        2 => 0.75 * position + 0.125 * neighborhood.boundary_neighbor_sum,
         _ => position,
     }
 }
 
-/// Returns the position of a vertex after infinitely many subdivisions.
-fn limit_position(position: DVec3, around: &Neighborhood) -> DVec3 {
-    match around.boundary_edge_count {
-        0 if around.valence > 0 => {
-            let valence = f64::from(around.valence);
-            let weight = 1.0 / (valence + 3.0 / (8.0 * neighbor_weight(around.valence)));
-            position * (1.0 - valence * weight) + weight * around.neighbor_sum
+/// Returns the limit of a vertex's position after infinitely many Loop subdivisions.
+fn limit_position(position: DVec3, neighborhood: &Neighborhood) -> DVec3 {
+    match neighborhood.boundary_edge_count {
+        0 if neighborhood.valence > 0 => {
+            let valence = f64::from(neighborhood.valence);
+            let weight = 1.0 / (valence + 3.0 / (8.0 * neighbor_weight(neighborhood.valence)));
+            position * (1.0 - valence * weight) + weight * neighborhood.neighbor_sum
         }
-        2 => 0.6 * position + 0.2 * around.boundary_neighbor_sum,
+        2 => 0.6 * position + 0.2 * neighborhood.boundary_neighbor_sum,
         _ => position,
     }
 }
@@ -139,9 +141,9 @@ mod tests {
         (positions, triangles)
     }
 
-    /// A limit position is a fixed point: further subdivision does not move it.
+    /// Subdivision levels change the number of vertices, but not the limit of any vertex.
     #[test]
-    fn limits_do_not_depend_on_the_level() {
+    fn limit_positions_do_not_depend_on_the_level() {
         let (positions, triangles) = octahedron();
         let coarse = loop_subdivided_to_limit(positions.clone(), triangles.clone(), 0);
         let fine = loop_subdivided_to_limit(positions, triangles, 3);

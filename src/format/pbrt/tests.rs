@@ -40,18 +40,19 @@ fn the_camera_has_the_view_and_handedness_of_pbrt() {
     ));
     let camera = &scene.description.camera;
     let DirectionOrTarget::Direction(view) = camera.aim else { panic!() };
-    // pbrt's right is +x; ours is view × up. The scene is mirrored along z.
+    // The right of the picture is +x in pbrt, and view × up in Caustica. The scene is mirrored
+    // along z.
     assert!(view.cross(camera.up).abs_diff_eq(DVec3::X, 1e-12));
     assert!(camera.center.abs_diff_eq(DVec3::new(0.0, 0.0, 5.0), 1e-12) && view.abs_diff_eq(DVec3::NEG_Z, 1e-12));
     assert_eq!((camera.width, camera.height), (200, 100));
     let ProjectionDescription::Perspective { vertical_fov_degrees: angle, lens } = camera.projection else { panic!() };
-    // The field of view is that of the shorter side.
+    // `fov` is the angle of the shorter side, here the height.
     assert!((angle - 90.0).abs() < 1e-9 && lens.is_some());
     let LightDescription::Point(PointLightDescription { position, .. }) = scene.description.lights[0].value else {
         panic!()
     };
     assert_eq!(position, DVec3::new(1.0, 2.0, -3.0));
-    // A scene that mirrors itself is not mirrored again.
+    // A scene whose camera transform mirrors is not mirrored again.
     let scene = import_text(
         "Scale -1 1 1 LookAt 0 0 -5 0 0 0 0 1 0 Camera \"perspective\" WorldBegin \
          LightSource \"point\" \"point3 from\" [1 2 3]",
@@ -194,7 +195,7 @@ fn textures_become_constants_or_textures() {
     };
 }
 
-/// A factor above 1 scales a texture. Only the product is limited to the range of a reflectance.
+/// A texture may have a factor above 1. Only the product is clamped to \[0, 1].
 #[test]
 fn texture_factors_may_be_above_one() {
     let kind = sphere_material(
@@ -206,9 +207,9 @@ fn texture_factors_may_be_above_one() {
     assert_eq!(reflectance, TexturedValue::Constant(DVec3::new(0.5, 1.0, 0.2)));
 }
 
-/// Roughness that differs by direction is the geometric mean, also where only its mean is used.
+/// Materials that use only the mean roughness also get the geometric mean of both directions.
 #[test]
-fn uneven_roughness_is_the_geometric_mean() {
+fn anisotropic_roughness_becomes_the_geometric_mean() {
     let kind = sphere_material(
         "Material \"coateddiffuse\" \"float uroughness\" .04 \"float vroughness\" .16 \
          \"bool remaproughness\" false",
@@ -219,7 +220,7 @@ fn uneven_roughness_is_the_geometric_mean() {
 }
 
 #[test]
-fn blocks_restore_the_state_and_instances_repeat_objects() {
+fn blocks_restore_the_state_and_instances_copy_objects() {
     let scene = import_text(
         "WorldBegin ObjectBegin \"o\" Shape \"sphere\" Shape \"disk\" ObjectEnd \
          AttributeBegin Translate 1 0 0 ObjectInstance \"o\" AttributeEnd ObjectInstance \"o\"",
@@ -249,7 +250,7 @@ fn moving_cameras_turn_about_themselves() {
     );
     let camera = &scene.description.camera;
     assert!(camera.center.abs_diff_eq(DVec3::X, 1e-12));
-    // The file moves the world before the camera. The world is mirrored along z.
+    // The file moves the world relative to the camera, and the importer mirrors it along z.
     let at_end = TransformStep::composed_matrix(&camera.motion);
     let about = DAffine3::from_translation(camera.center);
     let moved = about * at_end * about.inverse();
@@ -333,9 +334,9 @@ fn pictures_in_tga_files_are_read() {
     assert!(read().unwrap_err().to_string().contains("line 1"));
 }
 
-/// Each text is refused with its line and a remedy, without a panic.
+/// Each malformed text gives an error with its line and a help text, without a panic.
 #[test]
-fn defects_are_refused_with_their_line() {
+fn malformed_files_are_refused_with_their_line() {
     let defects = [
         "Frobnicate",
         "\"value\"",
@@ -387,7 +388,7 @@ fn defects_are_refused_with_their_line() {
 }
 
 #[test]
-fn deep_and_large_scenes_are_refused() {
+fn too_deep_and_too_large_scenes_are_refused() {
     let deep = "AttributeBegin ".repeat(20_000);
     assert!(try_import_text(&deep).unwrap_err().to_string().contains("too deep"));
     // Nested objects that stand for 2⁴⁰ spheres.

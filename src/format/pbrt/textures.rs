@@ -14,7 +14,7 @@ use glam::{DVec2, DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-/// A texture that the pbrt file defines, or a constant in place of one.
+/// Value of a pbrt texture or color parameter: a constant or a function of the surface point.
 #[derive(Clone, Debug)]
 pub(super) enum PbrtTexture {
     /// One value everywhere.
@@ -37,7 +37,7 @@ pub(super) enum PbrtTexture {
         /// Transform from the surface's texture coordinates to those of the checkerboard.
         coordinates: TexcoordTransformDescription,
     },
-    /// A solid texture: noise that blends two colors.
+    /// A solid texture (a function of the position in space): noise that blends two colors.
     Solid {
         /// Pattern in space. Its values from 0 to 1 blend the two colors.
         pattern: SolidPatternDescription,
@@ -49,7 +49,7 @@ pub(super) enum PbrtTexture {
 }
 
 impl PbrtTexture {
-    /// Returns the texture with `map` applied to its constant, its pixels or its two colors.
+    /// Returns the texture with `map` applied to each of its values: constant, pixels or colors.
     fn with_mapped_values(&self, map: &dyn Fn(DVec3) -> DVec3) -> Self {
         match self {
             Self::Constant(value) => Self::Constant(map(*value)),
@@ -91,11 +91,11 @@ impl PbrtTexture {
     }
 }
 
-/// Textures that the pbrt file defines, and the textures and pictures of the imported scene.
+/// Textures that the pbrt file defines, and textures and pictures of the imported scene.
 #[derive(Default)]
 pub(super) struct PbrtTextures {
-    /// Textures that the pbrt file defines, by name. The key's flag is true for color textures, and
-    /// false for number textures.
+    /// Textures that the pbrt file defines. A key is a flag and a name: pbrt has separate names for
+    /// color textures (true) and number textures (false).
     defined: HashMap<(bool, String), PbrtTexture>,
     /// Textures of the imported scene.
     pub descriptions: Vec<Spanned<TextureDescription>>,
@@ -104,10 +104,10 @@ pub(super) struct PbrtTextures {
 }
 
 impl PbrtTextures {
-    /// Adds a texture that the pbrt file defines.
+    /// Adds the texture of a `Texture` directive.
     ///
-    /// `class` is its type, such as `imagemap`. `is_color` is true for colors, and false for
-    /// numbers. `is_v3` is true for a scene of pbrt-v3.
+    /// `class` is its type, such as `imagemap`. `is_color` is true for a color texture, and false
+    /// for a number texture. `is_v3` is true for a scene of pbrt-v3.
     pub fn define_texture(
         &mut self,
         (name, class, is_color): (&str, &str, bool),
@@ -201,11 +201,11 @@ impl PbrtTextures {
         Ok(())
     }
 
-    /// Returns the value of a parameter, which is a number, a color, or a texture's name.
+    /// Returns the value of a parameter, which is a number, a color, or the name of a texture.
     ///
-    /// `is_color` selects whether a name refers to a color texture or a number texture. If there is
-    /// no such texture, the other kind is used. Negative values of RGB colors become 0. Values
-    /// above 1 are kept, because they may be factors; the caller limits the value to its range.
+    /// `is_color` is true if the parameter is a color, so that color textures are searched first;
+    /// else number textures are. Negative RGB values become 0. RGB values above 1 are kept, because
+    /// they may be factors: the caller clamps the product.
     pub fn parameter_value(
         &self,
         parameter: &Parameter,
@@ -221,11 +221,11 @@ impl PbrtTextures {
                 && matches!(&*parameter.kind, "rgb" | "color")
                 && let SpectralValue::Rgb(rgb) = spectral_value(parameter, place, files)?
             {
-                // A color may be a factor above 1. The material limits the product.
+                // A color may be a factor above 1. The material clamps the product.
                 return Ok(PbrtTexture::Constant(rgb.max(DVec3::ZERO)));
             }
-            let wanted = if is_color { ColorMeaning::Reflectance } else { ColorMeaning::Unbounded };
-            return linear_rgb(parameter, wanted, place, files).map(PbrtTexture::Constant);
+            let meaning = if is_color { ColorMeaning::Reflectance } else { ColorMeaning::Unbounded };
+            return linear_rgb(parameter, meaning, place, files).map(PbrtTexture::Constant);
         }
         let name = parameter.texts.first().map(String::as_str).unwrap_or_default();
         let find = |is_color: bool| self.defined.get(&(is_color, name.to_owned()));
@@ -236,8 +236,8 @@ impl PbrtTextures {
 
     /// Applies `map` to all values of a texture, and adds the result to the imported scene.
     ///
-    /// Returns the new texture's name, or the value if it is constant, and the mean of the new
-    /// values.
+    /// Returns the name of the added texture, and the mean of its values. If all values are equal,
+    /// returns the value instead of a name, and adds no texture.
     pub fn add_texture(
         &mut self,
         value: &PbrtTexture,
@@ -280,7 +280,7 @@ impl PbrtTextures {
         Ok((TexturedValue::Texture(Spanned::new(name, Span::default())), mean))
     }
 
-    /// True if the texture `name` of the imported scene is a function of texture coordinates.
+    /// True if the texture `name` of the imported scene depends on texture coordinates (u, v).
     pub fn needs_texcoords(&self, name: &str) -> bool {
         let texture = self.descriptions.iter().rev().find(|texture| texture.name == name);
         texture.is_some_and(|texture| !matches!(texture.kind, TextureKindDescription::Solid { .. }))
@@ -295,10 +295,10 @@ impl PbrtTextures {
     }
 }
 
-/// Returns the texture of a picture file.
+/// Returns the texture of an `imagemap`, with the pixels of its picture file.
 ///
-/// Numbers are the mean of the channels. In pbrt-v4, they are the fourth channel of a picture that
-/// has one, unless it is 1 everywhere.
+/// For a number texture, each pixel is the mean of its channels. In pbrt-v4, it is the alpha
+/// channel if the picture has one that is not 1 everywhere.
 fn image_map(
     parameters: &Parameters,
     (is_color, is_v3): (bool, bool),
@@ -337,9 +337,10 @@ fn image_map(
     })
 }
 
-/// Returns the transform of texture coordinates that a texture's parameters give.
+/// Returns the transform of texture coordinates from a texture's parameters `uscale`, `vscale`,
+/// `udelta` and `vdelta`.
 ///
-/// A mapping other than by texture coordinates is ignored with a message. Scales of 0 become 10⁻¹².
+/// A `mapping` other than `uv` is ignored with a message. Scales of 0 become 10⁻¹².
 fn texcoord_transform_description(parameters: &Parameters, notes: &mut ImportNotes) -> TexcoordTransformDescription {
     if parameters.text("mapping").is_some_and(|mapping| mapping != "uv") {
         let message = "textures are mapped by texture coordinates only";

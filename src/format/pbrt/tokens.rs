@@ -7,16 +7,16 @@ use std::rc::Rc;
 /// A token of a pbrt file, with its line.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PbrtToken<'t> {
-    /// Content of the token.
+    /// Kind of the token, with its text.
     pub kind: TokenKind<'t>,
     /// Line of the token, from 1.
     pub line: u32,
 }
 
-/// Content of a token.
+/// Kind of a token, with its text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum TokenKind<'t> {
-    /// A directive, number or truth value without quotes.
+    /// A word without quotes: a directive, a number or a truth value.
     Unquoted(&'t str),
     /// A text in quotes, without them.
     Quoted(Cow<'t, str>),
@@ -29,9 +29,12 @@ pub(super) enum TokenKind<'t> {
 /// Reader of the tokens of one pbrt file.
 pub(super) struct Tokenizer<'t> {
     text: &'t str,
+    /// Position in `text` of the next byte to read.
     byte_offset: usize,
+    /// Line of this byte, from 1.
     line: u32,
     file: Rc<str>,
+    /// Token that was read ahead by `peek_token`.
     peeked: Option<PbrtToken<'t>>,
 }
 

@@ -62,7 +62,7 @@ pub(in crate::format) fn add_mesh(
         r.current_material_index = material;
         add_file_part(r, placement, path, part, object_emission)
     });
-    // Later objects have the current material, even if this mesh has an error.
+    // The parts of the mesh changed the current material. Restore it for later objects.
     r.current_material_index = current_material;
     added
 }
@@ -238,7 +238,7 @@ fn add_mesh_file_material(
     r.materials[index as usize].texture_requirements = requirements;
     let emission = match description.emission {
         Some(EmissionDescription::Constant(radiance)) => rgb(radiance),
-        // MTL files name no textures of emission.
+        // Emission from an MTL file never has a texture.
         Some(EmissionDescription::Texture { .. }) | None => Rgb::ZERO,
     };
     Ok(AddedMeshFileMaterial { name: description.name.unwrap_or_default().into(), index, emission })

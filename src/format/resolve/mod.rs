@@ -30,7 +30,8 @@ pub(super) const SINGULAR_REMEDY: &str = "no scale may be zero, and no axis of a
 
 pub(super) const MEMORY_REMEDY: &str = "use a smaller file, or let the scene have more memory (--memory)";
 
-/// Materials that the description does not list, because they are parts of a composed material.
+/// Component materials of composed materials such as `Principled`. The description lists only the
+/// composed material.
 ///
 /// They are added to the scene after all materials of the description.
 #[derive(Debug, Default)]
@@ -97,8 +98,7 @@ pub(super) struct Resolver<'a> {
     pub mesh_file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
     /// Number of objects that refer to each mesh file, by its path in the description.
     pub mesh_use_counts: HashMap<&'a str, usize>,
-    /// Index of the current material: that of the next object. It stays current after the end of a
-    /// group.
+    /// Index of the material of the next object. The end of a group does not reset it.
     pub current_material_index: u32,
     /// Position in the scene text of the innermost transform around the current object, for errors;
     /// `None` without a transform.

@@ -113,8 +113,8 @@ impl<'a> Resolver<'a> {
     /// Returns the texture called `name`. If there is none, `name` is the path of a picture, and
     /// the texture of this picture is returned.
     ///
-    /// `content` says whether the picture holds colors or other data. A picture becomes a texture
-    /// once for each of the two.
+    /// `content` says whether the picture holds colors or other data. A picture that is used for
+    /// both becomes two textures.
     pub(in crate::format) fn texture_or_picture(
         &mut self,
         name: &Spanned<String>,

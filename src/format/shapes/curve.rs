@@ -1,4 +1,4 @@
-//! The blocks `BezierCurve` and `BsplineCurve`: curves that are not visible.
+//! The blocks `BezierCurve` and `BsplineCurve`: curves without a surface, which are not rendered.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
@@ -10,14 +10,14 @@ use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement};
 use glam::DVec3;
 
-/// A Bézier curve without a surface, which is not visible.
+/// A Bézier curve, which has no surface and is not rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BezierCurveDescription {
     /// Control points in the xy plane, at least 2.
     pub controls: Vec<DVec3>,
 }
 
-/// A uniform, unclamped cubic B-spline without a surface, which is not visible.
+/// A uniform, unclamped cubic B-spline, which has no surface and is not rendered.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BsplineCurveDescription {
     /// Control points in the xy plane, at least 4.

@@ -156,9 +156,9 @@ shape_kinds! {
     Mesh(MeshDescription),
     /// A surface of revolution.
     Revolution(RevolutionDescription),
-    /// A Bézier curve, which is not visible.
+    /// A Bézier curve, which has no surface and is not rendered.
     BezierCurve(BezierCurveDescription),
-    /// A B-spline curve, which is not visible.
+    /// A B-spline curve, which has no surface and is not rendered.
     BsplineCurve(BsplineCurveDescription),
     /// Rational Bézier patches that have the same degrees.
     Patches(BezierPatchesDescription),
@@ -166,7 +166,7 @@ shape_kinds! {
     Nurbs(NurbsDescription),
 }
 
-/// Parses a shape. Its keyword `word` has been read.
+/// Parses a shape. The caller has read its keyword `word`.
 ///
 /// Returns the shape, and the emitted radiance \[W/(m² sr)] that replaces the material's; `None` if
 /// the shape has none of its own.

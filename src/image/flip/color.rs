@@ -1,4 +1,4 @@
-//! Colour differences of ꟻLIP (Andersson et al. 2020, section 4.1).
+//! Color differences of ꟻLIP (Andersson et al. 2020, section 4.1).
 
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::LazyLock;
@@ -23,12 +23,12 @@ static RELATIVE_XYZ: LazyLock<(DMat3, DMat3)> = LazyLock::new(|| {
     (to, to.inverse())
 });
 
-/// Exponent of colour differences in ꟻLIP: q_c of Andersson et al. 2020.
+/// Exponent q_c of the HyAB distance in color differences (Andersson et al. 2020).
 const COLOR_EXPONENT: f64 = 0.7;
-/// Knee of the map from colour difference to ꟻLIP error: p_c and p_t of Andersson et al. 2020.
+/// Knee of the map from color difference to ꟻLIP error: p_c and p_t of Andersson et al. 2020.
 ///
-/// The first number is the colour difference at the knee, relative to the largest difference. The
-/// second is the error at the knee.
+/// The first number is the color difference at the knee, as a fraction of the largest difference.
+/// The second number is the error at the knee.
 const COLOR_ERROR_KNEE: (f64, f64) = (0.4, 0.95);
 
 /// Converts linear RGB to YCxCz, an opponent space that is linear in XYZ and scaled like CIELAB.
@@ -44,7 +44,7 @@ pub(super) fn ycxcz_y_to_luminance(y: f64) -> f64 {
 
 /// Converts YCxCz to CIELAB with Hunt adjustment: chroma is multiplied by L*/100 (Hunt 1952).
 ///
-/// The colour is clamped to the RGB cube first.
+/// The color is first clamped to the RGB cube.
 pub(super) fn hunt_lab_from_ycxcz(ycxcz: DVec3) -> DVec3 {
     let y = ycxcz_y_to_luminance(ycxcz.x);
     let relative = DVec3::new(y + ycxcz.y / 500.0, y, y - ycxcz.z / 200.0);
@@ -69,14 +69,15 @@ fn hyab_distance(a: DVec3, b: DVec3) -> f64 {
     d.x.abs() + (d.y * d.y + d.z * d.z).sqrt()
 }
 
-/// Largest colour difference in the RGB cube: that of green and blue.
+/// Largest color difference in the RGB cube, between green and blue.
 ///
-/// A colour difference is the HyAB distance to the power [`COLOR_EXPONENT`].
+/// A color difference is the HyAB distance to the power [`COLOR_EXPONENT`].
 static MAX_COLOR_DIFFERENCE: LazyLock<f64> = LazyLock::new(|| {
     libm::pow(hyab_distance(hunt_lab_from_rgb(DVec3::Y), hunt_lab_from_rgb(DVec3::Z)), COLOR_EXPONENT)
 });
 
-/// Returns the error between the colours `a` and `b`, from 0 to 1; both are Hunt-adjusted CIELAB.
+/// Returns the ꟻLIP error between the colors `a` and `b`, from 0 to 1; both are Hunt-adjusted
+/// CIELAB.
 ///
 /// The error is a power of the HyAB distance, compressed above [`COLOR_ERROR_KNEE`].
 pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
@@ -94,7 +95,7 @@ pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
 mod tests {
     use super::*;
 
-    /// Greys have no chroma. At half the luminance of white, L* is 116 · ∛½ − 16.
+    /// Grays have no chroma. At half the luminance of white, L* is 116 · ∛½ − 16.
     #[test]
     fn greys_have_lightness_only() {
         let lab = hunt_lab_from_ycxcz(rgb_to_ycxcz(Vec3::splat(0.5)).as_dvec3());
@@ -102,10 +103,9 @@ mod tests {
         assert!(lab.y.abs() < 1e-4 && lab.z.abs() < 1e-4, "{lab}");
     }
 
-    /// Lindbloom's calculator gives (53.24, 80.09, 67.20) for CIELAB of the red primary and white
-    /// D65.
+    /// The red primary has CIELAB (53.24, 80.09, 67.20) under white D65, by Lindbloom's calculator.
     ///
-    /// The Hunt adjustment multiplies its chroma by L*/100.
+    /// The Hunt adjustment multiplies a* and b* by L*/100.
     #[test]
     fn red_has_the_published_lab() {
         let lab = hunt_lab_from_ycxcz(rgb_to_ycxcz(Vec3::X).as_dvec3());

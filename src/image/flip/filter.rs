@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 
 /// Parameters (a, b) of the contrast sensitivity filter of channel Y, luminance.
 ///
-/// The filter is a·√(π/b)·exp(−π²x²/b) at a distance of x degrees (Andersson et al. 2020, table 1).
+/// At x degrees from its center, the filter is a·√(π/b)·exp(−π²x²/b) (Andersson et al. 2020, table
+/// 1).
 const LUMINANCE_CSF: (f64, f64) = (1.0, 0.0047);
 /// Parameters (a, b) of the filter of channel Cx, red-green; see [`LUMINANCE_CSF`] for the formula.
 const RED_GREEN_CSF: (f64, f64) = (1.0, 0.0053);
@@ -26,13 +27,14 @@ pub(super) struct FlipMetricFilters {
     red_green: FilterWeights,
     /// Weights and Gaussians whose weighted sum is the filter of channel Cz.
     blue_yellow: [(f32, FilterWeights); 2],
-    /// Filters of the feature detectors: a Gaussian and its first and second derivative.
+    /// One-dimensional filters of the feature detectors: a Gaussian, its first and its second
+    /// derivative.
     detector: [FilterWeights; 3],
 }
 
 impl FlipMetricFilters {
     pub fn new(pixels_per_degree: f64) -> Self {
-        // All filters have the radius of the widest, three standard deviations, as in the paper.
+        // All blurs have the radius of the widest blur, three standard deviations, as in the paper.
         let radius = (3.0 * (BLUE_YELLOW_CSF[0].1 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
         let gaussian = |b: f64| {
             sample_at_integers(radius, |x| {
@@ -84,7 +86,7 @@ fn feature_detectors(pixels_per_degree: f64) -> [FilterWeights; 3] {
     ]
 }
 
-/// Scales the positive weights to a sum of 1, and the negative ones to −1.
+/// Scales the positive weights to a sum of 1, and the negative weights to a sum of −1.
 fn normalize_signed_weights(raw: &[f64]) -> FilterWeights {
     let positive: f64 = raw.iter().filter(|w| **w > 0.0).sum();
     let negative: f64 = -raw.iter().filter(|w| **w < 0.0).sum::<f64>();
@@ -101,9 +103,10 @@ fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
     weights.map(|w| w as f32).collect()
 }
 
-/// Filter results for one row of a picture, with the buffers to compute them.
+/// Results of all filters for one row of a picture, with the buffers to compute them.
 pub(super) struct FlipRowFilter {
-    /// Buffer for one row after vertical filtering, with its end pixels repeated on both sides.
+    /// Buffer for one row after vertical filtering, with its first and last pixel repeated
+    /// outwards.
     padded: Vec<f32>,
     /// Blurred channels Y, Cx and Cz. The fourth row is a buffer: Cz, blurred by its second
     /// Gaussian.
@@ -143,7 +146,7 @@ impl FlipRowFilter {
         filter_row(&planes[0], row, second, gaussian, padded, point_down);
     }
 
-    /// Blurred YCxCz colour at column `x` of the filtered row.
+    /// Blurred YCxCz color at column `x` of the filtered row.
     pub fn filtered_color(&self, x: usize) -> DVec3 {
         let [y, cx, cz, _] = &self.blurred;
         DVec3::new(y[x].into(), cx[x].into(), cz[x].into())
@@ -154,7 +157,7 @@ impl FlipRowFilter {
         feature_magnitude(self.features[0][x], self.features[1][x])
     }
 
-    /// Strength of a luminance point, such as a firefly, at column `x` of the filtered row, in
+    /// Strength of an isolated point, such as a firefly, at column `x` of the filtered row, in
     /// relative luminance.
     pub fn point_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[2][x], self.features[3][x])
@@ -164,7 +167,7 @@ impl FlipRowFilter {
 /// Returns the strength of an edge or point from the responses of its detector along x (`across`)
 /// and along y (`down`), in relative luminance.
 ///
-/// Detector weights have sum 0, so the offset between channel Y and luminance cancels.
+/// The weights of a detector sum to 0, so the offset between channel Y and luminance cancels.
 fn feature_magnitude(across: f32, down: f32) -> f64 {
     let scale = ycxcz_y_to_luminance(1.0) - ycxcz_y_to_luminance(0.0);
     let (a, d) = (f64::from(across), f64::from(down));

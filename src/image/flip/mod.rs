@@ -17,22 +17,23 @@ use glam::Vec3;
 use rayon::prelude::*;
 use tone::{film_curve, hdr_flip_exposures};
 
-/// Default pixels per degree of visual angle: a 0.7 m wide screen of 3840 pixels, seen from 0.7 m.
+/// Default number of pixels per degree of visual angle: a 0.7 m wide screen of 3840 pixels, seen
+/// from 0.7 m.
 pub const DEFAULT_PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
 
-/// Accepted pixels per degree of visual angle.
+/// Accepted numbers of pixels per degree of visual angle.
 ///
-/// Below the range, filters are narrower than a pixel. Above it, they are wider than most pictures.
+/// Below this range, filters would be narrower than a pixel; above it, wider than most pictures.
 pub const PIXELS_PER_DEGREE_RANGE: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
-/// Variant of ꟻLIP; it determines how the pictures are tone-mapped before they are compared.
+/// Variant of ꟻLIP: the tone mapping of the pictures before they are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlipMetricMode {
     /// LDR-ꟻLIP at one exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`].
     ///
     /// Radiance is multiplied by 2 to the power of the exposure, and clamped to \[0, 1].
     Ldr(f32),
-    /// HDR-ꟻLIP: the error of a pixel is its largest error over exposures about one stop apart.
+    /// HDR-ꟻLIP: the error of a pixel is its largest LDR error over exposures about one stop apart.
     ///
     /// The first exposure maps the brightest pixel of the reference close to white. The last
     /// exposure maps the median of its non-black pixels close to white.
@@ -57,13 +58,14 @@ impl Default for FlipMetricOptions {
 /// ꟻLIP errors of a picture compared with a reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlipMetricResult {
-    /// Error of each pixel in \[0, 1], in rows from the top; 0 is equal.
+    /// Error of each pixel in \[0, 1], in rows from the top; 0 means equal.
     pub error_map: Vec<f32>,
     /// Mean of `error_map` over all pixels.
     pub mean: f64,
 }
 
-/// Computes the ꟻLIP error of `test` against `reference`. Negative radiance counts as black.
+/// Computes the ꟻLIP error of `test` against `reference`, per pixel and as a mean. Negative
+/// radiance counts as black.
 ///
 /// The result for [`FlipMetricMode::Ldr`] does not change if the pictures are exchanged.
 /// [`FlipMetricMode::Hdr`] derives its exposures from the reference.
@@ -113,7 +115,7 @@ pub fn flip_metric(
     Ok(FlipMetricResult { error_map: map, mean })
 }
 
-/// A picture in the opponent colour space YCxCz: luminance, red-green, blue-yellow.
+/// A picture in the opponent color space YCxCz: luminance, red-green, blue-yellow.
 struct OpponentColorImage {
     width: usize,
     /// Planes of the channels Y, Cx and Cz, each in rows from the top.
@@ -130,8 +132,8 @@ impl OpponentColorImage {
     }
 }
 
-/// Compares two pictures by ꟻLIP. Raises each value of `map` to the error of its pixel if this
-/// error is larger.
+/// Computes the ꟻLIP error of each pixel between two pictures, and raises the value of `map` to
+/// this error if the error is larger.
 fn accumulate_max_error(
     reference: &OpponentColorImage,
     test: &OpponentColorImage,
@@ -145,7 +147,7 @@ fn accumulate_max_error(
         b.filter_image_row(&test.planes, row, filters);
         for (x, error) in errors.iter_mut().enumerate() {
             let color = color_error(hunt_lab_from_ycxcz(a.filtered_color(x)), hunt_lab_from_ycxcz(b.filtered_color(x)));
-            // Combine colour and feature errors by equations 13 and 14 of Andersson et al. 2020.
+            // Combine color and feature errors by equations 13 and 14 of Andersson et al. 2020.
             let feature =
                 (a.edge_strength(x) - b.edge_strength(x)).abs().max((a.point_strength(x) - b.point_strength(x)).abs());
             let feature = (feature * std::f64::consts::FRAC_1_SQRT_2).sqrt().min(1.0);

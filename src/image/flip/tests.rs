@@ -42,8 +42,8 @@ fn assert_same_result(a: &FlipMetricResult, b: &FlipMetricResult) {
 /// row 20, and the error of the first pixel.
 #[track_caller]
 fn assert_flip_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: [f32; 3]) {
-    // The authors' program computes in f32. Roots of small features amplify its rounding to about
-    // 1e-4.
+    // The authors' program computes in f32. Square roots of small feature differences amplify its
+    // rounding errors to about 10⁻⁴.
     assert!((found.mean - mean).abs() < 2e-5, "{} instead of {mean}", found.mean);
     let most = found.error_map.iter().copied().fold(0.0, f32::max);
     for (found, expected) in [(most, largest), (found.error_map[20 * 64 + 30], inside), (found.error_map[0], first)] {

@@ -5,14 +5,14 @@ use glam::{DVec3, Vec3};
 
 /// Coefficients k₀ … k₄ of the film curve of HDR-ꟻLIP: (k₀x² + k₁x) / (k₂x² + k₃x + k₄).
 ///
-/// They are Narkowicz's fit of the ACES film curve with his exposure factor 0.6.
+/// The curve is Narkowicz's fit of the ACES film curve, with his exposure factor 0.6.
 const FILM_CURVE_COEFFICIENTS: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
 
 /// Output of the film curve that counts as close to white.
 const NEAR_WHITE: f64 = 0.85;
 
-/// Converts `radiance` times `scale` to linear display values in \[0, 1] by the film curve.
-/// Negative radiance counts as 0.
+/// Maps `radiance` times `scale` to linear display values in \[0, 1] by the film curve. Negative
+/// radiance counts as 0.
 pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
     let x = radiance.as_dvec3().max(DVec3::ZERO) * scale;
     let [k0, k1, k2, k3, k4] = FILM_CURVE_COEFFICIENTS;
@@ -59,7 +59,8 @@ mod tests {
         assert_eq!(film_curve(Vec3::new(-1.0, 0.0, f32::MAX), 1e30), Vec3::new(0.0, 0.0, 1.0));
     }
 
-    /// HDR-ꟻLIP uses four exposures for the four stops between the maximum 16 and the median 1.
+    /// HDR-ꟻLIP uses four exposures for the range of four stops between the maximum 16 and the
+    /// median 1.
     ///
     /// The median excludes black pixels.
     #[test]

@@ -35,7 +35,8 @@ fn reading_undoes_srgb_to_half_a_level() {
     for (depth, levels) in [(BitDepth::Eight, 255.0), (BitDepth::Sixteen, 65_535.0)] {
         let (file, _) = encode(&color_ramp_image(), &png_write_options(ToneCurve::Srgb, depth)).unwrap();
         let image = unwrap_decoded(decode(&file, None));
-        // The slope of the decoding curve is at most 2.4 / 1.055 = 2.275. Rounding adds 2⁻²⁴.
+        // The slope of the decoding curve is at most 2.4 / 1.055 = 2.275. Rounding to f32 adds at
+        // most 2⁻²³.
         let bound = (0.5 / levels * 2.275 + f64::from(f32::EPSILON)) as f32;
         for (a, b) in image.pixels().iter().zip(color_ramp_image().pixels()) {
             assert!((*a - *b).abs().max_element() <= bound, "{a} {b} {depth:?}");
@@ -44,7 +45,7 @@ fn reading_undoes_srgb_to_half_a_level() {
 }
 
 #[test]
-fn only_the_course_curve_omits_srgb() {
+fn only_the_legacy_curve_omits_srgb_chunk() {
     for (curve, stated) in [(ToneCurve::Srgb, true), (ToneCurve::Filmic, true), (ToneCurve::Legacy, false)] {
         let (file, _) = encode(&color_ramp_image(), &png_write_options(curve, BitDepth::Eight)).unwrap();
         assert_eq!(file.windows(4).any(|w| w == b"sRGB"), stated, "{curve}");

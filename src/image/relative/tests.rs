@@ -13,7 +13,7 @@ fn error_weights_of_uniform_pictures_follow_their_radiance() {
     assert!((square - 0.01 / 8.0).abs() < 1e-15, "{square}");
 }
 
-/// A pixel of radiance 1000 changes the weights of its 5 × 5 neighbourhood only.
+/// A pixel of radiance 1000 changes only the weights of its 5 × 5 neighborhood.
 #[test]
 fn bright_pixels_change_only_their_neighbourhood() {
     let mut values = vec![1.0; 16 * 16];
@@ -21,7 +21,7 @@ fn bright_pixels_change_only_their_neighbourhood() {
     values[255] = 0.0;
     let error_weights = RelativeErrorWeights::from_image(&gray_image(16, &values));
     assert!((error_weights.pixel_weights()[8 * 16 + 8] * 3.0 - 0.5).abs() < 1e-12);
-    // The neighbourhood of a corner pixel has nine pixels: one of radiance 1000 and eight of
+    // The neighborhood of a corner pixel has nine pixels: one of radiance 1000 and eight of
     // radiance 1.
     let corner = 1008.0 / 9.0;
     assert!((error_weights.pixel_weights()[0] * 3.0 * (corner * corner + 1.0) - 1.0).abs() < 1e-12);

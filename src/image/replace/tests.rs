@@ -59,7 +59,8 @@ fn only_old_temporary_files_are_removed() {
     assert_eq!(sorted_file_names(folder.path()), [".caustica-new.tmp", ".other-old.tmp", "a.png"]);
 }
 
-/// If the clock goes back by a day, files of now are from the future. They may be in use.
+/// If the clock is set back by a day, existing files have times in the future. They may be in use,
+/// so they stay.
 #[test]
 fn clocks_that_go_back_remove_no_file() {
     let folder = tempfile::tempdir().unwrap();

@@ -31,7 +31,7 @@ fn exposure_is_in_stops() {
 }
 
 #[test]
-fn course_truncates_without_gamma() {
+fn legacy_curve_truncates_without_gamma() {
     // 255 · .5 = 127.5 and 255 · .999 = 254.7 both lose their fraction.
     assert_eq!(
         [0.5, 0.999, 1.0, -3.0, 7.0].map(|c| quantized_level(ToneCurve::Legacy, 0.0, c)),
@@ -41,12 +41,12 @@ fn course_truncates_without_gamma() {
 
 #[test]
 fn filmic_follows_the_published_fit() {
-    // The curve at x = 1 is 2.54 / 3.16 = .803797.
+    // The curve at x = 1 is 2.54 / 3.16 = 0.803797.
     assert!((filmic_curve(1.0) - 2.54 / 3.16).abs() < 1e-15);
     // The curve reaches 1 at the larger root of .08x² − .56x − .14.
     let white = (0.56 + f64::sqrt(0.56 * 0.56 + 4.0 * 0.08 * 0.14)) / 0.16;
     assert!((filmic_curve(white) - 1.0).abs() < 1e-12);
-    // The sRGB signal of .803797 is .908046, which is level 231.55 of 255.
+    // The sRGB signal of 0.803797 is 0.908046, which is level 231.55 of 255.
     assert_eq!(quantized_level(ToneCurve::Filmic, 0.0, 1.0), 232);
     assert_eq!(
         [f32::INFINITY, f32::MAX, -2.0, 0.0].map(|c| quantized_level(ToneCurve::Filmic, 9.0, c)),

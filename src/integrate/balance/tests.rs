@@ -24,13 +24,13 @@ fn variance_and_work(sources: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f6
 
 /// The optimum for two sources of equal cost is n ∝ σ.
 #[test]
-fn sample_counts_follow_noise_over_cost() {
+fn sample_counts_follow_standard_deviation() {
     let sources = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 1.0, 10.0), noise_source(0.0, 5.0, 7.0)];
     let [a, b, c] = balance_sample_counts(&sources);
     assert!((a - 40.0 / 3.0).abs() < 1e-9 && (b - 20.0 / 3.0).abs() < 1e-9 && c == 7.0, "{a} {b} {c}");
 }
 
-/// Each small shift of work between two sources, within the bounds, adds noise.
+/// Any small shift of work between two sources, within the bounds, adds noise.
 #[test]
 fn balance_has_the_least_noise() {
     for sources in [
@@ -55,7 +55,7 @@ fn balance_has_the_least_noise() {
 }
 
 #[test]
-fn noiseless_sources_change_nothing() {
+fn noiseless_sources_keep_their_sample_counts() {
     let two = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 2.0, 10.0), NoiseSource::default()];
     let [a, b, _] = balance_sample_counts(&two);
     let three = [two[0], two[1], noise_source(0.0, 9.0, 1000.0)];

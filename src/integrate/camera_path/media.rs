@@ -13,11 +13,11 @@ use crate::scene::{Interior, MediumSegment, PathEvent};
 use glam::DVec3;
 use rand::rngs::SmallRng;
 
-/// Advances `path` to its next vertex. Adds to `radiance` the light that media on the way emit, and
-/// the light that they scatter along the path.
+/// Advances `path` to its next vertex. Adds to `radiance` the light that media on the way emit and
+/// scatter towards the start of the segment.
 ///
 /// Returns the event at the vertex, and the phase function of the medium there. The phase function
-/// has a meaning only for scattering events.
+/// is meaningful only for scattering events.
 pub(super) fn advance_to_vertex<'a, I: Interior>(
     paths: &PathContext<'a>,
     weights: &PathWeights,
@@ -38,11 +38,11 @@ pub(super) fn advance_to_vertex<'a, I: Interior>(
     (event, phase)
 }
 
-/// Adds to `radiance` the light that one medium segment emits and scatters along the path.
+/// Adds to `radiance` the light that one medium segment emits and scatters towards its start.
 ///
 /// Returns the distance \[length] at which the path scatters; `None` if it passes through. `weight`
-/// is the product of the throughput factors since the last vertex; the segment's factor is
-/// multiplied in.
+/// is the product of the throughput factors since the last vertex. The function multiplies `weight`
+/// by the factor of this segment.
 #[expect(clippy::too_many_arguments, reason = "one call's inputs, all of different kinds")]
 fn cross_medium<I: Interior>(
     paths: &PathContext<'_>,
@@ -58,7 +58,8 @@ fn cross_medium<I: Interior>(
     let policy = paths.policy;
     let throughput = path.throughput * weight.as_vec3() * segment.absorption_transmittance_before;
 
-    // Add emission. It is direct light of the last receiver, so it has no weight of indirect light.
+    // Add emission. It is direct light of the last receiver, so `pending_weight`, which is for
+    // indirect light, does not apply.
     let history = PathHistory {
         casters_since_receiver: path.history.casters_since_receiver + u32::from(segment.crossed_hidden_boundary),
         ..path.history
@@ -74,7 +75,7 @@ fn cross_medium<I: Interior>(
         return None;
     }
 
-    // Add single scattering of the lights, and light that photons carried.
+    // Add direct light and photon estimates that scatter once on this segment.
     let continues = policy.continuation == PathContinuation::Always
         && path.bounce < paths.max_bounces
         && (!shares_indirect_light(weights.indirect, history) || is_path_continued(weights.indirect, path.sampler));
@@ -88,8 +89,8 @@ fn cross_medium<I: Interior>(
     }
     scattered += photon_radiance(paths, weights.indirect, &path_segment, rng, task);
     *radiance += throughput * scattered;
-    if path.carries_divided_light {
-        task.records.light.divided_light_of_paths += throughput * scattered;
+    if path.shares_indirect {
+        task.records.light.indirect_by_paths += throughput * scattered;
     }
 
     // Scatter, or continue to the end of the segment.
@@ -102,11 +103,12 @@ fn cross_medium<I: Interior>(
 }
 
 /// Returns the radiance that a medium segment scatters to its start, estimated from photon maps
-/// \[W/(m² sr)]; 0 if the policy reads no map on this segment.
+/// \[W/(m² sr)]; 0 if the policy reads no map on this segment. Also adds the radiance, times the
+/// throughput, to the sums of `task`.
 ///
-/// If only one path of a pixel reads the maps, the radiance is multiplied by the number of paths
-/// for which this path stands. `weights` are those of indirect light at the path's first receiver.
-/// Also adds the radiance, times the throughput, to the sums of `task`.
+/// If only one path of a pixel reads the maps, the radiance is multiplied by the number of the
+/// pixel's paths. `weights` are the weights of indirect light at the path's first receiver (surface
+/// or medium that stores photons).
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     weights: IndirectWeights,
@@ -133,10 +135,11 @@ fn photon_radiance<I: Interior>(
     estimate
 }
 
-/// Continues `path` from a scattering event in a direction sampled from `phase`.
-///
-/// `weights` holds the weights of indirect light at the path's first receiver. Returns false if
+/// Continues `path` from a scattering event in a direction sampled from `phase`. Returns false if
 /// Russian roulette ends the path.
+///
+/// `weights` are the weights of camera paths and of photon estimates for indirect light, if this
+/// event is the path's first receiver (surface or medium that stores photons).
 pub(super) fn scatter_in_medium<I: Interior>(
     path: &mut PathState<I>,
     phase: PhaseFunction,
@@ -144,7 +147,7 @@ pub(super) fn scatter_in_medium<I: Interior>(
 ) -> bool {
     let mut next = *path;
     if shares_indirect_light(weights, path.history) {
-        next.start_dividing(weights, path.sampler);
+        next.share_indirect_with_photons(weights, path.sampler);
     }
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
     next.path_ray.scatter_towards(direction);

@@ -8,18 +8,19 @@ fn test_key(i: u64) -> Key {
     Key::new(8).purpose_key(Purpose::Test).child_key(i)
 }
 
-/// Positions for which the planes of the grid divide the unit cube into 8 × 8 × 8 equal cells.
+/// Returns positions for which the planes of the grid divide the unit cube into 8 × 8 × 8 equal
+/// cells.
 fn unit_cube() -> Vec<Vec3> {
     (0..64).map(|i| Vec3::splat(i as f32 / 64.0)).collect()
 }
 
-/// A sky with a bright upper half.
+/// Returns a sky with a bright upper half.
 fn sky() -> EnvironmentLight {
     let pixels = (0..32).map(|i| Vec3::splat(if i < 16 { 2.0 } else { 0.5 } + 0.1 * (i % 5) as f32));
     EnvironmentLight::new(Image::from_pixels(8, 4, pixels.collect()).unwrap(), 0.3, Vec3::ONE).unwrap()
 }
 
-/// A guide made from rays that contribute only if p.x < 1/2 and u.x < 1/4.
+/// Returns a guide fitted to rays that contribute only if p.x < 1/2 and u.x < 1/4.
 fn half_lit_guide() -> EnvironmentGuide {
     let mut fit = EnvironmentGuideFitter::new(&unit_cube());
     for i in 0..200_000 {
@@ -78,7 +79,7 @@ fn guided_samples_lie_where_rays_contributed() {
 }
 
 #[test]
-fn guides_need_a_ray_that_contributes() {
+fn rays_without_contribution_give_no_guide() {
     let mut fit = EnvironmentGuideFitter::new(&unit_cube());
     assert!(fit.fitted_guide().is_none());
     fit.add(Vec3::splat(0.5), Vec2::splat(0.5), 0.0);
@@ -111,7 +112,7 @@ fn cells_of_points_outside_are_the_nearest() {
 
 /// A few far positions, such as those on a large ground plane, do not widen the other cells.
 #[test]
-fn far_points_keep_cells_small() {
+fn far_points_do_not_widen_other_cells() {
     let mut points = unit_cube();
     points.extend([Vec3::splat(-1000.0), Vec3::splat(1000.0)]);
     let grid = SceneCellGrid::new(&points);

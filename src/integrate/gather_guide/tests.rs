@@ -1,7 +1,7 @@
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
-/// The mean of 1/pdf over samples is the solid angle of the union of all cones.
+/// The mean of 1/pdf over samples of the guide is the solid angle of the union of all cones.
 ///
 /// Rounding may move a sample on the rim out of its cone, hence the tolerance of 2 in 1000.
 #[test]

@@ -43,10 +43,10 @@ fn weights_of_both_techniques_sum_to_one() {
 
 /// The single path of a pilot stands for all paths of its pixel.
 ///
-/// It continues with probability n/N, where n of the pixel's N paths continue. It then has the
-/// weight of one continued path among N.
+/// If n of the pixel's N paths continue, it continues with probability n/N. It then has the weight
+/// of one continued path among N.
 #[test]
-fn paths_of_pilots_stand_for_all_samples() {
+fn single_pilot_path_stands_for_all_samples() {
     let weights = IndirectWeights { photon_weight: 0.25, continued_paths: 3, samples_per_pixel: 12 };
     let continued = (0..1200).filter(|i| weights.continues_at_receiver((0, 1), *i as f32 / 1200.0)).count();
     assert_eq!(continued, 300);
@@ -55,7 +55,7 @@ fn paths_of_pilots_stand_for_all_samples() {
 }
 
 #[test]
-fn camera_paths_take_over_in_the_long_run() {
+fn photon_weight_vanishes_after_many_passes() {
     let division = division_of_cells(vec![indirect_errors(0.4, 1.0, 0.001)], 1);
     // The law of gather radii: the area of a disc falls as N^(-1/3).
     let weights = |pass_count: f32| division.technique_weights(Vec2::ZERO, pass_count, 1.0 / libm::cbrtf(pass_count));
@@ -68,7 +68,7 @@ fn camera_paths_take_over_in_the_long_run() {
 /// If a pilot found no light by one technique in a cell, camera paths carry all indirect light
 /// there.
 #[test]
-fn unknown_errors_leave_light_to_camera_paths() {
+fn cells_without_measured_errors_use_camera_paths() {
     for cell in [indirect_errors(0.0, 1.0, 0.0), indirect_errors(1.0, 0.0, 0.0)] {
         assert_eq!(
             division_of_cells(vec![cell], 1).technique_weights(Vec2::ZERO, 1.0, 1.0),

@@ -26,7 +26,7 @@ fn area(pass: u32) -> f64 {
 }
 
 #[test]
-fn photons_take_part_where_they_pay() {
+fn photon_estimates_are_used_only_if_cheaper() {
     let precise = least_cost_division(&division(0.4, 0.002, 1e-4), &PHOTON_PATH_FRACTIONS, &COST, area).unwrap();
     assert!(precise.passes_with_photons > 100, "{}", precise.passes_with_photons);
     let biased = least_cost_division(&division(0.4, 0.002, 2e-3), &PHOTON_PATH_FRACTIONS, &COST, area).unwrap();
@@ -47,7 +47,7 @@ fn photons_take_part_where_they_pay() {
 }
 
 #[test]
-fn fewer_photons_are_traced_where_few_suffice() {
+fn precise_photon_estimates_need_fewer_photons() {
     let photons = |variance| {
         least_cost_division(&division(0.4, variance, 0.0), &PHOTON_PATH_FRACTIONS, &COST, area).unwrap().unaimed_paths
     };

@@ -104,9 +104,10 @@ fn hidden_lamps_have_no_image() {
     assert!(images_in(&b.build(camera).unwrap()).is_empty());
 }
 
-/// The image of a lamp out of focus moves with the lens position l by l·(1/f − 1/d)/w, if the
-/// camera focuses at distance f, the lamp is at distance d, and a pixel has the width w at distance
-/// 1.
+/// The image of a lamp out of focus moves by l·(1/f − 1/d)/w if the lens position moves by l.
+///
+/// The camera focuses at distance f, the lamp is at distance d, and a pixel has the width w at
+/// distance 1.
 #[test]
 fn images_move_with_the_lens_position() {
     let (distance, focus, radius) = (6.0, 2.0, 0.004);

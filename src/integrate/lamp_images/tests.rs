@@ -1,7 +1,7 @@
 use super::*;
 use crate::sampling::{Key, Purpose};
 
-/// A small oblique image, and one twice as large that moves with the lens.
+/// Returns a small oblique image, and one twice as large that moves with the lens point.
 fn two_images() -> Vec<PixelLampImage> {
     let small = LampImage {
         center: Vec2::new(10.3, 4.6),
@@ -16,7 +16,7 @@ fn two_images() -> Vec<PixelLampImage> {
     vec![PixelLampImage { image: small, aim_probability: 0.7 }, PixelLampImage { image: moving, aim_probability: 0.3 }]
 }
 
-/// Importance sampling with the pdf integrates a smooth bump around an image exactly.
+/// Importance sampling by aimed points and their pdf integrates a smooth bump around an image.
 ///
 /// The weights of 2¹⁶ stratified points vary by less than a factor of 4, so the tolerance of 1 % is
 /// above five standard deviations of as many independent points.
@@ -46,7 +46,7 @@ fn aimed_points_follow_their_pdf() {
 ///
 /// The tolerance is 2.5 standard deviations of as many independent rays; stratified ones vary less.
 #[test]
-fn most_aimed_rays_meet_the_image() {
+fn most_aimed_rays_fall_into_the_image() {
     let images = &two_images()[..1];
     let images = [PixelLampImage { aim_probability: 1.0, ..images[0] }];
     let key = Key::new(4).purpose_key(Purpose::Test);
@@ -62,7 +62,7 @@ fn most_aimed_rays_meet_the_image() {
 }
 
 #[test]
-fn pixels_keep_their_images() {
+fn lamp_images_are_listed_by_pixel() {
     let images = two_images();
     let pixels = [vec![], images.clone(), vec![images[1]], vec![]];
     let all = LampImages::from_pixels(&pixels);

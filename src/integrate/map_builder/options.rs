@@ -3,17 +3,18 @@
 use crate::integrate::shutter::ShutterSlice;
 use crate::sampling::{Key, Purpose};
 
-/// Smallest limit k on the photons of a density estimate, for passes and pilots.
+/// Smallest limit k on the number of photons of a density estimate, for passes and pilots.
 ///
-/// The k-th photon only sets the radius, so k = 1 gives no density.
+/// The k-th nearest photon only sets the radius, so k = 1 gives no density.
 const MIN_PHOTON_LIMIT: u32 = 2;
 
-/// Numbers of photon paths of a pass: those in all directions, and those aimed at casters.
+/// Numbers of photon paths of a pass: paths that start in all directions, and paths aimed at
+/// casters, such as mirrors and glass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::integrate) struct PhotonPathCounts {
     /// Number of paths that start in all directions.
     pub unaimed: u32,
-    /// Number of paths aimed at casters.
+    /// Number of paths aimed at casters, such as mirrors and glass.
     pub aimed: u32,
 }
 
@@ -24,24 +25,24 @@ impl PhotonPathCounts {
     }
 }
 
-/// Returns the limit on the number of photons of a density estimate, if only 1/`divisor` of a
+/// Returns the limit on the number of photons of a density estimate when only 1/`divisor` of a
 /// pass's photon paths are traced; 0 for no limit.
 ///
-/// `k` is the limit for all photon paths of a pass.
+/// `k` is the limit when all photon paths of the pass are traced.
 pub(super) fn photon_limit(k: u32, divisor: u32) -> u32 {
     if k == 0 { 0 } else { k.div_ceil(divisor).max(MIN_PHOTON_LIMIT) }
 }
 
-/// Options for building photon maps, for a pass or for a pilot: random key, pass number and number
-/// of photon paths.
+/// Options for building photon maps, for a pass or for a pilot (small simulation before the first
+/// pass): random key, pass number and number of photon paths.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrate) struct MapBuildOptions {
     /// Random key from which the keys of all photon paths derive.
     pub key: Key,
     /// Number of the pass, counted from 0.
     pub pass: u32,
-    /// Divisor of the number of photon paths: 1 for a pass. It is larger for a pilot, and for a
-    /// slice of the shutter interval.
+    /// Number of photon paths of a pass, divided by the number of paths to trace: 1 for a whole
+    /// pass, more for a pilot and for a slice of the shutter interval.
     pub photon_path_divisor: u32,
     /// Slice of the shutter interval in which photons are traced.
     pub slice: ShutterSlice,
@@ -53,17 +54,18 @@ pub(in crate::integrate) struct MapBuildOptions {
 }
 
 impl MapBuildOptions {
-    /// Returns the options of slice `slice` of pass `pass` of a render with random seed `seed`.
+    /// Returns the options of slice `slice` (a part of the shutter interval) of pass `pass`, in a
+    /// render with random seed `seed`.
     ///
-    /// The gather radii are those of the whole pass. So the mean of the estimates of all slices has
-    /// the noise and bias of one estimate from the photons of all slices.
+    /// All slices use the gather radii of the whole pass. So the mean of their estimates has the
+    /// noise and bias of one estimate from the photons of all slices.
     pub fn for_slice(seed: u64, pass: u32, slice: ShutterSlice) -> Self {
         let (key, divisor) = (Key::new(seed), slice.count);
         Self { key, pass, photon_path_divisor: divisor, slice, has_photon_limit: true, connects_to_camera: true }
     }
 
-    /// Returns the options of a pilot. It traces 1/`divisor` of the photon paths of the first pass,
-    /// without light tracing.
+    /// Returns the options of a pilot (small simulation before the first pass), which traces
+    /// 1/`divisor` of the photon paths of the first pass, without light tracing.
     pub fn for_pilot(key: Key, divisor: u32) -> Self {
         Self {
             key,
@@ -86,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn photon_limits_allow_a_density() {
+    fn scaled_photon_limits_are_at_least_two() {
         assert_eq!([0, 1, 2, 5, 50].map(|k| photon_limit(k, 4)), [0, 2, 2, 2, 13]);
         assert_eq!([0, 2, 50].map(|k| photon_limit(k, 1)), [0, 2, 50]);
     }

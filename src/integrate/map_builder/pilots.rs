@@ -1,7 +1,7 @@
 //! Pilots of the map builder: small photon simulations before the render.
 //!
-//! They guide emission, find gather radii, divide caustics between estimates and light tracing, and
-//! predict how many photons a pass stores.
+//! They guide photon emission, find gather radii, divide caustics between photon estimates and
+//! light tracing, and predict how many photons a pass stores.
 
 use super::{DEFAULT_CAUSTIC_K, GUIDE_PHOTON_DIVISOR, PhotonMapBuilder, VolumeKernelRadiiPerMap};
 use crate::integrate::pass::ExpectedPhotons;
@@ -17,53 +17,57 @@ use crate::sampling::{Key, Purpose};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Number of aimed photon paths of a pass, divided by that of the pilot that divides caustics
-/// between photon estimates and light tracing.
+/// Number of photon paths of a pass that are aimed at casters such as glass, divided by the number
+/// of a pilot. The pilot divides caustics between photon estimates and light tracing.
 const SHARE_PILOT_PATH_DIVISOR: u32 = 4;
 
-/// Least number of photon paths of that pilot, unless a pass has fewer.
+/// Least number of photon paths of the pilot that divides caustics between photon estimates and
+/// light tracing. If a pass has fewer paths, the pilot has as many as the pass.
 const MIN_SHARE_PILOT_PATHS: u32 = 1 << 15;
 
-/// Largest number of photon paths of that pilot.
+/// Largest number of photon paths of the pilot that divides caustics between photon estimates and
+/// light tracing.
 const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 
-/// Number of photons that most gather discs of the indirect map should hold. In `hybrid`, it
-/// applies to the interreflection map instead.
+/// Number of photons that three of four gather discs of the indirect map should hold. In `hybrid`,
+/// it applies instead to the interreflection map, which holds the indirect light that does not come
+/// from caustics.
 const DEFAULT_INDIRECT_K: u32 = 100;
 
-/// Number of photons that most gather discs of the indirect map of `hybrid` should hold. That map
-/// holds light that receivers scatter after a caustic.
+/// Number of photons that three of four gather discs of the indirect map of `hybrid` should hold.
+/// That map holds the indirect light of caustics.
 const DEFAULT_AFTER_CAUSTIC_K: u32 = 50;
 
-/// Largest distance between a photon and a point that the camera sees at which the photon counts as
-/// visible, divided by the scene radius.
+/// Largest distance from a photon to a point that the camera sees, divided by the scene radius.
+/// Photons within this distance count as visible.
 const VISIBLE_RELATIVE_RADIUS: f32 = 0.01;
 
-/// Gather radius divided by the scene radius, for a pilot that stores no photon from which it could
-/// find the radius.
+/// Gather radius, divided by the scene radius, that is used if a pilot stores no photon from which
+/// it could find a radius.
 const DEFAULT_RELATIVE_RADIUS: f32 = 0.01;
 
-/// Largest number of photon paths of the pilot that guides emission for the interreflection map.
+/// Largest number of photon paths of the pilot that guides emission for the interreflection map of
+/// `hybrid`.
 ///
-/// Many photons of that map are visible, so few paths suffice.
+/// The camera sees many photons of that map, so few paths suffice.
 const MAX_INTERREFLECTION_GUIDING_PATHS: u32 = 1 << 15;
 
-/// Least gain at which passes use guided photon emission: number of unguided photon paths, divided
-/// by the number of guided ones of equal noise.
+/// Least gain at which passes use guided photon emission. The gain is the number of unguided photon
+/// paths, divided by the number of guided ones with the same noise.
 ///
-/// It exceeds 1, because guided paths take longer to sample.
+/// The threshold exceeds 1, because guided paths take longer to sample.
 const MIN_GUIDING_GAIN: f64 = 1.5;
 
 /// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
 const BEAM_MEMORY_IN_PHOTONS: usize = 4;
 
-/// Largest number of photon paths that are traced per map to predict how many photons a pass
+/// Largest number of photon paths that are traced per map, to predict how many photons a pass
 /// stores.
 const PROBE_PATHS: u32 = 4096;
 
 impl<'a> PhotonMapBuilder<'a> {
-    /// Guides photon emission towards points that the camera sees, if a pilot finds that more
-    /// efficient. Sets the reports on these pilots.
+    /// Guides photon emission towards points that the camera sees, if a pilot (small simulation
+    /// before the first pass) finds that more efficient. Stores the reports on these pilots.
     ///
     /// Does nothing if media store photons, because the points that guide emission lie on surfaces.
     /// Paths that start in all directions stay unguided if final-gathering rays read their photons.
@@ -103,11 +107,11 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Returns the gather radii of the caustic and the indirect map \[length], and sets the gather
-    /// radius of the interreflection map.
+    /// Returns the gather radii of the caustic and the indirect map \[length], and stores the
+    /// gather radius of the interreflection map.
     ///
-    /// Pilots find radii within which most photons have enough neighbours, if the settings give
-    /// none.
+    /// The radii come from the settings, or else from pilots (small photon simulations). A pilot
+    /// finds the radius within which three of four photons have enough neighbours.
     pub(super) fn find_gather_radii(&mut self) -> GatherRadii {
         let settings = &self.settings;
         let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: (u32, u32), default_k: u32| {
@@ -147,10 +151,10 @@ impl<'a> PhotonMapBuilder<'a> {
         GatherRadii { indirect, caustic }
     }
 
-    /// Returns the kernel radii \[length] of photon estimates in media, for each map.
+    /// Returns the kernel radii \[length] of photon estimates in media, for each photon map.
     ///
-    /// Pilots find radii within which the median camera ray finds enough photons, if the settings
-    /// give none.
+    /// The radii come from the settings, or else from pilots (small photon simulations). A pilot
+    /// finds the radius within which the median camera ray meets enough photons.
     pub(super) fn find_volume_kernel_radii(&self) -> VolumeKernelRadiiPerMap {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
@@ -180,10 +184,10 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 
     /// Sets the share of caustic flux that photon estimates carry at each pixel. Light tracing
-    /// carries the rest.
+    /// (photons connected to the camera) carries the rest.
     ///
-    /// The shares depend on the number of aimed photon paths, so this number must be final. Without
-    /// light tracing or caustic photons, the function does nothing.
+    /// The shares depend on the number of photon paths aimed at casters such as glass, so this
+    /// number must be final. Without light tracing or caustic photons, the function does nothing.
     pub fn set_density_estimate_shares(&mut self) {
         let size = self.scene.camera().size();
         let Some(source) = self.aimed_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };

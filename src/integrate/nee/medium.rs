@@ -1,4 +1,4 @@
-//! Next-event estimation in media: light that reaches a point of the medium straight from a light,
+//! Next-event estimation in media: light that goes straight from a light to a point of the medium,
 //! and scatters there along a camera path.
 
 use super::{CENTER, NextEventEstimator, ScatterPointSampling, ShadowRayScheme, stratified_sample};
@@ -13,21 +13,22 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Effect, Interior, MediumSegment};
 use glam::{Vec2, Vec3};
 
-/// Fraction of the points on a segment that does not follow the guide (defensive sampling).
+/// Fraction of the scattering points on a medium segment that are sampled without the guide
+/// (defensive sampling).
 ///
 /// A guided point has at most 4 times the weight of the same point without guiding.
 const DEFENSIVE_FRACTION: f32 = 0.25;
 
-/// Smallest expected number of guided points on a segment, divided by the number of shadow rays
-/// that a surface point would send. Below 1, Russian roulette decides whether a segment gets
-/// points.
+/// Smallest expected number of guided scattering points on a medium segment, divided by the number
+/// of shadow rays that a surface point would send. Below 1, Russian roulette decides whether a
+/// segment gets points.
 const MIN_RELATIVE_POINT_COUNT: f32 = 0.125;
-/// Largest expected number of guided points on a segment, divided by the number of shadow rays that
-/// a surface point would send.
+/// Largest expected number of guided scattering points on a medium segment, divided by the number
+/// of shadow rays that a surface point would send.
 const MAX_RELATIVE_POINT_COUNT: f32 = 16.0;
 
-/// Number of points on a segment from which a pilot records shadow rays, divided by the number of
-/// shadow rays that a surface point would send.
+/// Number of scattering points on a medium segment, divided by the number of shadow rays that a
+/// surface point would send, while a pilot records the light that shadow rays find.
 const RECORDED_RELATIVE_POINT_COUNT: f32 = 12.0;
 
 /// Sampled scattering point on a segment of a camera path through a medium.
@@ -41,10 +42,10 @@ struct ScatterPoint {
 impl NextEventEstimator<'_> {
     /// Estimates the direct light that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// `distance_sample` holds the distance at which the path itself scatters. If the path
-    /// `continues` from there, its next ray may hit the same light, unless it is a delta light. The
-    /// contribution of that light is then multiplied by the MIS weight (balance heuristic) of
-    /// shadow rays against that ray.
+    /// `distance_sample` holds the distance at which the path itself scatters. If `continues` is
+    /// true, the path continues from there, and its next ray may hit the same light. The
+    /// contribution of the light is then multiplied by the MIS weight (balance heuristic) of shadow
+    /// rays against that ray. Delta lights have no such weight, because no ray hits them.
     pub fn estimate_direct_light_in_medium<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
@@ -113,13 +114,12 @@ impl NextEventEstimator<'_> {
         sum
     }
 
-    /// Estimates the radiance that a homogeneous medium scatters to the start of a segment,
-    /// straight from the light with index `light` \[W/(m² sr)]. Shadow rays start from several
-    /// points.
+    /// Estimates the direct light that a homogeneous medium scatters to the start of a segment
+    /// \[W/(m² sr)], from the light with index `light`. Shadow rays start from several points.
     ///
-    /// Returns `None` if [`ScatterPointSampling`] is `Unguided`. If it is `Recorded`, adds what
-    /// each shadow ray found to the records of `task`. `rays` is the number of shadow rays that a
-    /// surface point sends to the light.
+    /// Returns `None` if [`ScatterPointSampling`] is `Unguided`. If it is `Recorded`, adds the
+    /// light that each shadow ray found to the records of `task`. `rays` is the number of shadow
+    /// rays that a surface point sends to the light.
     fn estimate_at_guided_points<I: Interior>(
         &self,
         light: usize,
@@ -191,7 +191,8 @@ impl NextEventEstimator<'_> {
     }
 
     /// Returns the radiance \[W/(m² sr)] that one shadow ray from `point` to the light with index
-    /// `light` adds at the start of the segment, including its MIS weight if the path `continues`.
+    /// `light` adds at the start of the segment. It includes the MIS weight if the path
+    /// `continues`.
     ///
     /// `rays` is the expected number of shadow rays to that light, by which the radiance is
     /// divided.
@@ -242,8 +243,9 @@ impl NextEventEstimator<'_> {
     }
 }
 
-/// Samples a point on a segment in a homogeneous medium, from which a shadow ray starts. The light
-/// of the ray lies at or around `pivot`.
+/// Samples the point on a segment in a homogeneous medium from which a shadow ray to one light
+/// starts. `pivot` is a point that stands for the position of the light, such as a point light's
+/// position.
 ///
 /// Returns `None` if the sampled distance is beyond the segment.
 fn sample_scatter_point_near<I: Interior>(
@@ -255,18 +257,18 @@ fn sample_scatter_point_near<I: Interior>(
     ScatterPointDistribution { path_segment, angles, guided: None }.sample(sampler)
 }
 
-/// Distribution of points along a segment in a homogeneous medium, from which shadow rays to one
+/// Distribution of the points on a segment in a homogeneous medium from which shadow rays to one
 /// light start.
 ///
-/// Without a guide, half of the points follow the transmittance. The other half are equiangular:
-/// uniform in the angle seen from the light (Kulla and Fajardo 2012, "Importance Sampling
-/// Techniques for Path Tracing in Participating Media"). For a light at infinity, all follow the
-/// transmittance.
+/// Without a guide, half of the points are sampled by transmittance. The other half are
+/// equiangular: uniform in the angle seen from the light (Kulla and Fajardo 2012, "Importance
+/// Sampling Techniques for Path Tracing in Participating Media"). For a light at infinity, all
+/// points are sampled by transmittance. With a guide, three of four points follow it.
 struct ScatterPointDistribution<'a, I> {
     path_segment: &'a MediumPathSegment<'a, I>,
     angles: Option<EquiangularDistribution>,
-    /// Distribution of distances that most points follow; `None` without a guide, or if the guide
-    /// found no light.
+    /// Guide's distribution of distances along the ray; `None` without a guide, or if the guide
+    /// found no light on the ray.
     guided: Option<&'a GuidedDistanceDistribution>,
 }
 
@@ -275,12 +277,12 @@ impl<I: Interior> ScatterPointDistribution<'_, I> {
     fn sample(&self, sampler: Sampler) -> Option<ScatterPoint> {
         let MediumSegment { ray, medium, .. } = self.path_segment.segment;
         let mut rng = sampler.sample_key().shadow_ray_scatter_point_key().rng();
-        let Vec2 { x: which, y: u } = sampler.get_2d(Dimension::ScatterPoint);
+        let Vec2 { x: choice, y: u } = sampler.get_2d(Dimension::ScatterPoint);
         let guided_fraction = if self.guided.is_some() { 1.0 - DEFENSIVE_FRACTION } else { 0.0 };
         let angle_fraction = if self.angles.is_some() { 0.5 * (1.0 - guided_fraction) } else { 0.0 };
         let t = match (self.guided, &self.angles) {
-            (Some(guided), _) if which < guided_fraction => guided.sample(u),
-            (_, Some(angles)) if which >= 1.0 - angle_fraction => angles.sample(u),
+            (Some(guided), _) if choice < guided_fraction => guided.sample(u),
+            (_, Some(angles)) if choice >= 1.0 - angle_fraction => angles.sample(u),
             _ => medium.distance_sample(ray, ray.t_max, self.path_segment.throughput, &mut rng).scattering_distance?,
         };
         let pdf = guided_fraction * self.guided.map_or(0.0, |guided| guided.pdf(t))

@@ -8,7 +8,8 @@ const WORK: PassWork = PassWork {
     work_per_lookup: 6.0,
 };
 
-/// Variances of `n` ordinary pixels and one with a highlight or a caustic.
+/// Returns the variances of `n` ordinary pixels, and of one special pixel such as a highlight or a
+/// caustic.
 fn one_special_pixel(n: usize, special: RelativePixelVariances) -> Vec<RelativePixelVariances> {
     let ordinary = RelativePixelVariances {
         from_receiver: 0.1,
@@ -42,7 +43,7 @@ fn only_pixels_with_noisy_prefixes_get_prefix_rays() {
     assert_eq!(efficient_ray_counts(&[ordinary; 200], SAMPLES, &WORK), None);
 }
 
-/// Numbers of rays twice or half as large give a larger product of variance and work.
+/// Twice or half as many prefix rays give a larger product of variance and work.
 #[test]
 fn ray_counts_minimize_variance_times_work() {
     let special = RelativePixelVariances {
@@ -71,7 +72,7 @@ fn ray_counts_minimize_variance_times_work() {
 }
 
 #[test]
-fn prefix_rays_take_limited_work() {
+fn prefix_ray_work_is_bounded() {
     let noisy = RelativePixelVariances {
         from_receiver: 0.1,
         up_to_receiver: 1e6,

@@ -1,14 +1,15 @@
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
-/// Returns a point in \[0, 1)³ of sample `i`.
+/// Returns random point number `i` in \[0, 1)³.
 fn random_point(i: u64) -> Vec3 {
     let key = Key::new(3).purpose_key(Purpose::Test).child_key(i);
     let (xy, z) = (key.uniform_2d(Dimension::LightPosition), key.uniform_2d(Dimension::Light).x);
     xy.extend(z)
 }
 
-/// Returns a guide over the box from (0, 0, 0) to (4, 2, 1) whose light falls on x > 3 only.
+/// Returns a guide over the box from (0, 0, 0) to (4, 2, 1), fitted to light in the part x > 3
+/// only.
 fn guide_of_lit_end() -> ScatterPointGuide {
     let size = Vec3::new(4.0, 2.0, 1.0);
     let mut fit = ScatterPointGuideFitter::new([Vec3::ZERO, size].into_iter(), 2).unwrap();
@@ -34,7 +35,7 @@ fn guided_distances_cover_the_lit_part() {
     let lit = (0..1000).filter(|i| distances.sample(*i as f32 / 1000.0) > 4.0).count();
     assert!(lit > 900, "{lit}");
     assert!(distances.sample(0.0) > 3.85);
-    // Nothing for another light, away from the light, or outside the grid.
+    // There is no guide for other lights, for rays away from the lit part, or outside the grid.
     for (light, ray) in [
         (0, ray),
         (1, Ray::new(Vec3::new(2.5, 1.0, 0.5), -Vec3::X)),
@@ -75,15 +76,15 @@ fn guided_distances_match_their_pdf() {
     assert!(checked > 30, "{checked}");
 }
 
-/// The cells along a ray follow each other, cover the part of the ray in the grid, and contain the
-/// middle of their part.
+/// The visited cells follow each other along the ray, cover the part of the ray in the grid, and
+/// contain the middle of their part.
 #[test]
 fn rays_cross_all_cells_on_their_way() {
     let grid = MediumCellGrid::new(&Bounds::from_points([Vec3::splat(-1.0), Vec3::new(1.0, 0.5, 3.0)])).unwrap();
     assert!((12_000..=24_000).contains(&grid.len()), "{}", grid.len());
     for i in 0..2000 {
         let direction = random_point(i) - 0.5;
-        // Some rays are parallel to an axis.
+        // Some rays are perpendicular to the x axis.
         let direction = if i % 4 == 0 { Vec3::new(0.0, direction.y, direction.z) } else { direction };
         let ray = Ray::new((random_point(5000 + i) - 0.5) * 6.0, direction.normalize());
         let (mut last, mut length, mut pieces) = (None, 0.0, 0);
@@ -93,7 +94,7 @@ fn rays_cross_all_cells_on_their_way() {
             assert!(cell == grid.cell_index(middle) || to - from < 1e-4, "{middle}");
             (last, length, pieces) = (Some(to), length + (to - from), pieces + 1);
         });
-        // A closed form of the length within the box.
+        // Measure the length within the box by small steps.
         let inside = |t: f32| {
             let p = ray.at(t);
             p.cmpge(Vec3::splat(-1.0)).all() && p.cmple(Vec3::new(1.0, 0.5, 3.0)).all()
@@ -102,7 +103,7 @@ fn rays_cross_all_cells_on_their_way() {
         assert!((length - 0.0025 * steps as f32).abs() < 0.01, "{length} {steps}");
         assert!(pieces < 200);
     }
-    // A flat or empty box is no problem.
+    // A flat box gives a grid; a single point and an empty box give none.
     assert!(MediumCellGrid::new(&Bounds::from_points([Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)])).is_some());
     assert!(MediumCellGrid::new(&Bounds::from_points([Vec3::ZERO])).is_none());
     assert!(MediumCellGrid::new(&Bounds::from_points([])).is_none());

@@ -21,7 +21,7 @@ fn rays_in_slices(slices: usize, rays: u32, pass: u32) -> (Vec<u32>, bool) {
 /// Each pixel has rays in as many slices as possible. The number of a pixel's rays in a slice has a
 /// variance of at most ¼.
 #[test]
-fn slices_share_the_rays_of_each_pixel() {
+fn pixel_rays_spread_over_shutter_slices() {
     for (slices, rays, pass) in [(8, 8, 0), (4, 8, 3), (32, 8, 1), (8, 2, 9), (7, 15, 2), (64, 1, 4)] {
         let (all, distinct) = rays_in_slices(slices, rays, pass);
         assert!(distinct, "{slices} slices, {rays} rays");

@@ -50,7 +50,7 @@ fn signed_filters_are_unbiased_and_noiseless_in_flat_areas() {
 }
 
 #[test]
-fn rendered_tiles_are_enough_and_cover_all_columns() {
+fn rendered_tiles_cover_all_columns() {
     for size in [(96u32, 72u32), (640, 480), (1920, 1080), (16, 16), (4000, 16)] {
         let (columns, rows) = (size.0.div_ceil(TILE_SIZE), size.1.div_ceil(TILE_SIZE));
         let stride = rendered_tile_stride(size, 48);

@@ -23,7 +23,7 @@ fn test_key(pass: u64, i: u64) -> Key {
     Key::new(31).purpose_key(Purpose::Test).child_key(pass).child_key(i)
 }
 
-/// The cube from −1 to 1, full of fog; if `divided`, with a thin wall in the plane y = 0.
+/// Returns a cube from −1 to 1 full of fog; if `divided`, with a thin wall in the plane y = 0.
 fn foggy_room(divided: bool) -> Scene {
     let mut builder = SceneBuilder::new();
     let black = builder.add_material(Material::black());
@@ -39,8 +39,8 @@ fn foggy_room(divided: bool) -> Scene {
     builder.build(Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap()).unwrap()
 }
 
-/// Mean and standard error of the radiance, and of each nested difference, over independent maps of
-/// `photons`, along the ray from `origin` in the direction of x.
+/// Returns the mean and standard error of the radiance, and of each nested difference, over
+/// independent maps of `photons`, along the ray from `origin` in the direction of x.
 fn estimates_along_x(
     scene: &Scene,
     origin: Vec3,
@@ -83,7 +83,7 @@ fn transmittance(distance: f32) -> f32 {
     libm::expf(-EXTINCTION * distance)
 }
 
-/// Parallel light of irradiance 1 along z, as beams or as points.
+/// Returns the photons of parallel light of irradiance 1 along z, as beams or as points.
 fn parallel_light(pass: u64, estimate: VolumeEstimator) -> VolumePhotons {
     let mut photons = VolumePhotons::default();
     let count = 40_000;

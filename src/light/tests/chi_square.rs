@@ -36,7 +36,8 @@ pub fn chi_square_p_value(counts: &[f64], expected: &[f64]) -> f64 {
     0.5 * libm::erfc(z / std::f64::consts::SQRT_2)
 }
 
-/// Significance level of each of `tests` tests that gives a total false alarm rate of 1 % (Šidák).
+/// Significance level for each of `tests` tests, such that their total false alarm rate is 1 %
+/// (Šidák).
 pub fn sidak_significance_level(tests: usize) -> f64 {
     1.0 - libm::pow(0.99, 1.0 / tests as f64)
 }
@@ -51,13 +52,13 @@ const RINGS: usize = 16;
 const SECTORS: usize = 24;
 /// Number of steps of the midpoint rule along each side of a cell.
 const STEPS: usize = 32;
-/// Number of finer steps along each side of a step of the midpoint rule, if the pdf changes within
-/// the step.
+/// Number of finer steps that divide each side of a step of the midpoint rule where the pdf changes
+/// within the step.
 ///
 /// The edge of a light may run parallel to the grid. The integral over a cell then has an error of
 /// at most 1/(2 · 32 · 16) = 0.1 %. In a cell of 5000 samples this is 5 samples, 1/14 of the
 /// standard deviation.
-const FINER: usize = 16;
+const REFINEMENT: usize = 16;
 /// Upper bound of the error of a pdf's integral over the cone. An edge of the light may pass
 /// through half of the cells, each with an error of 0.1 %.
 pub const INTEGRAL_ERROR: f64 = 5e-4;
@@ -104,9 +105,10 @@ impl DirectionCells {
                 let mean = if corners.iter().all(|(i, j)| alike(at(*i, *j))) {
                     middle
                 } else {
-                    let fine = |k: usize| (k as f64 + 0.5) / FINER as f64;
-                    let all = (0..FINER * FINER).map(|k| at(i + fine(k / FINER), j + fine(k % FINER)));
-                    all.sum::<f64>() / (FINER * FINER) as f64
+                    let fine = |k: usize| (k as f64 + 0.5) / REFINEMENT as f64;
+                    let all =
+                        (0..REFINEMENT * REFINEMENT).map(|k| at(i + fine(k / REFINEMENT), j + fine(k % REFINEMENT)));
+                    all.sum::<f64>() / (REFINEMENT * REFINEMENT) as f64
                 };
                 cells[ring / STEPS * SECTORS + sector / STEPS] += mean * solid_angle;
             }
@@ -114,7 +116,8 @@ impl DirectionCells {
         cells
     }
 
-    /// Samples directions by `draw`, and tests their counts per cell against the pdf `density`.
+    /// Samples directions by `draw`, and compares their counts per cell with the pdf `density` by a
+    /// chi-square test.
     ///
     /// All directions outside of the cone, and draws that return `None`, form one more cell.
     /// Returns the p-value and the integral of `density` over the cone.

@@ -75,7 +75,7 @@ fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
         .collect()
 }
 
-/// Direction cells over a cone that contains all directions sampled from `p`.
+/// Grid of direction cells over a cone that contains all directions that `light` samples at `p`.
 fn direction_cells_around_samples(light: &Light, p: Vec3) -> DirectionCells {
     let draws = || (0..2000).filter_map(|i| light.sample_li(p, test_key(i).uniform_2d(Dimension::LightTarget)));
     let axis = draws().map(|s| s.wi).sum::<Vec3>().normalize();
@@ -129,8 +129,9 @@ fn rectangle_sampling_is_exact_near_its_plane() {
         let term = |p: f64, q: f64| p / (h * h + p * p).sqrt() * libm::atan(q / (h * h + p * p).sqrt());
         let truth = 2.5 * (term(a, b) + term(b, a));
         assert_within_five_sigma(estimate_irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
-        // A point on a wall that faces the light, at distance 1 beside it. The closed form is that
-        // of a rectangle from the wall to the light's far edge, minus one to its near edge.
+        // A point on a wall that faces the light, at distance 1 beside it. The closed form is the
+        // irradiance of a rectangle from the wall to the light's far edge, minus the irradiance of
+        // a rectangle to its near edge.
         let part = |x: f64| h / libm::hypot(x, h) * libm::atan(b / libm::hypot(x, h));
         assert_within_five_sigma(
             estimate_irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X),

@@ -44,10 +44,10 @@ fn environment_samples_follow_the_pdf() {
     }
 }
 
-/// `inverse_sample` returns the `u` from which a direction was sampled. Rounding causes exceptions
-/// near the poles and the cell edges, for fewer than 1 in 1,000 directions.
+/// `inverse_sample` returns the random point `u` from which a direction was sampled. Rounding
+/// causes exceptions near the poles and the cell edges, for fewer than 1 in 1,000 directions.
 #[test]
-fn inverse_samples_make_the_same_direction() {
+fn inverse_sample_returns_the_original_random_point() {
     for environment in [constant_environment_light(), random_sky_light(0.0), random_sky_light(0.4)] {
         let mut exceptions = 0;
         for i in 0..20_000 {
@@ -109,7 +109,7 @@ fn one_column_map_power_matches_quadrature() {
     }
 }
 
-/// A constant environment of radiance L gives a plane the irradiance π L, and sends the flux 4π² L
+/// A constant environment of radiance L gives a plane the irradiance π L. It sends the flux 4π² L
 /// r² through a ball of radius r.
 #[test]
 fn constant_environment_irradiance_is_pi_times_radiance() {
@@ -153,7 +153,7 @@ fn importance_sampling_reduces_variance() {
 }
 
 #[test]
-fn map_orientation_matches_documentation() {
+fn environment_map_orientation_matches_documentation() {
     // Four columns and two rows of pixels, each with its own brightness.
     let pixels: Vec<Rgb> = (0..8).map(|i| Rgb::splat(i as f32)).collect();
     let at = |angle: f64, w: Vec3| {

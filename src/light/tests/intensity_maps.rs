@@ -18,7 +18,8 @@ pub fn test_projector_light() -> ProjectorLight {
     ProjectorLight::new(POSITION, DVec3::NEG_Y, DVec3::NEG_Z, Arc::new(slide), Rgb::splat(2.0))
 }
 
-/// A goniometric light that is brightest downwards, from a map with one bright pixel.
+/// A goniometric light with the map of [`random_sky_picture`], whose lit part and bright sun are
+/// turned downwards.
 pub fn test_goniometric_light() -> GoniometricLight {
     let map = EquirectangularMap::new(random_sky_picture(), Rgb::ONE).unwrap();
     GoniometricLight::new(POSITION, DVec3::X, DVec3::new(0.2, -1.0, 0.1), Arc::new(map), Rgb::splat(2.0))

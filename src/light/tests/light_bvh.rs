@@ -162,8 +162,8 @@ fn contributing_lights_have_positive_probability() {
     assert!(shut_out > 2000 * 100 / 4, "{shut_out}");
 }
 
-/// The light probabilities sum to 1 for lights at one position, lights in a row, and lights at
-/// distances of powers of two, whose tree is a chain.
+/// The light probabilities sum to 1 in three extreme cases: all lights at one position, lights in a
+/// row, and lights at distances of powers of two, whose tree is a chain.
 #[test]
 fn degenerate_light_bvhs_contain_all_lights() {
     let at = |x: f32| Light::Point(PointLight { position: Vec3::new(x, 0.0, 0.0), intensity: Rgb::ONE });
@@ -180,8 +180,8 @@ fn degenerate_light_bvhs_contain_all_lights() {
     }
 }
 
-/// Relative variance of the irradiance at `p`, estimated from one sampled light, for N ways of
-/// choosing the light.
+/// Relative variance of the irradiance at `p` with normal `n`, estimated from one sampled light,
+/// for N ways of choosing the light.
 ///
 /// `choices` give the probability of each light, by its index. With contribution fᵢ and probability
 /// pᵢ of light i, the relative variance is (Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])²) / (Σ E\[fᵢ])².
@@ -208,8 +208,8 @@ fn relative_variances<const N: usize>(
     squares.map(|s| s / (mean * mean) - 1.0)
 }
 
-/// The light BVH gives less variance than sampling by power, for a thousand lights at random
-/// positions in a room or in rows under a ceiling.
+/// The light BVH gives less variance than sampling by power. The scenes are a thousand lights at
+/// random positions in a room, and in rows under a ceiling.
 #[test]
 fn light_bvh_has_less_variance_than_power_sampling() {
     let lamp = |i: u64| DVec3::new((i % 32) as f64 - 16.0, 3.0, (i / 32) as f64 - 16.0);

@@ -32,6 +32,8 @@ fn estimate_mean_and_variance(n: u64, f: impl Fn(Key) -> f64) -> (f64, f64) {
     (mean, (squares / n as f64 - mean * mean).max(0.0) / n as f64)
 }
 
+/// Irradiance that `light` gives at `p` on a surface with normal `n`, estimated from 100,000
+/// samples, and the variance of this estimate.
 fn estimate_irradiance(light: &Light, p: Vec3, n: Vec3) -> (f64, f64) {
     estimate_mean_and_variance(100_000, |k| {
         let sample = light.sample_li(p, k.uniform_2d(Dimension::LightPosition));

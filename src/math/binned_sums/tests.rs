@@ -45,7 +45,7 @@ fn merged_sum<const N: usize>(values: &[[f64; N]], parts: u64, seed: u64) -> Bin
 }
 
 #[test]
-fn order_and_grouping_change_no_bit() {
+fn sums_are_independent_of_order_and_grouping() {
     let values = wide_values(300);
     for length in [1, 2, 7, 300] {
         let expected = sum_of(&values[..length]);
@@ -57,7 +57,7 @@ fn order_and_grouping_change_no_bit() {
 }
 
 #[test]
-fn errors_stay_below_quanta() {
+fn sum_errors_stay_below_their_bound() {
     for (scale, count) in [(1.0, 1000u32), (1e-30, 10), (1e30, 10), (3e4, 1000), (1e60, 100)] {
         let values: Vec<_> = (0..count).map(|i| [scale * (uniform(i.into(), 7) - 0.3)]).collect();
         let sums = sum_of(&values);
@@ -83,7 +83,7 @@ fn common_values_are_summed_exactly() {
 /// The smallest f32 is summed exactly. The sum of 2³¹ terms, each three times the
 /// square of the largest f32, is finite.
 #[test]
-fn whole_range_of_floats_is_held() {
+fn sums_hold_the_whole_f32_range() {
     let tiny = f64::from(f32::from_bits(1));
     assert_eq!(sum_of(&[[tiny], [tiny]]).pixel_sums(0), [2.0 * tiny]);
     assert_eq!(sum_of(&[[tiny * tiny]]).pixel_sums(0), [tiny * tiny]);
@@ -98,7 +98,7 @@ fn whole_range_of_floats_is_held() {
 }
 
 #[test]
-fn infinite_values_and_nan_stay() {
+fn sums_keep_infinities_and_nans() {
     let (infinity, nan) = (f64::INFINITY, f64::NAN);
     let values = [[1.0, infinity, nan], [infinity, -infinity, 2.0], [3.0, 0.0, libm::exp2(263.0)]];
     for seed in 0..40 {

@@ -1,4 +1,4 @@
-//! Distance samples, transmittance and emission against closed forms of the optical depth.
+//! Tests of distance samples, transmittance and emission against closed forms of the optical depth.
 //!
 //! τ = ∫ρ along the ray is the integral of the density ρ. Then the transmittance is T = exp(−σt τ).
 //! The total scattering weight is σs(1 − T)/σt, and the emitted radiance is ε(1 − T)/σt.
@@ -30,12 +30,12 @@ fn medium_with_density(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) 
 fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, name: &str) {
     let sigma = medium.extinction().as_dvec3();
     let tau = depth(f64::from(distance));
-    let left = (-sigma * tau).to_array().map(libm::exp);
-    let left = DVec3::from_array(left);
+    let transmittance = (-sigma * tau).to_array().map(libm::exp);
+    let transmittance = DVec3::from_array(transmittance);
     // `gathered` is ∫ exp(−στ) dτ and `moment` is ∫ τ exp(−στ) dτ. At σ = 0, they are τ and τ²/2.
     let limit = |whole: DVec3, at_zero: f64| DVec3::select(sigma.cmpgt(DVec3::ZERO), whole, DVec3::splat(at_zero));
-    let gathered = limit((1.0 - left) / sigma, tau);
-    let moment = limit((1.0 - left * (1.0 + sigma * tau)) / (sigma * sigma), 0.5 * tau * tau);
+    let gathered = limit((1.0 - transmittance) / sigma, tau);
+    let moment = limit((1.0 - transmittance * (1.0 + sigma * tau)) / (sigma * sigma), 0.5 * tau * tau);
     let mut random = test_rng(2);
     let n = if medium.is_homogeneous() { 200_000 } else { 100_000 };
 
@@ -44,7 +44,7 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
         light[0].add_sample(medium.transmittance(ray, distance, &mut random).as_dvec3());
         light[1].add_sample(medium.emitted_radiance(ray, distance, &mut random).as_dvec3());
     }
-    light[0].assert_near_with_value_bound(left, DVec3::ONE, &format!("{name}: transmittance"));
+    light[0].assert_near_with_value_bound(transmittance, DVec3::ONE, &format!("{name}: transmittance"));
     light[1].assert_near(gathered * medium.emission.as_dvec3(), &format!("{name}: emission"));
 
     for throughput in [Vec3::ONE, Vec3::new(0.01, 0.3, 2.0)] {
@@ -53,24 +53,23 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
         for _ in 0..n {
             let distance_sample = medium.distance_sample(ray, distance, throughput, &mut random);
             let w = distance_sample.weight.as_dvec3();
-            // Roulette may raise a throughput that was small, but never above the throughput at the
-            // start.
+            // Roulette raises only small throughputs, and never above the throughput at the start.
             assert!(
                 (throughput * distance_sample.weight).element_sum() <= whole * (1.0 + 1e-6),
                 "{name}: {distance_sample:?}"
             );
             let t = distance_sample.scattering_distance.map_or(0.0, f64::from);
-            let through = f64::from(u8::from(distance_sample.scattering_distance.is_none()));
+            let passed_through = f64::from(u8::from(distance_sample.scattering_distance.is_none()));
             assert!((0.0..=f64::from(distance)).contains(&t));
-            means[0].add_sample(w * through);
-            means[1].add_sample(w * (1.0 - through));
-            means[2].add_sample(w * (1.0 - through) * depth(t));
+            means[0].add_sample(w * passed_through);
+            means[1].add_sample(w * (1.0 - passed_through));
+            means[2].add_sample(w * (1.0 - passed_through) * depth(t));
         }
         let scattering = medium.scattering.as_dvec3();
         // The channel mean of throughput · weight is at most that of the throughput. This bounds
         // each weight.
         let most = f64::from(whole) / throughput.as_dvec3();
-        means[0].assert_near_with_value_bound(left, most, &format!("{name}: through of {throughput}"));
+        means[0].assert_near_with_value_bound(transmittance, most, &format!("{name}: through of {throughput}"));
         means[1].assert_near_with_value_bound(
             gathered * scattering,
             most,
@@ -109,8 +108,8 @@ fn distance_weights_match_their_pdf() {
     for _ in 0..1000 {
         let distance_sample = medium.distance_sample(&ray, f32::INFINITY, throughput, &mut random);
         let t = distance_sample.scattering_distance.expect("every channel has extinction");
-        let left = medium.transmittance(&ray, t, &mut random);
-        let expected = medium.scattering * left / medium.distance_pdf(t, throughput).unwrap();
+        let transmittance = medium.transmittance(&ray, t, &mut random);
+        let expected = medium.scattering * transmittance / medium.distance_pdf(t, throughput).unwrap();
         // A rounding error of 1 ulp in t changes the transmittance by σt·t ulps, at most 2.1 · 30.
         assert!(
             (distance_sample.weight - expected).abs().max_element() <= 1e-5 * expected.max_element(),
@@ -181,8 +180,8 @@ fn linear_density_matches_its_optical_depth() {
     }
 }
 
-/// Compares estimates in a cloud with closed forms of the optical depth. A midpoint rule of 40,000
-/// steps gives this depth, with a relative error below 10⁻⁶.
+/// Compares estimates in a cloud with closed forms of the optical depth, which a midpoint rule of
+/// 40,000 steps integrates with a relative error below 10⁻⁶.
 #[test]
 fn clouds_match_their_optical_depth() {
     let cloud = Cloud { octaves: 4, frequency: 3.0, cover: 0.8, softness: 0.3, seed: 5 };

@@ -1,4 +1,4 @@
-//! Extreme media: empty media, opaque media, and media without absorption.
+//! Tests of extreme media: empty media, opaque media, and media without absorption.
 
 use super::*;
 use glam::DAffine3;
@@ -72,7 +72,8 @@ fn large_optical_depths_stay_finite() {
                     }
                 }
             }
-            // The true transmittance e⁻¹⁰⁰⁰⁰ rounds to 0, and roulette ends every tracked path.
+            // The true transmittance e⁻¹⁰⁰⁰⁰ rounds to 0. In the grid, roulette ends every tracked
+            // path.
             assert_eq!(grey.transmittance(&ray, distance, random), Vec3::ZERO);
             assert!(
                 (grey.emitted_radiance(&ray, f32::INFINITY, random) - 1.0).abs().max_element() < 1e-6
@@ -100,12 +101,12 @@ fn collision_roulette_is_unbiased() {
         unit_cube_density_grid(values, [8; 3]),
     );
     let (random, n) = (&mut test_rng(8), 2000);
-    let (mut left, mut flown) = (0.0, 0.0);
+    let (mut transmittance, mut sample_weight) = (0.0, 0.0);
     for _ in 0..n {
-        left += medium.transmittance(&ray, 1.0, random).x;
-        flown += medium.distance_sample(&ray, 1.0, Vec3::ONE, random).weight.x;
+        transmittance += medium.transmittance(&ray, 1.0, random).x;
+        sample_weight += medium.distance_sample(&ray, 1.0, Vec3::ONE, random).weight.x;
     }
-    for mean in [left, flown].map(|sum| sum / n as f32) {
+    for mean in [transmittance, sample_weight].map(|sum| sum / n as f32) {
         assert!((mean - 1.0).abs() < 20.0 / (n as f32).sqrt(), "{mean}");
     }
 }

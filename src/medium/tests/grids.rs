@@ -1,4 +1,4 @@
-//! Density grids: validation, interpolation, majorants.
+//! Tests of density grids: validation, interpolation, majorants.
 
 use super::*;
 use crate::math::SingularTransformError;

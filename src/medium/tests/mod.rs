@@ -1,4 +1,4 @@
-//! Media against closed forms.
+//! Tests of media against closed forms.
 //!
 //! Random numbers have fixed keys, so results are deterministic. Tolerances are five standard
 //! errors of the mean; a correct estimate exceeds them with probability 6·10⁻⁷.

@@ -1,4 +1,5 @@
-//! Phase functions: normalisation, and samples against the pdf by Pearson's test.
+//! Tests of phase functions: normalization, and samples against the pdf by Pearson's chi-square
+//! test.
 
 use super::*;
 use glam::Vec2;
@@ -15,8 +16,9 @@ fn tested_phase_functions() -> Vec<PhaseFunction> {
     phases
 }
 
-/// Bins of the scattering angle, narrow where the phase function peaks. Each bin covers an equal
-/// interval of a coordinate x in \[0, 1]. `bin_edge_angle` maps x to the angle.
+/// Bins of the scattering angle, narrow where the phase function peaks.
+///
+/// Bins are of equal width in a coordinate x in \[0, 1], which `bin_edge_angle` maps to the angle.
 struct AngleBins {
     width: f64,
     backwards: bool,
@@ -113,8 +115,10 @@ fn phase_samples_follow_their_pdf() {
     }
 }
 
-/// Returns the p value of Pearson's chi-square test, by the Wilson–Hilferty approximation. `cells`
-/// holds expected and observed counts; neighbours are pooled until 5 samples are expected.
+/// Returns the p-value of Pearson's chi-square test, by the Wilson–Hilferty approximation.
+///
+/// `cells` yields (expected count, observed count). Neighboring cells are pooled until 5 samples
+/// are expected.
 fn chi_square_p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (mut pool, mut chi2, mut used) = ((0.0, 0.0), 0.0, 0u32);
     for (expected, found) in cells {

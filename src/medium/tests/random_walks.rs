@@ -1,4 +1,4 @@
-//! Random walks in unbounded media.
+//! Tests of random walks in unbounded media.
 
 use super::*;
 use glam::{DAffine3, Vec2};

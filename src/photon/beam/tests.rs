@@ -75,8 +75,8 @@ fn queries_match_a_linear_scan() {
     }
 }
 
-/// A ray that passes near the end of a beam piece visits the beam exactly once, in spite of
-/// rounding.
+/// A ray that passes near the boundary between two pieces of a beam visits the beam exactly once,
+/// in spite of rounding.
 #[test]
 fn split_beams_are_visited_once() {
     let radius = 0.02;

@@ -1,4 +1,4 @@
-//! Coverage of discs by surfaces.
+//! Tests of coverage: the fraction of a density estimate's disc that is surface.
 
 use super::*;
 use crate::camera::Camera;
@@ -95,7 +95,8 @@ fn edge_coverage_matches_kernel_integral() {
     }
 }
 
-/// A face tilted by 75°, or 0.4 radii higher or lower, does not count as covered.
+/// A neighbouring face does not count in the coverage if it is tilted by 75°, or lies 0.4 radii
+/// higher or lower.
 #[test]
 fn other_orientations_and_heights_are_not_covered() {
     let floor = rectangle_shape([0.0, 0.0, 1.0], DVec3::X, DVec3::Z * -2.0);
@@ -142,8 +143,8 @@ fn sphere_has_full_box_coverage() {
     }
 }
 
-/// Where [`NearPrimitives::only_shape_contains_disc`] is true, probe rays find exactly 1. It is
-/// false for tilted normals.
+/// Where [`NearPrimitives::only_shape_contains_disc`] is true, probe rays measure a coverage of
+/// exactly 1. The function is false for tilted normals.
 #[test]
 fn discs_within_one_flat_shape_are_covered_without_probes() {
     let shapes = [

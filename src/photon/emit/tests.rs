@@ -67,14 +67,14 @@ fn lamps_in_glass_scene() -> Scene {
     builder.build(eye).unwrap()
 }
 
-/// Counts the paths of each lamp in 4 cells of wavelengths times 4 × 4 cells of directions, or of
-/// positions.
+/// In each range of wavelengths, positions and directions are stratified.
 ///
-/// 16 successive Sobol' points from a multiple of 16 have one point in each of 4 × 4 cells. So a
-/// run of n successive points has n/16 ± 2 points in each cell. The paths in one range of
-/// wavelengths are one or two runs, whose ends are off by at most one point. Together, a count
-/// deviates by at most 4.2. With independent wavelengths, the standard deviations would be 8 and
-/// 14.
+/// The test counts the paths of each lamp in 4 cells of wavelengths times 4 × 4 cells of
+/// directions, or of positions. 16 successive Sobol' points from a multiple of 16 have one point in
+/// each of 4 × 4 cells. So a run of n successive points has n/16 ± 2 points in each cell. The paths
+/// in one range of wavelengths are one or two runs, whose ends are off by at most one point.
+/// Together, a count deviates by at most 4.2. With independent wavelengths, the standard deviations
+/// would be 8 and 14.
 #[test]
 fn wavelengths_are_stratified_with_directions_and_positions() {
     const PATHS: u32 = 1 << 14;

@@ -1,12 +1,12 @@
-//! Guided pdfs of the primary samples in \[0, 1)⁴ that determine emitted photons, fitted to pilot
-//! samples.
+//! Guided pdfs of the primary samples in \[0, 1)⁴ (random numbers for position and direction) that
+//! determine emitted photons. They are fitted to the samples of a pilot simulation.
 
 use crate::light::{EmissionDimensions, Light};
 use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
-/// One photon path of a pilot: the primary sample that determines its emission, and its squared
-/// contribution to the picture.
+/// One photon path of a pilot simulation: the primary sample that determines its emission, and its
+/// squared contribution to the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmissionGuidingSample {
     /// Index of the light that emits the path.
@@ -32,14 +32,14 @@ const MIN_SAMPLES_PER_CELL: usize = 4;
 /// cell into four, so the grid has at most 4096 cells.
 const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Weight of the parent cell's mean in the estimated mean of a cell (shrinkage estimator). The unit
-/// is the weight of one sample.
+/// Number of samples that the mean of the parent cell counts as, in the estimated mean of a cell
+/// (shrinkage estimator).
 ///
 /// The parent is the cell of the next coarser grid that contains the cell.
 const PARENT_WEIGHT: f64 = 8.0;
 
-/// Subdivisions of a guiding grid over \[0, 1)⁴: the number for the unit square of positions, and
-/// the number for that of directions.
+/// Numbers of subdivisions of a guiding grid over \[0, 1)⁴: of the unit square of positions, and of
+/// the unit square of directions.
 ///
 /// n subdivisions give 2ⁿ cells along each side of a square.
 type CellSubdivisions = (u32, u32);
@@ -55,6 +55,8 @@ struct EmissionGuidingCells {
 }
 
 impl EmissionGuidingCells {
+    /// Averages the squared contributions of `samples` in each cell. The mean of a cell with few
+    /// samples is drawn towards the mean of its parent cell in `parent_cells`.
     fn new<'s>(
         resolution: CellSubdivisions,
         samples: impl Iterator<Item = &'s EmissionGuidingSample>,
@@ -98,8 +100,8 @@ impl EmissionGuidingCells {
             / self.mean_squared_contributions.len() as f64
     }
 
-    /// Returns the guided pdf in each cell: the uniform pdf with weight `uniform` in \[0, 1], plus
-    /// a pdf proportional to √(mean squared contribution) with the rest of the weight.
+    /// Returns the guided pdf in each cell. It is the uniform pdf with weight `uniform` in \[0, 1],
+    /// plus a pdf proportional to √(mean squared contribution) with the rest of the weight.
     ///
     /// The result is 1 in all cells if no sample contributes.
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
@@ -143,10 +145,10 @@ pub(super) struct EmissionGuidingFit {
 impl EmissionGuidingFit {
     /// Fits a grid of cells to the pilot samples of `light`.
     ///
-    /// Each step subdivides the unit square of positions or that of directions, whichever gives the
-    /// smaller second moment of a path's contribution to the picture. The best grid of all steps is
-    /// used. To avoid overfitting, second moments are cross-validated between two halves of the
-    /// samples. `uniform` is the weight of the uniform pdf in the guided pdf.
+    /// Each step subdivides the unit square of positions or the unit square of directions,
+    /// whichever gives the smaller second moment of a path's contribution to the picture. The best
+    /// grid of all steps is used. To avoid overfitting, second moments are cross-validated between
+    /// two halves of the samples. `uniform` is the weight of the uniform pdf in the guided pdf.
     pub fn new(light: &Light, samples: &[&EmissionGuidingSample], uniform: f64) -> Self {
         let EmissionDimensions { uses_position, uses_direction } = light.emission_dimensions();
         let most =
@@ -180,8 +182,8 @@ impl EmissionGuidingFit {
         Self { cells: best.1 }
     }
 
-    /// Returns √(second moment) of the contribution that an ideally guided path of this light makes
-    /// to the picture. Guiding makes the probability of the light proportional to this root.
+    /// Returns the root mean square contribution to the picture of an ideally guided photon path of
+    /// this light. Guiding chooses lights in proportion to this number.
     pub fn guided_root_mean_square(&self) -> f64 {
         self.cells.guided_root_mean_square()
     }
@@ -210,7 +212,7 @@ impl EmissionGuidingFit {
 /// constant pdf of the primary samples in \[0, 1)⁴ of position and direction.
 #[derive(Clone, Debug)]
 pub(in crate::photon) struct EmissionGuidingDistribution {
-    /// Number of cells of the marginal pdf `positions` along each side of its unit square.
+    /// Number of cells of `positions` along each side of its unit square.
     side: usize,
     /// Marginal pdf of the position's primary sample.
     positions: SquareGridDistribution,

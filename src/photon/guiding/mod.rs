@@ -1,5 +1,5 @@
-//! Emission guiding: a pilot measures which photon paths contribute to the picture. The render then
-//! emits more paths of the kinds that do.
+//! Emission guiding: a pilot simulation measures which photon paths contribute to the picture. The
+//! render then emits more photons from the lights, positions and directions of such paths.
 
 mod distribution;
 #[cfg(test)]
@@ -16,9 +16,9 @@ use crate::scene::{Interior, with_interior_type};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
-/// Number of rounds of photon paths in a pilot of emission guiding. The samples of all earlier
-/// rounds guide the emission of a round.
-const ROUNDS: u32 = 2;
+/// Number of rounds of photon paths in the pilot of emission guiding. Each round is guided by the
+/// samples of all earlier rounds.
+const PILOT_ROUNDS: u32 = 2;
 
 /// Number of photon paths that one Rayon task traces in a pilot.
 const PATHS_PER_TASK: u32 = 4096;
@@ -48,28 +48,28 @@ pub struct EmissionGuidingPilotSettings<'a> {
 }
 
 impl EmissionGuidingPilotSettings<'_> {
-    /// Default of [`EmissionGuidingPilotSettings::paths`].
+    /// Default number of photon paths of the pilot: 131,072.
     ///
-    /// If 1 % of the paths reach a visible point, the pilot has 1300 contributing samples.
+    /// If 1 % of them reach a visible point, the pilot has 1300 contributing samples.
     pub const DEFAULT_PATHS: u32 = 1 << 17;
 }
 
-/// Work and estimated benefit of the pilot that guides photon emission towards visible points.
+/// Work of the pilot simulation of emission guiding, and estimated benefit of the guiding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReport {
     /// Number of photon paths that the pilot of emission guiding traced.
     pub paths: u64,
     /// Number of rays that the pilot of emission guiding traced.
     pub rays: u64,
-    /// Fraction of the unguided paths of the pilot that contribute to the picture: those with a
-    /// photon near a visible point.
+    /// Fraction of the unguided paths of the pilot that contribute to the picture, because one of
+    /// their photons lies near a visible point.
     #[serde(rename = "useful")]
     pub contributing_fraction: f64,
-    /// Number of unguided photon paths that give the picture as little variance as one guided path;
-    /// 1 without guiding.
+    /// Estimated factor by which guiding reduces the variance of the picture, for the same number
+    /// of photon paths; 1 without guiding.
     ///
-    /// The estimate is the second moment of unguided pilot paths, divided by that of guided pilot
-    /// paths.
+    /// The estimate is the second moment of path contributions in the unguided round of the pilot,
+    /// divided by the second moment in the guided round.
     #[serde(rename = "gain")]
     pub variance_gain: f64,
 }
@@ -89,7 +89,7 @@ impl PhotonSource<'_> {
         let mut report = EmissionGuidingReport { variance_gain: 1.0, ..EmissionGuidingReport::default() };
         let mut samples = Vec::new();
         let mut unguided_moment = 0.0;
-        for round in 0..ROUNDS {
+        for round in 0..PILOT_ROUNDS {
             let found = self.trace_pilot_round(pilot, round);
             report.paths += found.samples.len() as u64;
             report.rays += found.rays;
@@ -110,7 +110,7 @@ impl PhotonSource<'_> {
     /// their contributions to the picture.
     fn trace_pilot_round(&self, pilot: &EmissionGuidingPilotSettings<'_>, round: u32) -> PilotRoundSamples {
         let key = Key::new(pilot.seed).purpose_key(Purpose::EmissionGuiding).training_round_key(round);
-        let paths = pilot.paths / ROUNDS;
+        let paths = pilot.paths / PILOT_ROUNDS;
         let chunks: Vec<PilotRoundSamples> = (0..paths.div_ceil(PATHS_PER_TASK))
             .into_par_iter()
             .map(|chunk| {
@@ -127,6 +127,8 @@ impl PhotonSource<'_> {
         total
     }
 
+    /// Traces the paths with indices `range` of a pilot round of `paths` paths, and returns them
+    /// with their contributions to the picture.
     fn trace_pilot_chunk<I: Interior>(
         &self,
         pilot: &EmissionGuidingPilotSettings<'_>,

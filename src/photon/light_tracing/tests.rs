@@ -45,8 +45,8 @@ fn splats_outside_the_film_are_clipped() {
     }
 }
 
-/// Filter weights of a splat of a panorama sum to the same value at the seam, at the poles and in
-/// their corners as in the middle.
+/// Filter weights of a splat sum to the same value in the middle of a panorama and at its seam,
+/// poles and corners.
 #[test]
 fn panorama_splats_keep_their_light_at_seam_and_poles() {
     let camera = Camera::panorama(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, SIZE.0, SIZE.1).unwrap();
@@ -65,10 +65,10 @@ fn panorama_splats_keep_their_light_at_seam_and_poles() {
     }
 }
 
-/// With ten photons per pixel, density estimates and splats get equal shares. With few photons,
-/// density estimates get all flux; with many, splats do.
+/// With ten photons per pixel, density estimates and splats each get half of the flux. With few
+/// photons, density estimates get all flux; with many, splats do.
 #[test]
-fn share_falls_with_photons_per_pixel() {
+fn density_estimate_share_falls_with_photon_count() {
     let splats = |count: u32| -> Vec<Splat> {
         (0..SIZE.0 * SIZE.1)
             .flat_map(|i| (0..count).map(move |_| splat_at((i % SIZE.0) as f32 + 0.5, (i / SIZE.0) as f32 + 0.5)))
@@ -76,7 +76,10 @@ fn share_falls_with_photons_per_pixel() {
     };
     let step = |count: u32, ratio: f64| {
         let shares = DensityEstimateShares::from_splats(&splats(count), SIZE, ratio);
-        assert!(shares.steps.iter().all(|step| *step == shares.steps[0]), "uniform photons, uniform shares");
+        assert!(
+            shares.share_steps.iter().all(|step| *step == shares.share_steps[0]),
+            "uniform photons, uniform shares"
+        );
         shares.share_steps_at_film_position(Vec2::new(6.0, 4.0))
     };
     assert_eq!((step(0, 1.0), step(1, 1.0), step(200, 1.0)), (15, 15, 0));
@@ -91,10 +94,10 @@ fn share_falls_with_photons_per_pixel() {
     );
 }
 
-/// A photon stores its share of density estimates in the lowest bits of its flux, which changes the
-/// flux by less than 10⁻⁵.
+/// A photon stores the fraction of its flux that density estimates use. Storing it changes the flux
+/// by less than 10⁻⁵.
 #[test]
-fn photons_store_their_share() {
+fn photons_store_their_density_estimate_share() {
     use crate::photon::Photon;
     use glam::Vec3;
     let photon = Photon::new(Vec3::ONE, Rgb::new(0.2, 0.5, 0.3), Vec3::Z, Vec3::Z).unwrap();

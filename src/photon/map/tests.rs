@@ -1,4 +1,4 @@
-//! Photon map queries.
+//! Tests of photon map queries.
 
 use super::*;
 use crate::color::Rgb;
@@ -85,7 +85,7 @@ fn coincident_photons_merge_to_their_total_flux() {
     assert!((power / 200_000.0 - 1.0).abs() < 1e-5);
 }
 
-/// Photons of one position keep their wavelengths, and the flux that density estimates use.
+/// Merging photons at one position keeps, for each wavelength, the flux that density estimates use.
 #[test]
 fn merged_photons_keep_wavelengths_and_shares() {
     let mut photons = Vec::new();

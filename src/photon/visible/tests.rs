@@ -1,9 +1,9 @@
-//! Importance of visible points.
+//! Tests of the importance of photons, which visible points define.
 
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
 
-/// Map of 4096 points of weight 3 on the unit square of the floor, seen from above.
+/// Map of 4096 visible points of weight 3 on the unit square of the floor, seen from above.
 fn visible_floor_map(radius: f32) -> VisiblePointMap {
     let key = Key::new(4).purpose_key(Purpose::Test);
     let point = |i| {

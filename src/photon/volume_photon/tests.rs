@@ -112,7 +112,7 @@ fn assert_point_query_matches_scan(map: &VolumePhotonMap, photons: &[VolumePhoto
 }
 
 #[test]
-fn degenerate_point_maps_work() {
+fn empty_and_coincident_volume_maps_work() {
     let ray = Ray::new(Vec3::NEG_Z, Vec3::Z);
     let count = |map: &VolumePhotonMap| {
         let (mut line, mut ball) = (0, 0);
@@ -129,7 +129,7 @@ fn degenerate_point_maps_work() {
 }
 
 #[test]
-fn point_map_is_thread_independent() {
+fn volume_photon_map_is_thread_independent() {
     let ray = Ray::new(Vec3::new(0.1, 0.2, -1.0), Vec3::new(0.36, 0.48, 0.8));
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();

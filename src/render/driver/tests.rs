@@ -8,7 +8,7 @@ use crate::shape::{Plane, Shape, Sphere};
 use glam::DVec3;
 use std::sync::atomic::{AtomicU32, AtomicU64};
 
-/// Test integrator: all pixels of its pass number i have radiance i.
+/// Test integrator: all pixels of pass number i have radiance i.
 struct PassNumberIntegrator;
 
 impl Integrator for PassNumberIntegrator {
@@ -44,7 +44,7 @@ fn the_image_is_the_mean_of_the_passes() {
     assert_eq!(rendered.film.mean_picture(), vec![Rgb::splat(1.5); 2]);
 }
 
-/// Monitor that cancels the second pass once a stage of it has reported progress.
+/// Monitor that cancels the second pass once `stage` has reported progress in it.
 struct CancellingMonitor {
     stage: PassStage,
     /// Number of passes that have begun `stage`.
@@ -122,8 +122,8 @@ fn a_cancelled_pass_stops_early_and_is_dropped() {
     }
 }
 
-/// A continued render whose loading and pilots take longer than its time limit makes one pass, and
-/// one more each time that it is continued.
+/// Each call of `render` makes one pass, even if loading and pilots alone take longer than the time
+/// limit.
 #[test]
 fn continued_renders_make_a_pass_after_slow_pilots() {
     let interrupted = AtomicBool::new(false);
@@ -138,7 +138,8 @@ fn continued_renders_make_a_pass_after_slow_pilots() {
     }
 }
 
-/// A render of 10 s whose loading and pilots took 4 s.
+/// A render with a time limit of 10 s ends after the pass whose end is nearest to it. Loading and
+/// pilots take 4 s of this time.
 #[test]
 fn a_timed_render_ends_at_the_nearest_pass() {
     let interrupted = AtomicBool::new(false);

@@ -1,69 +1,75 @@
-//! Blur (bias) of photon density estimates, extrapolated from estimates with smaller discs.
+//! Blur (bias) of photon density estimates, extrapolated from estimates with smaller gather radii.
 //!
-//! L(r) is the density estimate with disc radius r. D₀ = L(r) − L(r/√2) compares discs of full and
-//! half area, and D₁ = L(r/√2) − L(r/2) discs of half and quarter area. They are the first terms of
-//! a series that sums to the bias. ‖D₀‖², D₀·D₁ and ‖D₁‖² are means over the pixels of the picture.
+//! Let L(r) be the density estimate with gather radius r. The blur is L(r) − L(0). D₀ = L(r) −
+//! L(r/√2) and D₁ = L(r/√2) − L(r/2) are the first terms of a series that sums to the blur. ‖D₀‖²,
+//! D₀·D₁ and ‖D₁‖² are means over the pixels of the picture.
 
-/// Lower limit of the measured ratio D₀·D₁ / ‖D₀‖². Smaller ratios come from noise.
+/// Lower limit of the measured ratio D₀·D₁ / ‖D₀‖². Smaller measured ratios are due to noise.
 ///
-/// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
-/// discs.
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather radius
+/// r.
 const MIN_PRODUCT_RATIO: f64 = -0.5;
 
 /// Upper limit of the measured ratio D₀·D₁ / ‖D₀‖²: its value at a straight edge of light, for the
 /// Epanechnikov kernel.
 ///
-/// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
-/// discs.
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather radius
+/// r.
 pub(super) const PRODUCT_RATIO_AT_LIGHT_EDGE: f64 = 0.7275;
 
 /// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) for light that is not smooth, with the Epanechnikov
 /// kernel.
 ///
-/// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
-/// discs. The pairs belong to a straight edge of light, and to bands of light as wide as a half and
-/// a fifth of the disc's diameter.
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather radius
+/// r. The pairs are computed for a straight edge of light, and for bands of light as wide as a half
+/// and a fifth of the gather disc's diameter.
 const NON_SMOOTH_BIAS_RATIOS: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
-/// Upper limit of [`BlurEstimate::half_disc_ratio`], the blur with half discs divided by the blur
-/// with full discs: its value at a straight edge of light.
+/// Upper limit of [`BlurEstimate::half_disc_ratio`], the blur at half disc area divided by the blur
+/// at full disc area. It is the ratio at a straight edge of light.
 const MAX_HALF_DISC_RATIO: f64 = 0.841;
 
-/// Relative standard deviation of that part of the blur (bias of density estimates) that is
-/// extrapolated instead of measured.
+/// Relative standard deviation of the extrapolated part of the blur, which is not measured.
 ///
-/// Edges and bands of light may give similar density estimates with discs of full, half and quarter
-/// area, although their blur differs by this fraction.
+/// An edge and a band of light may have similar density estimates L(r), L(r/√2) and L(r/2),
+/// although their blur differs by this fraction.
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
 /// Means over the picture of squares and products of two differences, D₀ and D₁.
 ///
-/// Let L(r) be the density estimate with disc radius r. D₀ = L(r) − L(r/√2) compares discs of full
-/// and half area, and D₁ = L(r/√2) − L(r/2) discs of half and quarter area.
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather radius
+/// r.
 ///
 /// Each pixel is weighted for relative errors by
-/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights). Products are taken between
-/// different passes, so noise adds no bias.
+/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights). Products combine two different
+/// passes, so noise adds no bias to them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NestedDifferenceMoments {
-    /// ‖D₀‖²: mean over the picture of the squared difference between full and half discs.
+    /// ‖D₀‖²: mean square over the picture of the difference D₀ of density estimates with the
+    /// gather radii r and r/√2.
     pub d0_squared: f64,
-    /// D₀·D₁: mean over the picture of the product of both differences.
+    /// D₀·D₁: mean product over the picture of the differences D₀ and D₁ of density estimates. D₀
+    /// is for the gather radii r and r/√2, D₁ for r/√2 and r/2.
     pub d0_d1: f64,
-    /// ‖D₁‖²: mean over the picture of the squared difference between half and quarter discs.
+    /// ‖D₁‖²: mean square over the picture of the difference D₁ of density estimates with the
+    /// gather radii r/√2 and r/2.
     pub d1_squared: f64,
-    /// Mean over the picture of the variance that D₀ has in one pass.
+    /// Mean over the picture of the variance of D₀ in a single pass. D₀ is the difference of
+    /// density estimates with the gather radii r and r/√2.
     pub d0_variance: f64,
-    /// Variance that the noise of the passes causes in the estimate `d0_squared`.
+    /// Variance of the estimate `d0_squared`, due to the noise of the passes.
     pub d0_squared_variance: f64,
-    /// Relative variance of the squared noise of D₀: 2 / effective sample count. The count is the
-    /// number of independent values that vary as much as the noise.
+    /// Relative variance of the squared noise of D₀, the difference of density estimates with the
+    /// gather radii r and r/√2.
+    ///
+    /// The value is 2 / effective sample count: the number of independent values whose mean varies
+    /// as much as the noise.
     pub squared_noise_relative_variance: f64,
 }
 
 impl NestedDifferenceMoments {
-    /// Returns the variance of an estimate of ‖D₀‖² from `passes` passes, where D₀ is the
-    /// difference of density estimates with full and half discs.
+    /// Returns the variance of an estimate of ‖D₀‖² from `passes` passes. D₀ = L(r) − L(r/√2), for
+    /// the density estimate L(r) with gather radius r.
     ///
     /// `d0_squared` is ‖D₀‖² and `variance` the variance of D₀ in one pass.
     /// `squared_noise_relative_variance` is the relative variance of the squared noise of D₀. The
@@ -80,7 +86,7 @@ impl NestedDifferenceMoments {
     }
 
     /// Returns the weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖². The
-    /// rest of the weight goes to the ratios of smooth light, ¼ and ½.
+    /// rest of the weight goes to the theoretical ratios of smooth light, ¼ and ½.
     ///
     /// The weight is 1 if `d0_squared` is positive and has no noise, and 0 if it is not positive.
     pub fn measurement_weight(&self) -> f64 {
@@ -97,23 +103,25 @@ impl NestedDifferenceMoments {
     }
 }
 
-/// Estimated blur of the picture: its relative bias due to photon density estimates.
-/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights) says relative to what.
+/// Estimated blur of the picture: the bias of its photon density estimates, as a relative error by
+/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
 #[derive(Default)]
 pub(super) struct BlurEstimate {
     /// Mean squared relative blur.
     pub squared_blur: f64,
     /// Variance of the estimate `squared_blur`.
     pub squared_blur_variance: f64,
-    /// Blur with discs of half the area, divided by the blur with full discs.
+    /// Blur at half the gather disc area, divided by the blur at full area: ½ in smooth light,
+    /// larger at edges.
     pub half_disc_ratio: f64,
-    /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2). L(r) is the
-    /// density estimate with disc radius r.
+    /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2), for the
+    /// density estimate L(r) with gather radius r.
     pub extrapolation_factor: f64,
 }
 
 impl BlurEstimate {
-    /// Extrapolates the blur from two measured differences of density estimates with nested discs.
+    /// Extrapolates the blur from the measured differences D₀ and D₁ between density estimates with
+    /// nested discs.
     ///
     /// The differences D₀ and D₁ ([`NestedDifferenceMoments`]) are the first terms of a series Dᵢ
     /// whose sum is the blur. In smooth light, each term is half of the previous one, so ‖bias‖² =
@@ -131,35 +139,35 @@ impl BlurEstimate {
             };
         }
         let trust = differences.measurement_weight();
-        let squared =
+        let squared_ratio =
             0.25 + trust * ((differences.d1_squared / d0_squared).clamp(0.0, NON_SMOOTH_BIAS_RATIOS[2].0) - 0.25);
         let correlation = 0.5 + trust * (differences.product_ratio() - 0.5);
-        let whole = squared_bias_ratio(correlation, squared);
-        let measured = 1.0 + 2.0 * correlation + squared;
-        let square = d0_squared * whole;
-        let extrapolated = square.sqrt() - (d0_squared * measured).sqrt();
-        let deviation = 2.0 * square.sqrt() * EXTRAPOLATION_ERROR * extrapolated;
+        let bias_ratio = squared_bias_ratio(correlation, squared_ratio);
+        let measured_ratio = 1.0 + 2.0 * correlation + squared_ratio;
+        let squared_blur = d0_squared * bias_ratio;
+        let extrapolated = squared_blur.sqrt() - (d0_squared * measured_ratio).sqrt();
+        let deviation = 2.0 * squared_blur.sqrt() * EXTRAPOLATION_ERROR * extrapolated;
         Self {
-            squared_blur: square,
-            squared_blur_variance: whole * whole * differences.d0_squared_variance + deviation * deviation,
-            half_disc_ratio: squared.sqrt().clamp(0.5, MAX_HALF_DISC_RATIO),
-            extrapolation_factor: (whole / measured).sqrt(),
+            squared_blur,
+            squared_blur_variance: bias_ratio * bias_ratio * differences.d0_squared_variance + deviation * deviation,
+            half_disc_ratio: squared_ratio.sqrt().clamp(0.5, MAX_HALF_DISC_RATIO),
+            extrapolation_factor: (bias_ratio / measured_ratio).sqrt(),
         }
     }
 }
 
-/// Returns ‖bias‖² / ‖D₀‖²: the squared blur, divided by the squared difference of density
-/// estimates with full and half discs.
+/// Returns ‖bias‖² / ‖D₀‖²: the squared blur, divided by the squared difference D₀ of density
+/// estimates with the gather radii r and r/√2.
 ///
-/// `correlation` is D₀·D₁ / ‖D₀‖² = qc and `squared` is ‖D₁‖² / ‖D₀‖² = q² in the model of
+/// `correlation` is D₀·D₁ / ‖D₀‖² = qc and `squared_ratio` is ‖D₁‖² / ‖D₀‖² = q² in the model of
 /// [`BlurEstimate::from_differences`]. [`NON_SMOOTH_BIAS_RATIOS`] limits the result.
-fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
-    let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(NON_SMOOTH_BIAS_RATIOS[0].0)));
-    let rough = NON_SMOOTH_BIAS_RATIOS.windows(2).find(|pair| squared <= pair[1].0).map_or(
+fn squared_bias_ratio(correlation: f64, squared_ratio: f64) -> f64 {
+    let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared_ratio.min(NON_SMOOTH_BIAS_RATIOS[0].0)));
+    let rough = NON_SMOOTH_BIAS_RATIOS.windows(2).find(|pair| squared_ratio <= pair[1].0).map_or(
         NON_SMOOTH_BIAS_RATIOS[2].1,
         |pair| {
             let [(q, s), (next_q, next_s)] = [pair[0], pair[1]];
-            s + (next_s - s) * ((squared - q) / (next_q - q)).max(0.0)
+            s + (next_s - s) * ((squared_ratio - q) / (next_q - q)).max(0.0)
         },
     );
     law.min(rough)

@@ -1,4 +1,4 @@
-//! Error of a picture whose camera paths are clamped: the light that clamping removes.
+//! Bias of a picture whose camera paths are clamped: the light that clamping removes.
 
 use super::pixel_sums::sums_of_values;
 use crate::color::Rgb;
@@ -22,7 +22,7 @@ impl ClampingLossSums {
         Self { removed: BinnedSums::new(pixels), squares: BinnedSums::new(pixels) }
     }
 
-    /// Adds a pass. `removed` is the radiance that clamping removed from each pixel in it.
+    /// Adds a pass, in which clamping removed the radiance `removed` from each pixel.
     pub fn add(&mut self, removed: &[Rgb]) {
         self.removed.add_to_all_pixels(|i| removed[i].as_dvec3().to_array());
         self.squares.add_to_all_pixels(|i| [removed[i].as_dvec3().length_squared()]);
@@ -34,16 +34,19 @@ impl ClampingLossSums {
         self.squares.merge(&other.squares);
     }
 
-    /// Returns the number of pixels; `None` if the two sums disagree on it, as in damaged files.
+    /// Returns the number of pixels; `None` if the two sums have different numbers, as in damaged
+    /// files.
     pub fn pixel_count(&self) -> Option<usize> {
         (self.removed.pixel_count() == self.squares.pixel_count()).then(|| self.removed.pixel_count())
     }
 
-    /// Returns the squared relative bias that clamping causes in the mean of `n` passes, averaged
-    /// over the picture, and the variance of this estimate. `n` must be the number of added passes.
+    /// Returns two numbers: the squared relative bias of the picture that clamping causes, and the
+    /// variance of this estimate.
     ///
-    /// The square of each pixel combines two different passes, so its noise has mean zero. It is
-    /// clamped to \[−1, 1], and the mean to 0 or more.
+    /// `n` must be the number of added passes.
+    ///
+    /// The squared bias of a pixel is estimated by products of two different passes, whose noise
+    /// has mean zero. The square of each pixel is clamped to \[−1, 1], and the mean to 0 or more.
     pub fn squared_bias(&self, error_weights: &RelativeErrorWeights, n: f64) -> (f64, f64) {
         let weights = error_weights.pixel_weights();
         let [bias, variance] = sums_of_values(weights.len(), |i| {

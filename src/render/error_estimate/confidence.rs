@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Probability in (0, 1) that an interval contains the true error.
+/// Confidence level: the probability in (0, 1) that an error interval contains the true error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct Confidence(f64);
@@ -24,7 +24,7 @@ impl Confidence {
     }
 
     /// Returns the half width, in standard deviations, of the central interval that contains this
-    /// probability of a Gaussian.
+    /// probability of a Gaussian: 1.645 for 90 %.
     #[must_use]
     pub fn gaussian_half_width(self) -> f64 {
         // 60 bisections reach f64 precision. Beyond 40 deviations the tail underflows.

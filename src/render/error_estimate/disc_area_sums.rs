@@ -1,31 +1,32 @@
-//! Sums over passes of powers of the gather disc area of photon estimates.
+//! Sums over passes of powers of the gather disc area, for forecasts of noise and blur.
 
 use crate::integrate::squared_radius_ratio;
 
-/// Number of passes that are summed one by one. Later passes are summed in groups.
+/// Number of leading passes that are summed one by one. Later passes are summed in groups.
 pub(super) const EXACT_PASSES: u32 = 1024;
 
-/// Divisor that gives the size of a group of passes that is summed at once: n/`GROUP_DIVISOR` after
-/// n passes.
+/// Divisor for the size of a group of passes that is summed at once: after n passes, the group has
+/// n/`GROUP_DIVISOR` passes.
 pub(super) const GROUP_DIVISOR: u32 = 128;
 
 /// Sums over passes of two powers of the gather disc area: area^−1 and area^`blur_exponent`. Areas
-/// are divided by that of the first pass.
+/// are relative to the first pass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DiscAreaSums {
-    /// Exponent α by which gather radii shrink from pass to pass (radius law); 1 for fixed radii.
+    /// Parameter α of the radius law r²ᵢ₊₁ = r²ᵢ·(i + α)/(i + 1) of pass i, counted from 1; 1 for
+    /// fixed radii (Knaus and Zwicker 2011).
     alpha: f64,
     /// Exponent p: the blur of a pass is proportional to the p-th power of its gather disc area.
     blur_exponent: f64,
     /// Number of summed passes.
     pub passes: u32,
-    /// Gather disc area of the next pass, which is not summed yet, divided by that of the first
-    /// pass.
+    /// Gather disc area of the next pass, which is not summed yet, relative to the first pass.
     next_relative_area: f64,
-    /// Sum over passes of 1/area. The noise of photon estimates is proportional to it.
+    /// Sum over passes of 1/area. The variance of the summed photon estimates is proportional to
+    /// this sum.
     pub inverse_area_sum: f64,
-    /// Sum over passes of area^`blur_exponent`. Divided by `passes`, it is proportional to the
-    /// picture's blur.
+    /// Sum over passes of area^`blur_exponent`. The blur of the picture is proportional to this sum
+    /// divided by `passes`.
     pub area_power_sum: f64,
 }
 
@@ -48,14 +49,15 @@ impl DiscAreaSums {
         sums
     }
 
-    /// Adds passes until the sums hold `passes` passes. Does nothing if they hold as many or more.
+    /// Adds passes until the sums hold `passes` passes. Does nothing if they already hold that
+    /// many.
     pub fn advance_to(&mut self, passes: u32) {
         while self.passes < passes {
             if self.passes + self.group_size() > passes { self.add_pass() } else { self.add_group() }
         }
     }
 
-    /// Adds the next group of passes: one pass below [`EXACT_PASSES`] passes, later
+    /// Adds the next group of passes: a single pass up to [`EXACT_PASSES`] passes, then
     /// 1/[`GROUP_DIVISOR`] of the passes summed so far.
     pub fn add_group(&mut self) {
         if self.group_size() > 1 { self.add_passes_by_midpoint(self.group_size()) } else { self.add_pass() }
@@ -80,8 +82,8 @@ impl DiscAreaSums {
 
     /// Adds the next `count` passes at once by the midpoint rule.
     ///
-    /// The rule uses area ∝ n^(α − 1), which holds for large pass numbers n. α is the exponent of
-    /// the radius law.
+    /// The rule uses area ∝ n^(α − 1), which holds for large pass numbers n, with the parameter α
+    /// of the radius law.
     fn add_passes_by_midpoint(&mut self, count: u32) {
         let n = f64::from(self.passes);
         let at = |i: f64| self.next_relative_area * libm::pow(i / n, self.alpha - 1.0);

@@ -5,10 +5,10 @@ use super::fireflies::FireflyHistogram;
 use super::squared_error::SquaredErrorParts;
 use serde::Serialize;
 
-/// Estimated error of the mean of the passes so far.
+/// Estimated error of a picture, which is the mean of the passes so far.
 ///
-/// Errors are relative root mean squares, see
-/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights); 0.01 means 1 %.
+/// Errors are relative root mean square errors, see
+/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights) for the formula; 0.01 means 1 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorEstimate {
     /// Number of passes whose mean is the picture.
@@ -27,26 +27,26 @@ pub struct ErrorEstimate {
     /// Relative bias, the error that is not noise: √(blur² + shared_paths² + clamping²). Infinite
     /// after too few passes.
     pub bias: f64,
-    /// Relative bias of photon density estimates, due to the radius of their discs.
+    /// Relative bias of photon density estimates, which blur light over their gather discs.
     pub blur: f64,
-    /// Relative error of camera paths that all passes share; 0 if each pass has its own paths.
+    /// Relative error due to camera paths that all passes share (`ppm`); 0 if each pass has its own
+    /// paths.
     pub shared_paths: f64,
-    /// Relative bias of clamped camera paths, due to the light that clamping removes; 0 without
-    /// clamping.
+    /// Relative bias due to the light that clamping removes from camera paths; 0 without clamping.
     pub clamping: f64,
-    /// Blur with discs of half the area, divided by the blur with full discs: ½ in smooth light,
+    /// Blur at half the gather disc area, divided by the blur at full area: ½ in smooth light,
     /// larger at edges.
     #[serde(skip)]
     pub(super) half_disc_blur_ratio: f64,
-    /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2). L(r) is the
-    /// density estimate with disc radius r.
+    /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2), for the
+    /// density estimate L(r) with gather radius r.
     #[serde(skip)]
     pub(super) blur_extrapolation_factor: f64,
     /// Parts of the squared error, with their variances.
     #[serde(skip)]
     pub(super) parts: SquaredErrorParts,
-    /// Moments of the differences between density estimates with full, half and quarter discs; all
-    /// 0 without photon estimates.
+    /// Moments of the differences between density estimates with gather discs of full, half and
+    /// quarter area; all 0 without photon estimates.
     #[serde(skip)]
     pub(super) difference_moments: NestedDifferenceMoments,
     /// Histogram of fireflies: pixels whose relative squared noise exceeds 1.

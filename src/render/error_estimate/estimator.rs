@@ -22,31 +22,31 @@ use rayon::prelude::*;
 /// Smallest number of passes for which the error is estimated.
 pub const MIN_ERROR_ESTIMATE_PASSES: u32 = 4;
 
-/// Number of leading passes, those with the lowest pass numbers, in the measurement of noise.
+/// Number of leading passes (those with the lowest pass numbers) whose pictures are stored.
 /// [`LeadingPassPictures`] measures the effective sample count of the noise from them.
 const LEADING_PASSES: usize = 8;
 
-/// Number of leading passes, those with the lowest pass numbers, in the measurement of D₀.
-/// [`LeadingPassPictures`] measures the effective sample count of D₀ from them. D₀ is the
-/// difference of density estimates with full and half discs.
+/// Number of leading passes (those with the lowest pass numbers) whose D₀ is stored.
+/// [`LeadingPassPictures`] measures the effective sample count of D₀ from them. D₀ = L(r) −
+/// L(r/√2), for the density estimate L(r) with gather radius r.
 const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 
 /// Sums over pixels from which the noise of a picture is estimated.
 #[derive(Default)]
 struct PictureNoiseSums {
-    /// Sum of the squared relative noise c, which is clamped to 1.
+    /// Sum over pixels of the squared relative noise c, clamped to 1.
     squared_noise: f64,
-    /// Sum of c².
+    /// Sum over pixels of c², where c is the squared relative noise, clamped to 1.
     fourth_power_noise: f64,
-    /// Sum of c² times (kurtosis − 1).
+    /// Sum over pixels of c²·(kurtosis − 1), where c is the squared relative noise, clamped to 1.
     kurtosis_weighted_noise: f64,
-    /// Pixels with c > 1 before it is clamped.
+    /// Histogram of the pixels whose squared relative noise exceeds 1 before it is clamped.
     fireflies: FireflyHistogram,
 }
 
 /// Accumulates the passes of a render, and estimates the error of their mean.
 ///
-/// An error estimate depends only on the set of passes, to the bit. Neither their order nor the
+/// An error estimate depends only on the set of passes, bit for bit. Neither their order nor the
 /// merging of estimators changes it. Only the mean gather discs of [`ErrorMaps`] depend on the
 /// order, by rounding.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -66,8 +66,8 @@ pub struct ErrorEstimator {
 /// Sums over passes of the differences between photon density estimates with nested discs, for each
 /// pixel.
 ///
-/// D₀ is the difference between estimates with full and half discs, D₁ between half and quarter
-/// discs.
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather radius
+/// r.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct NestedDifferenceSums {
     /// Sums over passes of D₀ and of D₁, for each pixel and channel.
@@ -77,7 +77,8 @@ struct NestedDifferenceSums {
     /// Sums over passes of gather radius and photon count of each pixel: first for the caustic map,
     /// then for the indirect map and the interreflection map of `hybrid` together.
     discs: Vec<[GatherDiscTotals; 2]>,
-    /// D₀ of each pixel in the passes with the lowest numbers, which measure how D₀ varies.
+    /// D₀ of each pixel in the passes with the lowest numbers, for the effective sample count of
+    /// D₀.
     leading_pictures: LeadingPassPictures,
 }
 
@@ -91,13 +92,13 @@ struct GatherDiscTotals {
     passes: u32,
 }
 
-/// Estimated error of each pixel, in rows from the top. All maps but `noise` are empty without
-/// photon density estimates.
+/// Maps of the estimated error of each pixel, in rows from the top. Without photon density
+/// estimates, all maps except `noise` are empty.
 #[derive(Clone, Debug, Default)]
 pub struct ErrorMaps {
     /// Standard error of the mean of the passes, by channel \[W/(m² sr)].
     pub noise: Vec<Vec3>,
-    /// Estimated blur of the mean of the passes, by channel \[W/(m² sr)]. It is positive where the
+    /// Estimated blur of the mean of the passes, by channel \[W/(m² sr)]; positive where the
     /// picture is too bright. The estimate is noisy.
     pub blur: Vec<Vec3>,
     /// Mean radius and photon count of each pixel's density estimates from the caustic map.
@@ -252,11 +253,10 @@ impl ErrorEstimator {
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&error_weights, film.size().0, n);
         let clamping = self.clamping_loss.as_ref().map(|sums| sums.squared_bias(&error_weights, n));
         let (clamping2, clamping_variance) = clamping.unwrap_or_default();
-        // The squared error of this one picture varies about its expectation. The estimate
-        // varies too.
+        // Both the squared error of this one picture and its estimate vary about the expectation.
         let relative_variance = self.leading_pictures.squared_error_relative_variance(error_weights.pixel_weights(), n);
-        // With outliers, the variance of a variance estimate is (kurtosis − 1) / 2 times that of
-        // Gaussian noise.
+        // With outliers, the variance of a variance estimate is (kurtosis − 1) / 2 times its value
+        // for Gaussian noise.
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
         let parts = SquaredErrorParts {
             noise: noise2,
@@ -288,25 +288,27 @@ impl ErrorEstimator {
         }
     }
 
-    /// Returns the weights for errors relative to the mean picture without its estimated blur.
+    /// Returns the weights for errors relative to the mean picture, after its estimated blur is
+    /// subtracted.
     ///
-    /// Blur brightens a caustic and its surroundings. Relative to the blurred picture, the error
-    /// there would seem too small. `film` must hold exactly the passes added so far.
+    /// Blur brightens the surroundings of a caustic, so errors relative to the blurred picture
+    /// would be too small there. `film` must hold exactly the passes added so far.
     fn error_weights(&self, film: &Film) -> RelativeErrorWeights {
         let n = f64::from(self.passes.max(1));
         let mut pixels = film.mean_picture();
         let weights = RelativeErrorWeights::from_pixels(film.size(), &pixels);
         let Some(sums) = &self.nested_differences else { return weights };
         let moments = sums.nested_difference_moments(&weights, n);
-        // The factor is small where noise hides the differences in most of the picture.
+        // The factor is small if noise hides the differences in most of the picture.
         let factor = moments.measurement_weight() * BlurEstimate::from_differences(&moments).extrapolation_factor;
         if factor <= 0.0 {
             return weights;
         }
-        // Two lists of weights at a time would exceed the expected memory.
+        // Free the memory: two lists of weights would exceed the memory that `render::memory`
+        // expects.
         drop(weights);
         pixels.par_iter_mut().enumerate().with_min_len(MIN_PIXELS_PER_TASK).for_each(|(i, pixel)| {
-            // Pixels that are not finite do not count in their neighbourhoods.
+            // Pixels that are not finite stay so, and do not count in their neighborhoods.
             if pixel.is_finite() {
                 let darkest = pixel.min(Vec3::ZERO);
                 *pixel = (*pixel - sums.scaled_difference_sum(i, factor / n)).max(darkest);
@@ -387,24 +389,24 @@ impl NestedDifferenceSums {
         self.leading_pictures.merge(&other.leading_pictures, LEADING_PASSES_OF_DIFFERENCES);
     }
 
-    /// Returns the sums over passes of both differences at pixel `i`: D₀ between density estimates
-    /// with full and half discs, and D₁ between half and quarter discs.
+    /// Returns the sums over passes of D₀ = L(r) − L(r/√2) and of D₁ = L(r/√2) − L(r/2) at pixel
+    /// `i`, for the density estimate L(r) with gather radius r.
     fn difference_sums(&self, i: usize) -> [DVec3; 2] {
         self.differences.each_ref().map(|sums| DVec3::from_array(sums.pixel_sums(i)))
     }
 
-    /// Returns `factor` times the sum over passes of the difference between density estimates with
-    /// full and quarter discs, at pixel `i`.
+    /// Returns `factor` times the sum over passes of L(r) − L(r/2) at pixel `i`, for the density
+    /// estimate L(r) with gather radius r.
     fn scaled_difference_sum(&self, i: usize, factor: f64) -> Vec3 {
         let [d0, d1] = self.difference_sums(i);
         ((d0 + d1) * factor).as_vec3()
     }
 
     /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, with variances of
-    /// D₀ and D₀². All are relative, by `error_weights`.
+    /// D₀ and of the mean of D₀². All values are relative, by `error_weights`.
     ///
-    /// D₀ is the difference between density estimates with full and half discs, D₁ between half and
-    /// quarter discs. Each product combines two different passes, so its noise has mean zero.
+    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather
+    /// radius r. Each product combines two different passes, so its noise has mean zero.
     fn nested_difference_moments(&self, error_weights: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
         let pixels = error_weights.pixel_weights().len();
         let sums = sums_of_values(pixels, |i| {

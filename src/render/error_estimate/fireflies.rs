@@ -1,8 +1,8 @@
 //! Fireflies: pixels whose relative squared noise exceeds 1.
 
-/// Number of brightness classes of [`FireflyHistogram`], one per octave. The last class also holds
-/// all brighter fireflies.
-const OCTAVES: usize = 32;
+/// Number of classes of [`FireflyHistogram`], one per octave of relative squared noise. The last
+/// class also holds all fireflies above it.
+const CLASS_COUNT: usize = 32;
 
 /// Histogram of fireflies by brightness.
 ///
@@ -12,16 +12,16 @@ const OCTAVES: usize = 32;
 /// 1/m for large m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FireflyHistogram {
-    /// Fraction of the pixels that are fireflies of each class. Class i has relative squared noise
-    /// from 2^i to 2^(i + 1).
-    fractions: [f64; OCTAVES],
+    /// Fraction of all pixels that are fireflies of class i, by i. Class i has relative squared
+    /// noise from 2^i to 2^(i + 1).
+    fractions: [f64; CLASS_COUNT],
 }
 
 impl FireflyHistogram {
     /// Adds pixels with relative squared noise `square` > 1, which make up the given `fraction` of
     /// all pixels.
     pub(super) fn add(&mut self, square: f64, fraction: f64) {
-        let octave = libm::log2(square).clamp(0.0, (OCTAVES - 1) as f64);
+        let octave = libm::log2(square).clamp(0.0, (CLASS_COUNT - 1) as f64);
         self.fractions[octave as usize] += fraction;
     }
 
@@ -30,8 +30,9 @@ impl FireflyHistogram {
         self.fractions.iter_mut().zip(other.fractions).for_each(|(fraction, other)| *fraction += other);
     }
 
-    /// Returns the contribution of fireflies to the mean relative squared error of the passes made
-    /// so far. Each firefly counts as 1, so this is the fraction of pixels that are fireflies.
+    /// Returns the contribution of fireflies to the mean relative squared error after the passes
+    /// made so far. Each firefly counts as 1, so the contribution is the fraction of pixels that
+    /// are fireflies.
     pub(super) fn squared_error_of_fireflies(&self) -> f64 {
         self.fractions.iter().sum()
     }

@@ -1,4 +1,4 @@
-//! Forecast: predicts the error of a picture after more passes.
+//! Forecast of the error of a picture after more passes.
 
 use super::disc_area_sums::DiscAreaSums;
 use super::estimate::ErrorEstimate;
@@ -8,17 +8,17 @@ pub(super) const MAX_FORECAST_PASSES: u32 = 10_000_000;
 
 /// Predicted error of a picture as a function of the number of passes n.
 ///
-/// Let aᵢ be the disc area of photon estimates in pass i, divided by that in pass 0. The variance
-/// of photon estimates falls as Σ(1/aᵢ)/n², all other variance as 1/n. Blur is proportional to the
-/// mean of aᵢ^p, with a measured exponent p. The shared-path error and the bias of clamping are
-/// constant.
+/// Let aᵢ be the gather disc area in pass i, relative to pass 0. The variance of photon estimates
+/// falls as Σ(1/aᵢ)/n², all other variance as 1/n. Blur is proportional to the mean of aᵢ^p, with a
+/// measured exponent p. The shared-path error and the bias of clamping are constant.
 ///
 /// Errors are relative, see [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorForecast {
     /// Error estimate from which the forecast starts.
     pub(super) estimate: ErrorEstimate,
-    /// Exponent α by which gather radii shrink from pass to pass (radius law); 1 for fixed radii.
+    /// Parameter α of the radius law, by which gather radii shrink from pass to pass; 1 for fixed
+    /// radii.
     pub(super) alpha: f64,
     /// Relative variance of the picture of one pass, without the variance of photon estimates and
     /// of fireflies.
@@ -34,9 +34,9 @@ pub struct ErrorForecast {
 impl ErrorForecast {
     /// Creates the forecast from an error estimate.
     ///
-    /// `law` holds two numbers: the exponent α by which gather radii shrink, and the kernel's
-    /// [`Kernel::nested_difference_variance_ratio`](crate::photon::Kernel). `law` is `None` without
-    /// photon estimates.
+    /// `law` is (α of the radius law,
+    /// [`Kernel::nested_difference_variance_ratio`](crate::photon::Kernel) of the kernel); `None`
+    /// without photon estimates.
     pub(super) fn new(estimate: ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
         let fireflies = n * estimate.fireflies.squared_error_of_fireflies();
@@ -91,27 +91,28 @@ impl ErrorForecast {
         self.estimate.shared_paths.hypot(self.estimate.clamping)
     }
 
-    /// Predicts the squared noise of the picture after its first `sums.passes` passes, relative as
-    /// in [`ErrorEstimate::noise`].
+    /// Predicts the squared noise of the picture after `sums.passes` passes, as the square of
+    /// [`ErrorEstimate::noise`].
     ///
-    /// `sums` supplies the disc areas of these passes.
+    /// `sums` supplies the gather disc areas of these passes.
     pub(super) fn squared_noise(&self, sums: &DiscAreaSums) -> f64 {
         let n = f64::from(sums.passes);
         let fireflies = self.estimate.fireflies.firefly_squared_error_after(n / f64::from(self.estimate.passes));
         (self.path_variance * n + self.first_pass_photon_variance * sums.inverse_area_sum) / (n * n) + fireflies
     }
 
-    /// Predicts the noise and the bias of the picture after its first `sums.passes` passes,
-    /// relative as in [`ErrorEstimate`].
+    /// Predicts [`ErrorEstimate::noise`] and [`ErrorEstimate::bias`] of the picture after
+    /// `sums.passes` passes.
     ///
-    /// `sums` supplies the disc areas of these passes. Its exponent must be that of this forecast.
+    /// `sums` supplies the gather disc areas of these passes. Its blur exponent must equal the
+    /// exponent of this forecast.
     fn noise_and_bias(&self, sums: &DiscAreaSums) -> (f64, f64) {
         let blur = self.first_pass_blur * sums.area_power_sum / f64::from(sums.passes);
         (self.squared_noise(sums).sqrt(), blur.hypot(self.constant_bias()))
     }
 
     /// Predicts the smallest number of passes after which the relative noise of the picture is at
-    /// most `target`; `None` above ten million passes.
+    /// most `target`; `None` if ten million passes do not suffice.
     ///
     /// Above 1024 passes, the number is exact to 1 %.
     #[must_use]

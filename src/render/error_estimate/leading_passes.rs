@@ -4,35 +4,35 @@ use super::pixel_sums::{MIN_PIXELS_PER_TASK, sum_over_pixels};
 use crate::color::Rgb;
 use rayon::prelude::*;
 
-/// Grey pictures of the leading passes: those with the lowest pass numbers. They measure the
-/// effective sample count of the noise.
+/// Gray pictures of the leading passes (those with the lowest pass numbers), from which the
+/// effective sample count of the noise is measured.
 ///
 /// The difference of two passes, divided by √2, contains only noise. Its mean square is the
 /// variance of the noise. Let Σ be the covariance matrix of the pixels. The scalar product of two
 /// differences without a common pass has mean zero and variance tr Σ². The effective sample count
 /// is (tr Σ)² / tr Σ² (Satterthwaite 1946). It is the number of independent values whose mean
-/// square varies as much as that of the noise.
+/// square varies as much as the mean square of the noise.
 ///
-/// The set of leading passes is a function of the set of passes, in whatever order they come.
+/// The leading passes depend only on the set of passes, not on the order in which they are added.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct LeadingPassPictures {
-    /// Pass number and grey picture of each leading pass, in ascending order of pass numbers.
+    /// Pass number and gray picture (channel means) of each leading pass, by ascending pass number.
     /// Non-finite values are replaced by 0.
     pictures: Vec<(u32, Vec<f32>)>,
 }
 
-/// Largest number of leading passes: the passes with the lowest numbers.
+/// Largest number of leading passes, the passes with the lowest numbers, that are stored.
 const MAX_LEADING_PASSES: usize = 8;
 
-/// Scalar products of pictures: one for each pair of leading passes.
+/// Scalar products of the deviations of two leading passes from their mean, by the indices of both.
 type DeviationProducts = [[f64; MAX_LEADING_PASSES]; MAX_LEADING_PASSES];
 
-/// Effective sample count of the noise that is assumed before measurement: the number of
-/// independent values that vary as much as the noise.
+/// Prior of the effective sample count of the noise: the number of independent values whose mean
+/// varies as much as the noise.
 const PRIOR_EFFECTIVE_SAMPLE_COUNT: f64 = 100.0;
 
-/// Weight of [`PRIOR_EFFECTIVE_SAMPLE_COUNT`] against measured scalar products of pass differences:
-/// it counts as much as this number of products.
+/// Weight of [`PRIOR_EFFECTIVE_SAMPLE_COUNT`], as the number of measured scalar products of pass
+/// differences with the same weight.
 const PRIOR_WEIGHT_IN_PRODUCTS: f64 = 2.0;
 
 impl LeadingPassPictures {
@@ -61,13 +61,13 @@ impl LeadingPassPictures {
         ordered && self.pictures.len() <= most && self.pictures.iter().all(|(_, picture)| picture.len() == pixels)
     }
 
-    /// Returns the relative variance of the squared error of a picture: 2 / effective sample count.
-    /// The count is the number of independent values that vary as much as the noise.
+    /// Returns the relative variance of the squared error of a picture: 2 / effective sample count,
+    /// the number of independent values whose mean varies as much as the noise.
     ///
-    /// Few passes measure the count badly, so [`PRIOR_EFFECTIVE_SAMPLE_COUNT`] has a weight against
-    /// the measurement. The formula holds for Gaussian noise. `weights` holds a factor for each
-    /// pixel, for the square of its deviation from the mean of the leading passes. The weighted
-    /// square is clamped to `max`.
+    /// Few passes measure the count badly, so the result is a weighted mean with
+    /// [`PRIOR_EFFECTIVE_SAMPLE_COUNT`]. The formula holds for Gaussian noise. `weights` holds a
+    /// factor for each pixel, on the square of its deviation from the mean of the leading passes.
+    /// The weighted square is clamped to `max`.
     pub fn squared_error_relative_variance(&self, weights: &[f64], max: f64) -> f64 {
         let n = self.pictures.len();
         if n < 2 {
@@ -83,9 +83,9 @@ impl LeadingPassPictures {
             .min(1.0)
     }
 
-    /// Returns three values for the differences of two leading passes, divided by √2: their mean
-    /// square, the mean squared scalar product of two differences, and the number of independent
-    /// products.
+    /// Returns three values for differences of two leading passes, divided by √2: the mean square
+    /// of a difference, the mean squared scalar product of two differences, and the number of
+    /// independent products.
     ///
     /// Only products of differences without a common pass count.
     fn variance_and_squared_product(&self, weights: &[f64], max: f64) -> (f64, f64, f64) {
@@ -129,7 +129,7 @@ impl LeadingPassPictures {
                 *value = f64::from(picture[pixel]);
                 mean += share * *value;
             }
-            // The weight is for the sum over three channels.
+            // `weights` are for squares summed over three channels, but the pictures are gray.
             let weight = 3.0 * weights[pixel];
             for deviation in &mut deviations[..self.pictures.len()] {
                 *deviation -= mean;

@@ -2,14 +2,15 @@
 //!
 //! - *Noise*: passes are independent, so the variance of the mean of n passes is s²/n, with the
 //!   sample variance s².
-//! - *Blur*: the density estimate L(r) with disc radius r has bias L(r) − L(0). The differences D₀
+//! - *Blur*: the density estimate L(r) with gather radius r has bias L(r) − L(0). The differences D₀
 //!   = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are the first terms of a series that sums to the
-//!   bias. The three estimates share their photons. Squares and products of differences are taken
-//!   between different passes, so their noise has mean zero.
+//!   bias. The three estimates share their photons. Squares and products of differences combine two
+//!   different passes, so their noise has mean zero.
 //! - *Shared-path error*: `ppm` uses the same camera paths in all passes. A few pixels are also
-//!   rendered with unshared camera paths. Their mean difference is the error of the shared paths.
-//! - *Clamping*: a render that clamps the light of camera paths measures what it removes. This is
-//!   its bias, up to the sign.
+//!   rendered with unshared camera paths. The mean difference of both is the error of the shared
+//!   paths.
+//! - *Clamping*: a render that clamps the light of camera paths measures the removed light. This
+//!   light is the bias, up to the sign.
 
 mod blur;
 mod clamping_loss;

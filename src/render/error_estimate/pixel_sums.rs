@@ -2,14 +2,14 @@
 
 use rayon::prelude::*;
 
-/// Smallest number of pixels of a task of a parallel loop.
+/// Smallest number of pixels of one task in parallel loops.
 pub(super) const MIN_PIXELS_PER_TASK: usize = 2048;
 
 /// Number of pixels that one Rayon task sums.
 const CHUNK: usize = 1024;
 
-/// Returns a sum over the pixels from 0 to `pixels` − 1. `add` adds a pixel to a sum, and `join`
-/// adds the sum of the next pixels.
+/// Sums over the pixels from 0 to `pixels` − 1 in parallel. `add` adds a pixel to a partial sum.
+/// `join` adds the partial sum of the following pixels.
 ///
 /// Chunks of pixels have a fixed size and are joined in order. So the result does not depend on the
 /// number of threads.
@@ -30,7 +30,7 @@ pub(super) fn sum_over_pixels<S: Default + Send>(
     total
 }
 
-/// Returns the sums over the pixels from 0 to `pixels` − 1 of the `N` values that `values` gives.
+/// Sums the `N` numbers `values(i)` over the pixels i from 0 to `pixels` − 1.
 pub(super) fn sums_of_values<const N: usize>(pixels: usize, values: impl Fn(usize) -> [f64; N] + Sync) -> [f64; N]
 where
     [f64; N]: Default,
@@ -44,8 +44,8 @@ where
 mod tests {
     use super::*;
 
-    /// Sums of any number of pixels count each pixel once. They have the same bits on one thread
-    /// and on five.
+    /// Sums over any number of pixels count each pixel once. They are equal bit for bit on one
+    /// thread and on five.
     #[test]
     fn sums_count_each_pixel_once_on_any_threads() {
         for pixels in [0, 1, CHUNK - 1, CHUNK, CHUNK + 1, 5 * CHUNK + 7] {

@@ -25,7 +25,7 @@ pub(super) struct PixelSpread {
     /// Σ (x − mean)² over the values x of the passes, by channel; 0 if it is below rounding errors.
     pub squared_deviations: DVec3,
     /// Upper bound of the kurtosis: the largest squared deviation divided by the variance, at least
-    /// [`GAUSSIAN_KURTOSIS`]. A pixel with one outlier in n passes has about n.
+    /// [`GAUSSIAN_KURTOSIS`]. For a pixel with one outlier in n passes, the bound is about n.
     pub kurtosis: f64,
 }
 
@@ -67,7 +67,7 @@ impl PixelVarianceSums {
         let sum = DVec3::from_array(film.radiance_sums().pixel_sums(i));
         let squares = DVec3::from_array(self.squares.pixel_sums(i));
         let mean = sum / n;
-        // Errors of the sum of squares, of the mean and of f64 numbers.
+        // Rounding errors of the sum of squares, of the mean and of f64 arithmetic.
         let rounding = 0.5 * n * self.squares.lower_quantum(i)
             + sum.abs() * film.radiance_sums().lower_quantum(i)
             + squares * (4.0 * f64::EPSILON);

@@ -1,11 +1,11 @@
 //! Numbers of passes after which the error of a picture is estimated.
 
-/// Ratio of the numbers of passes at two successive error estimates. One estimate costs a fraction
-/// of a pass.
+/// Ratio of the numbers of passes at two successive error estimates. More frequent estimates would
+/// slow renders, because one estimate takes a fraction of the time of a pass.
 const INTERVAL_FACTOR: f64 = 1.05;
 
-/// Schedule of error estimates. The error is estimated after each of the first passes, and then
-/// each time that the number of passes has grown by a twentieth.
+/// Schedule of error estimates: after each of the first passes, and then each time that the number
+/// of passes has grown by a twentieth.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EstimateSchedule {
     /// Number of passes at which the next error estimate is due.

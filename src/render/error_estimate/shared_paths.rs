@@ -1,22 +1,22 @@
-//! Error of camera paths that all passes share, as in algorithm `ppm`.
+//! Error of a picture due to camera paths that all passes share, as in the algorithm `ppm`.
 
 use crate::image::RelativeErrorWeights;
 use crate::integrate::PassResult;
 use crate::math::BinnedSums;
 use glam::DVec3;
 
-/// Edge length of square blocks of pixels \[pixels]. Errors of neighbouring pixels correlate, so
+/// Edge length of square blocks of pixels \[pixels]. Errors of neighboring pixels correlate, so
 /// each block counts as one independent sample.
 const BLOCK_SIDE: u32 = 16;
 
 /// Sums over passes from which the error of shared camera paths is estimated, for a few pixels.
 ///
-/// Shared paths are the same in all passes. Unshared paths are new in each pass. The error is the
-/// mean difference between radiance by shared paths and radiance by unshared paths.
+/// Shared paths are the same in all passes; unshared paths differ from pass to pass. The error is
+/// the mean difference between radiance by shared paths and radiance by unshared paths.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct SharedPathErrorSums {
-    /// Indices of the pixels that each pass renders a second time, with camera paths of its own
-    /// instead of those that all passes share. Pixels are counted in rows from the top.
+    /// Indices of the pixels that each pass renders a second time, with unshared camera paths.
+    /// Pixels are counted in rows from the top.
     pixel_indices: Vec<u32>,
     /// Sum over passes of radiance by shared paths minus radiance by unshared paths, for each pixel
     /// and channel.
@@ -61,9 +61,8 @@ impl SharedPathErrorSums {
         &self.pixel_indices
     }
 
-    /// Returns two numbers: the squared relative error of the camera paths that all passes share,
-    /// and the variance of this estimate. The error is a mean over the recorded pixels. Both are 0
-    /// without shared paths.
+    /// Returns two numbers: the squared relative error of shared camera paths, as a mean over the
+    /// recorded pixels, and the variance of this estimate. Both are 0 without shared paths.
     ///
     /// The square of each pixel is clamped to \[−1, 1], and the mean to 0 or more. `columns` is the
     /// width of the picture \[pixels], and `n` the number of passes. The variance is measured
@@ -94,8 +93,8 @@ impl SharedPathErrorSums {
                 (left..left + BLOCK_SIDE).contains(&x) && (top..top + BLOCK_SIDE).contains(&y)
             };
             if !first_pixel.is_some_and(in_block) {
-                // Blocks have gaps of at least a block between them. So this is the first pixel of
-                // the next one, also where a crop window cuts it.
+                // Blocks have gaps of at least a block between them. So this pixel is the first one
+                // of the next block, even if a crop window cuts the block.
                 first_pixel = Some((x, y));
                 sums.push(0.0);
             }

@@ -1,4 +1,4 @@
-//! The squared error of a picture: its parts, and their uncertainty.
+//! The squared error of a picture: its parts and their uncertainties.
 
 /// Parts of the squared relative error of a picture, with the variances of their estimates.
 ///
@@ -8,8 +8,7 @@ pub(super) struct SquaredErrorParts {
     /// Squared relative noise of the picture: the variance of the mean of the passes.
     pub noise: f64,
     /// Relative variance of the squared noise of one picture about its expectation: 2 / effective
-    /// sample count. The count is the number of independent values that vary as much as the
-    /// noise.
+    /// sample count, the number of independent values whose mean varies as much as the noise.
     pub realised_noise_relative_variance: f64,
     /// Relative variance of the estimate `noise` about the expected squared noise of the picture.
     pub noise_estimate_relative_variance: f64,
@@ -42,9 +41,10 @@ impl SquaredErrorParts {
         realised + estimated + self.blur_variance + self.shared_paths_variance + self.clamping_variance
     }
 
-    /// Returns the lower and upper end of an interval of the error, which is not squared. Before
-    /// the square root, the interval extends `half_width` standard deviations of the squared error
-    /// to both sides of the estimate.
+    /// Returns the lower and upper end of the error interval.
+    ///
+    /// They are the square roots of the estimated squared error ∓ `half_width` of its standard
+    /// deviations.
     pub fn error_interval(&self, half_width: f64) -> (f64, f64) {
         let deviation = half_width * self.variance().sqrt();
         ((self.total() - deviation).max(0.0).sqrt(), (self.total() + deviation).sqrt())

@@ -1,15 +1,15 @@
 //! Forecast of the pass after which a render reaches an error target.
 //!
-//! A render ends once the upper end of its error interval is at most the target. The forecast
-//! imagines 64 renders that follow this rule, one for each [`ForecastDraw`]; no picture is
-//! rendered. A draw gives values to the unknown quantities: the expected noise, the expected blur,
-//! the exponent of the decay of blur, and the noise of later blur estimates. From them, the
-//! forecast computes the upper end after each later pass, and so the last pass of the imagined
-//! render.
+//! A render ends once the upper end of its error interval is at most the target. The forecast is a
+//! Monte Carlo simulation of 64 imagined renders that follow this rule; no picture is rendered.
+//! Each imagined render has one [`ForecastDraw`], which gives values to the unknown quantities: the
+//! expected noise, the expected blur, the exponent of the decay of blur, and the noise of later
+//! blur estimates. From these, the forecast computes the upper end after each later pass, and so
+//! the last pass of the imagined render.
 //!
-//! Blur is the bias of photon density estimates. D₀ is the difference of density estimates with
-//! full and half discs, and D₁ with half and quarter discs. ‖D₀‖² and ‖D₁‖² are their mean squares
-//! over the picture. The blur is extrapolated from them, see [`NestedDifferenceMoments`].
+//! Blur is the bias of photon density estimates. D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for
+//! the density estimate L(r) with gather radius r. ‖D₀‖² and ‖D₁‖² are their mean squares over the
+//! picture. The blur is extrapolated from D₀ and D₁, see [`NestedDifferenceMoments`].
 
 use super::blur::{BlurEstimate, NestedDifferenceMoments, PRODUCT_RATIO_AT_LIGHT_EDGE};
 use super::confidence::Confidence;
@@ -26,27 +26,28 @@ pub const RANGE_PROBABILITY: f64 = 0.8;
 /// Largest number of passes that a forecast considers, divided by the number of passes made.
 const MAX_EXTRAPOLATION: u32 = 1000;
 
-/// Number of imagined renders of a forecast. Each has its own draw of the unknown quantities.
-const DRAWS: usize = 64;
+/// Number of imagined renders of a forecast, each with its own random draw of the unknown
+/// quantities.
+const DRAW_COUNT: usize = 64;
 
 /// Relative standard deviation of the predicted noise variance after many more passes, because the
 /// forecast's model of noise is inexact.
-const MODEL_DEVIATION: f64 = 0.2;
+const NOISE_MODEL_DEVIATION: f64 = 0.2;
 
-/// Exponent e of the prior for the unknown blur. Before measurement, ‖D₀‖² has the density
-/// (‖D₀‖²)^−e, where D₀ is the difference of density estimates with full and half discs.
+/// Exponent e of the prior for the unknown blur: ‖D₀‖² has the prior density (‖D₀‖²)^−e. D₀ = L(r)
+/// − L(r/√2), for the density estimate L(r) with gather radius r.
 ///
 /// With e = 0, large blur is likely while noise still hides it. With e = 1, all probability is at
 /// zero blur.
 const PRIOR_EXPONENT: f64 = 0.5;
 
 /// Possible exponents p of the decay of blur. Blur is proportional to the gather disc area to the
-/// power p: ¼ at edges, 1 in smooth light. All are equally likely before measurement.
+/// power p: ¼ at edges, 1 in smooth light. All are equally likely a priori.
 const BLUR_EXPONENTS: [f64; 5] = [0.25, 0.4375, 0.625, 0.8125, 1.0];
 
-/// Least probability of an exponent of [`BLUR_EXPONENTS`], given the measured blur, divided by the
-/// probability of the most likely exponent.
-const LEAST_EXPONENT_WEIGHT: f64 = 1e-3;
+/// Weight that is added to the relative likelihood of each exponent of [`BLUR_EXPONENTS`], so that
+/// none is excluded. The most likely exponent has the likelihood 1.
+const ADDED_EXPONENT_WEIGHT: f64 = 1e-3;
 
 /// Forecast of the number of passes after which a render reaches its error target.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,14 +59,15 @@ pub enum StopForecast {
         /// Relative bias that remains after any number of passes.
         floor: f64,
     },
-    /// The target is reached after more passes than can be predicted from the passes made.
+    /// The target is reached after more passes than can be predicted from the passes made so far.
     TooFar {
-        /// Number of passes before which the render ends with a probability of at most 10 %.
+        /// Lower bound of the number of passes: the render ends before it with a probability of at
+        /// most 10 %.
         at_least: u32,
     },
 }
 
-/// Range that contains the number of passes of the whole render with the probability
+/// Range that contains the number of passes at which the render ends, with the probability
 /// [`RANGE_PROBABILITY`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassRange {
@@ -77,7 +79,7 @@ pub struct PassRange {
     pub high: Option<u32>,
 }
 
-/// Random variates for one imagined render of a forecast, one for each unknown quantity.
+/// Random numbers for one imagined render of a forecast, one for each unknown quantity.
 struct ForecastDraw {
     /// Standard normal variate that determines the expected noise of the picture.
     noise_variate: f64,
@@ -94,21 +96,21 @@ struct ForecastDraw {
 struct DrawnBlur {
     /// Index in [`BLUR_EXPONENTS`] of the exponent by which blur decays.
     exponent_index: usize,
-    /// Expected ‖D₀‖² after the passes made so far: the mean square over the picture of the
-    /// difference of density estimates with full and half discs.
+    /// Expected ‖D₀‖² after the passes made so far: the mean square over the picture of D₀ = L(r) −
+    /// L(r/√2), for the density estimate L(r) with gather radius r.
     d0_squared: f64,
 }
 
-/// The [`DRAWS`] draws of every forecast. Their `noise_variate` is stratified. Their other
-/// quantities follow an additive recurrence (Roberts 2018, "The unreasonable effectiveness of
-/// quasirandom sequences").
+/// The [`DRAW_COUNT`] draws of every forecast. `noise_variate` is stratified. The other numbers are
+/// a quasirandom additive recurrence (Roberts 2018, "The unreasonable effectiveness of quasirandom
+/// sequences").
 static ALL_DRAWS: LazyLock<Vec<ForecastDraw>> = LazyLock::new(|| {
     // Positive root of x⁴ = x + 1.
     let root: f64 = 1.220_744_084_605_759_5;
     let steps = [1.0 / root, 1.0 / (root * root), 1.0 / (root * root * root)];
     let draw = |i: usize| {
         let [exponent_choice, blur, later_blur] = steps.map(|step| (0.5 + i as f64 * step).fract());
-        let noise = (i as f64 + 0.5) / DRAWS as f64;
+        let noise = (i as f64 + 0.5) / DRAW_COUNT as f64;
         ForecastDraw {
             noise_variate: normal_quantile(noise),
             exponent_variate: exponent_choice,
@@ -116,19 +118,19 @@ static ALL_DRAWS: LazyLock<Vec<ForecastDraw>> = LazyLock::new(|| {
             later_blur_variate: normal_quantile(later_blur),
         }
     };
-    (0..DRAWS).map(draw).collect()
+    (0..DRAW_COUNT).map(draw).collect()
 });
 
-/// Returns the value that a standard normal variate exceeds with probability 1 − `probability`, for
-/// 0 < `probability` < 1.
+/// Returns the quantile of the standard normal distribution at `probability` in (0, 1): −1.96 at
+/// 0.025.
 fn normal_quantile(probability: f64) -> f64 {
     let half_width = Confidence::new((2.0 * probability - 1.0).abs()).map_or(0.0, Confidence::gaussian_half_width);
     half_width.copysign(probability - 0.5)
 }
 
 impl ErrorForecast {
-    /// Predicts after how many passes a render ends, because the upper end of its error interval is
-    /// at most `target`.
+    /// Predicts the number of passes after which the upper end of a render's error interval is at
+    /// most `target`, so that the render ends.
     ///
     /// `confidence` is the confidence of the interval. The render is assumed to estimate its error
     /// after the passes of [`EstimateSchedule`].
@@ -139,7 +141,7 @@ impl ErrorForecast {
         }
         let half_width = confidence.gaussian_half_width();
         let ends = self.ends_of_draws(target, half_width);
-        let quantile = |fraction: f64| ends[(fraction * (DRAWS - 1) as f64).round() as usize];
+        let quantile = |fraction: f64| ends[(fraction * (DRAW_COUNT - 1) as f64).round() as usize];
         let tail = 0.5 * (1.0 - RANGE_PROBABILITY);
         let [low, median, high] = [tail, 0.5, 1.0 - tail].map(quantile);
         match (low, median) {
@@ -157,9 +159,8 @@ impl ErrorForecast {
     /// unknown quantities, in ascending order.
     ///
     /// A render ends once the upper end of its error interval is at most `target`. `half_width` is
-    /// the half width of the interval, in standard deviations of the squared error. The number is
-    /// `None`, and comes last, for a render that ends beyond
-    /// [`max_imagined_passes`](Self::max_imagined_passes).
+    /// the half width of the interval, in standard deviations of the squared error. Renders that
+    /// end beyond [`max_imagined_passes`](Self::max_imagined_passes) come last, as `None`.
     fn ends_of_draws(&self, target: f64, half_width: f64) -> Vec<Option<u32>> {
         let made = self.estimate.passes;
         let ended = self.estimate.parts.error_interval(half_width).1 <= target;
@@ -172,7 +173,7 @@ impl ErrorForecast {
             d0_squared: quantile_at(&densities, draw.blur_variate),
         });
         let blurs: Vec<DrawnBlur> = blurs.collect();
-        let mut ends = vec![None; DRAWS];
+        let mut ends = vec![None; DRAW_COUNT];
         let due = EstimateSchedule::due_passes().skip_while(|n| n < possible.start());
         for passes in due.take_while(|n| possible.contains(n)) {
             sums.iter_mut().for_each(|sums| sums.advance_to(passes));
@@ -199,8 +200,8 @@ impl ErrorForecast {
     /// after `sums.passes` passes.
     ///
     /// `sums` and `sums_so_far` hold the disc areas of these passes and of the passes made so far.
-    /// `blur.d0_squared` is the expected ‖D₀‖² after the passes made so far, where D₀ is the
-    /// difference of density estimates with full and half discs.
+    /// `blur.d0_squared` is the expected mean square ‖D₀‖² of D₀ = L(r) − L(r/√2) after the passes
+    /// made so far, for the density estimate L(r) with gather radius r.
     fn imagined_parts(
         &self,
         draw: &ForecastDraw,
@@ -211,8 +212,9 @@ impl ErrorForecast {
         let parts = &self.estimate.parts;
         let (n, made) = (f64::from(sums.passes), f64::from(sums_so_far.passes));
         let distance = 1.0 - n.min(made) / n.max(made);
-        let deviation =
-            (parts.noise_estimate_relative_variance + MODEL_DEVIATION * MODEL_DEVIATION * distance * distance).sqrt();
+        let deviation = (parts.noise_estimate_relative_variance
+            + NOISE_MODEL_DEVIATION * NOISE_MODEL_DEVIATION * distance * distance)
+            .sqrt();
         let noise = self.squared_noise(sums) * libm::exp(draw.noise_variate * deviation);
         let blur = self.imagined_blur(draw, blur, sums, sums_so_far);
         SquaredErrorParts {
@@ -230,9 +232,9 @@ impl ErrorForecast {
     /// passes.
     ///
     /// Blur is the bias of photon density estimates. `sums` and `sums_so_far` hold the disc areas
-    /// of these passes and of the passes made so far. `blur.d0_squared` is the expected ‖D₀‖² after
-    /// the passes made so far, where D₀ is the difference of density estimates with full and half
-    /// discs.
+    /// of these passes and of the passes made so far. `blur.d0_squared` is the expected mean square
+    /// ‖D₀‖² of D₀ = L(r) − L(r/√2) after the passes made so far, for the density estimate L(r)
+    /// with gather radius r.
     fn imagined_blur(
         &self,
         draw: &ForecastDraw,
@@ -272,16 +274,16 @@ impl ErrorForecast {
     }
 
     /// Returns the cumulative probabilities of the exponents [`BLUR_EXPONENTS`], given the measured
-    /// blur. They are not normalized.
+    /// blur. The last one is not normalized to 1.
     ///
-    /// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
-    /// discs. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖². The difference between this prediction
-    /// and the measured ‖D₁‖² gives the likelihood of p. The estimates of ‖D₁‖² and ‖D₀‖² have
-    /// about the same variance.
+    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather
+    /// radius r. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖². The difference between this
+    /// prediction and the measured ‖D₁‖² gives the likelihood of p. The estimates of ‖D₁‖² and
+    /// ‖D₀‖² have about the same variance.
     fn cumulative_exponent_weights(&self) -> [f64; BLUR_EXPONENTS.len()] {
         let measured = &self.estimate.difference_moments;
-        // Least variance of the difference. If a measured ratio without noise lies between those of
-        // two neighbouring exponents, both exponents then fit it.
+        // Least variance of the difference. With it, a noise-free measured ratio between the ratios
+        // of two neighboring exponents fits both exponents.
         let rounding = 1e-4 * measured.d0_squared * measured.d0_squared;
         let square = |exponent: f64| {
             let ratio = squared_difference_ratio(exponent);
@@ -293,16 +295,17 @@ impl ErrorForecast {
         let least = squares.into_iter().fold(f64::INFINITY, f64::min);
         let mut sum = 0.0;
         squares.map(|square| {
-            sum += libm::exp(-0.5 * (square - least)) + LEAST_EXPONENT_WEIGHT;
+            sum += libm::exp(-0.5 * (square - least)) + ADDED_EXPONENT_WEIGHT;
             sum
         })
     }
 
-    /// Returns the distribution of the expected ‖D₀‖² after measurement: pairs of a value and its
-    /// cumulative probability, both in ascending order. The probability is not normalized.
+    /// Returns the posterior distribution of the expected ‖D₀‖², given its measurement: pairs
+    /// (value, cumulative probability) in ascending order. The last probability is not normalized
+    /// to 1.
     ///
-    /// D₀ is the difference of density estimates with full and half discs. The measured ‖D₀‖² has
-    /// Gaussian noise. Its prior density is a power law ([`PRIOR_EXPONENT`]).
+    /// D₀ = L(r) − L(r/√2), for the density estimate L(r) with gather radius r. The measured ‖D₀‖²
+    /// has Gaussian noise. Its prior density is a power law ([`PRIOR_EXPONENT`]).
     fn d0_squared_distribution(&self) -> Vec<(f64, f64)> {
         const VALUES: i32 = 80;
         const LEAST: f64 = 1e-3;
@@ -328,8 +331,8 @@ impl ErrorForecast {
 
 /// Returns ‖D₁‖² / ‖D₀‖² if blur is proportional to the gather disc area to the power `exponent`.
 ///
-/// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
-/// discs.
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather radius
+/// r.
 fn squared_difference_ratio(exponent: f64) -> f64 {
     libm::exp2(-2.0 * exponent)
 }
@@ -341,7 +344,7 @@ fn cumulative_index(cumulative: &[f64], uniform: f64) -> usize {
 }
 
 /// Returns the value at which the cumulative weight is `uniform` times the total weight, by linear
-/// interpolation. `quantiles` are pairs of a value and a cumulative weight.
+/// interpolation. `quantiles` holds pairs (value, cumulative weight).
 fn quantile_at(quantiles: &[(f64, f64)], uniform: f64) -> f64 {
     let total = quantiles.last().map_or(0.0, |last| last.1);
     let above = quantiles.partition_point(|(_, weight)| *weight <= uniform * total).min(quantiles.len() - 1);

@@ -1,4 +1,4 @@
-//! Error estimates of synthetic passes whose error is known.
+//! Tests of error estimates, on synthetic passes whose error is known.
 
 use super::{ErrorEstimator, MIN_ERROR_ESTIMATE_PASSES};
 use crate::color::Rgb;
@@ -13,7 +13,7 @@ const WIDTH: u32 = 40;
 const PIXELS: usize = 1600;
 const LAW: RadiusLaw = RadiusLaw { alpha: 1.0, kernel: Kernel::Epanechnikov };
 
-/// Returns a random number of uniform distribution, mean 0 and variance 1. `which` selects one of
+/// Returns a uniformly distributed random number of mean 0 and variance 1. `which` selects one of
 /// several numbers of a pixel.
 fn uniform_noise(pass: u32, seed: u64, pixel: usize, which: u64) -> f32 {
     let key =
@@ -56,9 +56,9 @@ fn noise_and_bias_are_separated() {
         let (estimator, film) = render_noisy_passes(16, 2, sigma, bias);
         let estimate = estimator.estimate(&film);
         let unit = 2f64.sqrt();
-        // The variance of 1600 · 15 values has relative error √(2/24,000); weights add the noise of
-        // 25 pixels. The error of the estimated blur remains in the radiance to which the noise is
-        // relative.
+        // The variance of 1600 · 15 values has a relative error of √(2/24,000). Weights add the
+        // noise of 25 pixels. The noise is relative to the radiance without estimated blur, so it
+        // has the error of this estimate too.
         let noise = f64::from(sigma) / 4.0 / unit;
         let expected = f64::from(bias) / unit;
         let tolerance = 0.02 + unit * (estimate.blur - expected).abs();
@@ -95,14 +95,14 @@ fn intervals_contain_the_true_error() {
             .sqrt();
         held += i32::from(estimate.low <= error && error <= estimate.high);
     }
-    // 90 % of 200 less three standard deviations of the binomial distribution.
+    // The bound is 90 % of 200, less three standard deviations of the binomial distribution.
     assert!(held >= 180 - 13, "{held}");
 }
 
 /// The error of shared paths is reported as bias. Here it is 0.2 at each of 16 pixels; unshared
 /// paths have only noise.
 #[test]
-fn shared_paths_are_bias() {
+fn shared_path_errors_count_as_bias() {
     let (mut estimator, mut film) = (ErrorEstimator::new(None), Film::new(WIDTH, WIDTH));
     for i in 0..32 {
         let image = vec![Rgb::splat(1.2); PIXELS];
@@ -113,7 +113,7 @@ fn shared_paths_are_bias() {
         film.add(&pass.image);
     }
     let estimate = estimator.estimate(&film);
-    // The noise of a pixel by unshared paths is 0.1/√32, over 16 pixels.
+    // The noise of a pixel by unshared paths is 0.1/√32, and 16 pixels are averaged.
     let expected = 0.2 / 1.2 / 2f64.sqrt();
     assert!(
         (estimate.shared_paths / expected - 1.0).abs() < 5.0 * 0.1 / (32f64 * 16.0).sqrt() / 0.2,
@@ -123,8 +123,8 @@ fn shared_paths_are_bias() {
     assert!(estimate.noise == 0.0 && estimate.blur == 0.0 && estimate.bias == estimate.shared_paths);
 }
 
-/// At a step edge, blurred by the Epanechnikov kernel, the extrapolated bias agrees with the true
-/// bias.
+/// At a straight edge of light, blurred by the Epanechnikov kernel, the extrapolated bias agrees
+/// with the true bias.
 #[test]
 fn edges_are_not_extrapolated_as_smooth() {
     // Integral of the kernel over x < t for a disc of radius 1; its marginal is (8/(3π))(1 −

@@ -8,7 +8,11 @@ use std::sync::atomic::AtomicBool;
 const NOISY: NoisyIntegrator = NoisyIntegrator { sigma: 0.3, bias: 0.0, estimates_error: true };
 
 /// Returns the expected end of a render with `limits` by a pilot of 8 passes, and its real end.
-fn ends(limits: RenderLimits, integrator: &NoisyIntegrator, pass_seconds: f64) -> (ExpectedEnd, (EndReason, u32)) {
+fn expected_and_actual_end(
+    limits: RenderLimits,
+    integrator: &NoisyIntegrator,
+    pass_seconds: f64,
+) -> (ExpectedEnd, (EndReason, u32)) {
     let interrupted = AtomicBool::new(false);
     let stop = limits.stop_criteria(Algorithm::Pm, integrator, &interrupted);
     let eight = StopCriteria { max_passes: Some(8), ..StopCriteria::unlimited(&interrupted) };
@@ -21,13 +25,14 @@ fn ends(limits: RenderLimits, integrator: &NoisyIntegrator, pass_seconds: f64) -
     (stop.expected_end(&forecast, pass_seconds).unwrap(), (made.end_reason, made.film.passes()))
 }
 
-/// The number of passes is right to a twentieth, the interval at which `render` estimates errors.
+/// The predicted number of passes is right to a twentieth, the interval of error estimates in
+/// `render`.
 #[test]
 fn expected_end_agrees_with_render() {
     let biased = NoisyIntegrator { sigma: 0.24, bias: 0.2, ..NOISY };
     for (integrator, preview) in [(&NOISY, false), (&NOISY, true), (&biased, false)] {
         let (expected, (end_reason, passes)) =
-            ends(RenderLimits { preview, ..RenderLimits::default() }, integrator, 1e-3);
+            expected_and_actual_end(RenderLimits { preview, ..RenderLimits::default() }, integrator, 1e-3);
         assert_eq!(expected.reason, end_reason);
         assert!(expected.passes.abs_diff(passes) <= 1 + passes / 20, "{} {passes}", expected.passes);
     }
@@ -35,10 +40,11 @@ fn expected_end_agrees_with_render() {
 
 /// The default time limit ends a render of slow passes.
 ///
-/// Five minutes are 5 passes of a minute. The error after the fifth is σ/√10.
+/// The limit of five minutes allows 5 passes of one minute. The error after the fifth pass is
+/// σ/√10.
 #[test]
 fn slow_passes_end_by_time() {
-    let (expected, _) = ends(RenderLimits::default(), &NOISY, 60.0);
+    let (expected, _) = expected_and_actual_end(RenderLimits::default(), &NOISY, 60.0);
     assert_eq!((expected.reason, expected.passes), (EndReason::Time, 5));
     assert!((expected.error / (0.3 / 10f64.sqrt()) - 1.0).abs() < 0.05, "{}", expected.error);
 }

@@ -63,7 +63,7 @@ fn damaged_films_are_refused() {
 
 /// Sums with valid checksums that contradict each other are refused.
 #[test]
-fn contradicting_films_are_refused() {
+fn inconsistent_films_are_refused() {
     let refused = |rendered: &RenderResult| FilmFile::read(&bytes(rendered)[..]).is_err();
     assert!(!refused(&rendered(0..5)));
     let mut other_passes = rendered(0..5);
@@ -94,7 +94,7 @@ fn differences_of_headers_are_named() {
     );
 }
 
-/// Equal names, as of files outside of the scene's folder, do not hide a file.
+/// Files of equal names, which can come from outside the scene's folder, are compared one by one.
 #[test]
 fn files_of_equal_names_are_compared_one_by_one() {
     let input = |name: &str, digest: &str| InputDigest { name: name.to_owned(), digest: digest.to_owned() };

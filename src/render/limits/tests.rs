@@ -11,7 +11,7 @@ fn rendered(integrator: &NoisyIntegrator, stop: &StopCriteria<'_>) -> RenderResu
 }
 
 /// Renders with `limits`. Returns the reason of the end and the number of passes.
-fn end(limits: RenderLimits, algorithm: Algorithm, integrator: &NoisyIntegrator) -> (EndReason, u32) {
+fn end_reason_and_passes(limits: RenderLimits, algorithm: Algorithm, integrator: &NoisyIntegrator) -> (EndReason, u32) {
     let interrupted = AtomicBool::new(false);
     let made = rendered(integrator, &limits.stop_criteria(algorithm, integrator, &interrupted));
     (made.end_reason, made.film.passes())
@@ -40,25 +40,25 @@ fn default_render_ends_when_time_is_up() {
     let made = rendered(&NOISY, &StopCriteria { time_limit: Some(Duration::from_nanos(1)), ..stop });
     assert_eq!((made.end_reason, made.film.passes()), (EndReason::Time, 1));
     let short = RenderLimits { time_limit: Some(Duration::ZERO), ..limits() };
-    assert_eq!(end(short, Algorithm::Hybrid, &NOISY), (EndReason::Time, 1));
+    assert_eq!(end_reason_and_passes(short, Algorithm::Hybrid, &NOISY), (EndReason::Time, 1));
 }
 
 #[test]
 fn preview_ends_at_preview_error() {
     let preview = RenderLimits { preview: true, ..limits() };
-    let (end_reason, passes) = end(preview, Algorithm::Hybrid, &NOISY);
+    let (end_reason, passes) = end_reason_and_passes(preview, Algorithm::Hybrid, &NOISY);
     assert_eq!(end_reason, EndReason::Target);
     assert!((5..8).contains(&passes), "{passes}");
     let short = RenderLimits { max_passes: Some(2), ..preview };
-    assert_eq!(end(short, Algorithm::Hybrid, &NOISY), (EndReason::Passes, 2));
+    assert_eq!(end_reason_and_passes(short, Algorithm::Hybrid, &NOISY), (EndReason::Passes, 2));
     let long = RenderLimits { max_passes: Some(99), ..preview };
-    assert_eq!(end(long, Algorithm::Hybrid, &NOISY), (EndReason::Target, passes));
+    assert_eq!(end_reason_and_passes(long, Algorithm::Hybrid, &NOISY), (EndReason::Target, passes));
 }
 
 #[test]
 fn given_limits_replace_defaults() {
     let many = RenderLimits { max_passes: Some(99), ..limits() };
-    assert_eq!(end(many, Algorithm::Hybrid, &NOISY), (EndReason::Passes, 99));
+    assert_eq!(end_reason_and_passes(many, Algorithm::Hybrid, &NOISY), (EndReason::Passes, 99));
     let interrupted = AtomicBool::new(false);
     let coarse = RenderLimits { target_error: Some(0.2), ..limits() };
     let stop = coarse.stop_criteria(Algorithm::Hybrid, &NOISY, &interrupted);
@@ -72,24 +72,27 @@ fn render_without_error_estimates_makes_default_passes() {
     let blind = NoisyIntegrator { estimates_error: false, ..NOISY };
     for algorithm in Algorithm::ALL {
         let passes = algorithm.default_passes();
-        assert_eq!(end(limits(), algorithm, &blind), (EndReason::Passes, passes));
-        assert_eq!(end(RenderLimits { preview: true, ..limits() }, algorithm, &blind), (EndReason::Passes, passes));
+        assert_eq!(end_reason_and_passes(limits(), algorithm, &blind), (EndReason::Passes, passes));
+        assert_eq!(
+            end_reason_and_passes(RenderLimits { preview: true, ..limits() }, algorithm, &blind),
+            (EndReason::Passes, passes)
+        );
     }
     let long = RenderLimits { time_limit: Some(Duration::from_secs(3600)), ..limits() };
-    assert_eq!(end(long, Algorithm::Raycast, &blind), (EndReason::Passes, 1));
+    assert_eq!(end_reason_and_passes(long, Algorithm::Raycast, &blind), (EndReason::Passes, 1));
 }
 
 /// A render without limits ends once its noise is small, although bias keeps the error above the
 /// default.
 ///
-/// Bias of 20 % keeps the error at .2/√2 = 14 %. After 32 passes, the noise is 3 % of the radiance
+/// Bias of 20 % keeps the error at 0.2/√2 = 14 %. After 32 passes, the noise is 3 % of the radiance
 /// without bias, which is 1.
 #[test]
 fn default_render_ends_when_only_bias_is_left() {
     let biased = NoisyIntegrator { sigma: 0.24, bias: 0.2, ..NOISY };
-    let (end_reason, passes) = end(limits(), Algorithm::Pm, &biased);
+    let (end_reason, passes) = end_reason_and_passes(limits(), Algorithm::Pm, &biased);
     assert_eq!(end_reason, EndReason::BiasFloor);
     assert!((32..36).contains(&passes), "{passes}");
     let given = RenderLimits { target_error: Some(0.03), max_passes: Some(40), ..limits() };
-    assert_eq!(end(given, Algorithm::Pm, &biased), (EndReason::Passes, 40));
+    assert_eq!(end_reason_and_passes(given, Algorithm::Pm, &biased), (EndReason::Passes, 40));
 }

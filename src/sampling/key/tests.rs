@@ -25,8 +25,8 @@ fn random_numbers_depend_on_every_key_part() {
     assert_eq!(base(1, 2, 3, 4).random_bits(Dimension::Light), reference);
 }
 
-/// Applies a chi-square test to a million points with consecutive keys, over 32² cells; its
-/// false-alarm rate is 10⁻⁴ per tail.
+/// A million points with consecutive keys pass a chi-square test over 32² cells. Its false-alarm
+/// rate is 5·10⁻⁵ per tail.
 #[test]
 fn random_points_of_consecutive_keys_are_uniform() {
     const CELLS: usize = 32;
@@ -47,7 +47,8 @@ fn random_points_of_consecutive_keys_are_uniform() {
     assert!(z.abs() < 3.9, "z = {z}");
 }
 
-/// Checks the words of the key map: other words would change every picture.
+/// Keys hash the numbers that the table in the module documentation lists. Other numbers would
+/// change every picture.
 #[test]
 fn named_keys_match_the_key_map() {
     let key = Key::new(5).purpose_key(Purpose::Test);

@@ -3,7 +3,8 @@ use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
 
 const SIDE: usize = 16;
 
-/// Returns weights from 0 to 10⁴, with one row and one column of zeros.
+/// Returns weights from 0 to 10⁴. They are 0 in one row, in one column and in a fifth of the other
+/// cells.
 fn grid_weights_with_zeros() -> Vec<f64> {
     let key = Key::new(3).purpose_key(Purpose::Test);
     let weight = |i: usize| {
@@ -19,8 +20,8 @@ fn random_points_in_square(n: u64) -> impl Iterator<Item = Vec2> {
     (0..n).map(move |i| key.child_key(i).uniform_2d(Dimension::LightPosition))
 }
 
-/// Applies a chi-square test to a million samples, over cells split in four; its false-alarm rate
-/// is 10⁻⁴.
+/// A million samples pass a chi-square test over the cells, each split in four. Its false-alarm
+/// rate is 10⁻⁴.
 #[test]
 fn grid_samples_follow_the_pdf() {
     let histogram = SquareGridDistribution::new(SIDE, &grid_weights_with_zeros()).unwrap();
@@ -56,10 +57,10 @@ fn grid_samples_follow_the_pdf() {
     assert!(z.abs() < 3.9, "z = {z}, {nu} degrees of freedom");
 }
 
-/// Compares the pdf of each cell with its weight.
+/// The pdf of each cell is proportional to its weight, within rounding.
 ///
-/// Each row, and each cell in its row, has a minimum probability of 64 steps of 2⁻²⁴. The tolerance
-/// allows for it.
+/// Each row of nonzero weight has a minimum probability of 64 · 2⁻²⁴, and so has each cell in its
+/// row. The tolerance allows for this minimum.
 #[test]
 fn grid_pdf_is_proportional_to_weights() {
     let weights = grid_weights_with_zeros();
@@ -79,8 +80,8 @@ fn grid_pdf_is_proportional_to_weights() {
     assert!(rare.pdf(Vec2::new(0.75, 0.25)) > 0.0, "a weight above zero must keep some density");
 }
 
-/// Compares the number of 256 stratified points in each row with the expected number. The tolerance
-/// is one point at each end of the row.
+/// Each row gets the expected number of 256 stratified points, within one point at each end of the
+/// row.
 #[test]
 fn grid_distribution_keeps_points_stratified() {
     let mut weights = vec![1.0; 16];
@@ -121,7 +122,7 @@ fn distributions_refuse_invalid_weights() {
 }
 
 #[test]
-fn an_interval_is_that_of_a_binary_search() {
+fn find_interval_agrees_with_binary_search() {
     let histogram = SquareGridDistribution::new(SIDE, &grid_weights_with_zeros()).unwrap();
     let (rows, columns) = histogram.first_candidates.split_at(SIDE);
     for row in 0..SIDE {

@@ -1,14 +1,14 @@
-//! Removal of objects that bound dielectric bodies without any effect on light.
+//! Removal of objects that bound bodies of air, which have no effect on light.
 
 use super::object::{BoundsF64, MergedMeshes, ObjectGeometry, SceneObject};
 use crate::scene::{Body, Material};
 
-/// Removes objects that bound a [`Body`](crate::scene::Body) of refractive index 1 without
-/// absorption or medium.
+/// Removes objects that bound a [`Body`](crate::scene::Body) of air: refractive index 1, no
+/// absorption and no medium.
 ///
-/// Such a body changes light only where it overlaps another body or the ambient medium. All objects
-/// are therefore kept in a scene with an ambient medium. An object is also kept if it moves, if it
-/// emits light, or if its box overlaps the box of a body other than air.
+/// Such a body changes light only where it overlaps another body or the ambient medium. In a scene
+/// with an ambient medium, all objects are therefore kept. An object is also kept if it moves, if
+/// it emits light, or if its box overlaps the box of a body other than air.
 pub(super) fn cull_air_boundaries(
     mut objects: Vec<SceneObject>,
     mut mesh: MergedMeshes,
@@ -19,8 +19,9 @@ pub(super) fn cull_air_boundaries(
     if has_ambient_medium || !(0..materials.len() as u32).any(is_air) {
         return (objects, mesh);
     }
-    let substances = objects.iter().filter(|object| may_bound_visible_body(materials, object.material));
-    let substances: Vec<Option<BoundsF64>> = substances.map(|object| object.resting_bounds(&mesh)).collect();
+    let visible_bodies = objects.iter().filter(|object| may_bound_visible_body(materials, object.material));
+    let visible_body_bounds: Vec<Option<BoundsF64>> =
+        visible_bodies.map(|object| object.resting_bounds(&mesh)).collect();
     let is_culled = |object: &SceneObject| {
         let extent = object.resting_bounds(&mesh);
         let overlaps = |other: &Option<BoundsF64>| match (extent, other) {
@@ -28,7 +29,10 @@ pub(super) fn cull_air_boundaries(
             // Planes and moving objects have no box here, so they count as overlapping.
             _ => true,
         };
-        object.motion.is_none() && is_air(object.material) && !object.emits() && !substances.iter().any(overlaps)
+        object.motion.is_none()
+            && is_air(object.material)
+            && !object.emits()
+            && !visible_body_bounds.iter().any(overlaps)
     };
     let culled: Vec<bool> = objects.iter().map(is_culled).collect();
     let mut triangles = Vec::new();

@@ -6,8 +6,8 @@ use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Contact distance of a light, divided by the sum of the position errors of a light and a surface.
-/// A surface point within the contact distance counts as touching the light.
+/// Contact distance of a light, divided by the sum of the position errors of light and surface. A
+/// surface point nearer to the light than the contact distance counts as touching it.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
 /// Bound on the number of f64 rounding errors in the difference of two positions, with a safety
@@ -23,27 +23,28 @@ const POSITION_ROUNDINGS: f64 = 24.0;
 /// that the light touches.
 pub(super) fn light_contact_distance(scene: &Scene, domain: BoundingSphere, light: &Light) -> f32 {
     let Some(position) = light.position() else { return 0.0 };
-    let own = position.length() * rounding_error_bound(1)
+    let light_error = position.length() * rounding_error_bound(1)
         + (scene.origin.length() * POSITION_ROUNDINGS * 0.5 * f64::EPSILON) as f32;
     // The position error of a triangle as large as the domain is √3·18 roundings. A ray along one
-    // of the axes meets a surface at distance d within √3·d. So `reach` must exceed √3·√3·18 = 54
-    // roundings.
-    let reach =
-        rounding_error_bound(64) * (domain.radius + domain.center.abs().max_element() + position.length()) + own;
-    let mut error = own;
+    // of the axes meets a surface at distance d within √3·d. So `search_distance` must exceed
+    // √3·√3·18 = 54 roundings.
+    let search_distance = rounding_error_bound(64)
+        * (domain.radius + domain.center.abs().max_element() + position.length())
+        + light_error;
+    let mut error = light_error;
     for axis in Vec3::AXES {
-        let mut from = -reach;
+        let mut from = -search_distance;
         loop {
-            let ray = Ray { origin: position + axis * from, direction: axis, t_max: reach - from };
+            let ray = Ray { origin: position + axis * from, direction: axis, t_max: search_distance - from };
             let Some(hit) = scene.intersect(&ray) else { break };
             let point = scene.geometry.surface_point(&ray, &hit);
             let surface_error = point.position_error.length();
-            if (point.p - position).dot(point.ng).abs() <= own + surface_error {
-                error = error.max(own + surface_error);
+            if (point.p - position).dot(point.ng).abs() <= light_error + surface_error {
+                error = error.max(light_error + surface_error);
             }
             // Each step advances by at least one unit in the last place, so the loop ends.
             from = (from + hit.t + surface_error).max(from.next_up());
         }
     }
-    (CONTACT_POSITION_ERRORS * error).min(reach)
+    (CONTACT_POSITION_ERRORS * error).min(search_distance)
 }

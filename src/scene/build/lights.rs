@@ -95,8 +95,8 @@ pub(super) fn collect_lights(
         });
         found.area_light_of_object.push(light);
     }
-    // The environment light comes last: [`Mit6837Light`] has no counterpart of it, and the order of
-    // the others is that of the mit_6837 lights.
+    // Add the environment light last. It has no [`Mit6837Light`], and all other lights have the
+    // same index in both lists.
     assert_eq!(found.mit_6837_lights.len(), found.lights.len());
     if let Some(environment) = environment {
         found.environment_light_index = Some(found.lights.len());
@@ -114,8 +114,8 @@ impl CollectedLights {
     }
 }
 
-/// Returns a copy of the lights in which mean radiances replace emission textures. Empty if no
-/// light has a texture.
+/// Returns `lights` with each emission texture replaced by its mean radiance. Empty if no light has
+/// an emission texture.
 pub(in crate::scene) fn mean_emission_lights(lights: &[Light]) -> Vec<Light> {
     if !lights.iter().any(Light::has_emission_texture) {
         return Vec::new();

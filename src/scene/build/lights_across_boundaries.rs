@@ -13,8 +13,9 @@ const INNER_RADIUS: f32 = 0.9999;
 /// Returns a flag for each light: true if it is a surface that may lie partly inside a dielectric
 /// body.
 ///
-/// Its box then meets a plane, a sphere, a triangle's box or another shape's box that bounds a
-/// body. The object of the light itself does not count, because light starts on its outer side.
+/// This is the case if the light's box meets the boundary of a body: a plane, a sphere, the box of
+/// a triangle, or the box of another shape. The object of the light itself does not count, because
+/// light starts on its outer side.
 pub(super) fn find_lights_across_boundaries(scene: &Scene) -> Vec<bool> {
     let geometry = &scene.geometry;
     let mut flags = vec![false; scene.lights.len()];
@@ -57,7 +58,8 @@ fn object_bounds(geometry: &Geometry, object: usize) -> Bounds {
 /// True if the surface of the shape or mesh with index `object` may meet the box `bounds`, which
 /// overlaps the object's box.
 ///
-/// False for a lamp well inside a ball or a closed mesh: one interior holds for all of it.
+/// False if the box is well inside a sphere, or between the triangles of a mesh: then the same
+/// bodies surround all points of the light.
 fn object_may_meet_box(geometry: &Geometry, object: usize, bounds: &Bounds) -> bool {
     if let Some(mesh) = object.checked_sub(geometry.shapes.len()) {
         let mut triangles = geometry.mesh_ranges[mesh].clone();

@@ -63,7 +63,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Sets the environment light. It replaces an earlier one, and hides the background.
+    /// Sets the environment light. It replaces an earlier one, and is visible in place of the
+    /// background.
     pub fn set_environment(&mut self, environment: EnvironmentLight) -> &mut Self {
         self.environment = Some(environment);
         self
@@ -75,8 +76,8 @@ impl SceneBuilder {
         self.materials.len() as u32 - 1
     }
 
-    /// Adds a dispersion formula for dielectric bodies and returns its index: see
-    /// [`Body::glass`](super::Body::glass).
+    /// Adds a dispersion formula (refractive index by wavelength) for dielectric bodies, and
+    /// returns its index: see [`Body::glass`](super::Body::glass).
     pub fn add_glass(&mut self, glass: DispersionFormula) -> u32 {
         self.glasses.push(glass);
         self.glasses.len() as u32 - 1
@@ -151,8 +152,9 @@ impl SceneBuilder {
     /// Sets the texture mapping of the object added last; `to_world` maps its object space to the
     /// world.
     ///
-    /// Without this call, texture coordinates are the surface parameters of the object, and solid
-    /// textures are evaluated in world space.
+    /// Without this call, the object has its own texture coordinates (see [`Shape::tex_coord`]),
+    /// and solid textures are evaluated in world space. Spheres, ellipsoids, discs, rectangles and
+    /// planes have no texture coordinates of their own.
     pub fn set_last_texture_mapping(&mut self, kind: TextureMappingKind, to_world: &Motion) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.mapping = Some((kind, to_world.clone()));
@@ -182,8 +184,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Adds a delta light that moves while the shutter is open. The motion acts about the light's
-    /// own position.
+    /// Adds a delta light that moves while the shutter is open. The light's position is the origin
+    /// of the motion's rotations and scales.
     pub fn add_moving_delta_light(
         &mut self,
         kind: UnscaledDeltaLight,
@@ -195,7 +197,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Moves the camera while the shutter is open. The motion acts about the camera's own position.
+    /// Moves the camera while the shutter is open. The camera's position is the origin of the
+    /// motion's rotations and scales.
     pub fn set_camera_motion(&mut self, motion: Motion) -> &mut Self {
         self.camera_motion = Some(motion);
         self
@@ -210,14 +213,15 @@ impl SceneBuilder {
         self.build_reusing_hierarchy(None, camera)
     }
 
-    /// Builds the scene as [`SceneBuilder::build`] does, and shares the hierarchy of an `earlier`
-    /// scene if it is over the same geometry. The scene has the same bits as without `earlier`.
+    /// Builds the scene as [`SceneBuilder::build`] does, but shares the hierarchy of the `earlier`
+    /// scene if it was built from the same geometry. The result is equal bit for bit to that of
+    /// `build`.
     ///
     /// # Errors
     ///
     /// [`BuildError`] if the parts cannot be rendered.
     pub fn build_reusing_hierarchy(mut self, earlier: Option<&Scene>, camera: Camera) -> Result<Scene, BuildError> {
-        settle_mixes(&mut self.materials)?;
+        set_photon_storage_of_mixes(&mut self.materials)?;
         validate_objects(&self.objects, &self.mesh)?;
         let (objects, mesh) =
             cull_air_boundaries(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
@@ -276,25 +280,27 @@ impl SceneBuilder {
     }
 }
 
-/// Sets for each mix of `materials` whether one of its components may store photons.
+/// Sets the flag `may_store_photons` of each mix in `materials`: true if a component may store
+/// photons.
 ///
-/// A mix may stand before its components, so this is repeated until each mix is settled.
+/// A mix may precede its components, so passes over all mixes are repeated until none is left.
 ///
 /// # Errors
+///
 /// [`BuildError::InvalidMix`] for a mix that contains itself or a material that does not exist.
-fn settle_mixes(materials: &mut [Material]) -> Result<(), BuildError> {
-    let mut is_settled: Vec<bool> = materials.iter().map(|m| m.mix_component_indices().is_none()).collect();
+fn set_photon_storage_of_mixes(materials: &mut [Material]) -> Result<(), BuildError> {
+    let mut is_done: Vec<bool> = materials.iter().map(|m| m.mix_component_indices().is_none()).collect();
     loop {
         let mut has_changed = false;
         for i in 0..materials.len() {
-            let Some(parts) = materials[i].mix_component_indices().filter(|_| !is_settled[i]) else { continue };
-            if parts.into_iter().all(|part| is_settled.get(part as usize).is_some_and(|settled| *settled)) {
+            let Some(parts) = materials[i].mix_component_indices().filter(|_| !is_done[i]) else { continue };
+            if parts.into_iter().all(|part| is_done.get(part as usize).is_some_and(|done| *done)) {
                 materials[i] = materials[i].with_mix_photon_storage(materials);
-                (is_settled[i], has_changed) = (true, true);
+                (is_done[i], has_changed) = (true, true);
             }
         }
         if !has_changed {
-            return is_settled.iter().position(|settled| !settled).map_or(Ok(()), |i| Err(BuildError::InvalidMix(i)));
+            return is_done.iter().position(|done| !done).map_or(Ok(()), |i| Err(BuildError::InvalidMix(i)));
         }
     }
 }

@@ -128,7 +128,7 @@ pub(super) fn place_camera(
 
 impl PlacedGeometry {
     /// Builds the geometry with its intersection hierarchies. Triangles and shapes at rest share
-    /// the hierarchy of `earlier` if they are the same there.
+    /// the hierarchy of `earlier` if that scene has the same ones.
     ///
     /// `light_of_object` holds the index of each object's area light; `None` if the object does not
     /// emit light.

@@ -80,18 +80,18 @@ fn origin_for_bounds(boxes: &[BoundsF64], view: Option<CameraAndNearestDistance>
     let targets: Vec<FineDetailRegion> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
     let greatest_ratio =
         |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
-    let most = greatest_ratio(center);
-    if most.is_nan() || most <= MAX_DISTANCE_IN_SIZES {
+    let max_ratio = greatest_ratio(center);
+    if max_ratio.is_nan() || max_ratio <= MAX_DISTANCE_IN_SIZES {
         return Some(center);
     }
-    let nearest = DVec3::from_array([0, 1, 2].map(|axis| minimax_coordinate(&targets, axis, most)));
+    let nearest = DVec3::from_array([0, 1, 2].map(|axis| minimax_coordinate(&targets, axis, max_ratio)));
     Some(nearest.clamp(min, max))
 }
 
 /// Returns the camera position, and the distance of the nearest shape along the rays through the
 /// center and the corners of the image.
 ///
-/// Returns `None` if these rays hit no shape.
+/// Returns `None` if these rays hit none of `shapes`. Meshes and moving shapes are not among them.
 fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<CameraAndNearestDistance> {
     let (position, (width, height)) = (camera.center(), camera.size());
     let local = camera.translated(-position);
@@ -108,20 +108,20 @@ fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<Cam
 /// its size.
 ///
 /// Distances are measured along `axis`. The least ratio is found by bisection between 0 and its
-/// upper bound `most`.
-fn minimax_coordinate(targets: &[FineDetailRegion], axis: usize, most: f64) -> f64 {
-    let within = |t: f64| {
+/// upper bound `max_ratio`.
+fn minimax_coordinate(targets: &[FineDetailRegion], axis: usize, max_ratio: f64) -> f64 {
+    let feasible_interval = |t: f64| {
         let ends =
             targets.iter().map(|target| (target.center[axis] - t * target.size, target.center[axis] + t * target.size));
         ends.fold((f64::NEG_INFINITY, f64::INFINITY), |(low, high), (a, b)| (low.max(a), high.min(b)))
     };
-    let (mut too_near, mut enough) = (0.0, most);
+    let (mut infeasible, mut feasible) = (0.0, max_ratio);
     for _ in 0..BISECTIONS {
-        let t = 0.5 * (too_near + enough);
-        let (low, high) = within(t);
-        if low <= high { enough = t } else { too_near = t }
+        let t = 0.5 * (infeasible + feasible);
+        let (low, high) = feasible_interval(t);
+        if low <= high { feasible = t } else { infeasible = t }
     }
-    let (low, high) = within(enough);
+    let (low, high) = feasible_interval(feasible);
     0.5 * low + 0.5 * high
 }
 

@@ -71,7 +71,7 @@ fn a_scene_is_recentered_on_its_shapes() {
 }
 
 #[test]
-fn another_camera_gives_the_scene_built_with_it() {
+fn with_camera_equals_building_with_that_camera() {
     let scene = |camera: Camera, moves: bool| {
         let mut builder = SceneBuilder::new();
         let glass = builder.add_material(Material::dielectric(1.5, Rgb::ZERO));
@@ -111,7 +111,8 @@ fn equal_geometry_shares_its_hierarchy() {
     let recolored = scene(Some(&first), 0.7, 1.0, 0.5);
     assert!(shares(&recolored) && recolored.geometry.bounds() == first.geometry.bounds());
     assert!(!shares(&scene(None, 0.5, 1.0, 0.5)));
-    // The smallest changes of a corner and of a box, which keep the bounds of the scene.
+    // Move one corner, or grow one box, by a single step of f32. The bounds of the scene stay the
+    // same.
     let up = |x: f64| f64::from((x as f32).next_up());
     let (moved, grown) = (scene(Some(&first), 0.5, up(1.0), 0.5), scene(Some(&first), 0.5, 1.0, up(0.5)));
     assert!(!shares(&moved) && !shares(&grown));
@@ -120,7 +121,7 @@ fn equal_geometry_shares_its_hierarchy() {
 }
 
 #[test]
-fn only_null_interfaces_of_objects_count() {
+fn null_interface_materials_without_objects_do_not_count() {
     let has_null_interfaces = |object: u32| {
         let mut builder = SceneBuilder::new();
         builder.add_material(Material::smooth_boundary(Body { is_null_interface: true, ..Body::new(1.0) }));
@@ -143,6 +144,6 @@ fn lamps_are_flagged_only_where_boundaries_cross_them() {
         add_emissive_sphere(&mut builder, DVec3::ZERO, Rgb::ONE);
         builder.build(perspective_camera()).unwrap().derived.lights_across_boundaries == [true]
     };
-    // The box of the lamp has the half diagonal √3.
+    // The corners of the box around the lamp lie at the distance √3 from its center.
     assert_eq!([is_flagged(2.0, 1.8), is_flagged(2.0, 1.5), is_flagged(0.5, 1.8)], [false, true, true]);
 }

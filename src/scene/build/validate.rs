@@ -1,4 +1,4 @@
-//! Checks that a scene can be rendered in single precision.
+//! Checks that objects and lights of a scene can be rendered in single precision.
 
 use super::object::{MergedMeshes, ObjectGeometry, SceneObject};
 use super::place::PlacedGeometry;

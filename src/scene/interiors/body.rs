@@ -2,7 +2,8 @@
 
 use crate::color::Rgb;
 
-/// A volume enclosed by a dielectric boundary: its refractive index, absorption and medium.
+/// A volume inside a dielectric boundary, such as glass or water: its refractive index, absorption
+/// and medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// Absolute refractive index; 1 is air. For a glass with dispersion, it is the index at 587.56

@@ -1,4 +1,4 @@
-//! The random choices at a boundary that a path meets.
+//! Random choices and texture lookups at a boundary that a path meets.
 
 use crate::sampling::{Dimension, Key};
 use crate::scene::geometry::CoincidenceGroup;
@@ -18,11 +18,12 @@ pub struct BoundaryContext {
 }
 
 impl BoundaryContext {
-    /// Returns the material at `hit`, on the surface at `point` of coincidence group `group`: a
-    /// random leaf if it is a mix. `wo` is the direction from which the path arrives.
+    /// Returns the index of the material at `hit`. A mix is resolved to a random leaf material.
     ///
-    /// All faces of one group make the same choice, because a path through a common edge can hit
-    /// two faces of one object. The choice is independent of that at the boundary that the ray hit.
+    /// `point` is the surface point of the hit, and `group` its coincidence group. `wo` is the
+    /// direction from which the path arrives. All faces of one group make the same choice, because
+    /// a path through a common edge can hit two faces of one object. The choice is independent of
+    /// the choice at the boundary that the ray hit.
     pub(super) fn leaf_material_at(
         &self,
         scene: &Scene,

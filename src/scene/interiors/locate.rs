@@ -14,7 +14,7 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
     // edge-on.
     let mut ray = Ray::new(p, Vec3::new(0.267_261_24, 0.801_783_74, 0.534_522_5).normalize());
     let mut entered: Vec<u32> = Vec::new();
-    let (mut left, mut crossed): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
+    let (mut containing_bodies, mut crossed): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
     while let Some(hit) = scene.intersect(&ray) {
         let mut surface = scene.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::NONE), || 0.0);
         let material_of = |hit: &Hit| scene.geometry.object_attributes(hit.primitive).material;
@@ -29,9 +29,10 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
             // Entries and exits are handled as in `InteriorStack::stack_after_crossing`, with one
             // difference. An exit without an entry means that the body contains the start of the
             // ray.
-            let spare = usize::from(!own.entering && count(own.material) > 0);
-            let pending_entry =
-                |face: &CoincidentFace| count(face.material) <= if face.material == own.material { spare } else { 0 };
+            let removed_by_own = usize::from(!own.entering && count(own.material) > 0);
+            let pending_entry = |face: &CoincidentFace| {
+                count(face.material) <= if face.material == own.material { removed_by_own } else { 0 }
+            };
             let mut entries: Vec<u32> =
                 coincident.iter().filter(|f| f.entering && pending_entry(f)).map(|f| f.material).collect();
             entries.extend(own.entering.then_some(own.material));
@@ -43,7 +44,7 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
             for material in exits {
                 match entered.iter().rposition(|m| *m == material) {
                     Some(at) => drop(entered.swap_remove(at)),
-                    None => left.push(material),
+                    None => containing_bodies.push(material),
                 }
             }
         }
@@ -51,15 +52,15 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
     }
     let mut stack = InteriorStack::EMPTY;
     // The body that the ray leaves first was entered last.
-    left.iter().rev().for_each(|material| stack.push_body(*material));
+    containing_bodies.iter().rev().for_each(|material| stack.push_body(*material));
     stack
 }
 
 /// Returns the index of a leaf with a dielectric body to which material `index` can resolve; `None`
 /// if there is none.
 ///
-/// A point is inside a body even if only some paths meet its boundary as such. The choice does not
-/// depend on the order of the parts of a mix.
+/// A point counts as inside a body even if only some paths resolve the mix on the body's boundary
+/// to it. The choice of the leaf does not depend on the order of a mix's components.
 fn leaf_with_body(materials: &[Material], index: u32) -> Option<u32> {
     let material = &materials[index as usize];
     let Some(([first, second], amount)) = material.kind().as_mix() else {
@@ -80,7 +81,7 @@ mod tests {
     use glam::DVec3;
 
     #[test]
-    fn swapped_parts_of_a_mix_keep_the_interior() {
+    fn order_of_mix_components_does_not_change_interiors() {
         let interior = |glass_first: bool, amount: f32| {
             let mut builder = SceneBuilder::new();
             let glass = builder.add_material(Material::dielectric(1.5, Rgb::ZERO));

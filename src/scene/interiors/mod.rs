@@ -37,15 +37,15 @@ pub enum InteriorKind {
     Spectral,
 }
 
-/// The event when a path meets a boundary.
+/// The event when a path meets a surface, which may be the boundary of a dielectric body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundaryEvent {
     /// The path scatters at the surface, or is absorbed there.
     Surface,
-    /// The path passes unchanged, because one dielectric body of higher priority fills both sides.
-    /// A shadow ray counts as blocked.
+    /// The path passes unchanged, because another dielectric body has priority here and fills both
+    /// sides. A shadow ray is blocked all the same.
     Hidden,
-    /// Paths and shadow rays pass unchanged: a null interface.
+    /// Paths and shadow rays pass unchanged, because the boundary is a null interface.
     NullInterface,
 }
 
@@ -66,16 +66,19 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// True if paths may pass through media or carry a wavelength: for [`SpectralInterior`] alone.
     const HAS_MEDIA_OR_WAVELENGTH: bool;
 
-    /// The interior at the start of a camera path along `ray`.
+    /// The interior (surrounding bodies and media) at the origin of `ray`, which starts a camera
+    /// path.
     fn interior_at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
 
-    /// The interior at the start of a light path along `ray`, from light `light`.
+    /// The interior (surrounding bodies and media) at the origin of `ray`, which starts a light
+    /// path on light `light`.
     fn interior_at_light(scene: &Scene, light: usize, ray: &Ray, effects: Effects) -> Self;
 
-    /// Sets the uniform number in \[0, 1) that determines the path's first wavelength.
+    /// Sets the uniform number in \[0, 1) from which the path samples its first wavelength.
     ///
     /// The closure `sample` returns this number. It is called only if the path can meet dispersive
-    /// surfaces. Without this call, each path samples its first wavelength independently.
+    /// surfaces. If this method is not called, the path samples its first wavelength by the random
+    /// key of the vertex.
     #[inline]
     fn set_wavelength_sample(&mut self, _: &Scene, _sample: impl FnOnce() -> f32) {}
 
@@ -85,13 +88,13 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// The wavelength that the path has sampled; `None` if it carries all wavelengths.
+    /// The wavelength that the path has sampled; `None` while the path carries all wavelengths.
     #[inline]
     fn wavelength(&self) -> Option<Wavelength> {
         None
     }
 
-    /// Optical depth over `distance` \[length] of the absorption in the dielectric body that fills
+    /// Optical depth over `distance` \[length] due to absorption in the dielectric body that fills
     /// the space around the path; media are not included.
     fn absorption_optical_depth(&self, scene: &Scene, distance: f32) -> Rgb;
 
@@ -102,8 +105,8 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
         exp_neg(self.absorption_optical_depth(scene, distance))
     }
 
-    /// Adds the dielectric body that `surface` bounds, if the path leaves this body without having
-    /// entered it.
+    /// Adds to the interior the dielectric body that `surface` bounds, if the path leaves this body
+    /// without having entered it.
     ///
     /// Such a path must have started inside the body.
     fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>);
@@ -248,8 +251,8 @@ impl Interior for InteriorStack {
     }
 }
 
-/// Returns three results for a path that meets `surface`: the event, the dielectric body on the
-/// inner side, and the interface between both sides.
+/// Returns the event for a path that meets `surface`, the dielectric body on the inner side, and
+/// the interface between both sides.
 ///
 /// Argument `body` is the body that `surface` bounds. Other boundaries that coincide with `surface`
 /// may change the bodies on both sides. `surface` gets the greatest roughness of all these

@@ -8,7 +8,7 @@ use crate::sampling::Dimension;
 use crate::scene::{Effect, Effects, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Range of Fresnel reflectances at which a path reflected by a dispersive surface keeps all
+/// Range of Fresnel reflectances at a dispersive surface for which a reflected path keeps all
 /// wavelengths.
 ///
 /// In this range, the reflectance varies by less than a third over the wavelengths. Outside the
@@ -25,9 +25,10 @@ const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 pub struct SpectralInterior {
     stack: InteriorStack,
     wavelength: Option<Wavelength>,
-    /// Uniform number in \[0, 1) that determines the path's first wavelength.
+    /// Uniform number in \[0, 1) from which the path samples its first wavelength.
     ///
-    /// `None` after its use. Also `None` if each path samples its first wavelength independently.
+    /// `None` after its use, or if [`Interior::set_wavelength_sample`] was not called. The path
+    /// then samples its wavelength by the random key of the vertex.
     wavelength_sample: Option<f32>,
     /// BSDF of the surface at which the path sampled its wavelength, with the refractive index at
     /// the d line.
@@ -106,7 +107,7 @@ impl Interior for SpectralInterior {
         }
         let disperses = body.glass.is_some() || interface.outside.is_some_and(|body| body.glass.is_some());
         if disperses && !interface.is_hidden && self.wavelength.is_none() {
-            // `take`: a second wavelength of this path needs a new random number.
+            // `take` the number: a second wavelength of this path needs another random number.
             let u = self.wavelength_sample.take().unwrap_or_else(|| context.key.uniform_1d(Dimension::Wavelength));
             self.wavelength = Some(Wavelength::sample(u));
             self.wavelength_sampling_dielectric =
@@ -138,21 +139,22 @@ impl Interior for SpectralInterior {
 
     #[inline]
     fn wavelength_weight_after_scattering(&mut self, surface: &SurfaceInteraction<'_>, transmitted: bool) -> Rgb {
-        let (Some(plain), Some(wavelength)) = (self.wavelength_sampling_dielectric.take(), self.wavelength) else {
+        let (Some(d_line_dielectric), Some(wavelength)) = (self.wavelength_sampling_dielectric.take(), self.wavelength)
+        else {
             return Rgb::ONE;
         };
         let weight = wavelength.weight();
         let (wo, ns, ng) = (surface.wo, surface.point.ns, surface.point.ng);
-        if !transmitted && let Some(own) = surface.bsdf.reflect_and_refract(wo, ns, ng, TransportMode::Importance) {
-            let plain = plain.reflect_and_refract(wo, ns, ng, TransportMode::Importance);
-            let (plain, own) = (plain.reflected.1, own.reflected.1);
-            if UNDISPERSED_REFLECTANCES.contains(&plain) && own > 0.0 {
-                // The path was reflected with the probability `own`, the reflectance R at the
-                // sampled wavelength. The mean of the weight over all wavelengths is white (1). So
-                // `plain`, the R of the d line, is a control variate: only R − `plain` needs the
-                // weight, and the part `plain` is exact.
+        if !transmitted && let Some(sampled) = surface.bsdf.reflect_and_refract(wo, ns, ng, TransportMode::Importance) {
+            let at_d_line = d_line_dielectric.reflect_and_refract(wo, ns, ng, TransportMode::Importance);
+            let (d_line_reflectance, reflectance) = (at_d_line.reflected.1, sampled.reflected.1);
+            if UNDISPERSED_REFLECTANCES.contains(&d_line_reflectance) && reflectance > 0.0 {
+                // The path was reflected with probability R, the `reflectance` at the sampled
+                // wavelength. The mean of the weight over all wavelengths is white (1). So the
+                // reflectance R_d at the d line is a control variate: only R − R_d needs the
+                // weight, and the part R_d is exact.
                 self.wavelength = None;
-                return (weight * (own - plain) + plain) / own;
+                return (weight * (reflectance - d_line_reflectance) + d_line_reflectance) / reflectance;
             }
         }
         weight

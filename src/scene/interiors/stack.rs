@@ -8,8 +8,8 @@ use glam::Vec3;
 /// dropped.
 const MAX_BODIES: usize = 12;
 
-/// The bodies around a point, by material index and in the order of entry (Schmidt and Budge 2002,
-/// "Simple Nested Dielectrics in Ray Traced Images").
+/// Stack of the dielectric bodies around a point of a path, by material index and in the order of
+/// entry (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InteriorStack {
     /// Material indices of the bodies; only the first `count` are valid.
@@ -17,11 +17,12 @@ pub struct InteriorStack {
     count: u8,
 }
 
-/// The boundary of a dielectric body, with the body on its outer side.
+/// The interface at the boundary of a dielectric body: the body on the outer side, and whether
+/// light interacts with the boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::scene) struct BodyInterface {
-    /// True if a dielectric body of higher priority fills both sides, so that light does not
-    /// interact with the boundary.
+    /// True if another dielectric body has priority here and fills both sides, so that light does
+    /// not interact with the boundary.
     pub is_hidden: bool,
     /// The dielectric body on the outer side of the boundary; `None` is air.
     pub outside: Option<Body>,
@@ -74,8 +75,8 @@ impl InteriorStack {
         }
     }
 
-    /// Inserts the dielectric body of `material` below all others, because the path has started
-    /// inside it. Does nothing if the stack is full.
+    /// Inserts the dielectric body of `material` at the bottom of the stack, because the path has
+    /// started inside it. Does nothing if the stack is full.
     pub(in crate::scene) fn insert_outermost_body(&mut self, material: u32) {
         if usize::from(self.count) < MAX_BODIES {
             self.body_materials.copy_within(0..usize::from(self.count), 1);
@@ -121,8 +122,8 @@ impl InteriorStack {
         top
     }
 
-    /// Returns the interface between `body` and the dielectric body on the outer side of its
-    /// boundary.
+    /// Returns the interface between `body` and the dielectric body on the outer side of the
+    /// boundary of `body`.
     ///
     /// The stack holds the bodies around the path that meets the boundary. `material` is the
     /// material index of `body`. `entering` is true if the path enters `body`.

@@ -14,12 +14,14 @@ use std::sync::Arc;
 ///
 /// To add a kind, add an arm to each match. The compiler does not check three rules:
 ///
-/// - Suppose that the roughness decides whether the surface stores photons. Then
-///   `roughness_decides_photon_storage` is true if the roughness is textured, and `bsdf` reads it
-///   by `evaluate_photon_storage_roughness`. Camera and photon paths must find the same kind of
-///   BSDF at a point.
-/// - `visit_extreme_roughness_bsdfs` visits each kind of BSDF that a roughness texture can give.
-/// - `chooses_bsdf_randomly` is true for a coat over a base.
+/// - Roughness may decide whether a surface stores photons, as on a metal. For a textured
+///   roughness, `roughness_decides_photon_storage` must then be true, and `bsdf` must read the
+///   roughness by `evaluate_photon_storage_roughness`. Camera and photon paths then agree on where
+///   photons are stored.
+/// - `visit_extreme_roughness_bsdfs` must visit each kind of BSDF that a roughness texture can
+///   produce.
+/// - `chooses_bsdf_randomly` must be true if each hit chooses at random between a coat and its
+///   base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
     /// A surface that absorbs all light.
@@ -56,7 +58,7 @@ pub enum MaterialKind {
         index: ConductorIndex,
         /// Roughness α of the metal in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
-        /// Treatment of light that several microfacets of a rough metal scatter.
+        /// Single or multiple scattering of light between the microfacets of a rough metal.
         scattering: MicrofacetScattering,
     },
     /// A thin dielectric sheet. Transmitted light continues without deflection or displacement.
@@ -67,15 +69,15 @@ pub enum MaterialKind {
         /// reflection is not included.
         transmittance: MaterialParameter<Rgb>,
     },
-    /// The dielectric boundary of a body.
+    /// A dielectric boundary, such as the surface of glass or water, around a [`Body`].
     ///
-    /// The refractive index on the outer side depends on the bodies around the path that arrives.
+    /// The refractive index on the outer side comes from the bodies that already surround the path.
     Dielectric {
         /// The dielectric body on the inner side.
         body: Body,
         /// Roughness α of the boundary in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
-        /// Treatment of light that several microfacets of a rough boundary scatter.
+        /// Single or multiple scattering of light between the microfacets of a rough boundary.
         scattering: MicrofacetScattering,
     },
     /// A diffuse base under a dielectric coat, such as plastic.
@@ -87,22 +89,22 @@ pub enum MaterialKind {
         eta: f32,
         /// Roughness α of the coat in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
-        /// True if interreflection between coat and base makes colours deeper. If false, its
-        /// strength is that of a white base.
+        /// True if repeated reflection between coat and base deepens colours. If false, the BSDF is
+        /// proportional to `reflectance` (compare `nonlinear` of Mitsuba's `plastic`).
         nonlinear: bool,
     },
     /// A stochastic mix: each hit resolves to one of two materials.
     Mix {
-        /// Index of the mix's first material.
+        /// Material index of the first component.
         first: u32,
-        /// Index of the mix's second material.
+        /// Material index of the second component.
         second: u32,
-        /// Probability with which a hit resolves to the second material.
+        /// Probability in \[0, 1] that a hit resolves to the second component.
         amount: MaterialParameter<f32>,
     },
 }
 
-/// Refractive index of a metal, or the reflectance from which it follows.
+/// Complex refractive index of a metal, given directly or by the metal's reflectance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConductorIndex {
     /// Complex index relative to the surroundings, per channel.
@@ -112,13 +114,14 @@ pub enum ConductorIndex {
         /// Imaginary part k of the index.
         k: Rgb,
     },
-    /// Reflectance at normal incidence, in \[0, 1], per channel; see
+    /// Reflectance at normal incidence, in \[0, 1], per channel. The index is computed from it by
     /// [`conductor_index_of_reflectance`].
     OfReflectance(MaterialParameter<Rgb>),
 }
 
 impl ConductorIndex {
-    /// Real and imaginary part of the index, for parameter values from `parameters`.
+    /// Returns the real part η and the imaginary part k of the index, per channel. `parameters`
+    /// evaluates a textured reflectance.
     fn eta_and_k(&self, parameters: &impl ParameterEvaluator) -> (Rgb, Rgb) {
         match self {
             Self::Complex { eta, k } => (*eta, *k),
@@ -135,7 +138,8 @@ impl ConductorIndex {
     }
 }
 
-/// Coefficients of the shading model of MIT course 6.837 at a surface point.
+/// Phong coefficients at a surface point, for algorithm `raycast`. It shades as MIT course 6.837
+/// does: without shadows, distance falloff or indirect light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhongAppearance {
     /// Diffuse coefficient kd.
@@ -146,13 +150,13 @@ pub struct PhongAppearance {
     pub shininess: f32,
 }
 
-/// Least roughness α of a highlight in the shading model of MIT course 6.837. The highlight of a
-/// smoother coat would be too small to see.
+/// Lower bound of the roughness α from which [`PhongAppearance`] computes the exponent of a coat's
+/// highlight. A smaller highlight would be too small to see.
 const MIN_HIGHLIGHT_ALPHA: f32 = 0.05;
 
 impl MaterialKind {
-    /// The BSDF for parameter values from `parameters`; black for a mix, which must be resolved
-    /// first.
+    /// The BSDF at a point, where `parameters` evaluates constant and textured parameters. Black
+    /// for a mix, which must be resolved to one of its components first.
     pub(super) fn bsdf(&self, parameters: &impl ParameterEvaluator) -> Bsdf {
         match *self {
             Self::Black | Self::Mix { .. } => Bsdf::Black,
@@ -188,8 +192,8 @@ impl MaterialKind {
         }
     }
 
-    /// Appearance of the material in the shading model of MIT course 6.837, for parameter values
-    /// from `parameters`; black for a mix.
+    /// Phong coefficients that stand for this material in algorithm `raycast`; black for a mix.
+    /// `parameters` evaluates constant and textured parameters at a point.
     #[must_use]
     pub fn phong_appearance(&self, parameters: &impl ParameterEvaluator) -> PhongAppearance {
         let diffuse = match self {
@@ -236,7 +240,8 @@ impl MaterialKind {
         if let Self::Mix { first, second, amount } = self { Some(([*first, *second], amount)) } else { None }
     }
 
-    /// True if a hit may choose one of several BSDFs at random.
+    /// True if the BSDF at a hit may be chosen at random: from the components of a mix, or from
+    /// coat and base.
     pub(super) fn chooses_bsdf_randomly(&self) -> bool {
         match self {
             Self::Mix { .. } | Self::CoatedDiffuse { .. } => true,
@@ -251,8 +256,8 @@ impl MaterialKind {
         }
     }
 
-    /// True if a roughness texture decides at each point whether photons are stored there, as on a
-    /// conductor.
+    /// True for a conductor with a roughness texture: photons are stored only at points where it is
+    /// rough enough.
     pub(super) fn roughness_decides_photon_storage(&self) -> bool {
         match self {
             Self::Conductor { roughness, .. } => roughness.is_textured(),
@@ -285,8 +290,8 @@ impl MaterialKind {
             Self::Mix { amount, .. } => amount.is_textured(),
         }
     }
-    /// This kind without the light that scatters more than once between microfacets; unchanged if
-    /// it is neither a metal nor the boundary of a body.
+    /// This kind with [`MicrofacetScattering::Single`]: light that meets a second microfacet is
+    /// lost. Unchanged if it is neither a conductor nor a dielectric boundary.
     pub(super) fn with_single_microfacet_scattering(self) -> Self {
         let scattering = MicrofacetScattering::Single;
         match self {
@@ -303,8 +308,7 @@ impl MaterialKind {
         }
     }
 
-    /// This kind with `body` in place of the dielectric body that it bounds; unchanged if it bounds
-    /// none.
+    /// This kind with `body` as the dielectric body that it bounds; unchanged if it bounds none.
     pub(super) fn with_body(self, body: Body) -> Self {
         match self {
             Self::Dielectric { roughness, scattering, .. } => Self::Dielectric { body, roughness, scattering },
@@ -320,8 +324,9 @@ impl MaterialKind {
         }
     }
 
-    /// Calls `visit` with the BSDFs of least and greatest roughness, if a texture of roughness can
-    /// change whether the surface is specular or stores photons. Other parameters are means.
+    /// Calls `visit` with the BSDFs for the least and the greatest value of a roughness texture.
+    /// Other parameters are at their means. It visits none if the roughness cannot change whether
+    /// the surface is specular or stores photons.
     pub(super) fn visit_extreme_roughness_bsdfs(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         match *self {
             Self::CoatedDiffuse {

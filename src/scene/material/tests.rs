@@ -22,8 +22,8 @@ fn materials_of_all_kinds() -> Vec<Material> {
 
 /// Index of the variant in the enum [`MaterialKind`].
 ///
-/// A new variant does not compile here, which reminds its author to add it to
-/// [`materials_of_all_kinds`].
+/// Another variant does not compile here until it is added to the match, which reminds its author
+/// of [`materials_of_all_kinds`].
 fn index_of_kind(kind: &MaterialKind) -> usize {
     match kind {
         MaterialKind::Black => 0,
@@ -46,11 +46,11 @@ fn every_kind_of_material_is_tested() {
     assert_eq!(is_tested, [true; 10]);
 }
 
-/// A coat with a BSDF of its own is selected by a random number at each hit. A hit gets a random
-/// number only if `chooses_bsdf_randomly` is true for its material; else the base is always
-/// selected.
+/// A coat with a BSDF of its own needs a random number at each hit, which selects coat or base.
+/// Hits get one only on materials whose `chooses_bsdf_randomly` is true; else they always select
+/// the base.
 #[test]
-fn materials_with_a_separate_coat_are_chosen_by_chance() {
+fn materials_with_separate_coats_choose_bsdfs_randomly() {
     let mut coats = 0;
     for material in materials_of_all_kinds() {
         let mut has_separate_coat = false;
@@ -62,7 +62,7 @@ fn materials_with_a_separate_coat_are_chosen_by_chance() {
 }
 
 #[test]
-fn materials_without_room_for_a_clear_coat_do_not_change() {
+fn only_some_materials_can_be_clear_coated() {
     let gray = Rgb::splat(0.5);
     for material in [Material::mirror(gray), Material::dielectric(1.5, Rgb::ZERO), Material::mix(0, 1, 0.5)] {
         assert_eq!(material.with_clear_coat(1.0, 0.1), material);
@@ -71,9 +71,10 @@ fn materials_without_room_for_a_clear_coat_do_not_change() {
     assert_ne!(metal.with_clear_coat(1.0, 0.1), metal);
 }
 
-/// A mix that may store photons keeps this flag if its parameters are replaced by the same ones.
+/// A mix has neither microfacets nor a body. Methods that replace these parameters leave it
+/// unchanged, with its flag `may_store_photons`.
 #[test]
-fn mixes_stay_unchanged_without_microfacets_and_bodies() {
+fn replacing_absent_parameters_leaves_mixes_unchanged() {
     let mix = Material::mix(0, 1, 0.5).with_mix_photon_storage(&[Material::diffuse(Rgb::ONE), Material::black()]);
     assert!(mix.may_store_photons());
     assert_eq!(mix.with_single_microfacet_scattering(), mix);

@@ -6,13 +6,13 @@ use crate::shape::{SurfacePoint, TexCoord, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use glam::{DVec2, DVec3, Vec3};
 
-/// Lower bound of the cosine between ray and normal, which limits the length of footprints at
-/// grazing angles.
+/// Lower bound of the cosine between ray and normal. It limits the length of footprints at grazing
+/// angles.
 const MIN_INCIDENCE_COSINE: f64 = 1e-3;
 
 /// The footprint of a ray cone on a surface, with derivatives of the texture coordinates.
 pub(in crate::scene) struct TextureFootprint<'a> {
-    /// The point of texture lookups, with its filter axes.
+    /// The point at which textures are looked up, with the axes of the filter ellipse.
     pub context: TextureEvalContext,
     pub coords: TexCoord,
     mapping: &'a TextureMapping,
@@ -21,8 +21,8 @@ pub(in crate::scene) struct TextureFootprint<'a> {
 impl<'a> TextureFootprint<'a> {
     /// The footprint of `cone` at `hit`: an ellipse on the surface.
     ///
-    /// One axis is as long as the cone is wide. The other axis is longer by 1/cos θ, where θ is the
-    /// angle between ray and normal.
+    /// One axis is as long as the cone is wide. The other axis is longer by the factor 1/cos θ,
+    /// where θ is the angle between ray and normal.
     pub fn new(
         geometry: &Geometry,
         mappings: &'a [TextureMapping],

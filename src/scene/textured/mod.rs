@@ -1,4 +1,4 @@
-//! Material parameters and normals that follow textures.
+//! Textured material parameters, bump maps and normal maps.
 
 mod footprint;
 mod normals;
@@ -64,12 +64,12 @@ pub trait ParameterEvaluator {
     /// Evaluates a scalar parameter.
     fn evaluate_scalar(&self, parameter: &MaterialParameter<f32>) -> f32;
 
-    /// Evaluates the roughness α of a BSDF that stores photons only if α exceeds
+    /// Evaluates the roughness α of a BSDF that stores photons only where α exceeds
     /// [`MIN_PHOTON_STORAGE_ALPHA`].
     ///
     /// Camera paths and photon paths have different filter footprints, but must agree on whether α
-    /// exceeds this threshold. The filtered result is therefore kept on the side of the unfiltered
-    /// value.
+    /// exceeds this threshold. So the filtered value is clamped to the side of the threshold on
+    /// which the unfiltered value lies.
     fn evaluate_photon_storage_roughness(&self, parameter: &MaterialParameter<f32>) -> f32;
 }
 

@@ -7,8 +7,8 @@ use crate::texture::Texture;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Least cosine between shading normal and geometric normal. A perturbed normal that tilts farther
-/// is turned back to it.
+/// Least cosine between perturbed shading normal and geometric normal. A normal that tilts farther
+/// is turned back to this angle.
 const MIN_SHADING_NORMAL_COSINE: f32 = 0.05;
 
 /// The way in which a material perturbs shading normals.
@@ -20,10 +20,10 @@ pub enum NormalPerturbation {
     BumpMap {
         /// Index of the height texture.
         texture: u32,
-        /// Height that the texture value 1 stands for \[length].
+        /// Height \[length] of the displaced surface where the texture has the value 1.
         height: f32,
     },
-    /// A normal map in tangent space, by the index of its texture.
+    /// A normal map in tangent space; holds the index of its texture.
     ///
     /// Red points along increasing u, green along increasing v, blue outwards. Channel values in
     /// \[0, 1] map to \[−1, 1].

@@ -2,7 +2,7 @@ use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
 #[test]
-fn sphere_hits_of_tangent_and_inner_rays() {
+fn rays_hit_spheres_at_known_distances() {
     let s = Sphere::new(DVec3::ZERO, 1.0);
     let hit = |o: Vec3, d: Vec3| s.intersect(&Ray::new(o, d)).map(|hit| hit.t);
     assert_eq!(hit(Vec3::new(0.0, 0.0, 3.0), -Vec3::Z), Some(2.0));

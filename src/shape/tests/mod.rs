@@ -34,10 +34,11 @@ fn one_shape_of_each_kind() -> Vec<Shape> {
     ]
 }
 
-/// True if [`one_shape_of_each_kind`] must contain shapes of this kind; false for meshes and
-/// parametric surfaces, which have tests of their own.
+/// True if [`one_shape_of_each_kind`] must contain shapes of this kind; false for mesh instances
+/// and parametric surfaces, which have tests of their own.
 ///
-/// A new variant does not compile here, which reminds its author to add it to the list.
+/// Another variant of [`Shape`] does not compile here until it is added to the match, which reminds
+/// its author of the list.
 fn is_listed_kind(shape: &Shape) -> bool {
     match shape {
         Shape::Sphere(_)
@@ -60,7 +61,7 @@ fn every_listed_kind_of_shape_is_tested() {
 
 /// A ray towards a sampled point hits the shape there, and the mean of 1/pdf is the area.
 #[test]
-fn sampled_points_have_their_stated_density() {
+fn sampled_points_have_their_stated_pdf() {
     for shape in one_shape_of_each_kind() {
         let (n, mut sum, mut squares) = (100_000u64, 0.0, 0.0);
         for i in 0..n {

@@ -98,7 +98,8 @@ impl TestSolid {
     }
 }
 
-/// Maps with and without uniform scale, among them extreme scales, a shear and a mirror image.
+/// Object-to-world maps of the test shapes, with uniform and uneven scales, among them extreme
+/// scales, a shear and a mirror image.
 fn affine_test_transforms() -> Vec<Transform> {
     let turn = DQuat::from_xyzw(0.1, -0.5, 0.7, 0.5).normalize();
     let shear = DMat3::from_cols(DVec3::new(1.0, 0.3, 0.0), DVec3::new(-0.5, 0.8, 0.2), DVec3::new(0.0, 0.4, 1.5));
@@ -157,8 +158,8 @@ fn hits_agree_with_bisection() {
                 let from = map.transform_point(solid.center() + random_direction(i + 2_000_000) * distance).as_vec3();
                 let ray = Ray::new(from, map.transform_point(target).as_vec3() - from);
                 let (interval, least) = solid.entry_and_exit(&map, &ray);
-                // Left out: rays that touch the surface within rounding, for which a hit and a miss
-                // are both correct.
+                // Skip rays that touch the surface within rounding: a hit and a miss are both
+                // correct.
                 if least.abs() < 1e-9 || ray.direction == Vec3::ZERO {
                     continue;
                 }
@@ -168,8 +169,8 @@ fn hits_agree_with_bisection() {
                 };
                 let on_side = |t: f64| solid.side_implicit_value(at(t)) > -1e-9;
                 let mut candidates = interval.into_iter().flatten();
-                // A ray parameter is doubtful if it is within rounding of the ray's origin, or near
-                // a rim of an open solid.
+                // Skip rays that cross the surface within rounding of their origin, or near a rim
+                // of an open solid.
                 let doubtful = |t: f64| {
                     let (p, y) = (at(t), at(t).y);
                     let at_rim = solid.side_implicit_value(p).abs() < 1e-6 && y.abs().min((y - 1.0).abs()) < 1e-6;

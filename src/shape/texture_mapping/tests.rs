@@ -30,7 +30,7 @@ fn texture_gradients_match_coordinate_differences() {
 }
 
 #[test]
-fn texture_coordinates_at_known_points() {
+fn texture_coordinates_have_known_values() {
     let at = |kind, p| TextureMapping::new(kind, Transform::IDENTITY).tex_coord_at(p, TexCoord::default).uv;
     let close = |kind, p: [f64; 3], uv: [f64; 2]| {
         let found = at(kind, DVec3::from(p));

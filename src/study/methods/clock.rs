@@ -28,10 +28,10 @@ impl AddAssign for CpuWallTime {
     }
 }
 
-/// Function that returns the current time. Tests replace it by a synthetic clock.
+/// Function that returns the current time. Tests pass a synthetic clock instead of the system's.
 pub(super) type ClockFn<'c> = Box<dyn Fn() -> CpuWallTime + 'c>;
 
-/// Returns a clock of the operating system. Its wall time is 0 at this call.
+/// Returns a clock that reads the operating system's times. Its wall time counts from this call.
 pub(super) fn system_clock() -> ClockFn<'static> {
     let start = Instant::now();
     Box::new(move || {

@@ -1,4 +1,4 @@
-//! Shell commands that repeat a study or a picture.
+//! Shell commands that repeat a study or render one of its pictures again.
 
 use super::MethodVariant;
 
@@ -17,11 +17,11 @@ pub struct StudiedScene {
 }
 
 impl StudiedScene {
-    /// Returns the shell command that renders `passes` passes of `variant`. Its picture equals that
-    /// of the study's first seed, bit for bit.
+    /// Returns the shell command that renders `passes` passes of `variant`. The rendered picture
+    /// equals the picture of the study's first seed, bit for bit.
     pub(super) fn render_command_line(&self, variant: &MethodVariant, passes: u32) -> String {
         let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
-        // A path that begins with a dash would be read as a flag.
+        // Prefix a path that begins with a dash: it would be parsed as a flag.
         words.push(if self.scene_path.starts_with('-') {
             format!("./{}", self.scene_path)
         } else {

@@ -1,7 +1,7 @@
 //! Convergence of error, noise and bias: slopes, theory, verdicts, and time to reach an error.
 //!
-//! Slopes are those of least-squares lines in log-log plots of the quantity over time or passes.
-//! The lines fit the checkpoints with at least 1/16 of the passes of the last checkpoint.
+//! A slope belongs to a least-squares line in a log-log plot of error, noise or bias over time or
+//! passes. The line fits the checkpoints with at least 1/16 of the passes of the last checkpoint.
 //! Confidence intervals come from a bootstrap that resamples whole seeds, because the checkpoints
 //! of a seed share passes.
 

@@ -1,4 +1,5 @@
-//! Reference pictures: two independent pictures, or one that is taken as exact.
+//! Reference pictures of a study: two pictures with independent noise, or one that is taken as
+//! exact.
 
 use super::Reference;
 use super::clock::{measure_time, system_clock};
@@ -13,7 +14,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Numbers that are added to the study's first seed, to get the seeds of the two references.
+/// Offsets from the study's first seed to the seeds of the two references.
 const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
 /// First bytes of every PNG file.
@@ -58,7 +59,7 @@ pub enum ReferenceError {
     InvalidSize(#[from] PictureSizeError),
 }
 
-/// Two reference pictures of equal size with finite pixels.
+/// Two reference pictures of equal size with independent noise, or one that is taken as exact.
 #[derive(Clone, Debug)]
 pub struct ReferencePictures {
     source: String,
@@ -71,7 +72,7 @@ pub struct ReferencePictures {
 impl ReferencePictures {
     /// Makes reference pictures from `a` and `b`. Without `b`, `a` is taken as exact.
     ///
-    /// `source` says in reports where the pictures come from.
+    /// `source` is a text for reports about the origin of the pictures.
     ///
     /// # Errors
     /// [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
@@ -80,11 +81,12 @@ impl ReferencePictures {
         let b = b.unwrap_or_else(|| a.clone());
         // `rmse` is called because it checks sizes and pixels. Its value is not used.
         rmse(&a, &b)?;
-        let halves = a.pixels().iter().zip(b.pixels()).map(|(a, b)| ((a.as_dvec3() + b.as_dvec3()) * 0.5).as_vec3());
-        let mean = Image::from_pixels(a.width(), a.height(), halves.collect())?;
+        let mean_pixels =
+            a.pixels().iter().zip(b.pixels()).map(|(a, b)| ((a.as_dvec3() + b.as_dvec3()) * 0.5).as_vec3());
+        let mean = Image::from_pixels(a.width(), a.height(), mean_pixels.collect())?;
         let scale = RelativeErrorWeights::from_image(&mean);
-        let apart = |i: usize| (a.pixels()[i].as_dvec3() - b.pixels()[i].as_dvec3()).map(|d| d * d);
-        let error = (!exact).then(|| 0.5 * scale.mean_relative_squared_error(apart).sqrt());
+        let squared_difference = |i: usize| (a.pixels()[i].as_dvec3() - b.pixels()[i].as_dvec3()).map(|d| d * d);
+        let error = (!exact).then(|| 0.5 * scale.mean_relative_squared_error(squared_difference).sqrt());
         Ok(Self { source, error, pair: [a, b], mean, relative_error_weights: scale })
     }
 
@@ -105,34 +107,33 @@ impl ReferencePictures {
         }
     }
 
-    /// Renders two references of `scene` with different seeds, by the algorithm of
-    /// [`reference_algorithm`].
+    /// Renders two references of `scene` with different seeds, by the algorithm that
+    /// [`reference_algorithm`] chooses. Returns `None` if `interrupted` becomes true.
     ///
-    /// They have the camera path settings `like`, but neither its numbers of camera rays nor
-    /// adaptive sampling. Passes are made until the references have taken `seconds` \[s] of
-    /// processor time each, on average, but at least one. After each pass, `after` is called with
-    /// the number of passes and the elapsed fraction of this time. Returns `None` if `interrupted`
-    /// becomes true.
+    /// The camera path settings are `base_settings`, but with the default number of camera rays and
+    /// without adaptive sampling. Both references get equally many passes, at least one, until
+    /// their mean processor time reaches `seconds` \[s]. After each pass, calls `after` with the
+    /// number of passes and the elapsed fraction of this time.
     ///
     /// # Errors
     /// [`ReferenceError`] if a pixel is not finite.
     pub fn render(
         scene: &Scene,
-        like: &CameraPathSettings,
+        base_settings: &CameraPathSettings,
         seconds: f64,
         interrupted: &AtomicBool,
         monitor: &dyn ProgressMonitor,
         mut after: impl FnMut(u32, f64),
     ) -> Result<Option<Self>, ReferenceError> {
-        let (algorithm, why) = reference_algorithm(scene, like.effects);
+        let (algorithm, why) = reference_algorithm(scene, base_settings.effects);
         let clock = system_clock();
         let (width, height) = scene.camera().size();
-        let prepare = |far| {
+        let prepare = |seed_offset| {
             let camera_paths = CameraPathSettings {
-                seed: like.seed.wrapping_add(far),
+                seed: base_settings.seed.wrapping_add(seed_offset),
                 samples_per_pixel: None,
                 adaptive: false,
-                ..like.clone()
+                ..base_settings.clone()
             };
             algorithm.prepare(scene, Settings { camera_paths, ..Settings::default() })
         };
@@ -164,12 +165,12 @@ impl ReferencePictures {
         &self.pair
     }
 
-    /// Returns the mean of both references A and B, against which errors are measured, with its
-    /// origin and error.
+    /// Returns the mean of both references A and B with its origin and error. Errors of methods are
+    /// measured against this mean.
     ///
-    /// The error is the relative noise of this mean, which is half of the relative difference
-    /// √(mean of (A − B)²). It does not contain a bias that both references share. It is `None` if
-    /// a single reference is taken as exact.
+    /// Its error is its relative noise, ½√(mean of (A − B)²) with the weights of relative errors. A
+    /// bias that both references share is not contained. The error is `None` for a single
+    /// reference, which is taken as exact.
     #[must_use]
     pub fn mean_reference(&self) -> Reference {
         Reference { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
@@ -187,7 +188,8 @@ impl ReferencePictures {
 
     /// Returns an unbiased estimate of the squared error of pixel `i` with radiance `value`.
     ///
-    /// It is (I − A)(I − B) summed over channels, for radiance I and references A and B.
+    /// The estimate is (I − A)(I − B), summed over channels, for the radiance I and the references
+    /// A and B.
     pub(super) fn unbiased_squared_error(&self, i: usize, value: DVec3) -> f64 {
         let [a, b] = self.pair.each_ref().map(|image| image.pixels()[i].as_dvec3());
         ((value - a) * (value - b)).element_sum()
@@ -209,8 +211,8 @@ fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceErr
 
 /// Returns the algorithm for rendering references, and the reason for it as text.
 ///
-/// The algorithm is `hybrid` if the scene has caustics that are simulated, which `path` may miss.
-/// Else it is `path`.
+/// The algorithm is `hybrid` if the scene has caustics to simulate, because `path` may miss them.
+/// Else the algorithm is `path`.
 #[must_use]
 pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
     let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);

@@ -1,10 +1,11 @@
-//! Results of a study of methods: error, noise, bias and cost of each method by number of passes.
+//! Results of a study of methods: error, noise, bias and cost of each method after 1, 2, 4 …
+//! passes.
 
 use crate::image::Image;
 use crate::integrate::Algorithm;
 use serde::Serialize;
 
-/// Error, noise, bias and cost of a rendering method after a number of passes.
+/// Checkpoint of a rendering method: its error, noise, bias and cost after a number of passes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ConvergenceCheckpoint {
     /// Number of passes that each seed has made.
@@ -23,12 +24,12 @@ pub struct ConvergenceCheckpoint {
     /// Relative squared error of each seed's picture, see
     /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
     ///
-    /// The noise of the references cancels in the estimate, so a small error may be estimated as
-    /// negative.
+    /// The estimate is unbiased: the noise of the references cancels. So it may be negative if the
+    /// error is small.
     #[serde(rename = "squares")]
     pub relative_squared_errors: Vec<f64>,
-    /// Relative squared noise: variance between the seeds' pictures, relative as in
-    /// `relative_squared_errors`.
+    /// Relative squared noise: variance between the pictures of the seeds, with the pixel weights
+    /// of `relative_squared_errors`.
     #[serde(rename = "noise2")]
     pub squared_noise: f64,
     /// Estimates of the relative squared noise, one from each seed; their mean is `squared_noise`.
@@ -37,12 +38,12 @@ pub struct ConvergenceCheckpoint {
     /// seed's picture and the mean over seeds. The list is empty if only the mean is known.
     #[serde(rename = "noises")]
     pub squared_noises: Vec<f64>,
-    /// Relative squared bias: mean of `relative_squared_errors` minus `squared_noise`. The estimate
-    /// may be negative.
+    /// Relative squared bias: mean of `relative_squared_errors`, minus `squared_noise`. This
+    /// estimate may be negative.
     #[serde(rename = "bias2")]
     pub squared_bias: f64,
-    /// Square of the relative error that the renderer itself estimates, for each seed with a finite
-    /// estimate.
+    /// Squares of the relative errors that the renderer itself estimates without a reference, one
+    /// from each seed with a finite estimate.
     #[serde(rename = "estimated")]
     pub squared_estimated_errors: Vec<f64>,
     /// Root mean square error over pixels, channels and seeds \[W/(m² sr)], without the noise of
@@ -82,24 +83,22 @@ pub struct MethodResult {
     /// Exponent α by which gather radii shrink from pass to pass (radius law of Knaus and Zwicker
     /// 2011); 1 for fixed radii.
     pub alpha: f64,
-    /// Largest gather radii of the first pass: of the indirect map and of the caustic map
-    /// \[length].
-    ///
-    /// `None` if the algorithm has no photons.
+    /// Largest gather radii of the first pass \[length]: of the indirect map, then of the caustic
+    /// map. `None` if the algorithm has no photons.
     pub gather_radii: Option<[f32; 2]>,
-    /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass. A checkpoint with almost as
-    /// many passes as the last one is left out.
+    /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass. If the last two have almost
+    /// equal numbers of passes, the earlier one is left out.
     pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
     pub first_seed_picture: Image,
-    /// Relative error of each pixel at the last checkpoint, as a root mean square over seeds; in
-    /// rows from the top.
+    /// Relative error of each pixel at the last checkpoint, as a root mean square over seeds.
+    /// Pixels are in rows from the top.
     pub relative_pixel_errors: Vec<f32>,
     /// Mean over seeds of the pictures at the last checkpoint, minus the reference \[W/(m² sr)].
     pub mean_difference: Image,
 }
 
-/// Reference that the errors of a study are measured against: a picture with its origin and error.
+/// Reference picture against which errors are measured, with its origin and its own error.
 #[derive(Clone, Debug)]
 pub struct Reference {
     /// Origin of the references, such as `auto: 256 passes of hybrid, twice`.
@@ -113,7 +112,7 @@ pub struct Reference {
 
 /// Smallest [`MethodStudyResult::thread_time_share`] at which measured times are reliable.
 ///
-/// A smaller share means that other programs ran, or that threads waited.
+/// A smaller share means that other programs used the processor, or that threads waited.
 pub const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 
 /// Measured convergence of all rendering methods that a study compares.
@@ -129,14 +128,12 @@ pub struct MethodStudyResult {
     pub machine: String,
     /// Number of seeds of each method.
     pub seeds: u32,
-    /// Limit of processor time for each seed of a method \[s].
+    /// Time budget of each method: processor time per seed \[s].
     pub max_cpu_seconds_per_seed: f64,
-    /// Share of the threads' time that the program got: processor time divided by the product of
-    /// wall time and threads. It is the minimum over methods.
-    ///
-    /// It is 1 if processor time is unknown.
+    /// Share of the threads' time in which they ran: processor time / (wall time · threads), the
+    /// minimum over methods. The share is 1 if processor time is unknown.
     pub thread_time_share: f64,
-    /// Reference picture that errors are measured against.
+    /// Reference picture against which errors are measured.
     pub reference: Reference,
     /// Results of each method that the study compares.
     pub methods: Vec<MethodResult>,

@@ -1,4 +1,4 @@
-//! Runs the methods of a study in turns, one pass at a time.
+//! Runs the methods of a study by turns, one pass at a time, and measures checkpoints.
 
 use super::clock::{ClockFn, measure_time, system_clock};
 use super::noise_and_bias::{mean_pixel_over_pictures, relative_pixel_errors, separate_noise_and_bias};
@@ -18,8 +18,8 @@ use crate::stats::cpu_seconds;
 use crate::study::StudyError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Smallest ratio of the numbers of passes at a method's last two checkpoints. The earlier
-/// checkpoint is dropped if the ratio is smaller.
+/// Smallest ratio between the numbers of passes of a method's last two checkpoints. If the ratio is
+/// smaller, the earlier checkpoint is dropped.
 const MIN_CHECKPOINT_PASS_RATIO: f64 = 1.3;
 
 /// Memory of a film and of its error estimator \[bytes per pixel].
@@ -44,7 +44,7 @@ pub enum MethodStudyEvent<'s> {
     /// Each method that has not reached a limit has made one more pass with each seed. Holds the
     /// number of passes that each seed of these methods has made.
     PassFinished(u32),
-    /// A method was measured at a checkpoint. Holds the method's label and the checkpoint.
+    /// A method has reached a checkpoint. Holds the method's label and the measured checkpoint.
     Checkpoint(&'s str, &'s ConvergenceCheckpoint),
 }
 
@@ -53,8 +53,8 @@ pub(super) type IntegratorFactory<'a> = Box<dyn Fn(u64) -> Box<dyn Integrator + 
 
 /// Study that is ready to measure the convergence of rendering methods.
 ///
-/// The integrator of each method's first seed is prepared in advance. The integrators of the other
-/// seeds are prepared when they make their first pass. All stay in memory while their method runs.
+/// The integrator of each method's first seed is prepared in advance, and the others before their
+/// first pass. All stay in memory while their method runs.
 pub struct MethodStudy<'a> {
     size: (u32, u32),
     seeds: u32,
@@ -99,12 +99,12 @@ struct FinalPictures {
 impl<'a> MethodStudy<'a> {
     /// Prepares a study of `variants` with `seeds` seeds each.
     ///
-    /// Seeds are consecutive, from the seed of the variant's settings on.
+    /// The first seed is that of the variant's settings; the others are the next integers.
     ///
     /// # Errors
     /// [`MethodVariantError`] if there is no variant, if labels repeat, or if `seeds` is below two.
     pub fn prepare(scene: &'a Scene, variants: Vec<MethodVariant>, seeds: u32) -> Result<Self, MethodVariantError> {
-        let made_by = |variant: MethodVariant| {
+        let with_factory = |variant: MethodVariant| {
             let (algorithm, settings) = (variant.algorithm, variant.settings.clone());
             let make = move |seed| {
                 let mut settings = settings.clone();
@@ -114,7 +114,7 @@ impl<'a> MethodStudy<'a> {
             };
             (variant, Box::new(make) as IntegratorFactory<'a>)
         };
-        Self::new(scene.camera().size(), variants.into_iter().map(made_by).collect(), seeds, system_clock())
+        Self::new(scene.camera().size(), variants.into_iter().map(with_factory).collect(), seeds, system_clock())
     }
 
     pub(super) fn new(
@@ -150,8 +150,8 @@ impl<'a> MethodStudy<'a> {
         Ok(Self { size, seeds, clock, runs })
     }
 
-    /// Returns the expected photon counts of a pass. Each is the maximum of this count over all
-    /// methods of the study.
+    /// Returns the expected photon counts of a pass, each as its maximum over all methods of the
+    /// study.
     #[must_use]
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         self.runs.iter().map(|run| run.expected_photons).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
@@ -161,10 +161,10 @@ impl<'a> MethodStudy<'a> {
         })
     }
 
-    /// Returns the memory of all pictures of a study \[bytes].
+    /// Returns the memory that all pictures of a study take \[bytes].
     ///
-    /// The pictures are `width` × `height` pixels large. `variants` is the number of methods, and
-    /// `seeds` the number of seeds of each.
+    /// The pictures have `width` × `height` pixels. `variants` is the number of methods, and
+    /// `seeds` the number of seeds of each method.
     #[must_use]
     pub fn study_picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
@@ -178,7 +178,7 @@ impl<'a> MethodStudy<'a> {
         u64::from(width) * u64::from(height) * pixel
     }
 
-    /// Runs all methods in turns, pass by pass, until each reaches one of the `limits`.
+    /// Runs all methods by turns, pass by pass, until each reaches one of the `limits`.
     ///
     /// Stops early if `interrupted` becomes true. Calls `after` for each progress event.
     ///
@@ -193,29 +193,30 @@ impl<'a> MethodStudy<'a> {
         monitor: &dyn ProgressMonitor,
         mut after: impl FnMut(MethodStudyEvent<'_>),
     ) -> Result<MethodStudyResult, StudyError> {
-        let (mut round, mut cut) = (0u32, false);
+        let (mut round, mut was_cut_short) = (0u32, false);
         while self.runs.iter().any(|run| run.final_pictures.is_none()) {
             self.run_one_pass_per_seed(round, monitor);
             round += 1;
             after(MethodStudyEvent::PassFinished(round));
-            let asked = interrupted.load(Ordering::Relaxed);
+            let stop_requested = interrupted.load(Ordering::Relaxed);
             for run in self.runs.iter_mut().filter(|run| run.final_pictures.is_none()) {
-                let spent = run.total_pass_time.cpu_seconds / f64::from(self.seeds) >= limits.cpu_seconds_per_seed;
-                let done = spent || limits.passes.is_some_and(|most| round >= most) || round == u32::MAX;
-                cut |= asked && !done;
-                if done || asked || round.is_power_of_two() {
-                    let checkpoint = run.add_checkpoint(round, done || asked, self.size, references)?;
+                let is_out_of_time =
+                    run.total_pass_time.cpu_seconds / f64::from(self.seeds) >= limits.cpu_seconds_per_seed;
+                let done = is_out_of_time || limits.passes.is_some_and(|most| round >= most) || round == u32::MAX;
+                was_cut_short |= stop_requested && !done;
+                if done || stop_requested || round.is_power_of_two() {
+                    let checkpoint = run.add_checkpoint(round, done || stop_requested, self.size, references)?;
                     after(MethodStudyEvent::Checkpoint(&run.variant.label, &checkpoint));
                 }
             }
         }
-        Ok(self.into_result(subject, limits, references, cut))
+        Ok(self.into_result(subject, limits, references, was_cut_short))
     }
 
     /// Makes one pass of each seed of each method that has not reached a limit.
     ///
-    /// Each call starts at another method and seed. So a temporary slowdown of the machine affects
-    /// all methods equally.
+    /// Each call starts with another method and seed, so that a temporary slowdown of the machine
+    /// affects all methods equally.
     fn run_one_pass_per_seed(&mut self, pass: u32, monitor: &dyn ProgressMonitor) {
         let seeds = self.seeds as usize;
         let running = (0..self.runs.len()).filter(|i| self.runs[*i].final_pictures.is_none());
@@ -275,8 +276,8 @@ impl MethodRun<'_> {
 
     /// Measures the pictures of all seeds after `passes` passes. Adds a checkpoint and returns it.
     ///
-    /// `last` is true when the method ends. The previous checkpoint is then dropped if it has
-    /// almost as many passes ([`MIN_CHECKPOINT_PASS_RATIO`]).
+    /// `last` is true when the method ends. If the previous checkpoint has almost as many passes
+    /// (see [`MIN_CHECKPOINT_PASS_RATIO`]), it is then dropped.
     fn add_checkpoint(
         &mut self,
         passes: u32,

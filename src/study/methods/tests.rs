@@ -32,10 +32,10 @@ fn uniform_noise(sigma: f64, key: u64) -> f64 {
     12f64.sqrt() * sigma * (uniform - 0.5)
 }
 
-/// Makes a picture of radiance 1 + `bias` with noise of standard deviation `sigma`; `name` selects
-/// the random numbers.
-fn noisy_picture(bias: f64, sigma: f64, name: u64) -> Vec<Rgb> {
-    let value = |i: u64| 1.0 + bias + uniform_noise(sigma, (name << 32) + i);
+/// Makes a picture of radiance 1 + `bias` with noise of standard deviation `sigma`;
+/// `random_seed` selects the random numbers.
+fn noisy_picture(bias: f64, sigma: f64, random_seed: u64) -> Vec<Rgb> {
+    let value = |i: u64| 1.0 + bias + uniform_noise(sigma, (random_seed << 32) + i);
     let pixel = |i: u64| glam::DVec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2)).as_vec3();
     (0..u64::from(SIZE.0 * SIZE.1)).map(pixel).collect()
 }
@@ -46,7 +46,7 @@ fn image_from_pixels(pixels: Vec<Rgb>) -> Image {
 
 /// Makes two references of radiance 1 with noise of standard deviation `sigma`.
 fn references_with_noise(sigma: f64) -> ReferencePictures {
-    let [a, b] = [1000, 1001].map(|name| image_from_pixels(noisy_picture(0.0, sigma, name)));
+    let [a, b] = [1000, 1001].map(|random_seed| image_from_pixels(noisy_picture(0.0, sigma, random_seed)));
     ReferencePictures::new("here".into(), a, Some(b)).unwrap()
 }
 
@@ -65,17 +65,17 @@ fn noise_and_bias_are_separated() {
     let pictures: Vec<_> = (0..4).map(|seed| noisy_picture(bias, sigma, seed)).collect();
     let found = separate_noise_and_bias(&references_with_noise(reference), &pictures);
     let (bias2, noise2, reference2) = (bias * bias, sigma * sigma, reference * reference);
-    let of_mean = |v: f64| 0.5 * v / CHANNELS.sqrt();
+    let deviation_of_mean = |v: f64| 0.5 * v / CHANNELS.sqrt();
     for square in &found.squared_errors {
-        assert_near(*square, 0.5 * (bias2 + noise2), of_mean(bias2 + noise2 + reference2));
+        assert_near(*square, 0.5 * (bias2 + noise2), deviation_of_mean(bias2 + noise2 + reference2));
     }
     // A variance that is estimated from n channels, with three degrees of freedom each, has the
     // relative standard deviation √(2/(3n)).
     assert_near(found.squared_noise, 0.5 * noise2, 0.5 * noise2 * (2.0 / (3.0 * CHANNELS)).sqrt());
-    assert_near(found.squared_bias, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + reference2));
+    assert_near(found.squared_bias, 0.5 * bias2, deviation_of_mean(bias2 + 0.25 * noise2 + reference2));
     let mean: f64 = found.squared_errors.iter().sum::<f64>() / 4.0;
     assert!((mean - found.squared_noise - found.squared_bias).abs() < 1e-12, "the parts make the whole");
-    assert_near(found.rmse * found.rmse, bias2 + noise2, 2.0 * of_mean(bias2 + noise2 + reference2));
+    assert_near(found.rmse * found.rmse, bias2 + noise2, 2.0 * deviation_of_mean(bias2 + noise2 + reference2));
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn unbiased_pictures_have_no_bias() {
 }
 
 #[test]
-fn error_map_has_the_mean_error() {
+fn pixel_errors_are_rms_over_seeds() {
     let references =
         ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
     let pictures = [noisy_picture(0.1, 0.0, 0), noisy_picture(-0.3, 0.0, 0)];
@@ -103,14 +103,14 @@ struct SyntheticMethod {
     sigma: f64,
     /// Processor time of a pass of the first seed \[s]. Seed n takes 1 + n/2 times as much.
     cost: f64,
-    /// True if the third pass of the first seed is interrupted.
+    /// True if the user interrupts the study during the third pass of the first seed.
     interrupts: bool,
 }
 
 const FAST_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.0, sigma: 0.5, cost: 0.2, interrupts: false };
 const SLOW_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.1, sigma: 0.1, cost: 0.8, interrupts: false };
 
-/// Clock, log and interruption flag of a test, which its synthetic methods share.
+/// State that all synthetic methods of a test share: clock, log of passes and interruption flag.
 #[derive(Default)]
 struct SyntheticStudyState {
     time: Mutex<CpuWallTime>,
@@ -123,7 +123,7 @@ struct SyntheticStudyState {
 struct SyntheticIntegrator<'w> {
     fake: SyntheticMethod,
     seed: u64,
-    world: &'w SyntheticStudyState,
+    state: &'w SyntheticStudyState,
 }
 
 impl Integrator for SyntheticIntegrator<'_> {
@@ -132,12 +132,12 @@ impl Integrator for SyntheticIntegrator<'_> {
         let processor = cost * (1.0 + 0.5 * self.seed as f64);
         // Other programs use the processor for a fifth of the time.
         let wall = processor / (0.8 * rayon::current_num_threads() as f64);
-        *self.world.time.lock().unwrap() += CpuWallTime { cpu_seconds: processor, wall_seconds: wall };
-        self.world.log.lock().unwrap().push((cost, self.seed, pass));
-        self.world.interrupted.fetch_or(interrupts && pass == 2 && self.seed == 0, Ordering::Relaxed);
-        let name = (f64::to_bits(cost) >> 40) + 1000 * u64::from(pass) + self.seed;
+        *self.state.time.lock().unwrap() += CpuWallTime { cpu_seconds: processor, wall_seconds: wall };
+        self.state.log.lock().unwrap().push((cost, self.seed, pass));
+        self.state.interrupted.fetch_or(interrupts && pass == 2 && self.seed == 0, Ordering::Relaxed);
+        let random_seed = (f64::to_bits(cost) >> 40) + 1000 * u64::from(pass) + self.seed;
         let counters = Counters { camera_rays: 10 + self.seed, shadow_rays: 5, ..Counters::default() };
-        let mut pass = PassResult { image: noisy_picture(bias, sigma, name), counters, ..PassResult::default() };
+        let mut pass = PassResult { image: noisy_picture(bias, sigma, random_seed), counters, ..PassResult::default() };
         pass.unaimed.emitted_paths = 100;
         pass.aimed.emitted_paths = 50;
         pass
@@ -153,7 +153,7 @@ impl Integrator for SyntheticIntegrator<'_> {
 }
 
 fn run_synthetic_study<'w>(
-    world: &'w SyntheticStudyState,
+    state: &'w SyntheticStudyState,
     fakes: &[SyntheticMethod],
     limits: StudyLimits,
 ) -> MethodStudyResult {
@@ -162,14 +162,14 @@ fn run_synthetic_study<'w>(
         let settings = Settings::default();
         let variant =
             MethodVariant { label, algorithm: Algorithm::Path, settings, flags: vec!["--spp".into(), "3".into()] };
-        let make: IntegratorFactory<'w> = Box::new(move |seed| Box::new(SyntheticIntegrator { fake, seed, world }));
+        let make: IntegratorFactory<'w> = Box::new(move |seed| Box::new(SyntheticIntegrator { fake, seed, state }));
         (variant, make)
     };
-    let clock: ClockFn<'w> = Box::new(|| *world.time.lock().unwrap());
+    let clock: ClockFn<'w> = Box::new(|| *state.time.lock().unwrap());
     let study = MethodStudy::new(SIZE, fakes.iter().map(|f| variant(*f)).collect(), 2, clock).unwrap();
     let subject = StudiedScene { scene_path: "a.txt".into(), ..StudiedScene::default() };
     let mut reported = Vec::new();
-    let found = study.run(&subject, limits, &references_with_noise(0.0), &world.interrupted, &SilentMonitor, |step| {
+    let found = study.run(&subject, limits, &references_with_noise(0.0), &state.interrupted, &SilentMonitor, |step| {
         if let MethodStudyEvent::Checkpoint(label, checkpoint) = step {
             reported.push((label.to_owned(), checkpoint.passes));
         }
@@ -193,9 +193,9 @@ fn checkpoint_pass_counts(found: &MethodStudyResult, method: usize) -> Vec<u32> 
 /// slow method and 0.25 s for the fast one.
 #[test]
 fn methods_run_until_their_budget() {
-    let world = SyntheticStudyState::default();
+    let state = SyntheticStudyState::default();
     let found = run_synthetic_study(
-        &world,
+        &state,
         &[SLOW_METHOD, FAST_METHOD],
         StudyLimits { cpu_seconds_per_seed: 6.0 - 1e-9, passes: None },
     );
@@ -213,7 +213,7 @@ fn methods_run_until_their_budget() {
 }
 
 #[test]
-fn close_last_checkpoints_are_merged() {
+fn checkpoint_close_before_the_last_is_dropped() {
     let found = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SLOW_METHOD, FAST_METHOD],
@@ -242,28 +242,28 @@ fn close_last_checkpoints_are_merged() {
 
 #[test]
 fn rounds_start_at_different_methods() {
-    let world = SyntheticStudyState::default();
+    let state = SyntheticStudyState::default();
     run_synthetic_study(
-        &world,
+        &state,
         &[SLOW_METHOD, FAST_METHOD],
         StudyLimits { cpu_seconds_per_seed: 1e9, passes: Some(3) },
     );
     let round = [(0.8, 0), (0.8, 1), (0.2, 0), (0.2, 1)];
     let expected = (0..3).flat_map(|r| (0..4).map(move |i| (round[(i + r) % 4].0, round[(i + r) % 4].1, r as u32)));
-    assert_eq!(*world.log.lock().unwrap(), expected.collect::<Vec<_>>());
+    assert_eq!(*state.log.lock().unwrap(), expected.collect::<Vec<_>>());
 }
 
 #[test]
 fn interrupted_method_studies_finish_their_round() {
-    let world = SyntheticStudyState::default();
+    let state = SyntheticStudyState::default();
     let found = run_synthetic_study(
-        &world,
+        &state,
         &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }, FAST_METHOD],
         StudyLimits { cpu_seconds_per_seed: 100.0, passes: None },
     );
     assert!(found.interrupted);
     assert_eq!((checkpoint_pass_counts(&found, 0), checkpoint_pass_counts(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
-    // An interruption during the last round of passes cuts no pass.
+    // An interruption during the last round of passes leaves no pass out.
     let whole = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }],
@@ -297,8 +297,8 @@ fn measured_errors_match_synthetic_methods() {
         let mean = method.mean_difference.pixels().iter().map(|d| d.as_dvec3().element_sum()).sum::<f64>() / CHANNELS;
         assert_near(mean, bias, sigma / (32.0 * CHANNELS).sqrt());
     }
-    let world = SyntheticStudyState::default();
-    let one = SyntheticIntegrator { fake: SLOW_METHOD, seed: 0, world: &world };
+    let state = SyntheticStudyState::default();
+    let one = SyntheticIntegrator { fake: SLOW_METHOD, seed: 0, state: &state };
     let sum = (0..16).map(|i| one.render_pass(i, &SilentMonitor).image[7].as_dvec3()).sum::<glam::DVec3>();
     assert_eq!(found.methods[0].first_seed_picture.pixels()[7], (sum / 16.0).as_vec3());
 }
@@ -323,10 +323,10 @@ fn reference_algorithm_depends_on_caustics() {
         Algorithm::Path
     );
     let render = |seed, interrupted| {
-        let like = CameraPathSettings { seed, ..CameraPathSettings::default() };
+        let camera_paths = CameraPathSettings { seed, ..CameraPathSettings::default() };
         ReferencePictures::render(
             &diffuse_sphere_on_floor,
-            &like,
+            &camera_paths,
             0.0,
             &AtomicBool::new(interrupted),
             &SilentMonitor,

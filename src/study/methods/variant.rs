@@ -1,4 +1,4 @@
-//! Methods that a study compares, and checks of their list.
+//! Rendering methods that a study compares.
 
 use crate::integrate::{Algorithm, Settings};
 use crate::plan::{EffectOverrides, Plan};
@@ -39,8 +39,9 @@ pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> R
     if seeds < 2 {
         return Err(MethodVariantError::OneSeed);
     }
-    let twice = variants.iter().enumerate().find(|(i, v)| variants[..*i].iter().any(|before| before.label == v.label));
-    twice.map_or(Ok(()), |(_, v)| Err(MethodVariantError::DuplicateLabel(v.label.clone())))
+    let duplicate =
+        variants.iter().enumerate().find(|(i, v)| variants[..*i].iter().any(|before| before.label == v.label));
+    duplicate.map_or(Ok(()), |(_, v)| Err(MethodVariantError::DuplicateLabel(v.label.clone())))
 }
 
 /// Returns the global illumination algorithms that give different pictures of `scene`.
@@ -51,8 +52,8 @@ pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> R
 #[must_use]
 pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
     let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);
-    let facts = &plan.features;
-    let stores_photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
+    let features = &plan.features;
+    let stores_photons = features.lights > 0 && features.receivers + features.scattering_media > 0;
     let effects = plan.simulated_effects();
     let hybrid_uses_photons = effects.has(Effect::Caustics) || effects.has(Effect::Interreflection);
     // Position in the list, or `None` for an algorithm that is left out.

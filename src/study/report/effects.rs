@@ -11,10 +11,9 @@ use crate::image::Image;
 use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
-/// Smallest ratio of light removed to light added, or of light added to light removed, at which the
-/// report of an effect shows pictures of both.
-///
-/// Below this ratio, the smaller amount is mostly noise.
+/// Fraction that decides which pictures of an effect a report shows. An effect may add light to
+/// some pixels and remove light from others. The smaller of both amounts is shown if it is at least
+/// this fraction of the larger one. A smaller amount is mostly noise.
 const MIN_SHOWN_RATIO: f64 = 0.1;
 
 const STYLE: &str = "\
@@ -32,7 +31,7 @@ article { border-top: 1px solid #8886; padding: 1.5rem 0; }
 p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1fr; gap: .25rem 1rem; } dt { font-weight: 600; } dd { margin: 0; }
 ";
 
-/// Scene and settings that the report of a study of effects shows at its top.
+/// Scene name and settings that the report of a study of effects shows at its top.
 #[derive(Clone, Debug)]
 pub struct EffectReportHeader {
     /// Name of the scene, shown in the report.
@@ -45,7 +44,7 @@ pub struct EffectReportHeader {
     pub exposure: f32,
 }
 
-/// Report of a study of effects as an HTML page, which is also well-formed XML.
+/// Returns the report of a study of effects as an HTML page, which is also well-formed XML.
 ///
 /// # Errors
 /// [`StudyError`] if a picture cannot be encoded.
@@ -99,8 +98,8 @@ fn picture_figure_html(image: &Image, exposure: f32, words: &str, caption: &str)
     Ok(format!("<figure>{image}\n<figcaption>{}</figcaption></figure>\n", escape_html(caption)))
 }
 
-fn percent_of_mean_text(of_mean: f64, mean: f64) -> String {
-    if mean > 0.0 { percent_text(of_mean / mean) } else { three_digit_text(of_mean) }
+fn percent_of_mean_text(value: f64, mean: f64) -> String {
+    if mean > 0.0 { percent_text(value / mean) } else { three_digit_text(value) }
 }
 
 fn effects_table_html(findings: &EffectStudyResult) -> String {
@@ -138,13 +137,13 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
     }
     let whole = &findings.full_picture_cost;
     let passes = whole.pass_seconds.len() as f64;
-    let a_pass = |n: u64| count_text(n as f64 / passes);
+    let per_pass = |n: u64| count_text(n as f64 / passes);
     let cells = [
         format!("{:.1}", 1e3 * whole.total_pass_seconds() / passes),
         String::new(),
         format!("{:.1}", 1e3 * whole.setup_seconds),
-        a_pass(whole.counters.total_rays()),
-        a_pass(whole.counters.gathered_photons),
+        per_pass(whole.counters.total_rays()),
+        per_pass(whole.counters.gathered_photons),
     ];
     table += "</tbody>\n<tfoot><tr><th scope=\"row\">the whole picture</th>";
     table += &number_cells_html(&cells);

@@ -1,4 +1,4 @@
-//! HTML elements.
+//! Helpers for HTML: escaped text, inline pictures and table cells.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;

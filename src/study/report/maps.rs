@@ -1,11 +1,11 @@
-//! Error maps: colour ramps, their scales, and windows with the largest errors.
+//! Error maps: colour ramps, their scales, and the picture windows with the largest errors.
 
 use crate::image::{Image, PictureSizeError, RelativeErrorWeights};
 use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
-/// Relative error at the dark end of a logarithmic colour ramp, divided by the error at its bright
-/// end.
+/// Relative error at the dark end of a logarithmic colour ramp, as a fraction of the error at its
+/// bright end.
 pub(super) const RAMP_END_ERROR_RATIO: f64 = 0.01;
 
 /// Quantile of the pixel errors at the upper end of a colour scale. Larger errors are clamped.
@@ -20,10 +20,10 @@ pub(super) const CROP_SIZE: u32 = 64;
 fn oklch_to_linear_rgb(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
     let (b, a) = libm::sincos(hue.to_radians());
     let (a, b) = (chroma * a, chroma * b);
-    let cone = |x: f64| x * x * x;
-    let l = cone(lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b);
-    let m = cone(lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b);
-    let s = cone(lightness - 0.089_484_177_5 * a - 1.291_485_548 * b);
+    let cube = |x: f64| x * x * x;
+    let l = cube(lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b);
+    let m = cube(lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b);
+    let s = cube(lightness - 0.089_484_177_5 * a - 1.291_485_548 * b);
     DVec3::new(
         4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s,
         -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
@@ -60,15 +60,16 @@ pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f
     if values.is_empty() {
         return None;
     }
-    let at = ((values.len() - 1) as f64 * SCALE_QUANTILE) as usize;
-    let value = *values.select_nth_unstable_by(at, f64::total_cmp).1;
+    let index = ((values.len() - 1) as f64 * SCALE_QUANTILE) as usize;
+    let value = *values.select_nth_unstable_by(index, f64::total_cmp).1;
     let decade = libm::pow(10.0, libm::floor(libm::log10(value)));
-    let up = [1.0, 2.0, 5.0, 10.0].into_iter().find(|digit| digit * decade >= value * (1.0 - 1e-9)).unwrap_or(10.0);
-    Some(up * decade)
+    let rounded_digit =
+        [1.0, 2.0, 5.0, 10.0].into_iter().find(|digit| digit * decade >= value * (1.0 - 1e-9)).unwrap_or(10.0);
+    Some(rounded_digit * decade)
 }
 
-/// Draws the relative error of each pixel by a logarithmic colour ramp. `most` is the error at the
-/// bright end of the ramp.
+/// Draws the relative error of each pixel with a logarithmic colour ramp. `most` is the error at
+/// the bright end of the ramp.
 pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, PictureSizeError> {
     let colour = |e: &f32| {
         let e = f64::from(*e);
@@ -85,17 +86,17 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, Pictu
 /// Returns the relative difference of each pixel from the reference: the mean of `difference` over
 /// channels, divided by √(L² + m²).
 ///
-/// [`RelativeErrorWeights`] defines the radiances L (of the reference around the pixel) and m (of a
-/// typical pixel).
+/// L is the radiance of the reference around the pixel, and m the radiance of a typical pixel; see
+/// [`RelativeErrorWeights`].
 pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeights) -> Vec<f64> {
     // Each weight contains a factor of 1/3 for the mean over channels.
     let pairs = difference.pixels().iter().zip(scale.pixel_weights());
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()
 }
 
-/// Draws signed relative differences by a colour ramp from −`most` to `most`.
+/// Draws signed relative differences with a colour ramp from −`most` to `most`.
 ///
-/// `relative` holds a difference for each pixel of `method`'s picture.
+/// `relative` holds the difference of each pixel of `method`'s picture.
 pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, PictureSizeError> {
     let picture = &method.first_seed_picture;
     Image::from_pixels(
@@ -127,11 +128,11 @@ impl PixelWindow {
     }
 }
 
-/// Finds up to `count` disjoint windows in which the squared errors, summed over all methods, are
-/// largest.
+/// Finds up to `count` disjoint windows with the largest sums of squared errors over pixels and
+/// methods.
 ///
-/// The squared errors of each method are divided by their mean over the picture. A window has the
-/// side length [`CROP_SIZE`], or that of the picture if this is smaller.
+/// The squared errors of each method are first divided by their mean over the picture. A window has
+/// [`CROP_SIZE`] × [`CROP_SIZE`] pixels, or fewer in a smaller picture.
 pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<PixelWindow> {
     let Some(first) = methods.first() else { return Vec::new() };
     let (width, height) = (first.first_seed_picture.width(), first.first_seed_picture.height());
@@ -144,7 +145,7 @@ pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> V
             sum.iter_mut().zip(&method.relative_pixel_errors).for_each(|(sum, e)| *sum += square(e) / mean);
         }
     }
-    // Summed-area table (Crow 1984): each entry is the sum over all pixels left and above.
+    // Summed-area table (Crow 1984): each entry is the sum over all pixels to the left and above.
     let mut table = vec![0.0; (w + 1) * (h + 1)];
     for y in 0..h {
         let mut row = 0.0;
@@ -154,7 +155,7 @@ pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> V
         }
     }
     let (cw, ch) = (CROP_SIZE.min(width), CROP_SIZE.min(height));
-    let within = |at: &PixelWindow| {
+    let error_sum_in = |at: &PixelWindow| {
         let corner = |x: u32, y: u32| table[y as usize * (w + 1) + x as usize];
         let (right, below) = (at.x + at.width, at.y + at.height);
         corner(right, below) - corner(at.x, below) - corner(right, at.y) + corner(at.x, at.y)
@@ -166,7 +167,7 @@ pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> V
         let free = places.filter(|place| chosen.iter().all(|c| !c.overlaps(*place)));
         let mut best: Option<(f64, PixelWindow)> = None;
         for place in free {
-            let value = within(&place);
+            let value = error_sum_in(&place);
             if value > 0.0 && best.is_none_or(|(most, _)| value > most) {
                 best = Some((value, place));
             }

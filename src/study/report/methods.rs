@@ -19,27 +19,27 @@ use warnings::study_warnings;
 const STYLE: &str = include_str!("methods/page.css");
 const SCRIPT: &str = include_str!("methods/flip.js");
 
-/// Report of a study of methods as an HTML page, which is also well-formed XML.
+/// Returns the report of a study of methods as an HTML page, which is also well-formed XML.
 ///
-/// The page contains its pictures, styles and a short script, and needs no other file. If scripts
-/// are disabled, the pictures stand below each other.
+/// The page contains its pictures, styles and a short script, and needs no other file. Without
+/// scripts, the pictures are shown one below the other.
 ///
 /// # Errors
 /// [`StudyError`] if a picture cannot be encoded, or differs in size from the reference.
-pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError> {
-    let analysis = MethodStudyAnalysis::new(found);
-    let scene = escape_html(&found.scene_path);
+pub fn methods_html_page(result: &MethodStudyResult) -> Result<String, StudyError> {
+    let analysis = MethodStudyAnalysis::new(result);
+    let scene = escape_html(&result.scene_path);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <title>Error over time: {scene}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
          <h1>Error over time: {scene}</h1>\n"
     );
-    page += &study_summary_html(found);
-    for warning in study_warnings(found) {
+    page += &study_summary_html(result);
+    for warning in study_warnings(result) {
         let _ = writeln!(page, "<p class=\"warning\" role=\"note\">{}</p>", escape_html(&warning));
     }
-    if let Some((words, command)) = analysis.recommendation_text(found) {
+    if let Some((words, command)) = analysis.recommendation_text(result) {
         let _ = writeln!(
             page,
             "<section class=\"advice\"><h2>Recommendation</h2>\n<p>{}</p>\n{}</section>",
@@ -48,18 +48,18 @@ pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError
         );
     }
     page += "<h2>Error over time</h2>\n";
-    page += &figures::error_plot_html(found);
+    page += &figures::error_plot_html(result);
     page += "<h2>Verdicts</h2>\n";
-    page += &tables::verdicts_table_html(found, &analysis);
+    page += &tables::verdicts_table_html(result, &analysis);
     page += "<h2>Time to reach an error</h2>\n";
-    page += &tables::times_table_html(found, &analysis);
+    page += &tables::times_table_html(result, &analysis);
     page += "<h2>Pictures</h2>\n";
-    page += &figures::picture_switcher_html(found)?;
-    page += &figures::error_crops_html(found)?;
+    page += &figures::picture_switcher_html(result)?;
+    page += &figures::error_crops_html(result)?;
     page += "<h2>Method by method</h2>\n";
-    page += &figures::method_articles_html(found, &analysis)?;
+    page += &figures::method_articles_html(result, &analysis)?;
     page += "<h2>All figures</h2>\n";
-    page += &tables::checkpoint_tables_html(found);
+    page += &tables::checkpoint_tables_html(result);
     page += READING_GUIDE_HTML;
     let _ = write!(page, "<script>\n{SCRIPT}</script>\n</body>\n</html>\n");
     Ok(page)
@@ -78,24 +78,24 @@ fn command_block_html(command: &str) -> String {
     format!("<pre tabindex=\"0\"><code>{}</code></pre>\n", escape_html(command))
 }
 
-fn study_summary_html(found: &MethodStudyResult) -> String {
+fn study_summary_html(result: &MethodStudyResult) -> String {
     let own_error =
-        found.reference.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
-    let size = format!("{} × {} pixels", found.reference.picture.width(), found.reference.picture.height());
+        result.reference.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
+    let size = format!("{} × {} pixels", result.reference.picture.width(), result.reference.picture.height());
     let seeds = format!(
         "{} of each method, up to {} of processor time each",
-        found.seeds,
-        duration_text(found.max_cpu_seconds_per_seed)
+        result.seeds,
+        duration_text(result.max_cpu_seconds_per_seed)
     );
     let mut list = "<dl>\n".to_owned();
     for (term, text) in [
-        ("Scene", format!("{}, {size}", found.scene_path)),
+        ("Scene", format!("{}, {size}", result.scene_path)),
         ("Seeds", seeds),
-        ("Reference", format!("{}{own_error}", found.reference.source)),
-        ("Program", found.program.clone()),
-        ("Machine", found.machine.clone()),
+        ("Reference", format!("{}{own_error}", result.reference.source)),
+        ("Program", result.program.clone()),
+        ("Machine", result.machine.clone()),
     ] {
         let _ = writeln!(list, "<dt>{term}</dt><dd>{}</dd>", escape_html(&text));
     }
-    list + "</dl>\n<p class=\"again\">Command:</p>\n" + &command_block_html(&found.study_command)
+    list + "</dl>\n<p class=\"again\">Command:</p>\n" + &command_block_html(&result.study_command)
 }

@@ -7,42 +7,41 @@ use glam::Vec3;
 /// Fraction of the non-black pixels that automatic exposure may clip.
 const MAX_CLIPPED_FRACTION: f64 = 0.01;
 
-/// Bytes of `image` as a PNG at an exposure of `stops`.
+/// Returns `image` as the bytes of a PNG file, at an exposure of `stops` \[stops].
 pub(super) fn encode_png(image: &Image, stops: f32) -> Result<Vec<u8>, StudyError> {
     let tone = ToneMap { curve: ToneCurve::Srgb, exposure_stops: stops };
     Ok(encode(OutputFormat::Png, image, &WriteOptions { tone, ..WriteOptions::default() })?.0)
 }
 
-/// Positive part of a difference picture: negative channels become 0.
+/// Returns the positive part of a difference picture: negative channels become 0.
 pub(super) fn positive_part(difference: &Image) -> Result<Image, StudyError> {
     map_pixels(difference, |d| d.max(Vec3::ZERO))
 }
 
-/// Negative part of a difference picture, with reversed sign: positive channels become 0.
+/// Returns the negative part of a difference picture with reversed sign: positive channels become
+/// 0.
 pub(super) fn negative_part(difference: &Image) -> Result<Image, StudyError> {
     map_pixels(difference, |d| (-d).max(Vec3::ZERO))
 }
 
-fn map_pixels(difference: &Image, of: fn(Vec3) -> Vec3) -> Result<Image, StudyError> {
-    let pixels = difference.pixels().iter().map(|d| of(*d)).collect();
+fn map_pixels(difference: &Image, map: fn(Vec3) -> Vec3) -> Result<Image, StudyError> {
+    let pixels = difference.pixels().iter().map(|d| map(*d)).collect();
     Ok(Image::from_pixels(difference.width(), difference.height(), pixels)?)
 }
 
-/// Returns the exposure in whole stops at which `image` fills the range of a display; `None` if
-/// `image` is black.
-///
-/// One percent of the non-black pixels may be clipped.
+/// Returns the largest exposure in whole stops at which at most about 1 % of the non-black pixels
+/// of `image` are clipped; `None` if `image` is black.
 pub(super) fn auto_exposure_stops(image: &Image) -> Option<f32> {
     let mut peaks: Vec<f32> = image.pixels().iter().map(|p| p.max_element()).filter(|p| *p > 0.0).collect();
     if peaks.is_empty() {
         return None;
     }
-    let at = ((peaks.len() - 1) as f64 * (1.0 - MAX_CLIPPED_FRACTION)) as usize;
-    let (_, peak, _) = peaks.select_nth_unstable_by(at, f32::total_cmp);
+    let index = ((peaks.len() - 1) as f64 * (1.0 - MAX_CLIPPED_FRACTION)) as usize;
+    let (_, peak, _) = peaks.select_nth_unstable_by(index, f32::total_cmp);
     Some((-libm::log2f(*peak)).floor().clamp(-MAX_EXPOSURE_STOPS, MAX_EXPOSURE_STOPS))
 }
 
-/// Text of an exposure, such as `+1 stop`, `0 stops` or `-3 stops`.
+/// Returns the text of an exposure, such as `+1 stop`, `0 stops` or `-3 stops`.
 pub(super) fn exposure_text(stops: f32) -> String {
     let sign = if stops > 0.0 { "+" } else { "" };
     format!("{sign}{stops} {}", if stops.abs() == 1.0 { "stop" } else { "stops" })
@@ -57,7 +56,7 @@ mod tests {
     }
 
     #[test]
-    fn positive_and_negative_parts_of_a_difference() {
+    fn difference_splits_into_positive_and_negative_parts() {
         let difference = gray_image(&[0.5, -0.25, 0.0]);
         assert_eq!(positive_part(&difference).unwrap(), gray_image(&[0.5, 0.0, 0.0]));
         assert_eq!(negative_part(&difference).unwrap(), gray_image(&[0.0, 0.25, 0.0]));

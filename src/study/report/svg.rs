@@ -1,20 +1,22 @@
-//! Log-log plots as inline SVG, without scripts. Colours suit light and dark pages.
+//! Log-log plots as inline SVG, without scripts. Their colours suit light and dark pages.
 
 use super::html::escape_html;
 use std::fmt::Write;
 
-/// Colours of series (Okabe and Ito 2008), in the order of contrast with white and black.
+/// Colours of data series, from the palette of Okabe and Ito (2008). The first ones contrast best
+/// with white and black.
 ///
-/// The last is the colour of the text.
+/// The last one, `currentColor`, is the text colour of the page.
 const SERIES_COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "currentColor"];
 
 /// Height of a series label \[px].
 const LABEL_HEIGHT: f64 = 16.0;
 
-/// Upper bound of the width of a letter in a series label \[px].
+/// Largest width of a letter in a series label \[px].
 const MAX_LETTER_WIDTH: f64 = 6.9;
 
-/// Largest number of letters of a series label. Longer labels are cut; their tooltip is complete.
+/// Largest number of letters of a series label. Longer labels are cut; tooltips show the whole
+/// label.
 const MAX_LABEL_LETTERS: usize = 30;
 
 /// Line style of a series in a plot.
@@ -35,8 +37,10 @@ pub(super) struct PlotSeries {
     /// Index of the series, which selects its colour and marker.
     pub(super) series_index: usize,
     pub(super) stroke: LineStyle,
+    /// Processor time \[s] and relative error of each point.
     pub(super) points: Vec<(f64, f64)>,
-    /// Confidence interval of each point; `None` if unknown. The list may be shorter than `points`.
+    /// Confidence interval of each point's error; `None` if unknown. The list may be shorter than
+    /// `points`.
     pub(super) confidence_intervals: Vec<Option<[f64; 2]>>,
 }
 
@@ -45,12 +49,13 @@ pub(super) struct PlotSeries {
 pub(super) struct SlopeGuideLine {
     pub(super) label: String,
     pub(super) slope: f64,
+    /// Processor time \[s] and relative error of a point on the line.
     pub(super) through: (f64, f64),
     /// True to put the label below the guide line, because the measured line is above it.
     pub(super) label_below: bool,
 }
 
-/// Log-log plot of relative error over seconds.
+/// Log-log plot of relative error over processor time.
 #[derive(Clone, Debug)]
 pub(super) struct LogLogPlot<'a> {
     /// HTML identifier, unique on the page.
@@ -58,6 +63,7 @@ pub(super) struct LogLogPlot<'a> {
     pub(super) title: &'a str,
     /// Alternative text of the plot, for readers who do not see it.
     pub(super) alt_text: &'a str,
+    /// Width and height of the plot \[px].
     pub(super) size: (f64, f64),
     pub(super) series: Vec<PlotSeries>,
     pub(super) guides: Vec<SlopeGuideLine>,
@@ -85,8 +91,8 @@ impl LogAxis {
             return None;
         }
         // The axis spans at least a factor of four, so a single point has ticks around it.
-        let space = f64::max(1.12, (4.0 * least / most).sqrt());
-        Some(Self { least: least / space, most: most * space, least_position: from, most_position: to })
+        let margin_factor = f64::max(1.12, (4.0 * least / most).sqrt());
+        Some(Self { least: least / margin_factor, most: most * margin_factor, least_position: from, most_position: to })
     }
 
     fn position_on_axis(&self, value: f64) -> f64 {
@@ -117,12 +123,12 @@ fn is_positive_finite(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }
 
-/// CSS colour of the data series with index `style` in a plot.
+/// Returns the CSS colour of the data series with index `style` in a plot.
 pub(super) fn series_color(style: usize) -> &'static str {
     SERIES_COLORS[style % SERIES_COLORS.len()]
 }
 
-/// SVG marker at (`x`, `y`) \[px] of the series with index `style`.
+/// Returns the SVG marker at (`x`, `y`) \[px] of the series with index `style`.
 pub(super) fn marker_svg(style: usize, x: f64, y: f64) -> String {
     // Markers have about equal area.
     let path = |points: &[(f64, f64)]| {
@@ -152,7 +158,7 @@ pub(super) fn marker_svg(style: usize, x: f64, y: f64) -> String {
     }
 }
 
-/// SVG element of a plot; `None` if there is nothing to draw.
+/// Returns the SVG element of a plot; `None` if there is nothing to draw.
 pub(super) fn plot_svg(plot: &LogLogPlot<'_>) -> Option<String> {
     let (width, height) = plot.size;
     let longest = plot.series.iter().map(|s| shortened_label(&s.label).chars().count()).max()?;
@@ -232,7 +238,7 @@ fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)
     );
 }
 
-/// Text of a tick value of one significant digit, such as `0.05`, `20` or `1000`.
+/// Returns the Text of a tick value of one significant digit, such as `0.05`, `20` or `1000`.
 fn tick_text(value: f64) -> String {
     let decimals = libm::ceil(-libm::log10(value) - 1e-9).max(0.0) as usize;
     format!("{value:.decimals$}")
@@ -243,21 +249,21 @@ fn draw_slope_guide(svg: &mut String, guide: &SlopeGuideLine, x: &LogAxis, y: &L
     if !(is_positive_finite(x0) && is_positive_finite(y0)) {
         return;
     }
-    let height = |at: f64| y0 * libm::pow(at / x0, guide.slope);
-    // Time at which the guide line has the error `value`. A horizontal guide does not use it.
-    let leaves = |value: f64| x0 * libm::pow(value / y0, 1.0 / guide.slope);
+    let error_at = |at: f64| y0 * libm::pow(at / x0, guide.slope);
+    // Time at which the guide line has the error `value`; not used for a horizontal line.
+    let time_at = |value: f64| x0 * libm::pow(value / y0, 1.0 / guide.slope);
     let (mut from, mut to) = (x.least, x.most);
     if guide.slope < 0.0 {
-        (from, to) = (from.max(leaves(y.most)), to.min(leaves(y.least)));
-    } else if height(from) < y.least || height(from) > y.most {
+        (from, to) = (from.max(time_at(y.most)), to.min(time_at(y.least)));
+    } else if error_at(from) < y.least || error_at(from) > y.most {
         return;
     }
     if to <= from {
         return;
     }
-    let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.position_on_axis(at), y.position_on_axis(height(at))));
+    let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.position_on_axis(at), y.position_on_axis(error_at(at))));
     let _ = writeln!(svg, "<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>");
-    // The label stands at 35 % of the guide, on the side away from the measured line.
+    // Put the label at 35 % of the guide line, on the side away from the measured line.
     let (dx, dy, anchor) = if guide.label_below { (-5.0, 13.0, "end") } else { (5.0, -4.0, "start") };
     let (tx, ty) = (x1 + 0.35 * (x2 - x1) + dx, y1 + 0.35 * (y2 - y1) + dy);
     let _ = writeln!(
@@ -333,10 +339,10 @@ fn shortened_label(label: &str) -> String {
     label.chars().take(MAX_LABEL_LETTERS - 1).chain(['…']).collect()
 }
 
-/// Returns vertical positions of labels that do not overlap, made from the sorted positions
-/// `heights` \[px, downwards].
+/// Returns vertical positions of labels \[px, downwards] that do not overlap, near the sorted
+/// wanted positions `heights`.
 ///
-/// Labels are first moved down until they are below `top` and apart from each other. Then they are
+/// Labels are first moved down until all are below `top` and apart from each other. Then they are
 /// moved up until none is below `bottom`. If there is too little room, some labels end above `top`.
 fn spread_label_positions(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
@@ -344,7 +350,7 @@ fn spread_label_positions(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64
         let least = placed.last().map_or(top, |last| last + LABEL_HEIGHT);
         placed.push(height.max(least));
     }
-    // Labels that are now below `bottom` move up again.
+    // Move labels up that are below `bottom`, from the last to the first.
     let mut most = bottom;
     for at in placed.iter_mut().rev() {
         *at = at.min(most);

@@ -1,9 +1,9 @@
 //! Formats numbers for reports and messages.
 
-/// Text of a count with SI prefix, such as `250`, `1.9 k`, `12 M` or `-3.4 G`.
+/// Returns the text of a count with SI prefix, such as `250`, `1.9 k`, `12 M` or `-3.4 G`.
 #[must_use]
 pub fn count_text(n: f64) -> String {
-    // Values that would round to 1000 of a unit use the next unit.
+    // A value that would be rounded to 1000 of a unit uses the next larger unit.
     let (scale, unit) = match n.abs() {
         999.5e6.. => (1e9, " G"),
         999.5e3.. => (1e6, " M"),
@@ -19,24 +19,26 @@ pub fn count_text(n: f64) -> String {
     }
 }
 
-/// Half a step of the last digit of numbers with one decimal place. Numbers below it would be
+/// Half of the last digit's step in numbers with one decimal place. Smaller numbers would be
 /// written as 0.0.
 const HALF_STEP: f64 = 0.05;
 
-/// Text of a count with its sign, such as `+1.9 k`, `0` or `-12`.
+/// Returns the text of a count with its sign, such as `+1.9 k`, `0` or `-12`.
 #[must_use]
 pub fn signed_count_text(n: f64) -> String {
     if n >= 0.5 { format!("+{}", count_text(n)) } else { count_text(n) }
 }
 
-/// Text of a time difference in milliseconds with its sign, such as `+1.9`, `0.0` or `-12.0`.
+/// Returns the text of a time difference in milliseconds with its sign, such as `+1.9`, `0.0` or
+/// `-12.0`.
 #[must_use]
 pub fn signed_milliseconds_text(seconds: f64) -> String {
     let ms = 1e3 * seconds;
     if ms.abs() < HALF_STEP { "0.0".to_owned() } else { format!("{ms:+.1}") }
 }
 
-/// Text of the fraction `part` in percent, such as `0 %`, `< 0.1 %`, `2.3 %` or `120 %`.
+/// Returns the text of the fraction `part` in percent, such as `0 %`, `< 0.1 %`, `2.3 %` or `120
+/// %`.
 #[must_use]
 pub fn percent_text(part: f64) -> String {
     match 100.0 * part {
@@ -54,17 +56,19 @@ pub fn error_percent_text(part: f64) -> String {
     format!("{} %", three_digit_text(100.0 * part))
 }
 
-/// Text of a slope with two decimals and a typographic minus, such as `−0.50` or `0.00`.
+/// Returns the text of a slope with two decimals and a typographic minus, such as `−0.50` or
+/// `0.00`.
 #[must_use]
 pub fn slope_text(slope: f64) -> String {
     // Adding zero turns −0 into 0.
     format!("{:.2}", (100.0 * slope).round() / 100.0 + 0.0).replace('-', "−")
 }
 
-/// Text of a duration, such as `0.250 s`, `12.3 s`, `4 min 10 s`, `2 h 5 min` or `3 days`.
+/// Returns the text of a duration, such as `0.250 s`, `12.3 s`, `4 min 10 s`, `2 h 5 min` or `3
+/// days`.
 #[must_use]
 pub fn duration_text(seconds: f64) -> String {
-    // Values that would round to 60 of a unit use the next unit.
+    // A value that would be rounded to 60 of a unit uses the next larger unit.
     match seconds {
         s if s.is_nan() || s < 59.95 => format!("{} s", three_digit_text(s)),
         s if s < 3599.5 => two_unit_duration_text(s.round(), "min", "s"),
@@ -76,7 +80,7 @@ pub fn duration_text(seconds: f64) -> String {
 
 /// Returns the text of a duration in two units, such as `4 min 10 s`.
 ///
-/// A large unit has 60 small units, and `small` is the duration in small units.
+/// `small` is the duration in the small unit. The large unit is 60 small units.
 fn two_unit_duration_text(small: f64, large_unit: &str, small_unit: &str) -> String {
     let (large, rest) = ((small / 60.0).floor(), small % 60.0);
     if rest == 0.0 {

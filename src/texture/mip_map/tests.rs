@@ -3,7 +3,7 @@
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
-/// Picture with pseudorandom colours in \[0, 1].
+/// Picture with pseudorandom colors in \[0, 1].
 fn random_image(width: u32, height: u32) -> Image {
     let pixel = |i: u32| {
         let u = Key::new(9).purpose_key(Purpose::Test).child_key(u64::from(i)).uniform_2d(Dimension::Film);
@@ -14,8 +14,8 @@ fn random_image(width: u32, height: u32) -> Image {
 
 /// The mean of lookups all over the unit square is the mean of the picture, at each MIP level.
 ///
-/// Lookups lie at quarters of the pixels, so their interpolation weights sum to the same value for
-/// each pixel. Sums have errors of n·2⁻²⁴, n < 200.
+/// Lookups lie at the quarter points of the pixels, so the sum of their interpolation weights is
+/// equal for all pixels. The rounding error of a sum of n < 200 terms is n·2⁻²⁴.
 #[test]
 fn mip_lookups_keep_the_mean_at_all_levels() {
     for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 6)] {

@@ -5,8 +5,8 @@ fn quasirandom_point(i: u32) -> DVec3 {
     DVec3::new(0.618_034, 0.414_214, 0.732_051) * f64::from(i) - 1e3
 }
 
-/// Checks that values stay in range and that their mean is 0. With a standard deviation below ½,
-/// the mean over n points errs by less than 5/(2√n).
+/// Checks that values stay in \[−1, 1] and that their mean is 0. With a standard deviation below ½,
+/// the tolerance 5/(2√n) of the mean over n points is five standard errors.
 #[test]
 fn noise_is_bounded_with_zero_mean() {
     let n = 100_000;
@@ -25,8 +25,8 @@ fn noise_is_bounded_with_zero_mean() {
     );
 }
 
-/// Compares values 1e-6 apart across cell faces. They differ by less than 4e-6, because the slope
-/// is below 4.
+/// Compares values at points 10⁻⁶ apart, across cell faces and elsewhere. They differ by less than
+/// 4·10⁻⁶, because the slope is below 4.
 #[test]
 fn noise_is_continuous() {
     for i in 0..1000 {

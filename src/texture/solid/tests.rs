@@ -1,7 +1,7 @@
 use super::*;
 use glam::DQuat;
 
-/// Texture that blends black and white, with three octaves of noise and two waves per length.
+/// Texture that blends black and white, with three octaves of noise and two waves per unit length.
 fn solid_texture_of_pattern(kind: SolidPattern, amplitude: f64, to_pattern: DAffine3) -> SolidTexture {
     SolidTexture {
         kind,
@@ -17,7 +17,7 @@ fn solid_texture_of_pattern(kind: SolidPattern, amplitude: f64, to_pattern: DAff
 fn marble_and_wood_have_their_frequency_and_phase() {
     let marble = solid_texture_of_pattern(SolidPattern::Marble, 0.0, DAffine3::IDENTITY);
     let wood = solid_texture_of_pattern(SolidPattern::Wood, 0.0, DAffine3::IDENTITY);
-    // At two waves per length, the first maximum is at distance ⅛.
+    // At two waves per unit length, the first maximum is at distance ⅛.
     for (solid, p) in [(marble, DVec3::new(0.125, 9.0, 3.0)), (wood, DVec3::new(0.075, 9.0, 0.1))] {
         assert!((solid.color_at(p, 0.0).x - 1.0).abs() < 1e-6);
     }
@@ -42,7 +42,8 @@ fn wide_footprints_average_solid_textures() {
     assert_eq!(marble.color_at(DVec3::X * p, 10.0), Rgb::splat(0.5));
 }
 
-/// Averages each pattern over n points. As values lie in \[0, 1], the error is below 5/(2√n).
+/// Averages each pattern over n points. Values lie in \[0, 1], so the tolerance 5/(2√n) is five
+/// standard errors or more.
 #[test]
 fn solid_textures_have_their_stated_mean() {
     let n = 50_000;

@@ -2,7 +2,7 @@
 
 const PLOT = { width: 400, height: 230, left: 44, right: 10, top: 10, bottom: 30 };
 
-/** Powers of ten times 1, 2 and 5 within a range; a range with less than two of them has finer steps. */
+/** Tick values within a range: 1, 2 and 5 times powers of ten, or finer steps if these are too few. */
 function ticks(low, high) {
   const within = (steps) => {
     const found = [];
@@ -18,7 +18,7 @@ function ticks(low, high) {
   return found.length > 8 && powers.length > 1 ? powers : found;
 }
 
-/** Times that are round numbers of seconds, minutes or hours, within a range of seconds. */
+/** Tick values [s] of the time axis within a range: round numbers of seconds, minutes or hours. */
 function timeTicks(low, high) {
   const units = [[1, low, Math.min(high, 59)], [60, Math.max(low, 60), Math.min(high, 3599)], [3600, Math.max(low, 3600), high]];
   return units.flatMap(([unit, from, to]) => {
@@ -34,7 +34,7 @@ function timeTick(seconds) {
   return `${digits(seconds / 3600)} h`;
 }
 
-/** Draws the curve of a state into the panel. */
+/** Draws the error curve of a render state into its panel. */
 function showCurve(state) {
   const { curve, forecast } = state;
   const host = byId("curve");
@@ -92,7 +92,7 @@ function showCurve(state) {
   host.replaceChildren(svg, key);
 }
 
-/** Sentence about the newest error estimate and its forecast. */
+/** Returns a sentence about the newest error estimate and its forecast. */
 function errorText(state) {
   const { curve, forecast } = state;
   if (!curve.length) return state.phase === "passes" ? "after four passes" : "not estimated yet";

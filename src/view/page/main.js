@@ -3,19 +3,19 @@
 let state = null;
 let isFetching = false;
 
-/** Report of the newest frame with the layer; null without one. */
+/** Returns the report of the newest frame that has the layer; null without one. */
 function newestFrame() {
   if (SURFACE_LAYERS.includes(viewer.layer)) return state.surfaces;
   return COLOR_LAYERS.includes(viewer.layer) ? state.picture : state.maps;
 }
 
-/** Number of the frame that the newest state has for the layer; 0 without one. */
+/** Returns the sequence number of the newest frame that has the layer; 0 without one. */
 function newestSequence() {
   const frame = newestFrame();
   return frame && frame.layers.includes(viewer.layer) ? frame.sequence : 0;
 }
 
-/** Bytes of a layer; null if there is no newer frame, or the connection breaks. */
+/** Fetches the bytes of a layer; null if there is no newer frame, or if the connection breaks. */
 async function layerBytes(path) {
   const response = await answer(path);
   if (!response || response.status === 204) return null;
@@ -27,7 +27,8 @@ async function fetchFrame() {
   if (isFetching || !state) return;
   const layer = viewer.layer;
   const after = viewer.shown && viewer.shown.layer === layer ? viewer.shown.frame.sequence : 0;
-  // Requests for maps renew them, and requests for surfaces ask for them if there are none.
+  // A request for an error map makes the program render it again. A request for a surface layer
+  // makes the program render the surface layers, if there are none.
   const isSurface = SURFACE_LAYERS.includes(layer);
   const isWish = isSurface ? !state.surfaces : !COLOR_LAYERS.includes(layer);
   if (!isWish && newestSequence() <= after) return;

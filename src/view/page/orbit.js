@@ -1,12 +1,12 @@
 // Movement of the camera.
 
-/** Position of the camera: angles in radians, and the logarithm of the distance. */
+/** Camera position relative to the scene file: angles in radians, and ln of the relative distance. */
 const cameraPosition = { yaw: 0, pitch: 0, zoom: 0 };
 const RADIANS_PER_PIXEL = 0.006;
 let isMoveDue = false;
 let lastMove = -Infinity;
 
-/** Sends the position, at most twelve times a second. */
+/** Sends the camera position to the program, at most twelve times a second. */
 function sendPosition() {
   lastMove = performance.now();
   if (isMoveDue) return;
@@ -42,7 +42,7 @@ function resetCamera() {
   sendPosition();
 }
 
-/** Takes over the position of the program, unless this page moves the camera right now. */
+/** Takes over the camera position of the program, unless the user moves the camera on this page. */
 function takePosition(position) {
   if (performance.now() - lastMove > 2000) Object.assign(cameraPosition, position);
 }

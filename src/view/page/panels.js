@@ -17,7 +17,7 @@ const PHASES = {
   stopped: "stopped",
 };
 
-/** Line about the state of the render. */
+/** Returns a line about the state of the render. */
 function statusText(state) {
   const parts = [];
   if (state.phase === "ended") parts.push(`ended: ${END_REASONS[state.ended] || "done"}`);

@@ -1,8 +1,8 @@
-// Frames of half floats, and their conversion to bytes of the screen.
+// Frames of half floats, and their conversion to display bytes.
 
 const HEADER_BYTES = 20;
 
-/** Value of each half float, by its bits. */
+/** Table of the values of all half floats, indexed by their bits. */
 const HALF_VALUES = (() => {
   const values = new Float32Array(65536);
   for (let bits = 0; bits < 65536; bits++) {
@@ -17,7 +17,7 @@ const HALF_VALUES = (() => {
   return values;
 })();
 
-/** Decodes the bytes of a layer. */
+/** Decodes a layer from the bytes of the program. */
 function decodeFrame(buffer) {
   const head = new DataView(buffer, 0, HEADER_BYTES);
   const [sequence, width, height, channels] = [0, 4, 8, 12].map((at) => head.getUint32(at, true));
@@ -26,7 +26,7 @@ function decodeFrame(buffer) {
   return { sequence, width, height, channels, scale, values };
 }
 
-/** Values of a pixel of a frame, one for each channel. */
+/** Returns the values of one pixel of a frame, one for each channel. */
 function pixelValues(frame, x, y) {
   const at = (y * frame.width + x) * frame.channels;
   return Array.from(frame.values.subarray(at, at + frame.channels), (bits) => HALF_VALUES[bits] * frame.scale);
@@ -35,7 +35,7 @@ function pixelValues(frame, x, y) {
 const srgb = (c) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
 const clamp = (c) => Math.min(Math.max(c, 0), 1);
 
-/** Tone curves: byte of a linear value after exposure, as the program writes it to PNG. */
+/** Tone curves: map a linear value after exposure to its byte in a PNG, before rounding down. */
 const TONE_CURVES = {
   srgb: (c) => 255 * srgb(clamp(c)) + 0.5,
   filmic: (c) => {
@@ -48,7 +48,7 @@ const TONE_CURVES = {
 let toneKey = "";
 const toneTable = new Uint8Array(65536);
 
-/** Byte of each half float, for a scale and a tone curve. */
+/** Returns a table of the display bytes of all half floats, for a scale and a tone curve. */
 function toneBytes(scale, tone) {
   const key = `${scale} ${tone}`;
   if (key !== toneKey) {
@@ -84,7 +84,7 @@ function rampBytes(steps) {
 const SEQUENTIAL = rampBytes(MAGMA);
 const DIVERGING = rampBytes(BLUE_RED);
 
-/** Mean of the channels of each pixel of a frame. */
+/** Returns the mean over the channels of each pixel of a frame. */
 function channelMeans(frame) {
   const { channels, scale, values } = frame;
   const means = new Float32Array(values.length / channels);
@@ -96,7 +96,7 @@ function channelMeans(frame) {
   return means;
 }
 
-/** Size that all but one of a hundred values stay below; 1 if all are 0. */
+/** Returns the 99 % quantile of the absolute nonzero values; 1 if all are 0. */
 function typicalSize(values) {
   const step = Math.max(1, Math.floor(values.length / 20000));
   const sizes = [];
@@ -108,7 +108,7 @@ function typicalSize(values) {
   return sizes.length ? sizes[Math.floor(0.99 * (sizes.length - 1))] : 1;
 }
 
-/** Length of the vector of each pixel of a frame. */
+/** Returns the length of the vector at each pixel of a frame. */
 function vectorLengths(frame) {
   const { channels, scale, values } = frame;
   const lengths = new Float32Array(values.length / channels);
@@ -122,7 +122,7 @@ function vectorLengths(frame) {
 /** Layers with red, green and blue, to which exposure and tone curve apply. */
 const COLOR_LAYERS = ["picture", "direct", "indirect", "caustic"];
 
-/** Bytes of red, green and blue of a number: black for 0, else a color that differs from its neighbours'. */
+/** Returns an RGB colour in bytes for an ID: black for 0, else unlike those of neighbouring IDs. */
 function numberColor(number) {
   if (!number) return [0, 0, 0];
   // Multiples of the golden ratio spread the hues.
@@ -131,7 +131,7 @@ function numberColor(number) {
   return [0, 4, 2].map((offset) => Math.round(light * clamp(Math.abs(((hue + offset) % 6) - 3) - 1)) + 40);
 }
 
-/** Draws vectors as colors: their components, from the least to the largest in a frame, or from −1 to 1 for normals. */
+/** Draws vectors as RGB colours: normals from −1 to 1, others from each component's least to largest value. */
 function drawVectors(bytes, frame, isNormal) {
   const { scale, values } = frame;
   const [low, high] = [[-1, -1, -1], [1, 1, 1]];
@@ -154,8 +154,9 @@ function drawVectors(bytes, frame, isNormal) {
 }
 
 /**
- * Draws a frame into a canvas of its size. `look` has the layer, the exposure in stops and the tone
- * curve. Returns the range of a map's colours, and whether all its values are 0; null for a layer with colours of its own.
+ * Draws a frame into a canvas of its size. `look` holds the layer, the exposure in stops and the tone
+ * curve. Returns the range of values of the colour map and whether all values are 0; null for a layer
+ * that is drawn without a colour map.
  */
 function drawFrame(canvas, frame, look) {
   const { width, height, values } = frame;

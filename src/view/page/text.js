@@ -20,7 +20,7 @@ function svgElement(name, attributes, text) {
   return made;
 }
 
-/** Response of the program with status 200 to 299; null without one. The events tell when the connection is back. */
+/** Fetches from the program. Returns null without a response of status 200 to 299. */
 async function answer(path, options) {
   try {
     const response = await fetch(path, options);
@@ -30,7 +30,7 @@ async function answer(path, options) {
   }
 }
 
-/** Text of a number with three digits. */
+/** Returns the text of a number with three digits. */
 function digits(value) {
   if (!Number.isFinite(value)) return String(value);
   if (value === 0) return "0";
@@ -39,14 +39,14 @@ function digits(value) {
   return String(Number(value.toPrecision(3)));
 }
 
-/** Text of a relative error in percent; a no-break space keeps the sign with the number. */
+/** Returns a relative error in percent; a no-break space keeps the sign with the number. */
 function percent(value) {
   if (!Number.isFinite(value)) return "unknown";
   const hundredths = 100 * value;
   return `${hundredths >= 10 ? hundredths.toFixed(0) : hundredths >= 1 ? hundredths.toFixed(1) : digits(hundredths)}\u00a0%`;
 }
 
-/** Text of a duration in seconds. */
+/** Returns the text of a duration given in seconds. */
 function duration(seconds) {
   if (seconds < 9.95) return `${seconds.toFixed(1)} s`;
   const whole = Math.round(seconds);
@@ -57,7 +57,7 @@ function duration(seconds) {
   return `${Math.floor(whole / 86400)} d`;
 }
 
-/** Text of a count with a unit of a thousand, a million or a billion. */
+/** Returns the text of a count in units, thousands, millions or billions. */
 function count(value) {
   for (const [unit, letter] of [[1e9, "G"], [1e6, "M"], [1e3, "k"]]) {
     if (value >= unit) return `${digits(value / unit)} ${letter}`;

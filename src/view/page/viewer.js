@@ -32,7 +32,7 @@ const LAYER_UNITS = {
   motion: "pixels",
 };
 
-/** Layers with properties of the surfaces that the camera sees. They are made when asked for. */
+/** Layers with properties of the visible surfaces. The program renders them on request. */
 const SURFACE_LAYERS = ["albedo", "normal", "depth", "position", "object", "material", "motion"];
 
 const viewer = {
@@ -41,7 +41,7 @@ const viewer = {
   exposure: 0,
   /** Size of the full picture; a preview is drawn at this size too. */
   size: [0, 0],
-  /** Frame of the newest state, with the canvas that holds it. */
+  /** The newest frame, with the canvas in which it is drawn. */
   shown: null,
   /** Pictures to compare with, by name. */
   others: {},
@@ -49,7 +49,7 @@ const viewer = {
   mode: "none",
   /** Position of the divider in the stage, from 0 to 1. */
   divider: 0.5,
-  /** Screen pixels per picture pixel; null to fit the picture into the stage. */
+  /** Zoom in CSS pixels per picture pixel; null to fit the picture into the stage. */
   zoom: null,
   /** Picture point at the center of the stage. */
   center: null,
@@ -60,7 +60,7 @@ const stage = byId("stage");
 const canvas = byId("canvas");
 const look = (layer) => ({ layer, exposure: viewer.exposure, tone: viewer.tone });
 
-/** Zoom and center of the view, in CSS pixels per picture pixel. */
+/** Returns the zoom, the picture point at the center, and the zoom that fits the picture in. */
 function view() {
   const [width, height] = viewer.size;
   const { clientWidth, clientHeight } = stage;
@@ -68,7 +68,7 @@ function view() {
   return { zoom: viewer.zoom || fit, center: viewer.zoom ? viewer.center : [width / 2, height / 2], fit };
 }
 
-/** Picture point at a point of the stage. */
+/** Returns the picture point that is shown at a point of the stage. */
 function pictureAt(x, y) {
   const { zoom, center } = view();
   return [center[0] + (x - stage.clientWidth / 2) / zoom, center[1] + (y - stage.clientHeight / 2) / zoom];
@@ -94,13 +94,13 @@ function panBy(dx, dy) {
   paint();
 }
 
-/** The picture to compare with, if it shows the same layer; else null. */
+/** Returns the picture to compare with, if it shows the same layer; else null. */
 function otherPicture() {
   const other = viewer.others[viewer.other];
   return other && viewer.shown && other.layer === viewer.shown.layer ? other : null;
 }
 
-/** Draws a frame and the range of its colours into a picture. */
+/** Draws the frame of a picture into its canvas, and stores the range of its colour map. */
 function render(picture) {
   picture.range = drawFrame(picture.canvas, picture.frame, look(picture.layer));
   picture.key = JSON.stringify(look(picture.layer));
@@ -111,7 +111,7 @@ const makePicture = (frame, layer) => render({ frame, layer, canvas: document.cr
 
 let isPaintDue = false;
 
-/** Paints the stage before the next refresh of the screen. */
+/** Schedules painting of the stage for the next refresh of the screen. */
 function paint() {
   if (isPaintDue) return;
   isPaintDue = true;
@@ -156,7 +156,7 @@ function paintNow() {
   showOverlay(other);
   showLegend();
   showValues();
-  // Tests and scripts read from these what the canvas shows.
+  // Tests and scripts read these attributes to learn what the canvas shows.
   Object.assign(canvas.dataset, { layer: viewer.shown.layer, sequence: viewer.shown.frame.sequence, zoom });
 }
 
@@ -255,7 +255,7 @@ function setTone(tone) {
   paint();
 }
 
-/** Receiver of drags and wheels while the camera is moved; null otherwise. */
+/** Handler of drags and wheel turns while they move the camera; null while they pan and zoom. */
 let cameraDrag = null;
 
 /** Connects pointer, wheel and buttons of the picture. */

@@ -17,7 +17,8 @@ const ALBEDO: f64 = 0.5;
 
 /// Number of passes. It gives a standard error of 2 %.
 const PASSES: u32 = 12;
-const UNEVEN: u32 = 24;
+/// Number of passes for shading normals, whose corrections add noise.
+const SHADING_NORMAL_PASSES: u32 = 24;
 
 /// Half the width of the window \[length].
 ///
@@ -61,8 +62,8 @@ fn flux_by_photons(scene: &Scene, mask: StoreMask, passes: u32) -> Estimate {
 
 /// Fails unless the flux by photons agrees with that by path tracing.
 ///
-/// At least the fraction `least` of the flux must involve the object, so that the comparison tests
-/// it.
+/// At least the fraction `least` of the flux must involve the object, so that the comparison is a
+/// test of the object.
 fn check_adjoint(what: &str, scene: &Scene, least: f64) {
     check_adjoint_with_settings(PASSES, what, scene, least);
 }
@@ -124,7 +125,7 @@ fn shading_normals_agree_from_camera_and_light() {
         ("frosted glass", DOWN, "Dielectric m { indexOfRefraction 1.5  roughness .2 }", 0.3),
     ] {
         check_adjoint_with_settings(
-            UNEVEN,
+            SHADING_NORMAL_PASSES,
             &format!("smoothly shaded {name}"),
             &furnished_room(light, material, &format!("MaterialName m {COARSE}")),
             least,
@@ -171,8 +172,9 @@ fn enclosed_light_agrees_from_camera_and_light() {
 
 /// Tests a diffuse ball of flat faces with smooth shading normals.
 ///
-/// Photons land by the geometric normal, and a camera sees them by the shading normal. The ball
-/// fills the image. It is lit only over a mirror, so all its light comes by photons.
+/// Photons are stored with a density proportional to the cosine to the geometric normal, and the
+/// camera shades with the shading normal. The ball fills the image. It is lit only through a
+/// mirror, so all its light comes from photons.
 #[test]
 #[ignore = "long: t-test of adjoint transport"]
 fn diffuse_shading_normals_agree_from_camera_and_light() {
@@ -185,7 +187,7 @@ fn diffuse_shading_normals_agree_from_camera_and_light() {
             MaterialName s Rectangle {{ corner -1 -.5 -1  edge0 0 0 2  edge1 2 0 0 }} }}"
     ));
     let grid = Grid::new((32, 32), 16);
-    let effort = Effort { passes: UNEVEN, samples: 2, photons: 1 << 12, caustic: 1 << 17, radius: 0.03 };
+    let effort = Effort { passes: SHADING_NORMAL_PASSES, samples: 2, photons: 1 << 12, caustic: 1 << 17, radius: 0.03 };
     let path = Renders::new(Method::Path, &scene, Effort { samples: 128, ..effort });
     for method in [Method::Hybrid, Method::Sppm] {
         let renders = Renders::new(method, &scene, effort);

@@ -1,5 +1,5 @@
-//! Mix materials: a hit selects a receiver or a caster at random. All integrators agree on their
-//! light.
+//! Mix materials, for which each hit selects a receiver or a caster at random. All integrators
+//! agree on their light.
 //!
 //! Photon paths and camera paths choose independently, and each light path must count once.
 
@@ -14,7 +14,7 @@ const EFFORT: Effort = Effort { passes: 12, samples: 4, photons: 20_000, caustic
 /// text `material` defines.
 ///
 /// A lamp that faces up lights a diffuse ceiling. A polished metal wall casts a caustic on the
-/// floor, and the floor reflects light to both.
+/// floor. The floor reflects light to ceiling and wall.
 fn check_methods_agree_on_floor(name: &str, material: &str) {
     let scene = scene_from_text(&format!(
         "PerspectiveCamera {{ center 0 1.4 0  direction 0 -1 0  up 0 0 1  angle 60  width 12  height 12 }}

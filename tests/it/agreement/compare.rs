@@ -1,7 +1,7 @@
 //! Comparison of images by tiles, with standard errors.
 
 use super::methods::{Effort, Method, passes};
-use crate::support::{HUE_ROUNDING, student_t_tail};
+use crate::support::{STORED_COLOR_ROUNDING, student_t_tail};
 use caustica::color::Rgb;
 use caustica::scene::Scene;
 use glam::DVec3;
@@ -54,7 +54,7 @@ impl Grid {
         self.window_sums(image.iter().map(|v| v.as_dvec3())).iter().map(|(sum, n)| sum / n.max(1.0)).collect()
     }
 
-    /// Returns, for each tile, the mean of its value and those of its neighbours.
+    /// Returns the mean over each tile and its neighbours.
     fn around(&self, tiles: &[DVec3]) -> Vec<DVec3> {
         let (columns, rows) = (self.columns(), self.height.div_ceil(self.edge));
         let one = |i: usize| {
@@ -90,10 +90,10 @@ pub struct Renders {
 impl Renders {
     /// Renders `effort.passes` passes at the gather radius, and half as many at twice the radius.
     ///
-    /// Photon density estimates have the bias of their kernel. It is proportional to r² inside
-    /// smooth light and to r at edges, where r is the radius. So the bias is between a third of the
-    /// difference of the two renders and the whole difference. [`Estimate::bias`] is the whole
-    /// difference.
+    /// Photon density estimates of radius r have a bias proportional to r² in smooth light, and to
+    /// r at edges. Doubling r adds three times the bias in the first case, and once the bias in the
+    /// second. [`Estimate::bias`] is the whole difference between both radii, an upper bound in
+    /// both cases.
     pub fn new(method: Method, scene: &Scene, effort: Effort) -> Self {
         let twice = Effort { passes: effort.passes.div_ceil(2), radius: 2.0 * effort.radius, ..effort };
         let wide = if method == Method::Path { Vec::new() } else { passes(method, scene, twice) };
@@ -129,8 +129,8 @@ fn tiles(grid: &Grid, images: &[Vec<Rgb>]) -> Vec<Vec<DVec3>> {
 /// Returns the mean of each tile over the passes, and the variance of this mean.
 ///
 /// The variance is measured between passes. If paths find light only rarely, a tile without such a
-/// path would report zero variance. Noise varies smoothly over an image, so a tile gets at least
-/// the mean variance of the tiles around it.
+/// path would report variance 0. So the variance of a tile is at least the mean variance of the
+/// tiles around it. This is valid because noise varies smoothly over an image.
 fn statistics(grid: &Grid, tiles: &[Vec<DVec3>]) -> (Vec<DVec3>, Vec<DVec3>) {
     let n = tiles.len() as f64;
     let count = tiles[0].len();
@@ -146,7 +146,8 @@ fn statistics(grid: &Grid, tiles: &[Vec<DVec3>]) -> (Vec<DVec3>, Vec<DVec3>) {
 /// Fails if two estimates of one image differ by more than their biases and noise explain.
 ///
 /// The false-alarm rate is [`RATE`] over all tiles and channels. Also fails if noise and bias of
-/// the mean tile exceed `max_relative_error` times its mean, because they could then hide an error.
+/// the mean tile exceed `max_relative_error` times its mean, because such noise could hide an
+/// error.
 #[track_caller]
 pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, max_relative_error: f64) {
     let dof = ours.dof.min(theirs.dof);
@@ -156,8 +157,9 @@ pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, max_relative_erro
         for c in 0..3 {
             let (a, b) = (ours.mean[i][c], theirs.mean[i][c]);
             let sigma = (ours.variance[i][c] + theirs.variance[i][c]).sqrt();
-            // The hues of stored photons are rounded.
-            let allowed = ours.bias[i][c] + theirs.bias[i][c] + HUE_ROUNDING * theirs.mean[i].element_sum() + 1e-12;
+            // The colors of stored photons are rounded.
+            let allowed =
+                ours.bias[i][c] + theirs.bias[i][c] + STORED_COLOR_ROUNDING * theirs.mean[i].element_sum() + 1e-12;
             let excess = ((a - b).abs() - allowed).max(0.0);
             let t = if excess == 0.0 { 0.0 } else { excess / sigma };
             beyond += u32::from((a - b).abs() > 2.0 * sigma);

@@ -14,7 +14,8 @@ const SIZE: (u32, u32) = (12, 12);
 
 /// Builds a closed box with a ball inside. Its diffuse walls have radiance 1 everywhere.
 ///
-/// Walls of the given albedo emit the rest of the radiance. The camera looks at `at`.
+/// Walls reflect the fraction `albedo` of the radiance, and emit the rest. The camera looks at
+/// `at`.
 fn furnace_scene(albedo: Vec3, ball: Option<Material>, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let wall = b.add_material(if albedo == Vec3::ZERO { Material::black() } else { Material::diffuse(albedo) });
@@ -49,8 +50,9 @@ const EFFORT: Effort = Effort { passes: 12, samples: 4, photons: 10_000, caustic
 
 /// Lossless balls are invisible between walls of equal radiance.
 ///
-/// The ball splits a wall's light into direct and reflected parts. Each part has a gradient
-/// although the sum has none, so photon density estimates are biased as [`Renders`] allows.
+/// The light on a wall consists of direct light and light from the ball. Each part has a gradient
+/// although their sum has none. So photon density estimates have a bias, which [`Renders`]
+/// measures.
 #[test]
 #[ignore = "long: furnace of every lossless material by every integrator"]
 fn lossless_materials_vanish_in_furnace() {
@@ -65,14 +67,14 @@ fn lossless_materials_vanish_in_furnace() {
     }
 }
 
-/// Tests the energy loss of rough materials, which [`Conductor`](caustica::bsdf::Conductor) and
-/// `RoughDielectric` state.
+/// The energy loss of rough materials is as the docs of [`Conductor`](caustica::bsdf::Conductor)
+/// and `RoughDielectric` state.
 ///
 /// Between black walls of radiance 1, the ball shows its directional albedo: 1 − loss. The view is
 /// 22° wide, 0.6 of the ball's radius, so normals are within 45° of it. The allowed losses are the
-/// stated ones, rounded up; with multiple scattering, 1 % at each interface. A metal at α = 0.1
-/// loses 1.2 % along the normal and 11 % at 85°. Glass loses 0.1 % and 1.2 % on its way through two
-/// interfaces. It also loses up to 14 % of the tenth that is reflected inside.
+/// stated ones, rounded up. With multiple scattering, 1 % per interface is allowed. A metal at α =
+/// 0.1 loses 1.2 % along the normal and 11 % at 85°. Glass loses 0.1 % and 1.2 % on its way through
+/// two interfaces. A tenth of the light is reflected inside; up to 14 % of this light is lost too.
 #[test]
 #[ignore = "long: furnaces of many materials"]
 fn rough_materials_lose_only_stated_energy() {
@@ -146,8 +148,8 @@ fn glossy_material_shows_its_furnace_albedo() {
 
 /// Integrators agree in a closed box with Phong walls, and the radiance is below 1.
 ///
-/// Radiance 1 is that of walls with the albedo kd + 2ks/(s + 2) = 0.75, the upper bound of the
-/// BRDF.
+/// Walls with the albedo kd + 2ks/(s + 2) = 0.75 would have radiance 1. This albedo is an upper
+/// bound for the BRDF.
 #[test]
 #[ignore = "long: many samples by several integrators"]
 fn integrators_agree_on_glossy_walls() {

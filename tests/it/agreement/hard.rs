@@ -1,5 +1,5 @@
-//! Scenes that need photons, with lights so large that path tracing also finds the same light by
-//! chance.
+//! Scenes with difficult caustics. Their lights are so large that path tracing also finds the light
+//! by chance, for comparison.
 //!
 //! One scene is lit only through glass. One shows a caustic through water and in a mirror. One has
 //! caustics of rough surfaces.

@@ -1,4 +1,5 @@
-//! Our reference scenes in the forms of other programs, against our own versions.
+//! Reference scenes in the formats of pbrt and Mitsuba, against their versions in the scene
+//! language.
 
 use super::compare::{Grid, Renders, compare_renders};
 use super::methods::{Effort, Method};
@@ -9,10 +10,11 @@ const SIZE: (u32, u32) = (64, 48);
 
 const EFFORT: Effort = Effort { passes: 16, samples: 4, photons: 6_000, caustic: 10_000, radius: 0.05 };
 
-/// Compares the scenes of pbrt and Mitsuba in `tests/data/import` with ours in `tests/scenes`.
+/// Compares the scenes of pbrt and Mitsuba in `tests/data/import` with the scene texts in
+/// `tests/scenes`.
 ///
-/// All renders have the same random numbers. So noise of equal scenes is equal, and the
-/// comparison is sharper than its error bars.
+/// All renders use the same random numbers. So equal scenes have equal noise, and the comparison is
+/// more sensitive than its error bars suggest.
 fn compare_forms(name: &str, method: Method, max_relative_errors: (f64, f64)) {
     let ours = Renders::new(method, &scene_from_file(&format!("tests/scenes/{name}.txt"), SIZE), EFFORT);
     for extension in ["pbrt", "xml"] {

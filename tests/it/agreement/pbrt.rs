@@ -20,12 +20,13 @@ const SAMPLES: u32 = 1;
 /// Number of tiles along the width of a picture.
 const TILES: usize = 4;
 
-/// Tiles darker than this part of the mean count as if they had it, because their light comes
-/// from few paths.
-const DARK: f64 = 0.1;
+/// Least brightness to which the relative tolerance of tiles applies, as a fraction of the mean of
+/// all tiles. Darker tiles have the tolerance of this brightness, because their light comes from
+/// few paths.
+const MIN_TOLERANCE_BRIGHTNESS: f64 = 0.1;
 
 /// Brightness above which a pixel shows a lamp, relative to the median.
-const LAMP: f64 = 20.0;
+const LAMP_BRIGHTNESS: f64 = 20.0;
 
 /// A picture by pbrt-v4.
 struct Reference {
@@ -33,12 +34,12 @@ struct Reference {
     scene: (&'static str, &'static str),
     /// Greatest number of bounces: pbrt's `maxdepth` − 1.
     max_bounces: u32,
-    /// Relative deviation of the mean, and of tiles, that approximations explain.
+    /// Allowed relative deviation of the mean and of tiles, due to approximations of the importer.
     tolerance: [f64; 2],
 }
 
-/// Diffuse surfaces and metals deviate by spectra. Layered surfaces have pbrt's albedo for diffuse
-/// light, and deviate for single directions of light.
+/// Diffuse surfaces and metals deviate because pbrt renders spectra. Layered surfaces have pbrt's
+/// albedo under diffuse light, and deviate for single directions of light.
 const REFERENCES: [Reference; 5] = [
     Reference { scene: ("killeroos", "killeroo-diffuse-ref"), max_bounces: 4, tolerance: [0.02, 0.02] },
     Reference { scene: ("killeroos", "killeroo-gold-notex-ref"), max_bounces: 4, tolerance: [0.02, 0.02] },
@@ -68,7 +69,7 @@ fn read_reference(folder: &Path, name: &str) -> [Image; 3] {
 fn grid(picture: &Image) -> Grid {
     let mut sorted: Vec<f32> = gray(picture.pixels()).iter().map(|pixel| pixel.x).collect();
     sorted.sort_by(f32::total_cmp);
-    let limit = LAMP * f64::from(sorted[sorted.len() / 2]);
+    let limit = LAMP_BRIGHTNESS * f64::from(sorted[sorted.len() / 2]);
     let kept = picture.pixels().iter().map(|pixel| f64::from(luminance(*pixel)) <= limit).collect();
     Grid { kept, ..Grid::new((picture.width(), picture.height()), picture.width() as usize / TILES) }
 }
@@ -96,11 +97,11 @@ fn estimate([picture, first, second]: &[Image; 3], tiles: &Grid, is_whole: bool,
         let variance = means.iter().map(|mean| square(*mean) * noise / squares).collect();
         (means, variance)
     };
-    let bias = mean.iter().map(|mean| mean.max(DARK * level) * tolerance).collect();
+    let bias = mean.iter().map(|mean| mean.max(MIN_TOLERANCE_BRIGHTNESS * level) * tolerance).collect();
     Estimate { mean, variance, bias, dof: count }
 }
 
-/// Renders passes of a scene of pbrt, in gray.
+/// Renders passes of a pbrt scene with Caustica. Returns their luminance as gray pictures.
 fn our_passes(path: &Path, max_bounces: u32) -> Vec<Vec<Rgb>> {
     let file = SceneFile::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let scene = file.resolve().unwrap();
@@ -130,11 +131,12 @@ fn imported_scenes_match_pictures_of_pbrt() {
     }
 }
 
-/// pbrt lets light that leaves the back of a sheet travel through the medium inside. All walls of
-/// this scene turn their back to the camera, so fog dims no light that they reflect.
+/// The fog on the back of sheets explains how Caustica's picture of `spotfog` differs from pbrt's.
 ///
-/// A path tracer of its own shows both: with that rule, it gives pbrt's picture. With fog on both
-/// sides, it gives ours.
+/// In pbrt, light that leaves the back of a sheet travels through its inner medium. All walls of
+/// this scene turn their back to the camera, so no fog dims the light that they reflect. An
+/// independent path tracer confirms this. With pbrt's rule, it gives pbrt's picture; with fog on
+/// both sides, it gives Caustica's.
 #[test]
 #[ignore = "long: renders of an imported scene"]
 fn fog_behind_sheets_explains_spotfog() {

@@ -1,5 +1,5 @@
-//! Principled materials: equal bits to the materials that they stand for, and closed forms of clear
-//! coats.
+//! Principled materials have the bits of their component materials; clear coats agree with closed
+//! forms.
 
 use crate::support::{render_passes, scene_from_text};
 use caustica::color::Rgb;
@@ -21,8 +21,7 @@ fn ball_picture(algorithm: Algorithm, materials: &str) -> Vec<Rgb> {
     render_passes(&scene, algorithm, settings, 1)
 }
 
-/// A principled material gives the same bits as the metal, glass, coated base or mix that it stands
-/// for.
+/// A principled material gives the same bits as the equivalent metal, glass, coated base or mix.
 #[test]
 fn principled_equals_the_materials_it_is_made_of() {
     let color = "baseColor .9 .5 .2";
@@ -85,12 +84,14 @@ fn smooth_clear_coats_reflect_by_fresnels_equations() {
     let fresnel = 0.5 * (s * s + p * p);
     for coverage in [1.0, 0.5] {
         let black = flat_surface_under_sky(&format!("baseColor 0 0 0  metallic 1  clearcoat {coverage}"));
-        // A sample sees the sky with this probability. The bound is five standard errors.
+        // Each sample sees the sky with the probability `expected`. The bound is five standard
+        // errors.
         let expected = coverage * fresnel;
         let bound = 5.0 * (expected * (1.0 - expected) / f64::from(16 * 16 * 256)).sqrt();
         assert!((black - expected).abs() < bound, "{coverage}: {black}, not {expected}");
         let white = flat_surface_under_sky(&format!("baseColor 1 1 1  metallic 1  clearcoat {coverage}"));
-        // White metal has the reflectance 0.9999. The rest is for rounding of 256 samples.
+        // White metal has the reflectance 0.9999. The rest of the tolerance covers rounding of 256
+        // samples.
         assert!((white - 1.0).abs() < 1.5e-4, "{coverage}: {white}");
     }
 }

@@ -80,9 +80,9 @@ const BIASED: Effort = Effort { passes: 24, samples: 1, photons: 12_000, caustic
 /// Cost of path tracing in scenes with caustics, which it finds only if a path hits the light by
 /// chance.
 ///
-/// Where caustics of smooth glass light other walls, one sample in thousands does so. Two such hits
-/// in a tile of 4 × 4 pixels give neither its mean nor its error. So tiles are 16 times as large
-/// there, with dozens of hits each.
+/// Where caustics of smooth glass light other walls, one sample in thousands hits the light. A tile
+/// of 4 × 4 pixels would have about two hits, too few for its mean and error. So tiles there are 16
+/// times as large, with dozens of hits each.
 const CHANCE_CAUSTICS: Effort = Effort { passes: 24, samples: 8, ..BIASED };
 
 /// Cost of integrators whose camera paths find most of the light.

@@ -6,8 +6,8 @@ use crate::support::scene_from_file;
 
 /// Compares `methods` with `Hybrid` in the scene `name` of the gallery.
 ///
-/// `radius` is the gather radius of the first pass, in the scene's units. `Path` is compared only
-/// where lights are large.
+/// `radius` is the gather radius of the first pass, in the scene's units. `Path` is in `methods`
+/// only for scenes with large lights.
 fn check_methods_agree(name: &str, radius: f64, methods: &[Method]) {
     // Light through a goblet makes fireflies, so more pixels are needed for the same accuracy.
     let size = if name == "goblet" { (80, 60) } else { (64, 48) };

@@ -18,12 +18,12 @@ const DEPTH: u32 = 8;
 /// Offset of rays that leave a surface.
 const OFFSET: f64 = 1e-6;
 
-/// Where fog is along rays that leave a surface.
+/// Sides of a surface on which rays that leave it travel through fog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fog {
-    /// On both sides of every surface.
+    /// Fog on both sides of every surface.
     Everywhere,
-    /// On the side of the normal only, as in pbrt. Walls turn their backs to the camera.
+    /// Fog only on the side of the normal, as in pbrt. Walls turn their backs to the camera.
     InFrontOfSheets,
 }
 
@@ -35,7 +35,7 @@ struct Hit {
     albedo: DVec3,
 }
 
-/// Returns a random direction about `axis` with this cosine.
+/// Returns a random unit vector whose cosine to `axis` is `cos`.
 fn around(axis: DVec3, cos: f64, rng: &mut SmallRng) -> DVec3 {
     let (x, y) = axis.any_orthonormal_pair();
     let (phi, sin) = (TAU * rng.random::<f64>(), (1.0 - cos * cos).max(0.0).sqrt());

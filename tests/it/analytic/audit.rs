@@ -6,8 +6,8 @@ use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDelt
 use caustica::shape::{Shape, Sphere};
 use glam::{DVec3, Vec3};
 
-/// Builds a room with coloured walls and an open front that holds every material: a light, an
-/// absorbing ball, a mirror and a glossy ball.
+/// Builds a room with coloured walls and an open front. It holds a light, an absorbing ball, a
+/// mirror and a glossy ball.
 fn scene_of_all_kinds() -> Scene {
     let mut b = SceneBuilder::new();
     let walls = b.add_material(Material::diffuse(Vec3::new(0.9, 0.4, 0.1)));

@@ -78,10 +78,10 @@ fn fixed_radius_noise_matches_kernel() {
 ///
 /// The fraction of the sphere within the distance of the k-th photon has the distribution Beta(k, N
 /// − k + 1). The k − 1 nearer photons are uniform in it. The estimate is (k − 1)/(πr²) for the box
-/// kernel, and the plain sum for kernels that vanish at the edge. It has the mean λ and the
-/// relative variance (N − 1)(k + c − 2)/(N(k − 2)) − 1, where c is the kernel's noise factor. For
-/// the box and large N this is 1/(k − 2). Only moments below the k-th exist. With k ≥ 15, the
-/// squares have a variance, and their means over 120 points allow a t-test.
+/// kernel, and the plain sum for kernels that vanish at the edge. The estimate has the mean λ and
+/// the relative variance (N − 1)(k + c − 2)/(N(k − 2)) − 1, where c is the kernel's noise factor.
+/// For the box kernel and large N, this is 1/(k − 2). Only moments of order below k exist. With k ≥
+/// 15, the squared deviations have a variance, so a t-test of their means over 120 points is valid.
 #[test]
 #[ignore = "long: t-tests of variances"]
 fn nearest_neighbour_mean_and_variance_match_theory() {

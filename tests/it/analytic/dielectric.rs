@@ -59,8 +59,8 @@ fn photons_pass_slab_by_its_transmittance() {
         add_slab(&mut b);
         let white = b.add_material(Material::diffuse(grey(0.5)));
         b.add_plane(Plane::new(-DVec3::Y, DVec3::Y), white, Vec3::ZERO);
-        // Two grains above the slab set the width of the beam. Photons start within four times the
-        // radius of the grains' bounding sphere, and one in 10⁶ photons hits a grain.
+        // Two tiny grains above the slab determine the width of the beam: photons start within four
+        // times the radius of the grains' bounding sphere. One in 10⁶ photons hits a grain.
         for x in [-0.5, 0.5] {
             b.add_shape(Shape::Sphere(Sphere::new(dvec3(x, 5.0, 0.0), 1e-3)), white, Vec3::ZERO);
         }
@@ -109,18 +109,18 @@ fn camera_sees_slab_transmittance() {
             ..fixed_radius_settings(0, 0, 0.1)
         };
         let samples = mean_radiance_per_pass(&scene, settings, 64);
-        // Weak branches are sampled and strong ones are split, which leaves little noise. Over the
-        // field of view, reflectance changes by at most 1.7·10⁻⁴ rad times its slope. This change
-        // is odd about the middle, so only its second order counts, below 10⁻⁶.
+        // Strong branches are split and weak ones sampled, so there is little noise. Over the field
+        // of view, reflectance changes by at most 1.7·10⁻⁴ rad times its slope. This change is odd
+        // about the middle of the view, so only its second order matters. It is below 10⁻⁶.
         assert_mean_rgb(&format!("seen through a slab at {degrees}°"), &samples, through * emitted + back * sky, 2e-3);
     }
 }
 
 /// Total internal reflection traps a known fraction of light in a glass cube.
 ///
-/// An isotropic light stands at the center of the cube. A ray keeps its direction cosines up to
-/// sign. So the fraction 6·(1 − √(1 − 1/n²))/2 of all light leaves after some bounces, and the rest
-/// is trapped.
+/// An isotropic light stands at the center of the cube. Reflection in the faces keeps the direction
+/// cosines of a ray up to sign. So the fraction 6·(1 − √(1 − 1/n²))/2 of the light, inside the
+/// escape cones of six faces, leaves in the end. The rest is trapped.
 #[test]
 fn total_reflection_traps_light_in_cube() {
     let mut b = SceneBuilder::new();
@@ -140,8 +140,8 @@ fn total_reflection_traps_light_in_cube() {
     // The fraction that leaves at the first face is ∫ (1 − R) over the escape cones.
     let first = midpoint_integral(critical, 1.0, 100_000, |c| 3.0 * (1.0 - fresnel_reflectance(c, 1.0 / N)));
     assert_mean("out of a cube at once", &escaped(1, 1 << 15), first, 1e-5, 2e-3);
-    // In at least a quarter of 300 bounces, a ray hits the pair of faces through which it can
-    // leave. At cosines within δ of the critical one, the transmittance is about 10√δ. So about
-    // 2/(75·10)² of the light is still inside.
+    // At least a quarter of 300 bounces are on the pair of faces through which a ray can leave. At
+    // cosines within δ of the critical one, the transmittance is about 10√δ. So about 2/(75·10)² of
+    // the light is still inside.
     assert_mean("out of a cube at last", &escaped(300, 1 << 12), 6.0 * cone, 2e-5, 3e-3);
 }

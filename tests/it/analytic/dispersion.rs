@@ -24,8 +24,8 @@ fn bk7(nm: f64) -> f64 {
     (1.0 + terms.iter().map(|(b, c)| b * square / (square - c)).sum::<f64>()).sqrt()
 }
 
-/// Returns the deviation \[rad] of a ray by a prism of 60° and index `n`, at the angle of incidence
-/// `angle` \[rad].
+/// Returns the deviation \[rad] of a ray by a prism with apex angle 60° and index `n`. `angle` is
+/// the angle of incidence \[rad].
 fn prism_deviation(angle: f64, n: f64) -> f64 {
     let inner = FRAC_PI_3 - libm::asin(libm::sin(angle) / n);
     angle + libm::asin(n * libm::sin(inner)) - FRAC_PI_3
@@ -35,8 +35,8 @@ fn middle_wavelength(photon: &Photon) -> Option<f64> {
     Wavelength::from_byte_code(photon.attributes.wavelength_code()).map(|w| f64::from(w.nanometres()))
 }
 
-/// Photons of narrow bands around the spectral lines F, d and C land far behind a prism, each at
-/// the deviation of its refractive index.
+/// Photons with wavelengths near the spectral lines F, d and C leave a prism at the deviations of
+/// their refractive indices.
 ///
 /// Light of the line d passes at minimum deviation. The beam's half width of .5 at distance 10⁵ is
 /// 3·10⁻⁴ degrees. Positions round to 10⁻⁷ of that distance, 10⁻⁵ degrees. The prism's edges round
@@ -111,7 +111,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
                         down(p) - own.to_degrees()
                     })
                     // A band is ±.005° wide. Light that the base reflects at grazing incidence
-                    // leaves in the direction of d, whatever its wavelength: off by .2° and more.
+                    // leaves in the direction of line d at any wavelength, so off by .2° or more.
                     .filter(|turned| (turned - prism_deviation(angle, bk7(nm)).to_degrees()).abs() < 0.01)
                     .collect();
                 assert!(turned.len() > 20, "{line}: only {} photons", turned.len());
@@ -129,8 +129,8 @@ fn prism_deviates_wavelengths_by_their_indices() {
 /// A spotlight illuminates a prism inside a sphere. All of its light lands on the sphere, and white
 /// stays white.
 ///
-/// Each channel has the same flux, with and without sampled wavelengths. A weak first reflection at
-/// the prism stays white, and its weight accounts for that.
+/// All channels have the same flux, with and without sampled wavelengths. The weak first reflection
+/// at the prism stays white, and the photons' weights account for it.
 #[test]
 fn dispersed_beam_sums_to_white() {
     let root = 3f64.sqrt();
@@ -168,17 +168,18 @@ fn dispersed_beam_sums_to_white() {
                 .iter()
                 .map(|t| t.deposits.surface_photons.iter().map(|p| p.attributes.flux().as_dvec3()).sum())
                 .collect();
-            // Each photon of one wavelength has its own hue, which is rounded. One ray in 10⁵
-            // passes between two faces at an edge of the prism.
+            // Each photon of one wavelength has its own color, which is rounded when stored. One
+            // ray in 10⁵ passes between two faces at an edge of the prism.
             assert_mean_rgb(&format!("{glass}, dispersion {dispersion}"), &sums, DVec3::splat(7.0), 5e-3);
         }
     }
 }
 
-/// Returns the weighted mean of `part(n)` over wavelengths, for each channel.
+/// Returns the mean of `part(n)` over sampled wavelengths for each color channel, weighted as
+/// camera paths of these wavelengths are.
 ///
-/// `index` returns the refractive index n at a wavelength, and `part` the fraction of light of
-/// index n that is kept.
+/// `index` returns the refractive index n at a wavelength \[nm]. `part` returns the fraction of
+/// light that is kept if the index is n.
 fn mean_over_wavelengths(index: impl Fn(f64) -> f64, part: impl Fn(f64) -> f64) -> DVec3 {
     const N: u32 = 20_000;
     let one = |i: u32| {
@@ -206,12 +207,13 @@ fn mean_pictures(scene: &Scene, effects: EffectOverrides, samples: u32) -> Vec<D
 
 /// Camera paths with stratified wavelengths leave white light white, in the mean and in each pixel.
 ///
-/// White lamps are before and behind a pane of flint glass. A camera path contributes r + (1 −
+/// White lamps are in front of and behind a pane of flint glass. A camera path contributes r + (1 −
 /// r)·w(λ): w is the weight of its wavelength, and r the reflectance of the first face, which stays
-/// white. The mean over many passes is white. In one pass, a pixel has n stratified wavelengths. By
-/// Koksma's inequality, the pixel's error is at most V/n, where V is the total variation of w. With
-/// n independent wavelengths, one of the 256 pixels would have a larger error, about three standard
-/// deviations √(variance of w / n).
+/// white. The mean over many passes is white.
+///
+/// In one pass, a pixel has n stratified wavelengths. By Koksma's inequality, the pixel's error is
+/// at most V/n, where V is the total variation of w. With n independent wavelengths, the worst of
+/// 256 pixels would have a larger error: about three standard deviations √(variance of w / n).
 #[test]
 fn stratified_wavelengths_keep_pixels_white() {
     let scene = scene(
@@ -247,9 +249,9 @@ fn stratified_wavelengths_keep_pixels_white() {
 
 /// White light seen through a tilted pane, or reflected in it, stays white.
 ///
-/// Each wavelength takes its own path in the pane and leaves it in the common direction. The
-/// transmitted fraction is (1 − R)/(1 + R) and the reflected one 2R/(1 + R), where R is the
-/// reflectance of a face. Through strong flint glass the result is neutral to 1 %.
+/// Each wavelength takes its own path in the pane, but all leave it in the same direction. The pane
+/// transmits the fraction (1 − R)/(1 + R) and reflects 2R/(1 + R), where R is the reflectance of
+/// one face. The result is neutral to 1 % even through strong flint glass.
 #[test]
 #[ignore = "long: statistics against a closed form"]
 fn white_light_through_slab_stays_white() {
@@ -292,8 +294,8 @@ fn white_light_through_slab_stays_white() {
                 let samples = mean_pictures(&scene, effects, 64);
                 for c in 0..3 {
                     let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
-                    // Weights of wavelengths are tabulated by intervals of about a nanometre, in
-                    // single precision.
+                    // Weights of wavelengths come from a single-precision table with steps of about
+                    // a nanometre.
                     assert_mean(&format!("{what}, channel {c}"), &channel, expected[c], 2e-5 * expected[c], 0.01);
                 }
             }
@@ -307,8 +309,9 @@ fn white_light_through_slab_stays_white() {
 /// Returns exit point, direction and transmitted fraction of a ray through a ball of radius 1 and
 /// index `n`.
 ///
-/// The vectors are in the ray's plane. The ray arrives at the distance `b` from the axis and is
-/// reflected inside `k` − 1 times. With k = 0 it is reflected at the outer side.
+/// The vectors are in the plane of the ray and the ball's center. The ray arrives at the distance
+/// `b` from the axis, and is reflected inside `k` − 1 times. For k = 0, it is reflected at the
+/// outside.
 fn ball_deflection(b: f64, n: f64, k: u32) -> (DVec2, DVec2, f64) {
     let (outer, inner) = (libm::asin(b), libm::asin(b / n));
     let r = fresnel_reflectance((1.0 - b * b).sqrt(), n);
@@ -319,7 +322,8 @@ fn ball_deflection(b: f64, n: f64, k: u32) -> (DVec2, DVec2, f64) {
     (DVec2::from_angle(at), DVec2::from_angle(at - outer), part)
 }
 
-/// Returns the flux and the flux-weighted angle of light that a ball reflects to a wall, by ring.
+/// Returns the flux and the flux-weighted angle of the light that a ball reflects to each ring on a
+/// wall.
 ///
 /// `n` is the index of the ball, and `far` the distance of the wall. `edges` are the limits of the
 /// rings \[degrees from the antisolar point].
@@ -398,8 +402,8 @@ fn rainbow_stands_at_42_degrees() {
     let scene = drop_scene("indexOfRefraction 1.333", FAR);
     let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
-    // A ray offset by the ball's radius changes the angle by .06°. Within this range, the edge
-    // depends on the exit point, which the reference rays include.
+    // The exit point is up to a radius off the axis, which changes the angle by up to .06°. The
+    // reference rays include this offset.
     let edges = [20.0, 35.0, 40.0, 41.0, 41.5, 41.9, edge + 0.06, 43.0, 46.0, 49.5, 51.5, 55.0];
     for (i, (flux, _)) in ring_fluxes(n, FAR, &edges).into_iter().enumerate() {
         let within = |p: &Photon| bow_angle(&scene, p).is_some_and(|a| a >= edges[i] && a < edges[i + 1]);
@@ -458,7 +462,7 @@ fn rainbow_is_red_outside() {
                 sum / weight
             })
             .collect();
-        // The limits of a band are rounded to ⅔ nm, which is .01° at most.
+        // The limits of a band are rounded to ⅔ nm, which changes the angle by .01° at most.
         assert_mean(&format!("bow of {from} to {to} nm"), &samples, angles / flux, 0.01, 2e-3);
         means.push(samples.iter().sum::<f64>() / samples.len() as f64);
     }

@@ -85,7 +85,7 @@ fn kernels_over_edge_have_closed_form_bias() {
     }
 }
 
-/// A photon counts only on its own side of its own surface.
+/// An estimate includes only photons that landed on its own surface, on the same side.
 ///
 /// No photon leaks through a sheet, down a step of more than a quarter of the radius, or around a
 /// corner. All these photons lie within the disc's bounding ball.

@@ -131,7 +131,7 @@ fn guided_shadow_rays_keep_light_in_fog() {
     assert!((mean - usual).abs() < tolerance, "{mean} ± {error} guided, {usual} ± {usual_error} unguided");
 }
 
-/// Shadow rays to an open sky are not guided, and no bit changes.
+/// Shadow rays to an open sky are not guided, so the setting changes no bit.
 ///
 /// Half of all shadow rays from a floor under the open sky reach the sky, so guiding is of no use.
 #[test]

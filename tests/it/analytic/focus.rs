@@ -1,7 +1,8 @@
-//! A ball lens under collimated light, with the fluxes of Snell's law and Fresnel's equations.
+//! A ball lens under collimated light. The expected fluxes follow from Snell's law and Fresnel's
+//! equations.
 //!
-//! A ray at the distance h from the axis crosses the axis behind the center, at the distance h/sin
-//! 2(θi − θt). θi is the angle of incidence, and θt that of refraction.
+//! A ray at the distance h from the axis crosses the axis behind the ball, at the distance h/sin
+//! 2(θi − θt) from its center. θi is the angle of incidence, and θt the angle of refraction.
 
 use crate::support::*;
 use caustica::photon::{PhotonMap, PhotonSource, StoreMask, TracedPhotons};
@@ -74,14 +75,14 @@ fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
                 let samples: Vec<f64> =
                     passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, inside).x).collect();
                 let what = format!("z = {z}, within {radius}, aimed: {aimed}");
-                assert_mean(&what, &samples, expected, expected * HUE_ROUNDING + 4e-5, 0.04);
+                assert_mean(&what, &samples, expected, expected * STORED_COLOR_ROUNDING + 4e-5, 0.04);
             }
         }
     }
 }
 
-/// The density estimate on the axis, inside the caustic, has its exact bias: the beam's flux
-/// weighted by the kernel.
+/// The density estimate on the axis, inside the caustic, has the expected value of the closed form:
+/// the beam's flux weighted by the kernel.
 #[test]
 fn focus_estimate_is_beam_convolved_with_kernel() {
     for z in [1.3, 1.5] {

@@ -56,7 +56,7 @@ fn furnace_radiance_is_geometric_series() {
 /// Estimates from the k nearest photons give the radiance of the furnace.
 ///
 /// The radius depends on the photons. In a uniform field, the estimate is still unbiased up to
-/// O(1/N) for N photons of unequal power. The reason is that no photon's hue depends on its
+/// O(1/N) for N photons of unequal power, because the color of a photon does not depend on its
 /// distance.
 #[test]
 #[ignore = "long: statistics against a closed form"]
@@ -77,8 +77,8 @@ fn furnace_radiance_holds_for_nearest_neighbours() {
 
 /// The flux that lands over all bounces is Φ/(1 − ρ) in each channel, where Φ is the emitted flux.
 ///
-/// Roulette follows the mean of the channels. So it changes the hues of surviving photons, but not
-/// the mean hue.
+/// Roulette uses the mean of the color channels. So it changes the colors of surviving photons, but
+/// not the mean flux per channel.
 #[test]
 fn coloured_flux_survives_grey_roulette() {
     let scene = furnace_scene();

@@ -130,9 +130,9 @@ fn photon_estimates_keep_indirect_light_in_fog() {
 /// A foggy room with a small lamp keeps its mean radiance if photon estimates share its indirect
 /// light.
 ///
-/// Without sharing, camera paths carry all indirect light. Sharing more than halves the variance of
-/// pixels. The means may differ by five standard errors of their difference, and by the bias of
-/// kernels that are .05 wide in a room of size 2.
+/// The reference leaves all indirect light to camera paths. Sharing more than halves the variance
+/// of pixels. The tolerance is five standard errors of the difference, plus the bias of kernels of
+/// width .05 in a room of size 2.
 #[test]
 #[ignore = "long: statistics against a closed form"]
 fn shared_indirect_light_in_fog_keeps_its_mean() {
@@ -194,8 +194,8 @@ fn room_with_glass() -> Scene {
 /// picture.
 ///
 /// Each combination has 12 seeds. Student's t between a combination and all others must stay below
-/// 4.9. A correct program exceeds this limit in one of the combinations with a probability of
-/// 1/1000.
+/// 4.9. With a probability of 1/1000, a correct program exceeds this limit in any of the
+/// combinations.
 #[test]
 #[ignore = "long: 216 renders"]
 fn every_subset_of_techniques_has_the_same_mean() {

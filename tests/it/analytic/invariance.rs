@@ -79,7 +79,13 @@ fn assert_same_images(what: &str, a: &[DVec3], b: &[DVec3], max_relative_error: 
     for c in 0..3 {
         let level = b.iter().map(|v| v[c]).sum::<f64>() / b.len() as f64;
         let samples: Vec<f64> = a.iter().zip(b).map(|(a, b)| level + a[c] - b[c]).collect();
-        assert_mean(&format!("{what}, channel {c}"), &samples, level, level * HUE_ROUNDING, max_relative_error);
+        assert_mean(
+            &format!("{what}, channel {c}"),
+            &samples,
+            level,
+            level * STORED_COLOR_ROUNDING,
+            max_relative_error,
+        );
     }
 }
 
@@ -110,8 +116,8 @@ fn scaling_by_powers_of_two_changes_no_bit() {
     }
 }
 
-/// Returns, for each pass, the flux that arrives through the ball on a patch of the floor, per
-/// squared scale.
+/// Returns the flux that reaches a patch of the floor through the glass ball in each pass, divided
+/// by the squared scale.
 ///
 /// The patch is fixed in the coordinates of the room before it is placed by `at`.
 fn stored_photon_fluxes(at: Placement, aimed: bool, mask: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
@@ -159,7 +165,7 @@ fn similarity_transforms_preserve_flux() {
 
 /// Images of scaled, moved and rotated rooms differ only by rounding.
 ///
-/// Random numbers depend on the seed alone, so paths are the same, except for a few photons that
+/// Random numbers depend only on the seed. So paths are equal, except for a few photons that
 /// rounding sends on another path.
 #[test]
 #[ignore = "long: statistics against a closed form"]

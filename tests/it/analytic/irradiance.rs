@@ -104,8 +104,8 @@ const LAMPS: [Lamp; 6] = [
             let black = b.add_material(Material::black());
             let corner = |x: f64, z: f64| dvec3(x * HALF.x, HEIGHT, z * HALF.y);
             let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-            // The triangles have unequal areas, so that the test finds a choice of triangles that
-            // does not follow area.
+            // The triangles have unequal areas, so that the test fails if triangles are not chosen
+            // in proportion to area.
             let middle = corner(0.7, 0.2);
             let all = [corners[0], corners[1], corners[2], corners[3], middle];
             b.add_mesh(&all, &[], &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], black, grey(RADIANCE));
@@ -150,7 +150,8 @@ fn estimates_have_exact_kernel_bias() {
 
 /// An estimate with the box kernel below a point light has a closed form.
 ///
-/// It is 2I/r²·(1 − h/√(h² + r²)) for radius r and height h, far from the irradiance itself.
+/// It is 2I/r²·(1 − h/√(h² + r²)) for radius r and height h. The radius is so large that the
+/// estimate is far from the true irradiance.
 #[test]
 fn wide_box_kernel_has_closed_form_bias() {
     let scene = photon_only_scene(floor_under_lamp(&LAMPS[0]));
@@ -183,7 +184,7 @@ fn photons_store_their_incident_direction() {
     let samples: Vec<f64> = floor_photon_maps(&scene).iter().map(one).collect();
     // Directions are stored to 10⁻⁴ rad. The sum of 11,000 photons has a relative rounding error of
     // at most 11,000 · 2⁻²⁴ = 7·10⁻⁴.
-    assert_mean("cosine-weighted flux", &samples, expected, expected * (8e-4 + 2.0 * HUE_ROUNDING), 4e-3);
+    assert_mean("cosine-weighted flux", &samples, expected, expected * (8e-4 + 2.0 * STORED_COLOR_ROUNDING), 4e-3);
 }
 
 /// Shadow rays give the radiance L = ρE/π of a floor with albedo ρ and irradiance E.
@@ -217,6 +218,6 @@ fn disc_flux_below_point_light_matches_solid_angle() {
         let samples: Vec<f64> =
             passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, inside).x).collect();
         let expected = TAU * INTENSITY * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
-        assert_mean(&format!("flux within {radius}"), &samples, expected, expected * 2.0 * HUE_ROUNDING, 3e-3);
+        assert_mean(&format!("flux within {radius}"), &samples, expected, expected * 2.0 * STORED_COLOR_ROUNDING, 3e-3);
     }
 }

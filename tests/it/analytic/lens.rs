@@ -67,9 +67,9 @@ fn circle_of_confusion_matches_thin_lens() {
 /// The edge of a moving white half plane leaves a linear ramp, which is as wide as the movement of
 /// 16 pixels.
 ///
-/// The 64 pass times are 1/64 apart. So their mean of a falling function from 1 to 0 has an error
-/// of less than one step. The edge is within a given pixel for 4 passes. In these passes, each of
-/// 16 · 4 rays has a variance of at most ¼. The mean of all passes has the variance 4 · (¼/64)/64².
+/// The 64 pass times are 1/64 apart. So their mean of a function that falls from 1 to 0 has an
+/// error below 1/64. The edge is within a given pixel for 4 passes. In these passes, each of 16 · 4
+/// rays has a variance of at most ¼. The mean of all passes has the variance 4 · (¼/64)/64².
 #[test]
 fn moving_edge_blurs_to_a_ramp() {
     const PASSES: u32 = 64;
@@ -172,7 +172,7 @@ fn mit_6837_light_keeps_its_strength_in_motion() {
     }
 }
 
-/// Orthographic rays find out separately whether they start in a body.
+/// Each orthographic ray determines on its own whether it starts inside a body.
 ///
 /// A dark body surrounds the camera's center. Rays that start beside it are outside.
 #[test]

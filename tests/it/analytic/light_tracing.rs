@@ -1,4 +1,5 @@
-//! Light tracing: splats show all light of a caustic, which a ball lens focuses on a screen.
+//! Light tracing: splats on the film show all light of a caustic that a ball lens focuses on a
+//! screen.
 
 use crate::support::*;
 use caustica::camera::{Camera, Lens};
@@ -104,7 +105,7 @@ fn pictured_flux(camera: &Camera, (light_tracing, photons): (LightTracing, u32),
     (0..passes).map(|pass| flux(render_one_pass(&*integrator, pass))).collect()
 }
 
-/// Splats and weighted splats show the flux of the closed form, by every kind of camera.
+/// Splats with and without weights show the flux of the closed form, for every kind of camera.
 ///
 /// The tolerance covers three effects: light that the ball reflects inside (at most .2 %), light
 /// that returns to the screen, and the variation of the screen area that a pixel shows.

@@ -46,12 +46,13 @@ fn assert_mean_each(what: &str, samples: &[DVec3], expected: DVec3, slack: DVec3
     }
 }
 
-/// Applies [`assert_mean_each`] to a density estimate, which has the bias of its kernel.
+/// Applies [`assert_mean_each`] to a density estimate of gather radius `wide`/2, with a tolerance
+/// for the bias of its kernel.
 ///
-/// `look` returns the mean of each pass at a radius. The bias grows at least in proportion to the
-/// radius. So the bias at half of the radius `wide` is at most the change between both radii. The
-/// allowed error is this change plus four of its standard errors. It must be at most the fraction
-/// `blur` of the expected value.
+/// `look` returns the mean of each pass at a gather radius. The bias grows at least in proportion
+/// to the radius, so it is at most the change of the mean from `wide`/2 to `wide`. The tolerance is
+/// this change plus four of its standard errors. It must be at most the fraction `blur` of
+/// `expected`.
 #[track_caller]
 fn assert_blurred_mean(
     what: &str,
@@ -139,8 +140,8 @@ fn absorbing_slab_obeys_beer_and_fresnel() {
                     settings_with(16, EffectOverrides::NO_OVERRIDES),
                     PASSES,
                 );
-                // Whitted's branches end below a throughput of 1/256. Light after the third inner
-                // reflection, which is below R⁴, is lost.
+                // The ray tree of `Whitted` ends below a throughput of 1/256. So light after the
+                // third inner reflection is lost, which is a fraction below R⁴.
                 let slack = if algorithm == Algorithm::Whitted { r * r / 256.0 } else { 0.0 };
                 assert_mean_each(&what(algorithm), &samples, expected, DVec3::splat(slack), 1e-3);
             }
@@ -154,11 +155,11 @@ fn henyey_greenstein(g: f64, cos: f64) -> f64 {
     (1.0 - g * g) / (4.0 * PI * square * square.sqrt())
 }
 
-/// Returns the single-scattered radiance at the origin from a light of intensity 1 at `lamp`, along
-/// −z up to `end`.
+/// Returns the single-scattered radiance that reaches the origin from the direction −z, divided by
+/// the scattering coefficient σs.
 ///
-/// `sigma` is the extinction coefficient σt, and `g` the mean cosine. The result is divided by the
-/// scattering coefficient σs.
+/// A point light of intensity 1 is at `lamp`, and the medium ends at distance `end`. `sigma` is the
+/// extinction coefficient σt, and `g` the mean cosine of the phase function.
 fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
     midpoint_integral(0.0, end, 100_000, |t| {
         let way = -DVec3::Z * t - lamp;
@@ -170,8 +171,8 @@ fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
 /// Returns the single-scattered radiance of isotropic scattering along an infinite ray (Sun,
 /// Ramamoorthi, Narasimhan and Nayar 2005).
 ///
-/// The light is at the distance `d` from the origin, at the angle `gamma` off the ray. The formula
-/// is A₀[F(A₁, π/2) − F(A₁, γ/2)].
+/// The point light is at the distance `d` from the ray's origin, at the angle `gamma` from the
+/// ray's direction. The formula is A₀[F(A₁, π/2) − F(A₁, γ/2)].
 fn airlight_from_point_light(d: f64, gamma: f64, sigma: f64) -> f64 {
     let tau = sigma * d;
     let (a0, a1) = (libm::exp(-tau * libm::cos(gamma)) / (2.0 * PI * d * libm::sin(gamma)), tau * libm::sin(gamma));
@@ -180,8 +181,8 @@ fn airlight_from_point_light(d: f64, gamma: f64, sigma: f64) -> f64 {
     a0 * midpoint_integral(0.5 * gamma, end, 100_000, |v| libm::exp(-a1 * libm::tan(v)))
 }
 
-/// The airlight (single-scattered radiance) around a light in fog agrees with quadrature, before a
-/// black wall far away.
+/// The airlight (single-scattered radiance) around a light in fog agrees with quadrature. The
+/// camera looks towards a distant black wall.
 #[test]
 #[ignore = "long: statistics against a closed form"]
 fn airlight_matches_quadrature() {
@@ -257,21 +258,21 @@ fn scattering_ball_loses_no_light() {
     }
 }
 
-/// Returns the mean of `f`(x) over the unit disc with the weight 3/π(1 − r²)², where x is one
-/// coordinate.
+/// Returns the mean over the unit disc of `f`(x), with the weight 3/π · (1 − r²)². Here x is one
+/// coordinate of the point, and r its distance from the center.
 ///
 /// The marginal distribution of x is 16/(5π)(1 − x²)^(5/2).
 fn mean_over_disc(f: impl Fn(f64) -> f64) -> f64 {
     midpoint_integral(-1.0, 1.0, 2000, |x| 16.0 / (5.0 * PI) * libm::pow(1.0 - x * x, 2.5) * f(x))
 }
 
-/// Returns the expected point estimate along a ray of length `wide`, across light that grows
-/// upwards by exp(σy).
+/// Returns the expected value of the point estimate (a density estimate in balls) along a
+/// horizontal ray of length `wide`, if the light grows with height y as exp(σy).
 ///
-/// Balls of radius `r` have the weight 15/(8π)(1 − d²) at the relative distance d from their
-/// center. It is divided by the part of the weight between both ends of the ray. The part at the
-/// positions x along the ray and y upwards is 5/(2π)(1 − x² − y²)^(3/2). The part at x is 15/16 (1
-/// − x²)².
+/// Balls have the radius `r` and the kernel 15/(8π) · (1 − d²), where d is the distance from the
+/// center divided by `r`. The estimate is divided by the part of the kernel between both ends of
+/// the ray. Integrated over one horizontal direction, the kernel is 5/(2π) · (1 − x² − y²)^(3/2),
+/// with x along the ray. Integrated over y too, it is 15/16 · (1 − x²)².
 fn expected_point_estimate(sigma: f64, wide: f64, r: f64) -> f64 {
     const N: usize = 400;
     let x = |i: usize| -1.0 + (i as f64 + 0.5) / (N as f64 / 2.0);
@@ -320,8 +321,8 @@ fn photon_beam_estimate_matches_formula() {
              }}"
         ))
     };
-    // Returns the radiance of the whole ray, if the kernel blurs light over heights and ray ends by
-    // `blur`.
+    // Returns the radiance along the whole ray. `blur` is the factor by which the kernel changes
+    // it, by averaging over heights and beyond the ends of the ray.
     let sight = |c: usize, blur: &dyn Fn(f64) -> f64| {
         let sigma = EXTINCTION[c];
         SCATTERING[c] * henyey_greenstein(G, 0.0) * irradiance * libm::exp(-sigma * depth) * blur(sigma)
@@ -450,8 +451,8 @@ fn white_medium_vanishes_in_furnace() {
 
 /// A milky ball in a furnace has radiance 1, also near its rim.
 ///
-/// The camera sees the part from .8 to .98 of the radius, where half of each kernel lies outside of
-/// the ball. Estimates without a correction for this half give .96, .94 and .93.
+/// The camera sees the ring from .8 to .98 of the radius, where up to half of each kernel is
+/// outside the ball. Estimates without a correction for this part give .96, .94 and .93.
 #[test]
 #[ignore = "long: statistics against a closed form"]
 fn milky_ball_keeps_its_rim_in_a_furnace() {
@@ -524,8 +525,9 @@ fn half_space_radiance(a: f64) -> f64 {
 
 /// The middle of a ball of optical depth 10⁴ has the radiance of Chandrasekhar's half space.
 ///
-/// The size of a pixel and the length of a path are hundreds of times smaller than the ball's
-/// radius. Steps of 10⁻⁴ round at 1 by 6·10⁻⁸. A step's error of 10⁻³ changes H by 10⁻³ at most.
+/// The ball counts as a half space: pixels and path lengths are hundreds of times smaller than its
+/// radius. Free paths of 10⁻⁴ near coordinate 1 round by 6·10⁻⁸, a relative error of 10⁻³ at most.
+/// This error changes H by 10⁻³ at most.
 #[test]
 #[ignore = "long: statistics against a closed form"]
 fn thick_fog_matches_chandrasekhar_half_space() {
@@ -541,8 +543,8 @@ fn thick_fog_matches_chandrasekhar_half_space() {
     };
     let above = scene(&text("OrthographicCamera { center 0 0 5  direction 0 0 -1  size .001  width 4  height 4 }"));
     let expected = per_channel([0.9, 0.5, 0.98], half_space_radiance);
-    // H is tabulated at the middles of 400 intervals. The error is 1/400² of the second derivative,
-    // which is a logarithm at the end.
+    // H is tabulated at the middles of 400 intervals. The error is 1/400² of the second derivative
+    // of H, which diverges only logarithmically at 0.
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
         let mut settings = settings_with(128, EffectOverrides::NO_OVERRIDES);
         settings.camera_paths.max_bounces = 10_000;

@@ -5,7 +5,8 @@ use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::scene::Scene;
 use glam::Vec3;
 
-/// A disc of radius R = 8 pixels and emission 1 that moves by L = 160 pixels, ten times its size.
+/// Builds a disc of radius R = 8 pixels and emission 1 that moves by L = 160 pixels, ten times its
+/// diameter.
 fn moving_disc() -> Scene {
     scene_from_text_in(
         "scenes",
@@ -21,11 +22,11 @@ fn moving_disc() -> Scene {
 /// a column of pixels is πR²/L, wherever the whole disc passes. The filter of pixels does not
 /// change it.
 ///
-/// Let p = 2R/L be the largest fraction of time. n rays of a pixel that are independent or
-/// stratified have a mean with a variance of at most p(1 − p)/n. A column has 2R + 3 pixels that
-/// may see the disc, as the filter reaches 1½ pixels beyond it. Neighbouring pixels have rays of
-/// their own. So the root mean square error of K columns is at most √((2R + 3)·p(1 − p)/n), and its
-/// relative error is 1/√(2K) if columns are independent.
+/// Let p = 2R/L be the largest fraction of time. The mean of n rays of a pixel, independent or
+/// stratified, has a variance of at most p(1 − p)/n. In a column, 2R + 3 pixels can see the disc,
+/// because the filter reaches 1½ pixels beyond it. Each pixel has its own rays. So the root mean
+/// square error of K columns is at most √((2R + 3)·p(1 − p)/n), with a relative error of 1/√(2K) if
+/// columns are independent.
 ///
 /// A faulty renderer could show copies of the disc at 16 times only, 10 pixels apart. Their sum
 /// would vary by 0.2 from column to column, far more than this. If each pass showed the disc at one
@@ -79,7 +80,8 @@ fn density_grid_moves_with_its_body() {
         let p = Vec3::new(at(5), at(11), at(27));
         let opening = density(0.0, p - origin);
         let closing = density(1.0, Vec3::new(3.0 - p.y, p.x, p.z) - origin);
-        // Positions are rounded to 2⁻²² here, and the density changes by less than 100 a unit.
+        // Positions round to 2⁻²² here, and the density changes by less than 100 per unit of
+        // length.
         assert!((opening - closing).abs() < 1e-4, "{p}: {opening} becomes {closing}");
         greatest = greatest.max(opening);
     }

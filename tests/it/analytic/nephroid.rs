@@ -12,7 +12,8 @@ const IRRADIANCE: f64 = 2.0;
 
 /// Number of flat facets of the mirror.
 ///
-/// Facets of π/2000 with the cylinder's normals deviate from it by up to their sagitta, 3·10⁻⁷.
+/// Each facet spans an angle of π/2000 and has the cylinder's normals as shading normals. Facets
+/// deviate from the cylinder by up to their sagitta, 3·10⁻⁷.
 const FACETS: u32 = 2000;
 
 /// Builds the mirror x² + z² = 1 for z > 0 and 0 < y < 1, with its concave side inwards.
@@ -48,8 +49,9 @@ fn reflected_ray(scene: &Scene) -> Vec<TracedPhotons> {
 /// The flux of reflected light along the axis of the cup has a closed form.
 ///
 /// The light is parallel to a screen in the plane of the axis, so only reflected light lands there.
-/// A ray with the angle of incidence θ is at sinθ in the beam and crosses the axis at 1/(2cosθ). So
-/// the fraction sin(acos(1/2z)) of the beam lands between 1/2 and z, from both sides.
+/// A ray with the angle of incidence θ has the distance sin θ from the middle of the beam, and
+/// crosses the axis at 1/(2 cos θ). So the fraction sin(acos(1/(2z))) of the beam lands between 1/2
+/// and z.
 #[test]
 fn flux_along_cup_axis_matches_closed_form() {
     let screen = Rectangle::new(dvec3(0.0, 0.0, 0.4), DVec3::Z * 0.59, DVec3::Y);
@@ -61,14 +63,13 @@ fn flux_along_cup_axis_matches_closed_form() {
         let samples: Vec<f64> =
             passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, inside).x).collect();
         let expected = 2.0 * IRRADIANCE * REFLECTANCE * (part(to) - part(from));
-        // Half a facet, 8·10⁻⁴ of the beam's half width, is divided correctly in the mean. The
-        // sagitta of a facet moves crossings by 10⁻⁶. Near 1/2, that changes at most √(4·10⁻⁶) of
-        // the beam.
+        // The sagitta of a facet moves the crossing with the axis by 10⁻⁶. Near 1/2, this affects
+        // at most √(4·10⁻⁶) of the beam. The width of facets causes no error in the mean.
         let slack = if from == 0.5 { 4e-3 * 0.5 } else { 1e-4 } * expected;
         assert_mean(&format!("axis from {from} to {to}"), &samples, expected, slack, 0.012);
     }
-    // Surface points keep a distance of 16 position errors of 5·2⁻²³ from the edges of facets. That
-    // moves a ray sideways by at most 10⁻⁵.
+    // Hit points are moved away from edges of facets by 16 position errors of 5·2⁻²³. This moves a
+    // ray sideways by at most 10⁻⁵.
     let sideways =
         |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.attributes.incident_direction().x.abs());
     let most = passes.iter().flat_map(|t| &t.deposits.surface_photons).map(sideways).fold(0.0, f64::max);
@@ -85,10 +86,11 @@ fn floor_scene() -> Scene {
 
 /// Returns the floor's irradiance at the point `at` = (x, z), averaged by a kernel.
 ///
-/// Seen from above, the ray at the angle θ leaves the wall along (−sin2θ, −cos2θ). Let s be the
-/// distance from the wall. The rays at θ leave at all heights, so they light the floor evenly along
-/// s: dΦ = E sinα cosθ dθ ds, where α is the angle of the light's slope. A ray ends at the next
-/// wall, s = 2cosθ, or where it has fallen by the cup's height.
+/// Seen from above, a ray that hits the wall at the angle θ is reflected along (−sin 2θ, −cos 2θ).
+/// Let s be the distance from the wall in this direction. The rays at θ hit the wall at all
+/// heights, so they light the floor evenly along s: dΦ = E sin α cos θ dθ ds, where α is the angle
+/// at which the light falls. A ray ends at the opposite wall, s = 2 cos θ, or after it has fallen
+/// by the cup's height.
 fn floor_point(at: DVec2, kernel: Kernel, radius: f64) -> f64 {
     let falling = IRRADIANCE * REFLECTANCE * SLOPE / (1.0 + SLOPE * SLOPE).sqrt();
     let ray = |theta: f64| {
@@ -137,9 +139,10 @@ fn cup_floor_flux_matches_ray_tracing() {
 
 /// The flux has its peak at the nephroid.
 ///
-/// Across the fold, in cells of .01, the density on the wall's side falls as 1/√distance. So the
-/// cell at the fold is brighter than the next by (1 − 0)/(√2 − 1) = 2.4, less the uniform light.
-/// Within ±.03 along the fold, the distance of the curve from its tangent is below .03²/2 = 5·10⁻⁴.
+/// The test counts flux in cells of width .01 across the fold. On the wall's side, the density
+/// falls as 1/√distance. So the cell at the fold has 1/(√2 − 1) = 2.4 times the flux of the next
+/// cell, apart from uniform light. Cells extend ±.03 along the fold, where the curve is within
+/// .03²/2 = 5·10⁻⁴ of its tangent.
 #[test]
 fn flux_peaks_at_the_nephroid() {
     let scene = floor_scene();

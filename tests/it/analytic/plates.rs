@@ -30,11 +30,17 @@ fn cube_faces_exchange_flux_by_form_factors() {
     for (face, name, factor) in [(0, "floor", 0.199_825), (2, "left", 0.200_044), (5, "front", 0.200_044)] {
         let samples: Vec<f64> =
             passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, on(face)).x / PI).collect();
-        assert_mean(&format!("form factor of the {name}"), &samples, factor, 5e-7 + factor * HUE_ROUNDING, 2e-3);
+        assert_mean(
+            &format!("form factor of the {name}"),
+            &samples,
+            factor,
+            5e-7 + factor * STORED_COLOR_ROUNDING,
+            2e-3,
+        );
     }
     let total: f64 = passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, |_| true).x / PI).sum();
-    // All flux that leaves the ceiling lands, up to the rounding of hues.
-    assert!((total / f64::from(PASSES) - 1.0).abs() < 2.0 * HUE_ROUNDING, "{total}");
+    // All flux that leaves the ceiling lands, up to the rounding of stored colors.
+    assert!((total / f64::from(PASSES) - 1.0).abs() < 2.0 * STORED_COLOR_ROUNDING, "{total}");
 }
 
 const FLOOR: DVec3 = DVec3::new(0.8, 0.5, 0.3);
@@ -82,8 +88,8 @@ fn infinite_plates_have_geometric_series_of_flux() {
 
 /// Direct light, the caustic map and the global map add up to the light of infinite plates.
 ///
-/// Shadow rays carry direct light. The caustic map carries light by mirrors, and the global map the
-/// rest.
+/// Shadow rays carry direct light, the caustic map carries light from mirrors, and the global map
+/// carries the rest.
 #[test]
 #[ignore = "long: t-tests over many bounces"]
 fn direct_caustic_and_global_light_sum_to_total() {

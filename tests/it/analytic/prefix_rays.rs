@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 /// Edge of an orthographic film \[length].
 const FILM: f64 = 0.4;
 
-/// Renders passes and returns the mean over the picture's pixels for each.
+/// Renders passes, and returns the mean over all pixels of each pass.
 ///
 /// Also checks that prefix rays are traced if `settings` allow them, and only then.
 fn picture_means(scene: &Scene, settings: Settings, passes: u32) -> Vec<f64> {
@@ -63,7 +63,7 @@ fn prefix_rays_keep_light_of_small_highlights() {
 
 /// Prefix rays keep the mean of a caustic seen in a mirror, and more than halve the standard error.
 ///
-/// The caustic has a sharp focus. The picture shows the flux of the closed form.
+/// The caustic has a sharp focus. The mean of the picture is the caustic's flux in closed form.
 #[test]
 #[ignore = "long: statistics against a closed form"]
 fn prefix_rays_keep_light_of_mirrored_caustics() {
@@ -116,7 +116,7 @@ fn check_aimed_rays(scene: &Scene, filter: FilterKind, expected: f64, slack: f64
 /// A ball of radius R reflects parallel rays evenly, so the image of a lamp of solid angle Ω has
 /// the area R²Ω/4. The distance of the lamp, 1000 R, changes this by about 10⁻³.
 #[test]
-fn aimed_rays_keep_light_of_lamps_in_mirror_balls() {
+fn aimed_rays_keep_lamps_seen_in_mirror_balls() {
     let (distance, lamp_radius, film) = (1000.0, 4.0, 2.2);
     let mut b = SceneBuilder::new();
     let mirror = b.add_material(Material::mirror(grey(1.0)));
@@ -136,7 +136,7 @@ fn aimed_rays_keep_light_of_lamps_in_mirror_balls() {
 /// line stays in a plane, in which Snell's law gives its way. The quadrature over h has a relative
 /// error below 10⁻⁷.
 #[test]
-fn aimed_rays_keep_light_of_lamps_behind_glass_balls() {
+fn aimed_rays_keep_lamps_seen_through_glass_balls() {
     const IOR: f64 = 1.5;
     let (distance, lamp_radius) = (200.0, 0.3);
     let mut b = SceneBuilder::new();
@@ -195,12 +195,12 @@ fn aimed_rays_keep_light_with_lenses_and_filters() {
 
 /// Aimed rays give each pixel near a point image of a lamp the value of Mitchell's filter there.
 ///
-/// The filter is negative in the outer pixels. The mean over the picture cannot show errors of its
-/// sign, because its values at all pixels add up to 1. The lamp is seen by an orthographic camera
-/// in a flat mirror, as a disc of radius r = .02 pixels.
+/// The filter is negative in the outer pixels. The mean over the picture cannot reveal a wrong sign
+/// of the filter, because filter values at all pixels add up to 1. The lamp is seen by an
+/// orthographic camera in a flat mirror, as a disc of radius r = .02 pixels.
 ///
-/// Two deviations from the filter value at the disc's center are allowed. The mean over the disc
-/// differs by r²/8 times the Laplacian, and |f| ≤ 8/9 and |f''| ≤ 4 along an axis. The sampled
+/// The tolerance has two parts. The mean of the filter over the disc differs from the value at its
+/// center by r²/8 times the Laplacian; along an axis, |f| ≤ 8/9 and |f''| ≤ 4. And the tabulated
 /// filter is constant between quantiles, so it differs from f by at most the variation of f over
 /// one cell of the table.
 #[test]
@@ -225,8 +225,8 @@ fn aimed_rays_give_each_pixel_its_filter_value() {
     let unnormalized = |x: f64| FilterKind::Mitchell.unnormalized_axis_value(x);
     let integral = midpoint_integral(-2.0, 2.0, 100_000, unnormalized);
     let filter = |x: f64| unnormalized(x) / integral;
-    // A cell of the table of 1024 quantiles is ∫|f|/(1024 |f|) wide, and at most twice as wide as
-    // by the value at `x`, as long as |f| stays above half of it.
+    // A cell of the table of 1024 quantiles is ∫|f|/(1024 |f|) wide. With |f| taken at `x`, the
+    // formula is off by a factor of 2 at most, as long as |f| in the cell is above half of |f(x)|.
     let absolute_integral = midpoint_integral(-2.0, 2.0, 100_000, |x| filter(x).abs());
     let table_error = |x: f64| {
         let cell = 2.0 * absolute_integral / (1024.0 * filter(x).abs());

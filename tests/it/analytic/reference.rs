@@ -25,12 +25,11 @@ fn channel_means(image: &[Vec3]) -> Vec<f64> {
 
 /// Renders of `sppm` match a Mitsuba 3 reference in each of 1024 tiles.
 ///
-/// The kernel causes a bias. It is proportional to r² inside smooth light and to r at edges, where
-/// r is the radius. A second render at twice the radius, with the same photons and camera rays,
-/// shows the bias. The bias is between a third of the difference and the whole difference. The
-/// whole difference is allowed. Noise is measured between passes (t with 15 degrees of freedom),
-/// and the reference has its own standard error. 1024 tiles at 10⁻⁷ each give a false-alarm rate of
-/// 10⁻⁴.
+/// The kernel causes a bias, proportional to r² in smooth light and to r at edges, where r is the
+/// radius. A second render at twice the radius, with the same photons and camera rays, measures it.
+/// The bias is between a third of the difference and the whole difference; the tolerance is the
+/// whole difference. Noise is measured between passes (t with 15 degrees of freedom), and the
+/// reference has its own standard error. 1024 tiles at 10⁻⁷ each give a false-alarm rate of 10⁻⁴.
 #[test]
 #[ignore = "long: t-tests of 1024 tiles"]
 fn sppm_matches_caustic_reference_by_tiles() {
@@ -53,8 +52,8 @@ fn sppm_matches_caustic_reference_by_tiles() {
     let by_pass = |passes: &[Vec<f64>]| passes.iter().map(|p| tile_means(p, &kept)).collect::<Vec<_>>();
     let (narrow_tiles, wide_tiles) = (by_pass(&narrow), by_pass(&wide));
     let expected = tile_means(&reference, &kept);
-    // The errors of channels may be correlated. So the mean of their errors bounds the error of
-    // their mean.
+    // The errors of color channels may be correlated. So the error of the channel mean is at most
+    // the mean of the channel errors.
     let variance = tile_means(&error.iter().map(|e| e * e).collect::<Vec<_>>(), &kept);
     let (mut beyond_two, mut worst) = (0, 1.0f64);
     for tile in 0..TILES * TILES {

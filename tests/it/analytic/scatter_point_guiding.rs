@@ -1,4 +1,4 @@
-//! Guided points of media from which shadow rays start.
+//! Guided sampling of the points in media from which shadow rays start.
 
 use crate::support::*;
 use caustica::integrate::{Algorithm, Settings};
@@ -49,7 +49,7 @@ fn sheet_of_light_in_fog() -> Scene {
 /// Returns the mean red radiance over the picture for each pass, and the variance of a pixel
 /// between passes, averaged over the picture.
 ///
-/// Checks that passes guide scattering points if `guided`.
+/// Also checks that passes guide scattering points if and only if `guided` is true.
 fn means_and_variance(scene: &Scene, guided: bool, max_bounces: u32, passes: u32) -> (Vec<f64>, f64) {
     let settings = Settings {
         allows_scatter_point_guiding: guided,
@@ -89,8 +89,8 @@ fn guided_points_keep_the_light_of_a_beam() {
     assert!(variance < 0.3 * usual_variance, "{variance} guided, {usual_variance} unguided");
 }
 
-/// Guided and unguided points give the same mean in fog that light enters through a slit, and in
-/// which it is scattered many times.
+/// Guided and unguided points give the same mean in fog with multiple scattering, lit through a
+/// slit.
 #[test]
 #[ignore = "long: statistics against a closed form"]
 fn guided_points_keep_light_in_colored_fog() {

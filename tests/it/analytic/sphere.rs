@@ -18,8 +18,8 @@ fn sphere_scene(radius: f64, albedo: f64, light: DVec3) -> SceneBuilder {
     b
 }
 
-/// Tests if `counts` are uniform: returns the chi-square statistic as a deviation of the standard
-/// normal distribution.
+/// Returns the chi-square statistic of `counts` against a uniform distribution, converted to a
+/// standard normal variable.
 ///
 /// By Wilson and Hilferty, (χ²/ν)^⅓ is normal with mean 1 − 2/(9ν) and variance 2/(9ν), for ν
 /// degrees of freedom.
@@ -76,7 +76,7 @@ fn flux_by_bounce_is_power_of_albedo() {
         expected *= 0.6;
         let now = landed(k);
         let bounce: Vec<f64> = now.iter().zip(&before).map(|(a, b)| a - b).collect();
-        assert_mean(&format!("flux of bounce {k}"), &bounce, expected, expected * HUE_ROUNDING, 0.012);
+        assert_mean(&format!("flux of bounce {k}"), &bounce, expected, expected * STORED_COLOR_ROUNDING, 0.012);
         before = now;
     }
 }
@@ -95,7 +95,7 @@ fn sphere_estimates_match_uniform_irradiance() {
         .map(|t| PhotonMap::build(t.deposits.surface_photons))
         .collect();
     // Each estimate adds 800 photons in single precision, with a relative error of at most 800 ·
-    // 2⁻²⁴ = 5·10⁻⁵. Hues are accurate to 2·10⁻⁵.
+    // 2⁻²⁴ = 5·10⁻⁵. Stored colors are accurate to 2·10⁻⁵.
     for kernel in KERNELS {
         let mean = |map: &PhotonMap| {
             let at = |p: &DVec3| estimated_irradiance(&scene, map, *p * radius, -*p, fixed_bandwidth(0.5), kernel).x;
@@ -108,7 +108,7 @@ fn sphere_estimates_match_uniform_irradiance() {
 
 /// A light at the center gives the wall the uniform radiance ρΦ/(4π²R²(1 − ρ)).
 ///
-/// Shadow rays carry the fraction 1 − ρ of this radiance.
+/// Direct light is the fraction 1 − ρ of this radiance.
 #[test]
 fn sphere_interior_has_uniform_radiance() {
     let (radius, albedo) = (2.0, 0.6);
@@ -116,7 +116,7 @@ fn sphere_interior_has_uniform_radiance() {
     let scene = b.build(square_camera(dvec3(0.5, 0.3, 0.1), dvec3(-1.0, 0.2, 0.4), 60.0, 12)).unwrap();
     let expected = albedo * FLUX / (4.0 * PI * PI * radius * radius * (1.0 - albedo));
     let samples = red_channels(&mean_radiance_per_pass(&scene, fixed_radius_settings(1 << 16, 0, 0.4), PASSES));
-    assert_mean("radiance of a sphere", &samples, expected, expected * 2.0 * HUE_ROUNDING, 4e-3);
+    assert_mean("radiance of a sphere", &samples, expected, expected * 2.0 * STORED_COLOR_ROUNDING, 4e-3);
     let direct = red_channels(&mean_radiance_per_pass(&scene, fixed_radius_settings(0, 0, 0.4), 4));
     // Unit vectors, intensity and 1/d² have rounding errors of a few f32 ulps each.
     assert!(direct.iter().all(|l| (l / (expected * (1.0 - albedo)) - 1.0).abs() < 1e-5), "{direct:?}");
@@ -124,9 +124,9 @@ fn sphere_interior_has_uniform_radiance() {
 
 /// A cavity reflects with its effective albedo.
 ///
-/// A plate cuts off a cap with the fraction f of the sphere's area, and emits Lambertian light of
-/// flux Φ. The wall receives it as uniformly as from the cap: Φ/(1 − ρ(1 − f)) over all bounces. It
-/// returns Φρf/(1 − ρ(1 − f)) to the plate.
+/// A plate cuts a cap off the sphere, with the fraction f of its area. The plate emits Lambertian
+/// light of flux Φ, which reaches the wall as uniformly as light from the cap. The wall receives
+/// Φ/(1 − ρ(1 − f)) over all bounces, and returns Φρf/(1 − ρ(1 − f)) to the plate.
 #[test]
 fn cavity_returns_effective_albedo() {
     for (albedo, height) in [(0.9, 0.6), (0.5, -0.5)] {
@@ -147,7 +147,7 @@ fn cavity_returns_effective_albedo() {
             &format!("landed in a cavity, f = {f}"),
             &landed,
             flux * series,
-            flux * series * HUE_ROUNDING,
+            flux * series * STORED_COLOR_ROUNDING,
             3e-3,
         );
         let returned: Vec<f64> =
@@ -156,7 +156,7 @@ fn cavity_returns_effective_albedo() {
             &format!("returned by a cavity, f = {f}"),
             &returned,
             flux * albedo * f * series,
-            flux * HUE_ROUNDING,
+            flux * STORED_COLOR_ROUNDING,
             0.012,
         );
     }

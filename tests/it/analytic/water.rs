@@ -1,5 +1,4 @@
-//! Under water, radiance is scaled by n² while flux is conserved. A camera's view shows both
-//! effects.
+//! Light under water: radiance is scaled by n², and flux is conserved.
 
 use crate::support::*;
 use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
@@ -41,8 +40,8 @@ fn pool_scene(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
 fn irradiance_of_floor(albedo: f64) -> f64 {
     let outer = hemispherical_reflectance(N);
     let inner = 1.0 - (1.0 - outer) / (N * N);
-    // Quadrature with m steps confirms the relation of Fi and Fe. The square root at the critical
-    // angle causes an error of O(m⁻¹·⁵).
+    // Quadrature confirms the relation between Fi and Fe. With m steps, the square root at the
+    // critical angle causes an error of O(m⁻¹·⁵).
     assert!((inner - hemispherical_reflectance(1.0 / N)).abs() < 1e-6);
     PI * SKY * (1.0 - outer) / (1.0 - albedo * inner)
 }
@@ -59,7 +58,13 @@ fn flux_is_conserved_under_water() {
         let passes = trace_photon_passes(&scene, mask, 10_000, PASSES, 1 << 15);
         let samples: Vec<f64> =
             passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, |_| true).x / 4.0).collect();
-        assert_mean(&format!("{name} flux under water"), &samples, expected, expected * (1e-5 + HUE_ROUNDING), 4e-3);
+        assert_mean(
+            &format!("{name} flux under water"),
+            &samples,
+            expected,
+            expected * (1e-5 + STORED_COLOR_ROUNDING),
+            4e-3,
+        );
     }
 }
 
@@ -109,17 +114,17 @@ fn view_average(f: impl Fn(f64) -> f64) -> f64 {
     midpoint_integral(-half, half, 200, row) / (4.0 * half * half)
 }
 
-/// A lamp lies half in black water, inside of a large dome. Three eighths of its flux reach the
-/// dome.
+/// A spherical lamp is half under black water, inside a large dome. Three eighths of its flux reach
+/// the dome.
 ///
-/// Let μ be the cosine of the angle between the normal and the vertical. Only the upper half sends
-/// light to the dome: the fraction (1 + μ)/2 of its flux, with the mean 3/4, leaves upwards. Flat
-/// rays that fall can reach the dome before the water. The dome has 10⁴ times the radius of the
-/// lamp, so they carry about 10⁻⁵ of the flux. At the edge of the water, the lower half sends less
-/// than 10⁻⁴ of the flux through it, because the optical depth of the water is 10⁴ over the radius
-/// of the lamp.
+/// Let μ be the cosine of the angle between the lamp's normal and the vertical. Only the upper half
+/// sends light to the dome. A point of it sends the fraction (1 + μ)/2 of its flux upwards, and the
+/// mean of this fraction is 3/4. Two effects are negligible. Rays that fall slightly can reach the
+/// dome before the water; they carry about 10⁻⁵ of the flux, because the dome has 10⁴ times the
+/// radius of the lamp. And less than 10⁻⁴ of the flux leaves the lower half through the water,
+/// because the water has an optical depth of 10⁴ per radius of the lamp.
 #[test]
-fn a_lamp_half_under_water_shines_above_it() {
+fn half_submerged_lamp_emits_three_eighths() {
     let mut b = SceneBuilder::new();
     let black = b.add_material(Material::black());
     let dome = b.add_material(Material::diffuse(Vec3::ZERO));

@@ -9,8 +9,9 @@ use std::os::unix::fs::PermissionsExt;
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Stands for sbatch: runs a job at once and notes its state. A line in the file `failing`, such as
-/// `1_2`, lets a task fail, and a file `refusing` lets all jobs be refused.
+/// Shell script that replaces sbatch: runs a job at once and records its state. Tasks that a line
+/// of the file `failing` names, such as `1_2`, fail. If the file `refusing` exists, all jobs are
+/// refused.
 const SBATCH: &str = r#"#!/bin/sh
 here=$(dirname "$0")
 printf '%s\n' "$*" >>"$here/calls"
@@ -48,8 +49,8 @@ fi
 echo "$job;cluster"
 "#;
 
-/// Stands for squeue: prints the states of the jobs that it is asked about. If there is a file
-/// `active`, it removes the file and says that a job runs.
+/// Shell script that replaces squeue: prints the states of the requested jobs. If the file `active`
+/// exists, it removes the file and reports that a job is running.
 const SQUEUE: &str = r#"#!/bin/sh
 here=$(dirname "$0")
 for last; do :; done
@@ -61,13 +62,13 @@ done
 [ -n "$found" ] || { echo "slurm_load_jobs error: Invalid job id specified" >&2; exit 1; }
 "#;
 
-/// A sandbox in which programs stand for Slurm.
+/// A sandbox in which shell scripts replace the programs of Slurm.
 struct FakeSlurm {
     sandbox: CliSandbox,
 }
 
 impl FakeSlurm {
-    /// Makes a Slurm whose arrays have at most `max_array_size` − 1 tasks.
+    /// Returns a fake Slurm whose job arrays have at most `max_array_size` − 1 tasks.
     fn new(max_array_size: u32) -> Self {
         let sandbox = CliSandbox::new();
         fs::create_dir(sandbox.path("bin")).unwrap();
@@ -85,8 +86,8 @@ impl FakeSlurm {
         farm(&self.sandbox, &path, words)
     }
 
-    /// Lets the last jobs seem to run until squeue was asked once more. Then they have the states
-    /// in the lines of `tasks`, or the true ones if it is empty.
+    /// Makes the last jobs appear as running in the next call of squeue. After it, they have the
+    /// states in the lines of `tasks`, or their real states if `tasks` is empty.
     fn let_jobs_end_later(&self, tasks: &str) {
         if !tasks.is_empty() {
             self.sandbox.put("bin/tasks", tasks);
@@ -115,8 +116,8 @@ fn farm(sandbox: &CliSandbox, path: &str, words: &str) -> ProgramRun {
     }
 }
 
-/// All shards and the merge are submitted, in arrays that Slurm allows. The picture has the bits of
-/// one render. The same command again costs a merge.
+/// All shards and the merge are submitted, in job arrays of a size that Slurm allows. The picture
+/// has the bits of one render. Running the same command again only merges.
 #[test]
 fn farm_renders_have_the_bits_of_one_render() {
     let slurm = FakeSlurm::new(4);
@@ -145,7 +146,7 @@ fn farm_renders_have_the_bits_of_one_render() {
     let other_shards = words.replace("--shards 5", "--shards 4");
     slurm.farm(&other_shards).expect(2, &["12 passes in 4 shards here, 12 passes in 5 shards there"]);
 
-    // What a farm refuses, a render from the merged film gives.
+    // A farm refuses `--aov`. A render that continues from the merged film writes the layers.
     slurm.farm(&format!("{words} --aov layers.exr")).expect(2, &["a farm does not take --aov", "merged.film"]);
     let layers = format!("--film out.exr.farm/merged.film --passes 12 --aov layers.exr --stats stats.json {settings}");
     let run = sandbox.render("box.txt", &layers);
@@ -165,10 +166,10 @@ fn failed_shards_are_submitted_again() {
     assert_eq!(sandbox.bytes("out.exr"), sandbox.bytes("whole.exr"));
 }
 
-/// A command with other outputs first follows the jobs that are still active, then merges
-/// into its own outputs.
+/// A second command with other outputs waits for the jobs of the first one, then merges into its
+/// own outputs.
 #[test]
-fn followed_jobs_are_merged_into_the_outputs_named_now() {
+fn followed_jobs_merge_into_the_current_outputs() {
     let slurm = FakeSlurm::new(1001);
     let words = "--shards 2 --passes 4 --work-dir work";
     slurm.farm(&format!("{words} -o a.exr")).expect(0, &["4 passes"]);
@@ -181,7 +182,7 @@ fn followed_jobs_are_merged_into_the_outputs_named_now() {
 }
 
 #[test]
-fn cancelled_jobs_that_are_followed_end_the_farm() {
+fn a_cancelled_followed_job_ends_the_farm() {
     let slurm = FakeSlurm::new(1001);
     slurm.sandbox.put("bin/failing", "1_2\n3_2\n");
     let words = "--shards 2 --passes 4 -o a.exr --retries 0";
@@ -191,10 +192,10 @@ fn cancelled_jobs_that_are_followed_end_the_farm() {
     assert_eq!(slurm.calls("--chdir").len(), 4);
 }
 
-/// A shard that fails again and again ends the command after `--retries` rounds without a new pass.
-/// The same command continues when the cause is removed.
+/// A shard that keeps failing ends the command after `--retries` rounds without a new pass. When
+/// the cause is removed, the same command continues.
 #[test]
-fn hopeless_shards_end_the_farm() {
+fn shards_that_keep_failing_end_the_farm() {
     let slurm = FakeSlurm::new(1001);
     let failing: String = (1..20).map(|job| format!("{job}_3\n")).collect();
     slurm.sandbox.put("bin/failing", failing);
@@ -207,8 +208,8 @@ fn hopeless_shards_end_the_farm() {
     slurm.farm(words).expect(0, &["submitted 1 shard as job 7", "6 passes"]);
 }
 
-/// Waves of shards follow until the estimated error is low enough, or the largest number of passes
-/// is reached. The picture has the bits of one render of these passes.
+/// Further waves of shards are submitted until the estimated error is low enough, or the maximum
+/// number of passes is reached. The picture has the bits of one render of these passes.
 #[test]
 #[ignore = "long: many runs of the program"]
 fn waves_follow_until_the_error_is_reached() {
@@ -226,7 +227,7 @@ fn waves_follow_until_the_error_is_reached() {
 }
 
 #[test]
-fn farms_refuse_before_they_submit() {
+fn invalid_farms_are_refused_before_submission() {
     let slurm = FakeSlurm::new(1001);
     let sandbox = &slurm.sandbox;
     let all = "--shards 2 --passes 4";
@@ -301,7 +302,7 @@ fn merges_ask_for_the_memory_of_two_films() {
     assert_eq!(jobs[1], limits[1].div_ceil(1 << 20));
 }
 
-/// A Slurm cluster of one node, which ends with this value.
+/// A running Slurm cluster of one node. Dropping this value ends the cluster.
 struct Cluster {
     script: Child,
     /// The script stops the daemons when its standard input ends.
@@ -384,8 +385,8 @@ fn slurm_survives_killed_and_requeued_shards() {
     cluster.output("scancel", "--batch --signal=KILL 1_2");
     cluster.output("scontrol", "requeue 1_4");
     cluster.wait_for("1_2|FAILED");
-    // Slurm lets requeued tasks wait for two minutes. slurmd refuses a second start in the second
-    // in which it revoked the credential of the first.
+    // Slurm delays requeued tasks for two minutes. The pause is needed because slurmd refuses to
+    // start a task in the same second in which it revoked the credential of its first start.
     cluster.wait_for("1_4|PENDING");
     std::thread::sleep(Duration::from_secs(3));
     cluster.output("scontrol", "update JobId=1_4 StartTime=now");

@@ -46,8 +46,8 @@ fn diff_and_mesh_keep_their_inputs() {
     sandbox.run(&["mesh", "a.obj", "-o", "a.obj"]).expect(2, &["-o `a.obj` and the mesh `a.obj`"]);
 }
 
-/// Runs the program with the words of `line` in the sandbox. A folder takes the name of the output
-/// `blocked` after the first pass. Checks the exit code, and returns the messages.
+/// Runs the program with the words of `line` in the sandbox, and creates a folder with the name of
+/// the output `blocked` after the first pass. Checks the exit code, and returns the messages.
 #[cfg(unix)]
 fn render_with_blocked_output(sandbox: &CliSandbox, line: &str, blocked: &str) -> String {
     use std::io::{BufRead, BufReader, Read};
@@ -69,7 +69,7 @@ fn render_with_blocked_output(sandbox: &CliSandbox, line: &str, blocked: &str) -
     said
 }
 
-/// If a folder takes the name of an output during the render, only that output fails.
+/// If a folder with the name of an output appears during the render, only this output fails.
 #[cfg(unix)]
 #[test]
 fn one_failed_output_loses_no_other() {
@@ -93,7 +93,7 @@ fn one_failed_frame_loses_no_later_one() {
 
 #[cfg(unix)]
 #[test]
-fn a_cause_is_printed_once() {
+fn error_causes_are_printed_once() {
     let sandbox = CliSandbox::new();
     let ended = sandbox.render("box.txt", "-o /proc/a.png");
     ended.expect(3, &["cannot create a file in `/proc`"]);

@@ -156,7 +156,8 @@ fn films_of_other_renders_are_refused() {
     sandbox.render("mesh.txt", "--film mesh.txt -o b.exr").expect(2, &["are the same file"]);
 }
 
-/// A film knows which picture lies in which folder.
+/// A film records the content of each texture file under its path. If two textures are swapped
+/// between folders, the film is refused.
 #[test]
 fn pictures_swapped_between_folders_are_refused() {
     let sandbox = CliSandbox::new();
@@ -190,7 +191,7 @@ fn pictures_swapped_between_folders_are_refused() {
 
 /// A scene file that changes while pilots run does not count as the scene of the film.
 #[test]
-fn scenes_edited_during_pilots_do_not_enter_the_film() {
+fn edits_during_pilots_do_not_enter_the_film() {
     let sandbox = CliSandbox::new();
     let film = |name: &str| flags(name, 2, "--size 160x120 --film a.film");
     let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
@@ -244,7 +245,7 @@ fn full_disks_leave_the_film_whole() {
 /// A render survives a clock that was set back: its files are then from the future.
 #[cfg(unix)]
 #[test]
-fn clocks_that_go_back_lose_no_film() {
+fn a_clock_set_back_loses_no_film() {
     let sandbox = CliSandbox::new();
     sandbox.render("box.txt", &flags("whole", 6, "")).expect(0, &[]);
     sandbox.render("box.txt", &flags("a", 2, "--film a.film")).expect(0, &[]);
@@ -257,12 +258,13 @@ fn clocks_that_go_back_lose_no_film() {
     let rest = flags("a", 6, "--film a.film --save-every 0");
     sandbox.render("box.txt", &rest).expect(0, &["continuing a.film: 2 passes", "pass 6/6", "wrote a.film"]);
     assert_eq!(sandbox.bytes("a.exr"), sandbox.bytes("whole.exr"));
-    // A temporary file that seems new may be that of a running process.
+    // A temporary file that seems to be from the future is kept, because it may belong to a running
+    // process.
     assert!(sandbox.path(".caustica-x.tmp").exists());
 }
 
-/// Films that exceed `--memory` are refused before their sums are read. The limit that a command
-/// names is enough for it.
+/// Films that exceed `--memory` are refused before their sums are read. A limit slightly above the
+/// size in the error message is enough.
 #[test]
 #[ignore = "long: many runs of the program"]
 fn films_count_in_the_memory_limit() {
@@ -288,8 +290,8 @@ fn films_count_in_the_memory_limit() {
     let stats: serde_json::Value = serde_json::from_slice(&sandbox.bytes("stats.json")).unwrap();
     let peak = stats["peak_memory_bytes"].as_u64().unwrap();
     assert!(peak < 76_000_000, "{peak}");
-    // Light groups take 210 bytes more, and clamped light 140. Without an error estimate, 88 are
-    // left.
+    // Light groups take 210 more bytes per pixel, and clamped light 140. Without an error estimate,
+    // a pixel takes 88 bytes.
     for (more, refused) in [("--light-groups --clamp 5", "takes 98.4 MB"), ("--no-error-estimate", "takes 10.6 MB")] {
         sandbox.render("box.txt", &format!("{size} {more} --film more.film")).expect(0, &[]);
         sandbox.run(&["film", "more.film", "--memory", "20M"]).expect(2, &[refused]);

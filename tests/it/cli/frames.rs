@@ -2,7 +2,7 @@
 
 use super::{CliSandbox, read};
 
-/// Scene that a turn about the vertical axis by 90° maps to itself, seen from the side.
+/// Scene with fourfold symmetry about the vertical axis, seen from the side.
 const CROSS: &str = "\
 PerspectiveCamera { center 0 1 6  lookAt 0 1 0  angle 40  width 24  height 18 }
 Background { color .1 .1 .1 }
@@ -26,7 +26,7 @@ fn the_first_frame_is_the_plain_render() {
     assert_eq!(sandbox.bytes("turn-0000.exr"), sandbox.bytes("plain.exr"));
     let names = ["0.json", "1.json", "box.txt", "layers-0.exr", "layers-1.exr", "plain.exr"];
     assert_eq!(sandbox.names(), [&names[..], &["turn-0000.exr", "turn-0001.exr"]].concat());
-    // One frame alone has the bits that it has in a sequence.
+    // A frame that is rendered alone has the same bits as in a sequence.
     sandbox.render("box.txt", "-o again-%d.exr --seed 5 --frames 1..2 --turn 3").expect(0, &[]);
     assert_eq!(sandbox.bytes("again-1.exr"), sandbox.bytes("turn-0001.exr"));
 }
@@ -42,7 +42,8 @@ fn turns_show_the_scene_from_all_sides() {
         let pixels = a.pixels().iter().zip(b.pixels());
         pixels.map(|(a, b)| (a.x - b.x).abs()).sum::<f32>() / a.pixels().iter().map(|pixel| pixel.x).sum::<f32>()
     };
-    // Quarter turns show the same, with other noise; eighths of a turn show the cross obliquely.
+    // Quarter turns show the same view with other noise. Eighths of a turn show the cross
+    // obliquely.
     assert!(difference(0, 2) < 0.02 && difference(0, 6) < 0.02, "{} {}", difference(0, 2), difference(0, 6));
     assert!(difference(0, 2) > 0.0, "frames have noise of their own");
     assert!(difference(0, 1) > 0.05 && difference(1, 3) < 0.02, "{} {}", difference(0, 1), difference(1, 3));

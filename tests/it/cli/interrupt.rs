@@ -1,5 +1,5 @@
-//! Ctrl-C: the first one ends the render and writes the picture so far, one that comes more than a
-//! second later writes nothing.
+//! Ctrl-C: the first one ends the render and writes the picture so far. A second one after more
+//! than a second ends the program at once, and writes nothing.
 #![cfg(unix)]
 
 use super::{CliSandbox, unframed_text};
@@ -97,7 +97,7 @@ fn second_interrupt_stops_at_once_without_image() {
     );
 }
 
-/// A closing terminal sends SIGHUP twice: by the shell and by the system.
+/// A closing terminal sends SIGHUP twice: the shell sends one, and the system another.
 #[test]
 fn signals_in_quick_succession_still_write_the_image() {
     let sandbox = CliSandbox::new();

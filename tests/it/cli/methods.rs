@@ -113,7 +113,7 @@ fn knobs_vary_one_at_a_time() {
     let labels = methods(&report);
     assert_eq!(labels[0], "hybrid");
     assert!(labels.contains(&"hybrid --photons 250 --caustic-photons 125"), "{labels:?}");
-    // The radii are ½, 1 and 2 of the caustic map's.
+    // The radii are ½, 1 and 2 times the radius of the caustic map.
     let caustic = report["methods"][0]["radii"][1].as_f64().unwrap();
     let radii: Vec<f64> = labels.iter().filter_map(|l| l.strip_prefix("hybrid --radius ")?.parse().ok()).collect();
     let expected = [0.5, 1.0, 2.0].map(|by| by * caustic);

@@ -35,7 +35,8 @@ struct CliSandbox {
 struct ProgramRun {
     code: Option<i32>,
     stdout: String,
-    /// Messages without the frame and line breaks of reports, so that sentences can be found.
+    /// Messages on standard error, without the frames and line breaks of reports, so that tests can
+    /// search for sentences.
     stderr: String,
 }
 
@@ -69,9 +70,9 @@ const SMALL: [&str; 4] = ["--passes", "1", "--photons", "1k"];
 
 impl CliSandbox {
     fn new() -> Self {
-        let workshop = Self { folder: tempfile::tempdir().unwrap() };
-        workshop.put("box.txt", BOX);
-        workshop
+        let sandbox = Self { folder: tempfile::tempdir().unwrap() };
+        sandbox.put("box.txt", BOX);
+        sandbox
     }
 
     fn path(&self, name: &str) -> PathBuf {

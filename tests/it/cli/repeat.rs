@@ -27,7 +27,7 @@ fn same_seed_gives_same_bytes() {
 /// it.
 #[test]
 #[ignore = "long: many runs of the program"]
-fn light_settings_change_the_image() {
+fn documented_settings_change_the_image() {
     let sandbox = CliSandbox::new();
     let sppm = "--integrator sppm --passes 2";
     let plain = picture(&sandbox, sppm);
@@ -90,7 +90,7 @@ fn pass_limit_ends_timed_render_early() {
     sandbox.render("box.txt", "-o a.exr --time 1h --passes 2 --stats a.json").expect(0, &["2 passes in"]);
     let stats: serde_json::Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
     assert_eq!((&stats["ended"], &stats["passes"]), (&"passes".into(), &2.into()));
-    // At least one pass is rendered, however short the time.
+    // At least one pass is rendered, even with `--time 0`.
     sandbox
         .run(&["render", "box.txt", "-o", "b.exr", "--photons", "1k", "--time", "0"])
         .expect(0, &["--passes 1 repeats"]);

@@ -45,7 +45,7 @@ fn stats(more: &str) -> Value {
 fn docs_describe_exactly_every_stats_field() {
     let mut found = BTreeSet::new();
     let balanced = CliSandbox::new();
-    // The flags give no photon counts, so that pilots choose them and report what they found. Sky
+    // The flags set no photon counts, so that pilots choose the counts and report them. Sky
     // light and scattering fog have pilots of their own, each in a scene without the other.
     balanced.put("sky.txt", super::BOX.replace("Lights {", "Lights { EnvironmentLight { radiance .1 .1 .1 }"));
     let fog = "Media { Medium fog { absorption 0 0 0 scattering .2 .2 .2 } }\nMaterials {";

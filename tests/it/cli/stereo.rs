@@ -8,7 +8,7 @@ fn displaced_box(x: f64) -> String {
 }
 
 #[test]
-fn eyes_see_what_displaced_cameras_see() {
+fn eyes_equal_displaced_cameras() {
     let sandbox = CliSandbox::new();
     sandbox.put("left.txt", displaced_box(-0.125));
     sandbox.put("right.txt", displaced_box(0.125));
@@ -24,7 +24,7 @@ fn eyes_see_what_displaced_cameras_see() {
         let pixels = a.pixels().iter().zip(b.pixels());
         pixels.map(|(a, b)| (a.x - b.x).abs()).sum::<f32>() / a.pixels().iter().map(|pixel| pixel.x).sum::<f32>()
     };
-    // The same rays, but for rounding of their origins: few paths differ.
+    // The rays are equal except for rounding of their origins, so few paths differ.
     let (left, right) = (difference("l.exr", "a.b-left.exr"), difference("r.exr", "a.b-right.exr"));
     assert!(left < 0.01 && right < 0.01, "{left} {right}");
     let eyes = difference("a.b-left.exr", "a.b-right.exr");
@@ -32,7 +32,7 @@ fn eyes_see_what_displaced_cameras_see() {
 }
 
 #[test]
-fn pairs_that_cannot_be_made_are_refused() {
+fn impossible_stereo_pairs_are_refused() {
     let sandbox = CliSandbox::new();
     let refused = |scene: &str, flags: &str, part: &str| {
         sandbox.render(scene, flags).expect(2, &[part]);

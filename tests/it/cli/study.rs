@@ -39,7 +39,7 @@ fn plan_lists_work_of_each_effect() {
 }
 
 #[test]
-fn light_from_media_that_photons_lack_is_warned_of() {
+fn missing_photons_from_emissive_media_cause_a_warning() {
     let sandbox = CliSandbox::new();
     let scene = |emission: &str| {
         format!(

@@ -1,4 +1,4 @@
-//! Pictures that `render --tev` sends to a viewer: a listener of our own checks every byte.
+//! Pictures that `render --tev` sends to a viewer. A test listener checks every byte.
 
 use super::CliSandbox;
 use std::collections::BTreeMap;
@@ -125,10 +125,10 @@ fn refused_connections_give_one_warning() {
     sandbox.render("box.txt", "-o a.exr --tev here:now").expect(2, &["is no address"]);
 }
 
-/// The picture exceeds what the system stores for a connection.
+/// The picture is larger than the send buffer of a connection, so writing blocks.
 #[test]
 #[ignore = "long: many runs of the program"]
-fn viewers_that_do_not_read_hold_no_render_up() {
+fn a_stalled_viewer_does_not_delay_the_render() {
     let sandbox = CliSandbox::new();
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();

@@ -23,8 +23,8 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
-    /// Settings with few photons, as few suffice: any difference changes the radii and aims that
-    /// pilots find.
+    /// Returns settings with few photons. They suffice, because any difference changes the radii
+    /// and guides that pilots find.
     pub fn new(algorithm: Algorithm) -> Self {
         Self {
             algorithm,

@@ -1,7 +1,8 @@
 //! Random scenes for tests of plans.
 //!
-//! Most scenes have few objects, so that plans switch many effects off. Plans test whether lights
-//! reach an object or shine on its side. Many lights are near the limits of these tests.
+//! Most scenes have few objects, so that plans switch many effects off. Plans check whether a light
+//! reaches an object, and on which side. Many random lights are close to the limits of these
+//! checks.
 
 use super::sketch::{Light, LightKind, Material, MediumSketch, Moving, Object, Shape, Sketch};
 use glam::DVec3;
@@ -43,7 +44,7 @@ impl Random {
         of[self.below(of.len())]
     }
 
-    fn place(&mut self, reach: f64) -> DVec3 {
+    fn point(&mut self, reach: f64) -> DVec3 {
         DVec3::new(self.between(-reach, reach), self.between(-reach, reach), self.between(-reach, reach))
     }
 
@@ -53,7 +54,7 @@ impl Random {
             return self.pick(&[DVec3::X, DVec3::Y, DVec3::Z]) * self.pick(&[-1.0, 1.0]);
         }
         loop {
-            let d = self.place(1.0);
+            let d = self.point(1.0);
             if d.length() > 0.1 {
                 return d;
             }
@@ -127,7 +128,7 @@ enum Lamp {
     DiscAway,
     Rectangle,
     Sky,
-    /// Light on a flat object, or in its plane.
+    /// Point light in the plane of a flat object, or directional light parallel to it.
     Level,
 }
 
@@ -214,7 +215,7 @@ const SCENE_STYLES: [SceneStyle; 11] = [
 /// Returns the random scene of a seed.
 pub fn sketch(seed: u64) -> Sketch {
     let r = &mut Random::new(seed);
-    let mood = r.pick(&SCENE_STYLES);
+    let style = r.pick(&SCENE_STYLES);
     let mut sketch = Sketch {
         camera: String::new(),
         background: if r.chance(0.3) { DVec3::ZERO } else { r.color() },
@@ -225,16 +226,16 @@ pub fn sketch(seed: u64) -> Sketch {
         motion: None,
     };
     for _ in 0..1 + r.below(4) {
-        add_material(r, &mood, &mut sketch);
+        add_material(r, &style, &mut sketch);
     }
-    for _ in 0..1 + r.below(mood.most_objects) {
-        add_object(r, &mood, &mut sketch);
+    for _ in 0..1 + r.below(style.most_objects) {
+        add_object(r, &style, &mut sketch);
     }
     if r.chance(0.05) {
         sketch.objects.clear();
     }
-    for _ in 0..r.below(mood.most_lights + 1) {
-        add_light(r, &mood, &mut sketch);
+    for _ in 0..r.below(style.most_lights + 1) {
+        add_light(r, &style, &mut sketch);
     }
     // A scene with an ambient medium may not have light from infinity.
     let endless = |l: &Light| matches!(l.kind, LightKind::Environment | LightKind::Directional(_));
@@ -262,22 +263,22 @@ fn motion(r: &mut Random, sketch: &Sketch) -> Option<(Moving, String)> {
         _ if !sketch.objects.is_empty() => Moving::Object(r.below(sketch.objects.len())),
         _ => return None,
     };
-    let by = r.place(1.0);
+    let by = r.point(1.0);
     let shift = format!("Translate {} {} {}", by.x, by.y, by.z);
     let turn = format!("YRotate {}", r.between(-90.0, 90.0));
     Some((moving, r.pick(&[shift.as_str(), turn.as_str(), &format!("{shift}  {turn}")]).to_owned()))
 }
 
 /// Returns the scene `sketch` with one more object or light.
-pub fn more(sketch: &Sketch, seed: u64) -> Sketch {
+pub fn with_one_more(sketch: &Sketch, seed: u64) -> Sketch {
     let r = &mut Random::new(seed);
     let mut more = sketch.clone();
-    let mood = r.pick(&SCENE_STYLES);
+    let style = r.pick(&SCENE_STYLES);
     if r.chance(0.5) {
-        add_light(r, &mood, &mut more);
+        add_light(r, &style, &mut more);
     } else {
-        add_material(r, &mood, &mut more);
-        add_object(r, &mood, &mut more);
+        add_material(r, &style, &mut more);
+        add_object(r, &style, &mut more);
     }
     more
 }
@@ -285,13 +286,13 @@ pub fn more(sketch: &Sketch, seed: u64) -> Sketch {
 fn camera(r: &mut Random, sketch: &Sketch) -> String {
     let (center, at) = match sketch.objects.first().map(|o| &o.shape) {
         Some(Shape::Sphere(c, _) | Shape::Ellipsoid(c, ..) | Shape::Mesh(_, c, ..)) if r.chance(0.2) => {
-            (*c + r.place(0.05), *c + r.direction())
+            (*c + r.point(0.05), *c + r.direction())
         }
         // The camera looks along the plane of a flat object.
         Some(Shape::Rectangle(c, a, b)) if r.chance(0.1) => (*c - *a * 2.0, *c + *b * 0.5),
         _ => {
             let center = r.direction().normalize() * r.between(4.0, 9.0);
-            let at = if r.chance(0.1) { center * 2.0 } else { r.place(1.0) };
+            let at = if r.chance(0.1) { center * 2.0 } else { r.point(1.0) };
             (center, at)
         }
     };
@@ -301,8 +302,8 @@ fn camera(r: &mut Random, sketch: &Sketch) -> String {
     format!("center {c}  lookAt {a}  up {up}  angle {angle}  width 12  height 9")
 }
 
-fn add_material(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
-    let kind = r.pick(mood.materials);
+fn add_material(r: &mut Random, style: &SceneStyle, sketch: &mut Sketch) {
+    let kind = r.pick(style.materials);
     let before = sketch.materials.len();
     let tint = if r.chance(0.5) { r.color() } else { DVec3::ZERO };
     let material = match kind {
@@ -341,7 +342,7 @@ fn add_material(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
 /// Returns a mix of two earlier materials, of which at most one is a body.
 fn mix(r: &mut Random, sketch: &Sketch, before: usize) -> Material {
     let (a, b, amount) = (r.below(before), r.below(before), r.pick(&[0.0, 0.25, 0.5, 1.0]));
-    let body = |i| bodies(sketch, i);
+    let body = |i| body_material_index(sketch, i);
     let clear = |i: usize| matches!(sketch.materials[i], Material::Clear(_));
     if clear(a) || clear(b) {
         return Material::Mirror(DVec3::splat(amount));
@@ -354,26 +355,28 @@ fn mix(r: &mut Random, sketch: &Sketch, before: usize) -> Material {
 
 /// Returns the index of the body material in material `i`, which may be a mix; `None` if there is
 /// none.
-fn bodies(sketch: &Sketch, i: usize) -> Option<usize> {
+fn body_material_index(sketch: &Sketch, i: usize) -> Option<usize> {
     match sketch.materials[i] {
-        Material::Mix(a, b, _) | Material::Mask(a, b) => bodies(sketch, a).or(bodies(sketch, b)),
+        Material::Mix(a, b, _) | Material::Mask(a, b) => {
+            body_material_index(sketch, a).or(body_material_index(sketch, b))
+        }
         Material::Dielectric(..) | Material::Clear(_) | Material::Filled(..) | Material::Prism(_) => Some(i),
         _ => None,
     }
 }
 
-fn add_object(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
+fn add_object(r: &mut Random, style: &SceneStyle, sketch: &mut Sketch) {
     let center = match sketch.objects.last().map(|o| &o.shape) {
         // The new object is around the center of the last sphere, so that one body may be inside
         // another.
         Some(Shape::Sphere(c, _)) if r.chance(0.4) => *c,
-        _ => r.place(2.0),
+        _ => r.point(2.0),
     };
     let turn = r.between(0.0, 90.0);
-    let shape = if r.chance(mood.flat) {
+    let shape = if r.chance(style.flat) {
         let (a, b) = r.edges();
         match r.below(4) {
-            0 => Shape::Plane(r.place(2.0), r.direction()),
+            0 => Shape::Plane(r.point(2.0), r.direction()),
             1 => Shape::Disc(center, r.direction(), r.between(0.3, 2.0)),
             2 => Shape::Triangle([center, center + a, center + b]),
             _ => Shape::Rectangle(center, a, b),
@@ -393,7 +396,7 @@ fn add_object(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
     };
     let material = sketch.materials.len() - 1 - r.below(sketch.materials.len().min(3));
     let clear = matches!(sketch.materials[material], Material::Clear(_));
-    let emits = !matches!(shape, Shape::Plane(..)) && r.chance(mood.emission) && !clear;
+    let emits = !matches!(shape, Shape::Plane(..)) && r.chance(style.emission) && !clear;
     let emission = if emits { r.color() } else { DVec3::ZERO };
     // Unbounded shapes may not emit.
     let shape = match (shape, &sketch.materials[material]) {
@@ -403,15 +406,15 @@ fn add_object(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
     sketch.objects.push(Object { material, emission, shape });
 }
 
-fn add_light(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
+fn add_light(r: &mut Random, style: &SceneStyle, sketch: &mut Sketch) {
     // Objects are within about 4 of the origin. Lights that shine along `out` shine away from the
     // objects or past them.
     let out = r.direction().normalize();
-    let place = if r.chance(0.3) { r.place(2.0) } else { out * r.between(3.0, 8.0) };
+    let place = if r.chance(0.3) { r.point(2.0) } else { out * r.between(3.0, 8.0) };
     let angle = r.pick(&[8.0, 30.0, 90.0, 179.0, 250.0]);
     let penumbra = r.pick(&[0.0, 0.2, 0.5]) * angle;
     let sky = || sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment));
-    let lamp = match r.pick(mood.lights) {
+    let lamp = match r.pick(style.lights) {
         Lamp::Sky | Lamp::Directional if sketch.filling.is_some() => Lamp::Point,
         lamp => lamp,
     };
@@ -420,7 +423,7 @@ fn add_light(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
         Lamp::Sky => LightKind::Environment,
         Lamp::Point => LightKind::Point(place),
         Lamp::Directional => LightKind::Directional(r.direction()),
-        Lamp::Spot => LightKind::Spot(place, r.place(2.0) - place, angle, penumbra),
+        Lamp::Spot => LightKind::Spot(place, r.point(2.0) - place, angle, penumbra),
         Lamp::SpotAway => {
             let beside = out + r.direction().normalize() * r.pick(&[0.0, 0.7, 1.4]);
             LightKind::Spot(out * 6.0, if beside.length() > 0.1 { beside } else { out }, r.pick(&[8.0, 40.0]), 0.0)
@@ -432,23 +435,23 @@ fn add_light(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
             let (a, b) = r.edges();
             LightKind::Rectangle(place, a, b)
         }
-        Lamp::Level => level(r, sketch),
+        Lamp::Level => light_level_with_object(r, sketch),
     };
     let kind = match kind {
         LightKind::Directional(_) if sketch.filling.is_some() => LightKind::Point(place),
         kind => kind,
     };
-    sketch.lights.push(Light { kind, strength: r.strength(mood.black_light) });
+    sketch.lights.push(Light { kind, strength: r.strength(style.black_light) });
 }
 
 /// Returns a point light in the plane of the first flat object, or a directional light along it.
-fn level(r: &mut Random, sketch: &Sketch) -> LightKind {
+fn light_level_with_object(r: &mut Random, sketch: &Sketch) -> LightKind {
     let (place, edges) = match sketch.objects.iter().map(|o| &o.shape).find(|s| s.is_flat()) {
         Some(Shape::Rectangle(c, a, b)) => (*c, [*a, *b]),
         Some(Shape::Disc(c, n, _) | Shape::Plane(c, n)) => {
             (*c, [n.any_orthogonal_vector(), n.cross(DVec3::new(n.y + 1.0, n.z, n.x))])
         }
-        _ => return LightKind::Point(r.place(2.0)),
+        _ => return LightKind::Point(r.point(2.0)),
     };
     let (s, t) = (r.between(-1.0, 2.0), r.between(-1.0, 2.0));
     match edges[0] * s + edges[1] * t {

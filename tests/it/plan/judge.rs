@@ -1,4 +1,5 @@
-//! Checks the statements of a plan about a scene, from the parts of its sketch and by brute force.
+//! Checks the reasons that a plan states for a scene: from the parts of the scene's sketch, and by
+//! brute-force tracing.
 
 use super::sketch::{Light, LightKind, Material, MediumSketch, Object, Sketch};
 use caustica::color::Rgb;
@@ -24,7 +25,7 @@ pub fn plan_contradiction(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option
 }
 
 fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: EffectReason) -> bool {
-    let all: Vec<&Object> = sketch.objects.iter().filter(|o| !is_nothing(sketch, o)).collect();
+    let all: Vec<&Object> = sketch.objects.iter().filter(|o| !has_no_effect(sketch, o)).collect();
     let any = |is: &dyn Fn(&Material) -> bool| all.iter().any(|o| sketch.is_of(o, is));
     let emits = |light: &Light| light.strength != DVec3::ZERO;
     let panel = |object: &Object| match sketch.materials[object.material] {
@@ -80,7 +81,7 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: EffectReason) ->
 /// Returns true if an object has no effect on light, as if it were air.
 ///
 /// In an ambient medium, such an object displaces the medium, so the result is false.
-fn is_nothing(sketch: &Sketch, object: &Object) -> bool {
+fn has_no_effect(sketch: &Sketch, object: &Object) -> bool {
     let air = matches!(sketch.materials[object.material], Material::Dielectric(index, absorbed, ..) if index == 1.0 && absorbed == DVec3::ZERO);
     air && object.emission == DVec3::ZERO && sketch.filling.is_none()
 }
@@ -131,8 +132,8 @@ fn casts(material: &Material) -> bool {
 
 /// Returns true if light reaches no specular object.
 ///
-/// This is so if no photon path hits one, and no light could reach a point on one without the other
-/// objects.
+/// Light reaches none if no traced photon path hits one, and if each point on one is unlit even
+/// without the other objects.
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     if let Some(source) = PhotonSource::emitting_in_all_directions(scene) {
         let tracer = PhotonTracer { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
@@ -140,7 +141,7 @@ fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
             return false;
         }
     }
-    let casters = sketch.objects.iter().filter(|o| sketch.is_of(o, &casts) && !is_nothing(sketch, o));
+    let casters = sketch.objects.iter().filter(|o| sketch.is_of(o, &casts) && !has_no_effect(sketch, o));
     let points = casters.flat_map(|o| o.shape.points()).map(|p| (p - scene.origin()).as_vec3());
     let key = Key::new(2).purpose_key(Purpose::Test);
     let reaches = |light: &Resolved, p| {

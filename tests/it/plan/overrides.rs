@@ -8,14 +8,14 @@ use caustica::stats::Counters;
 
 /// Integrators with distinct behaviour.
 ///
-/// `Pm` represents all integrators that show both maps directly, because its gather rays can be
-/// forced off.
+/// `Pm` stands for all integrators that read both photon maps directly, because its gather rays can
+/// be forced off.
 const ALGORITHMS: [Algorithm; 6] =
     [Algorithm::Hybrid, Algorithm::Path, Algorithm::Pm, Algorithm::Distributed, Algorithm::Whitted, Algorithm::Raycast];
 
 const CAMERA: &str = "PerspectiveCamera { center 0 3 6  lookAt 0 .5 0  angle 40  width 16  height 12 }";
 
-/// Scene that needs every effect.
+/// Builds a scene that needs every effect.
 ///
 /// A body of coloured glass moves over a floor, under a uniform sky and a light. The camera has a
 /// lens.
@@ -36,7 +36,7 @@ fn everything() -> Scene {
     ))
 }
 
-/// Scene of two diffuse objects under a point light.
+/// Builds a scene of two diffuse objects under a point light.
 fn matt() -> Scene {
     scene(&format!(
         "{CAMERA}
@@ -46,7 +46,7 @@ fn matt() -> Scene {
     ))
 }
 
-/// Scene of a mirror above a black surface.
+/// Builds a scene of a mirror above a black surface.
 fn dark() -> Scene {
     scene(&format!(
         "{CAMERA}
@@ -57,7 +57,7 @@ fn dark() -> Scene {
     ))
 }
 
-/// Scene of one disc under a point light.
+/// Builds a scene of one disc under a point light.
 fn disc() -> Scene {
     scene(&format!(
         "{CAMERA}
@@ -67,7 +67,7 @@ fn disc() -> Scene {
     ))
 }
 
-/// Renders with enough photons that gather rays find photons that continue from a caustic.
+/// Renders with so many photons that gather rays find interreflection of caustics.
 fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Picture {
     Picture::new(
         scene,

@@ -1,7 +1,8 @@
-//! Plans of random scenes: they change no bit of the pictures, and their statements are true.
+//! Plans of random scenes: switching off unneeded effects changes no bit of the picture, and the
+//! stated features of the scene are true.
 
 use super::compare::{RenderSettings, difference, scene};
-use super::generate::{Random, more, sketch};
+use super::generate::{Random, sketch, with_one_more};
 use super::judge;
 use super::sketch::{Light, LightKind, Material, Object, Shape, Sketch};
 use caustica::integrate::{Algorithm, FinalGathering};
@@ -10,8 +11,8 @@ use caustica::scene::{Effect, Effects};
 use glam::DVec3;
 use std::mem::{Discriminant, discriminant};
 
-/// Every reason for which a plan switches an effect off, except that the integrator does not
-/// simulate it.
+/// All reasons for which a plan switches an effect off, except that the integrator cannot simulate
+/// the effect.
 const OFF: [EffectReason; 13] = [
     EffectReason::NoLight,
     EffectReason::NoCaster,
@@ -68,11 +69,11 @@ fn random_plans_match_scene_contents() {
 fn adding_objects_removes_no_effect() {
     let mut wrong = Vec::new();
     for seed in seeds(1000) {
-        let (less, more) = (sketch(seed), more(&sketch(seed), seed + 7));
+        let (less, more) = (sketch(seed), with_one_more(&sketch(seed), seed + 7));
         let [before, after] =
             [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, EffectOverrides::NO_OVERRIDES));
-        // In an empty scene, the effect of shadows is on although nothing casts one. Plans may say
-        // so, but with an object the effect may then be off.
+        // Skip empty scenes. There, the effect of shadows is on although nothing casts one, and
+        // adding an object may switch it off.
         if before.features.objects == 0 {
             continue;
         }
@@ -132,7 +133,7 @@ fn path_images_match_with_all_effects_on() {
 
 /// Images by integrators with photons are the same bits with all effects on, at fixed radii.
 ///
-/// Photons are not aimed either, so pilots cost nothing without caustics.
+/// Photons are not aimed, so scenes without caustics need no pilot.
 #[test]
 fn fixed_radius_images_match_with_all_effects_on() {
     let each = |seed| check(seed, PHOTONS[seed as usize % 4], |how| (how.radius, how.caustic_photons) = (Some(0.2), 0));

@@ -1,4 +1,5 @@
-//! Plans change no bit of the pictures of the repository's scenes and the course's.
+//! Switching off unneeded effects changes no bit of pictures of the repository's and the course's
+//! scenes.
 
 use super::compare::{RenderSettings, difference};
 use crate::support::{self, project_path};
@@ -74,8 +75,8 @@ fn course_scenes_match_with_all_effects_on() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
-/// Effects, each with words of the scene language; an effect needs one of its words in the text of
-/// a scene.
+/// Effects, each with words of the scene language. A scene needs the effect only if its text has
+/// one of these words.
 const NEEDS: [(Effect, &[&str]); 12] = [
     (Effect::Specular, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::Caustics, &["Mirror", "Dielectric", "Thin", "Conductor"]),
@@ -99,8 +100,8 @@ fn course_plans_match_scene_text() {
             let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::NO_OVERRIDES);
             for decision in plan.decisions {
                 let needs = NEEDS.iter().find(|(effect, _)| *effect == decision.effect).map(|(_, words)| *words);
-                // Elsewhere, a word in the text may have no effect. In these scenes each word has
-                // one, unless the scene has no object.
+                // In the course's scenes, each of these words causes its effect, unless the scene
+                // has no object.
                 if needs.is_none() && scene.object_summaries().next().is_none() {
                     continue;
                 }

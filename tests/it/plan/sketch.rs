@@ -1,12 +1,11 @@
-//! Description of a random scene by parts, which tests can inspect. It can be written as scene
-//! text.
+//! Random scenes as lists of parts, which tests can inspect and write as scene text.
 
 use crate::support::project_path;
 use glam::{DMat3, DVec3};
 use std::fmt::{self, Display, Write};
 use std::fs;
 
-/// A random scene, described by its parts.
+/// A random scene as a list of its parts.
 #[derive(Clone, Debug)]
 pub struct Sketch {
     pub camera: String,
@@ -39,12 +38,12 @@ pub struct Light {
 pub enum LightKind {
     Point(DVec3),
     Directional(DVec3),
-    /// Position, direction, full angle \[degrees], penumbra \[degrees].
+    /// Spotlight: position, direction, full angle \[degrees], penumbra \[degrees].
     Spot(DVec3, DVec3, f64, f64),
     Sphere(DVec3, f64),
-    /// Center, normal, radius.
+    /// Disc: center, normal, radius.
     Disc(DVec3, DVec3, f64),
-    /// Corner and edges.
+    /// Rectangle: corner and edge vectors.
     Rectangle(DVec3, DVec3, DVec3),
     Environment,
 }
@@ -94,31 +93,31 @@ const MEDIA: &str = "Media {
 #[derive(Clone, Debug)]
 pub enum Material {
     Diffuse(DVec3),
-    /// kd, ks, exponent.
+    /// Phong material: kd, ks, exponent.
     Phong(DVec3, DVec3, f64),
     Mirror(DVec3),
-    /// Index, absorption, roughness, priority.
+    /// Dielectric: index, absorption, roughness, priority.
     Dielectric(f64, DVec3, f64, u8),
-    /// Roughness.
+    /// Metal of this roughness.
     Conductor(f64),
     Thin(f64),
-    /// Two earlier materials, and the fraction of the second.
+    /// Mix of two earlier materials, given by their indices, and the fraction of the second.
     Mix(usize, usize, f64),
-    /// Two earlier materials, the second where noise is high.
+    /// Mix by a noise texture of two earlier materials; the second is where the noise is high.
     Mask(usize, usize),
-    /// Two colours of a diffuse pattern.
+    /// Diffuse material with a pattern of two colours.
     Patterned(DVec3, DVec3),
-    /// A diffuse colour with a bump map of this height.
+    /// Diffuse material of this colour, with a bump map of this height.
     Bumpy(DVec3, f64),
     /// Metal with a roughness texture between these values.
     RoughMap(f64, f64),
-    /// Two radiances of a pattern on a diffuse surface.
+    /// Diffuse material that emits a pattern of two radiances.
     Panel(DVec3, DVec3),
     /// A null interface around a medium.
     Clear(MediumSketch),
-    /// Index of a body, and the medium inside.
+    /// Dielectric of this index, filled with this medium.
     Filled(f64, MediumSketch),
-    /// Dispersive glass, by name.
+    /// Dispersive glass of this name.
     Prism(&'static str),
 }
 
@@ -132,23 +131,23 @@ pub struct Object {
 #[derive(Clone, Debug)]
 pub enum Shape {
     Sphere(DVec3, f64),
-    /// Center, rotation about y \[degrees], half axes.
+    /// Ellipsoid: center, rotation about y \[degrees], half axes.
     Ellipsoid(DVec3, f64, DVec3),
-    /// Center, normal, radius.
+    /// Disc: center, normal, radius.
     Disc(DVec3, DVec3, f64),
-    /// Corner and edges.
+    /// Rectangle: corner and edge vectors.
     Rectangle(DVec3, DVec3, DVec3),
-    /// A point and the normal.
+    /// Plane through this point, with this normal.
     Plane(DVec3, DVec3),
     Triangle([DVec3; 3]),
-    /// Path, center, rotation about y \[degrees], scale.
+    /// Mesh file: path, center, rotation about y \[degrees], scale.
     Mesh(&'static str, DVec3, f64, f64),
 }
 
 /// Vector that is printed as three numbers of the scene language.
-struct V(DVec3);
+struct VectorText(DVec3);
 
-impl Display for V {
+impl Display for VectorText {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {} {}", self.0.x, self.0.y, self.0.z)
     }
@@ -163,7 +162,7 @@ impl Sketch {
         };
         let camera = wrapped(Moving::Camera, format!("PerspectiveCamera {{ {} }}", self.camera));
         let filling = self.filling.map_or(String::new(), |stuff| format!("  medium {}", stuff.name()));
-        let mut text = format!("{camera}\nBackground {{ color {}{filling} }}\n", V(self.background));
+        let mut text = format!("{camera}\nBackground {{ color {}{filling} }}\n", VectorText(self.background));
         let mut write = |line: String| text.write_str(&line).unwrap();
         write("Lights {\n".into());
         let lights = self.lights.iter().enumerate();
@@ -204,7 +203,8 @@ impl Sketch {
         media
     }
 
-    /// Returns true if `is` holds for the material of `object` or for a component of it.
+    /// Returns true if the predicate `is` holds for the material of `object`, or for a component of
+    /// this material.
     pub fn is_of(&self, object: &Object, is: &dyn Fn(&Material) -> bool) -> bool {
         self.is_in(object.material, is)
     }
@@ -230,23 +230,38 @@ impl Sketch {
 
 impl Display for Light {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let s = V(self.strength);
+        let s = VectorText(self.strength);
         match &self.kind {
-            LightKind::Point(p) => write!(f, "PointLight {{ position {}  intensity {s} }}", V(*p)),
-            LightKind::Directional(d) => write!(f, "DirectionalLight {{ direction {}  irradiance {s} }}", V(*d)),
+            LightKind::Point(p) => write!(f, "PointLight {{ position {}  intensity {s} }}", VectorText(*p)),
+            LightKind::Directional(d) => {
+                write!(f, "DirectionalLight {{ direction {}  irradiance {s} }}", VectorText(*d))
+            }
             LightKind::Spot(p, d, angle, penumbra) => {
-                let (p, d) = (V(*p), V(*d));
+                let (p, d) = (VectorText(*p), VectorText(*d));
                 write!(
                     f,
                     "SpotLight {{ position {p}  direction {d}  angle {angle}  penumbra {penumbra}  intensity {s} }}"
                 )
             }
-            LightKind::Sphere(c, r) => write!(f, "SphereLight {{ center {}  radius {r}  radiance {s} }}", V(*c)),
+            LightKind::Sphere(c, r) => {
+                write!(f, "SphereLight {{ center {}  radius {r}  radiance {s} }}", VectorText(*c))
+            }
             LightKind::Disc(c, n, r) => {
-                write!(f, "DiscLight {{ center {}  normal {}  radius {r}  radiance {s} }}", V(*c), V(*n))
+                write!(
+                    f,
+                    "DiscLight {{ center {}  normal {}  radius {r}  radiance {s} }}",
+                    VectorText(*c),
+                    VectorText(*n)
+                )
             }
             LightKind::Rectangle(c, a, b) => {
-                write!(f, "RectangleLight {{ corner {}  edge0 {}  edge1 {}  radiance {s} }}", V(*c), V(*a), V(*b))
+                write!(
+                    f,
+                    "RectangleLight {{ corner {}  edge0 {}  edge1 {}  radiance {s} }}",
+                    VectorText(*c),
+                    VectorText(*a),
+                    VectorText(*b)
+                )
             }
             LightKind::Environment => write!(f, "EnvironmentLight {{ radiance {s} }}"),
         }
@@ -256,7 +271,13 @@ impl Display for Light {
 impl Material {
     /// Returns the scene text of the texture that material `i` uses; empty if it has none.
     fn texture(&self, i: usize) -> String {
-        let noise = |a, b| format!("    Noise t{i} {{ color0 {}  color1 {}  frequency 3  amplitude 2 }}\n", V(a), V(b));
+        let noise = |a, b| {
+            format!(
+                "    Noise t{i} {{ color0 {}  color1 {}  frequency 3  amplitude 2 }}\n",
+                VectorText(a),
+                VectorText(b)
+            )
+        };
         match self {
             Self::Mask(..) | Self::Bumpy(..) => noise(DVec3::ZERO, DVec3::ONE),
             Self::Patterned(a, b) | Self::Panel(a, b) => noise(*a, *b),
@@ -269,16 +290,22 @@ impl Material {
         match self {
             Self::Mask(a, b) => format!("Mix m{i} {{ first m{a}  second m{b}  amount t{i} }}"),
             Self::Patterned(..) => format!("Diffuse m{i} {{ reflectance t{i} }}"),
-            Self::Bumpy(r, h) => format!("Diffuse m{i} {{ reflectance {}  bump t{i}  bumpHeight {h} }}", V(*r)),
+            Self::Bumpy(r, h) => {
+                format!("Diffuse m{i} {{ reflectance {}  bump t{i}  bumpHeight {h} }}", VectorText(*r))
+            }
             Self::RoughMap(..) => format!("Conductor m{i} {{ metal gold  roughness t{i} }}"),
             Self::Panel(..) => format!("Diffuse m{i} {{ reflectance .5 .5 .5  emission t{i}  emissionScale 3 }}"),
-            Self::Diffuse(r) => format!("Diffuse m{i} {{ reflectance {} }}", V(*r)),
+            Self::Diffuse(r) => format!("Diffuse m{i} {{ reflectance {} }}", VectorText(*r)),
             Self::Phong(d, s, n) => {
-                format!("Phong m{i} {{ diffuseColor {}  specularColor {}  shininess {n} }}", V(*d), V(*s))
+                format!(
+                    "Phong m{i} {{ diffuseColor {}  specularColor {}  shininess {n} }}",
+                    VectorText(*d),
+                    VectorText(*s)
+                )
             }
-            Self::Mirror(r) => format!("Mirror m{i} {{ reflectance {} }}", V(*r)),
+            Self::Mirror(r) => format!("Mirror m{i} {{ reflectance {} }}", VectorText(*r)),
             Self::Dielectric(n, a, r, p) => {
-                let a = V(*a);
+                let a = VectorText(*a);
                 format!("Dielectric m{i} {{ indexOfRefraction {n}  absorption {a}  roughness {r}  priority {p} }}")
             }
             Self::Conductor(r) => format!("Conductor m{i} {{ metal gold  roughness {r} }}"),
@@ -295,26 +322,38 @@ impl Display for Object {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let emission = match self.emission {
             DVec3::ZERO => String::new(),
-            e => format!("  emission {}", V(e)),
+            e => format!("  emission {}", VectorText(e)),
         };
         match &self.shape {
-            Shape::Sphere(c, r) => write!(f, "Sphere {{ center {}  radius {r}{emission} }}", V(*c)),
+            Shape::Sphere(c, r) => write!(f, "Sphere {{ center {}  radius {r}{emission} }}", VectorText(*c)),
             Shape::Ellipsoid(c, turn, axes) => {
-                let maps = format!("Translate {}  YRotate {turn}  Scale {}", V(*c), V(*axes));
+                let maps = format!("Translate {}  YRotate {turn}  Scale {}", VectorText(*c), VectorText(*axes));
                 write!(f, "Transform {{ {maps}  Sphere {{ center 0 0 0  radius 1{emission} }} }}")
             }
             Shape::Disc(c, n, r) => {
-                write!(f, "Disc {{ center {}  normal {}  radius {r}{emission} }}", V(*c), V(*n))
+                write!(f, "Disc {{ center {}  normal {}  radius {r}{emission} }}", VectorText(*c), VectorText(*n))
             }
             Shape::Rectangle(c, a, b) => {
-                write!(f, "Rectangle {{ corner {}  edge0 {}  edge1 {}{emission} }}", V(*c), V(*a), V(*b))
+                write!(
+                    f,
+                    "Rectangle {{ corner {}  edge0 {}  edge1 {}{emission} }}",
+                    VectorText(*c),
+                    VectorText(*a),
+                    VectorText(*b)
+                )
             }
-            Shape::Plane(p, n) => write!(f, "Plane {{ normal {}  offset {} }}", V(*n), n.dot(*p)),
+            Shape::Plane(p, n) => write!(f, "Plane {{ normal {}  offset {} }}", VectorText(*n), n.dot(*p)),
             Shape::Triangle([a, b, c]) => {
-                write!(f, "Triangle {{ vertex0 {}  vertex1 {}  vertex2 {}{emission} }}", V(*a), V(*b), V(*c))
+                write!(
+                    f,
+                    "Triangle {{ vertex0 {}  vertex1 {}  vertex2 {}{emission} }}",
+                    VectorText(*a),
+                    VectorText(*b),
+                    VectorText(*c)
+                )
             }
             Shape::Mesh(path, c, turn, scale) => {
-                let maps = format!("Translate {}  YRotate {turn}  UniformScale {scale}", V(*c));
+                let maps = format!("Translate {}  YRotate {turn}  UniformScale {scale}", VectorText(*c));
                 write!(f, "Transform {{ {maps}  TriangleMesh {{ obj_file {path}{emission} }} }}")
             }
         }
@@ -335,14 +374,14 @@ impl Shape {
         match self {
             Self::Sphere(c, r) => around.iter().map(|d| *c + *d * *r).collect(),
             Self::Ellipsoid(c, turn, axes) => around.iter().map(|d| *c + turned(*turn) * (*d * *axes)).collect(),
-            Self::Disc(c, n, r) => across(*n, &around).map(|d| *c + d * *r).collect(),
-            Self::Plane(c, n) => across(*n, &around).map(|d| *c + d * 100.0).collect(),
+            Self::Disc(c, n, r) => projected_directions(*n, &around).map(|d| *c + d * *r).collect(),
+            Self::Plane(c, n) => projected_directions(*n, &around).map(|d| *c + d * 100.0).collect(),
             Self::Rectangle(c, a, b) => lattice().map(|(s, t)| *c + *a * s + *b * t).collect(),
             Self::Triangle([a, b, c]) => {
                 lattice().filter(|(s, t)| s + t <= 1.0).map(|(s, t)| *a + (*b - *a) * s + (*c - *a) * t).collect()
             }
             Self::Mesh(path, c, turn, scale) => {
-                vertices(path).into_iter().map(|p| *c + turned(*turn) * (p * *scale)).collect()
+                obj_vertices(path).into_iter().map(|p| *c + turned(*turn) * (p * *scale)).collect()
             }
         }
     }
@@ -357,12 +396,12 @@ fn direction(i: u32, n: u32) -> DVec3 {
 }
 
 /// Projects each direction to the plane perpendicular to `n`.
-fn across(n: DVec3, directions: &[DVec3]) -> impl Iterator<Item = DVec3> {
+fn projected_directions(n: DVec3, directions: &[DVec3]) -> impl Iterator<Item = DVec3> {
     let n = n.normalize();
     directions.iter().map(move |d| *d - n * n.dot(*d))
 }
 
-fn vertices(path: &str) -> Vec<DVec3> {
+fn obj_vertices(path: &str) -> Vec<DVec3> {
     let text = fs::read_to_string(project_path(path)).unwrap();
     let lines = text.lines().filter_map(|line| line.strip_prefix("v "));
     let numbers = |line: &str| line.split_whitespace().map(|x| x.parse().unwrap()).collect::<Vec<f64>>();

@@ -15,11 +15,11 @@ use std::hint::black_box;
 use std::path::Path;
 
 /// Largest relative rounding error of f64: half the distance of adjacent numbers from 1 to 2.
-const UNIT: f64 = f64::EPSILON / 2.0;
+const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
 /// Radiance of each pass.
 ///
-/// Two channels have an odd last digit, which rounding removes in a sum that is 2²⁹ times larger.
+/// Two channels have a last bit of 1, which is rounded off in a sum that is 2²⁹ times larger.
 const CONSTANT: Rgb = Rgb::new(0.1, 0.7, 3e-5);
 
 /// The mean of 10⁹ equal passes, added one by one to a film of one pixel, is exact to rounding.
@@ -34,7 +34,7 @@ fn mean_of_constant_survives_billion_samples() {
     // The sum and the quotient round once each. The compensated sum of n values adds n²·2⁻¹⁰⁶ =
     // 10⁻¹⁴.
     let off = (film.pixel_means().next().unwrap() / CONSTANT.as_dvec3() - 1.0).abs().max_element();
-    assert!(off <= 2.0 * UNIT + 1e18 * UNIT * UNIT, "{off:e}");
+    assert!(off <= 2.0 * UNIT_ROUNDOFF + 1e18 * UNIT_ROUNDOFF * UNIT_ROUNDOFF, "{off:e}");
     assert!(off < 1e-9);
     assert_eq!(film.mean_picture(), [CONSTANT]);
 }
@@ -82,8 +82,8 @@ fn pass_order_changes_no_bit() {
         let exact = DVec3::from_array([0, 1, 2].map(|c| exact(c) as f64 / libm::exp2(64.0)));
         let magnitudes: DVec3 = values.iter().map(|v| v.as_dvec3().abs()).sum();
         // The bound covers the rounding of the sum, of the quotient and of `exact`, and the error
-        // n²u² of compensated sums, where u is `UNIT`.
-        let bound = exact.abs() * 3.0 * UNIT + magnitudes * (n * UNIT) * (n * UNIT);
+        // n²u² of compensated sums, where u is `UNIT_ROUNDOFF`.
+        let bound = exact.abs() * 3.0 * UNIT_ROUNDOFF + magnitudes * (n * UNIT_ROUNDOFF) * (n * UNIT_ROUNDOFF);
         let largest = values.iter().fold(0.0, |most: f32, v| most.max(v.abs().max_element()));
         let film_bound = bound + n * f64::from(largest) * libm::exp2(-31.0);
         let mut first = None;

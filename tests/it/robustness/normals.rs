@@ -1,5 +1,5 @@
-//! Shading normals that differ from geometric normals: no light leaks through surfaces, no weight
-//! is unbounded, and no energy is gained.
+//! Shading normals that differ from geometric normals: no light leaks through surfaces, large
+//! photon weights are rare, and no energy is gained.
 
 mod furnace;
 mod leaks;

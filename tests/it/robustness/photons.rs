@@ -26,7 +26,7 @@ use std::sync::atomic::AtomicBool;
 /// Relative rounding error of a channel of a stored grey photon.
 ///
 /// It is half a step of 1/65535 of the channel sum, which is three times the channel.
-const HUE: f64 = 1.5 / 65_535.0;
+const STORED_COLOR_ROUNDING: f64 = 1.5 / 65_535.0;
 
 /// Every integrator with photons.
 const WITH_PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Ppm, Algorithm::Pm];

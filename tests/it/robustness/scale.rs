@@ -45,9 +45,10 @@ const EQUAL_PASSES: u32 = 4;
 const SMALL: f64 = 1e-4;
 const LARGE: f64 = SMALL * 134_217_728.0;
 
-/// A direction that is not along an axis.
+/// A direction that is parallel to no axis.
 const AWAY: DVec3 = DVec3::new(0.71, -0.43, 0.56);
-const ASKEW: (DVec3, f64) = (DVec3::new(1.0, 2.0, -1.0), 57.0);
+/// Axis, of any length, and angle \[degrees] of a rotation that maps no axis to an axis.
+const OBLIQUE_ROTATION: (DVec3, f64) = (DVec3::new(1.0, 2.0, -1.0), 57.0);
 
 /// Returns the files of scenes/, sorted by name.
 fn scene_paths() -> Vec<PathBuf> {
@@ -111,9 +112,9 @@ fn count_differing_pixels(a: &[Vec<Rgb>], b: &[Vec<Rgb>]) -> usize {
 /// Returns the scene moved away by 10⁶ times its size. Also returns how far rounding may have moved
 /// its camera.
 ///
-/// A coordinate there rounds in f64 by 10⁶·2⁻⁵³ = 1.1·10⁻¹⁰ of the size. It rounds in a product of
-/// transforms, a point, a corner of the bounding box, the center, the camera, and their
-/// differences. Single precision rounds by 2⁻²⁴ = 6·10⁻⁸ once the scene is recentered.
+/// A coordinate at that distance rounds in f64 by 10⁶·2⁻⁵³ = 1.1·10⁻¹⁰ of the size. This happens
+/// several times: in transforms, points, the bounding box, the center, the camera, and their
+/// differences. After the scene is recentered, single precision rounds by 2⁻²⁴ = 6·10⁻⁸.
 fn far_away(file: &SceneFile, scene: &Scene) -> (Scene, f64) {
     let distance = 1e6 * 2.0 * f64::from(scene.photon_domain().radius);
     let moved = transformed_scene(file, &Similarity { shift: AWAY * distance, ..Similarity::NONE });
@@ -130,8 +131,8 @@ fn far_away(file: &SceneFile, scene: &Scene) -> (Scene, f64) {
 fn scaled_and_moved_scenes_give_same_image() {
     check_each_scene(|number, file| {
         let scene = transformed_scene(file, &Similarity::NONE);
-        // Pilots that find radii take as long as all passes, so nine of ten scenes have a fixed
-        // radius.
+        // Pilots that find gather radii take as long as all passes. So nine of ten scenes have a
+        // fixed radius.
         let radius = |scene: &Scene| (number % 10 > 0).then(|| scene.photon_domain().radius * 0.01);
         let passes = |scene: &Scene, n: u32| {
             pictures(
@@ -208,7 +209,7 @@ fn rotated_scenes_have_same_flux_and_radiance() {
     let dark = AtomicU32::new(0);
     check_each_scene(|_, file| {
         let here = transformed_scene(file, &Similarity::NONE);
-        let turn = Similarity { turn: (ASKEW.0.normalize(), ASKEW.1), ..Similarity::NONE };
+        let turn = Similarity { turn: (OBLIQUE_ROTATION.0.normalize(), OBLIQUE_ROTATION.1), ..Similarity::NONE };
         let there = transformed_scene(file, &turn);
         let near = if unbounded(&file.description.root) {
             0.5 * f64::from(here.photon_domain().radius)
@@ -242,9 +243,8 @@ fn rotated_scenes_have_same_flux_and_radiance() {
 
 /// Returns the flux that each pass stores on surfaces \[W].
 ///
-/// Light from infinity covers more of an unbounded plane if the bounding box of the other objects
-/// is larger. So in scenes with such a plane, only direct light closer to `middle` than `near`
-/// counts.
+/// Light from infinity reaches more of an unbounded plane if the bounding box of the other objects
+/// is larger. So in scenes with such a plane, only direct light within `near` of `middle` counts.
 fn stored_fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let tracer = PhotonTracer {

@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 pub use transport::*;
 
-/// Time limit of one command or one wait, after which it counts as hung. On a loaded machine, a
-/// command of a test can take more than a minute.
+/// Time limit of one command or one wait. After it, the command counts as hung. On a loaded
+/// machine, a command of a test can take more than a minute.
 pub const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Returns the absolute path of a file or folder that is given relative to the repository's root.
@@ -111,7 +111,7 @@ pub fn render_one_pass(integrator: &dyn Integrator, pass: u32) -> Vec<Rgb> {
     pass.image
 }
 
-/// Returns the root of the random numbers of test number `number`.
+/// Returns the key of the random numbers of test `number`.
 pub fn test_key(number: u64) -> Key {
     Key::new(number).purpose_key(Purpose::Test)
 }

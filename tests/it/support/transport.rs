@@ -19,10 +19,11 @@ pub const PASSES: u32 = 16;
 /// All kernels of density estimates.
 pub const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 
-/// Relative rounding error of a channel of a stored grey photon.
+/// Relative rounding error of each color channel of a stored grey photon.
 ///
-/// It is half a step of 1/65535 of the channel sum, which is three times the channel.
-pub const HUE_ROUNDING: f64 = 1.5 / 65_535.0;
+/// Channels are stored in steps of 1/65535 of the channel sum. A grey channel is a third of this
+/// sum, so half a step is 1.5/65535 of the channel.
+pub const STORED_COLOR_ROUNDING: f64 = 1.5 / 65_535.0;
 
 pub fn dvec3(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -165,7 +166,7 @@ pub fn red_channels(values: &[DVec3]) -> Vec<f64> {
 /// Red and green are stored to half a step of the channel sum; blue is the remainder.
 #[track_caller]
 pub fn assert_mean_rgb(what: &str, samples: &[DVec3], expected: DVec3, max_relative_error: f64) {
-    let slack = expected.element_sum() * HUE_ROUNDING * 2.0 / 3.0;
+    let slack = expected.element_sum() * STORED_COLOR_ROUNDING * 2.0 / 3.0;
     for (c, name) in ["red", "green", "blue"].iter().enumerate() {
         let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
         assert_mean(&format!("{what}, {name}"), &channel, expected[c], slack, max_relative_error);
@@ -183,9 +184,9 @@ pub struct EstimatePoint<'a> {
 
 /// Applies [`assert_mean`] to the irradiance that is estimated at `probe` in each of `maps`.
 ///
-/// `quadrature` is the relative error of `expected`. The estimate adds blocks of 64 photons in
-/// single precision. Their rounding error is at most 64·2⁻²⁴ of the sum (Higham 2002, section 4.2).
-/// For photons of equal power, it is systematic.
+/// `quadrature` is the relative error of `expected`. The tolerance also covers rounding: the
+/// estimate adds blocks of 64 photons in single precision, with an error of at most 64·2⁻²⁴ of the
+/// sum (Higham 2002, section 4.2). For photons of equal power, this error is systematic.
 #[track_caller]
 pub fn assert_estimates(
     what: &str,
@@ -208,7 +209,7 @@ pub fn assert_estimates(
     };
     let estimates: Vec<_> = maps.iter().map(one).collect();
     let most = estimates.iter().map(|e| e.photon_count).max().unwrap_or(0);
-    let slack = expected * (quadrature + 2.0 * HUE_ROUNDING + f64::from(most.min(64)) / 16_777_216.0);
+    let slack = expected * (quadrature + 2.0 * STORED_COLOR_ROUNDING + f64::from(most.min(64)) / 16_777_216.0);
     let samples: Vec<f64> = estimates.iter().map(|e| f64::from(e.radiance.x)).collect();
     let what = format!("{what}, {:?} of {} at {:.3}", probe.kernel, probe.radius, probe.at);
     assert_mean(&what, &samples, expected, slack, max_relative_error);

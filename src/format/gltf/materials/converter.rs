@@ -15,43 +15,46 @@ use crate::format::imported_materials::mix_of;
 use glam::{DVec3, DVec4};
 use gltf::material::AlphaMode;
 
-/// Least transmittance of glass. A transmittance of 0 would need infinite absorption.
+/// Least transmittance of glass, by color channel; smaller values are raised to it.
+///
+/// A transmittance of 0 would need an infinite absorption coefficient.
 const MIN_TRANSMITTANCE: f64 = 1e-6;
 
-/// Least attenuation distance \[length].
+/// Least attenuation distance of glass \[length]; smaller distances are raised to it.
 ///
 /// Together with [`MIN_TRANSMITTANCE`], it keeps absorption coefficients below 10¹² per length.
 const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
 
-/// Least Abbe number that is converted to dispersion.
+/// Least Abbe number of glass with dispersion. Glass with a smaller one gets a constant index.
 ///
 /// With this Abbe number and the index [`MAX_DISPERSIVE_INDEX`], the refractive index goes from 2.5
 /// at 720 nm to 5.1 at 380 nm.
 const MIN_ABBE_NUMBER: f64 = 2.0;
 
-/// Largest refractive index that is converted to dispersion.
+/// Largest refractive index of glass with dispersion. A larger index is constant over wavelength.
 const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 
-/// Parameters of the metallic-roughness model that its metal part and its dielectric part share.
+/// Parameters of glTF's metallic-roughness model, without metalness and transmission.
 pub(super) struct MetallicRoughnessSurface<'a> {
     /// Base color in \[0, 1], which multiplies `base_texture`.
     pub base_color: DVec3,
+    /// Texture of the base color; `None` stands for white.
     pub base_texture: Option<TextureReference<'a>>,
     /// Reflectance of the dielectric part at normal incidence, by color channel.
     pub f0: DVec3,
-    /// GGX α as a constant or a texture, and its mean over all pixels.
+    /// GGX α as a constant or a texture, and the mean of α over all pixels.
     pub ggx_alpha_and_mean: (TexturedValue<f64>, f64),
 }
 
-/// Converter of one material, with the state of the conversion.
+/// Converter of one glTF material, with the tables that receive its materials and messages.
 pub(super) struct GltfMaterialConverter<'m, 'a> {
-    /// Materials of the imported scene so far; receives the converted ones.
+    /// Materials of the imported scene so far. The converter adds its results here.
     pub materials: &'m mut GltfMaterials<'a>,
     /// Messages about content that is ignored or approximated.
     pub notes: &'m mut ImportNotes,
     /// The glTF file that is imported, for error messages.
     pub context: &'m FileContext<'a>,
-    /// Name of the material in the imported scene. Messages give it as their place.
+    /// Name of the material in the imported scene, also for messages.
     pub name: String,
     /// Index of the texture coordinates that the material's first texture uses (`TEXCOORD_0`, …);
     /// `None` before any texture.
@@ -113,7 +116,7 @@ impl GltfMaterialConverter<'_, '_> {
         Ok(GltfImportedMaterial { name: self.name.clone(), texcoord_set: self.texcoord_set, is_invisible, emits })
     }
 
-    /// Converts the reflection and transmission of a material, without its alpha.
+    /// Converts the reflection and transmission of a material. Leaves out alpha and emission.
     ///
     /// The base color is `base` times `base_texture`. Also stores the normal map in `self.normal`.
     fn surface_description<'t>(
@@ -166,10 +169,10 @@ impl GltfMaterialConverter<'_, '_> {
         Ok(mix_of(first, second, metallic))
     }
 
-    /// Converts the dielectric part of the metallic-roughness model.
+    /// Converts the dielectric part of the metallic-roughness model, with refractive index `index`.
     ///
-    /// The result is opaque, transmits as glass, or is a mix of an opaque and a glass material.
-    /// `index` is the refractive index.
+    /// The extension KHR_materials_transmission decides the result: an opaque material, glass, or a
+    /// mix of both.
     fn dielectric_description(
         &mut self,
         material: &gltf::Material<'_>,
@@ -200,7 +203,7 @@ impl GltfMaterialConverter<'_, '_> {
     /// The reflectance at normal incidence decides the result:
     ///
     /// - 0: a diffuse surface.
-    /// - Gray, and at most that of a coat with the largest index: a diffuse base under a coat.
+    /// - Gray, and at most that of index [`MAX_COAT_INDEX`]: a diffuse base under a coat.
     /// - Otherwise: a diffuse surface with a Phong lobe for the gloss.
     pub(super) fn opaque_dielectric_description(
         &mut self,
@@ -219,8 +222,8 @@ impl GltfMaterialConverter<'_, '_> {
                 is_nonlinear: false,
             }));
         }
-        let kept = 1.0 - f0.max_element();
-        let diffuse = self.textured_color(base_texture.as_ref(), *base * kept)?;
+        let diffuse_share = 1.0 - f0.max_element();
+        let diffuse = self.textured_color(base_texture.as_ref(), *base * diffuse_share)?;
         self.add_note(
             "strong or colored gloss of non-metals is a Phong lobe, which does not grow towards grazing angles",
         );
@@ -243,10 +246,10 @@ impl GltfMaterialConverter<'_, '_> {
         }))
     }
 
-    /// Converts transmission to a body of glass or to a thin pane.
+    /// Converts a material that transmits light to glass with the refractive index `index`.
     ///
-    /// The result is a body if the material has a volume of thickness above 0. `index` is the
-    /// refractive index.
+    /// With a volume of thickness above 0 (KHR_materials_volume), the result is a solid body. Else
+    /// it is a thin pane.
     fn glass_description(
         &mut self,
         material: &gltf::Material<'_>,
@@ -310,9 +313,9 @@ impl GltfMaterialConverter<'_, '_> {
 
     /// Returns the reflectance of the material's dielectric part at normal incidence, in \[0, 1].
     ///
-    /// It follows from the refractive `index` and the extension KHR_materials_specular. An index of
-    /// 0 in the file stands for total reflection. A specular-glossiness material gives its specular
-    /// color instead.
+    /// The reflectance follows from the refractive `index` and the extension
+    /// KHR_materials_specular. An index of 0 in the file stands for total reflection. For a
+    /// specular-glossiness material, the reflectance is its specular color.
     fn dielectric_normal_reflectance(&mut self, material: &gltf::Material<'_>, index: f64) -> DVec3 {
         if let Some(glossy) = material.pbr_specular_glossiness() {
             return glossy.specular_factor().map(clamped_to_unit).into();
@@ -326,22 +329,22 @@ impl GltfMaterialConverter<'_, '_> {
         (DVec3::from(color) * root * root).min(DVec3::ONE) * clamped_to_unit(specular.specular_factor())
     }
 
-    /// Returns the opacity in \[0, 1] that the material's alpha mode gives, as a constant or a
-    /// texture.
+    /// Returns the opacity of a material in \[0, 1], by its alpha mode, as a constant or a texture.
     ///
-    /// `factor` multiplies the alpha channel of `texture`.
+    /// Alpha is `factor` times the alpha channel of `texture`. Mode `OPAQUE` gives 1, `BLEND` gives
+    /// alpha, and `MASK` gives 0 or 1.
     fn opacity(
         &mut self,
         material: &gltf::Material<'_>,
         factor: f64,
         texture: Option<&TextureReference<'_>>,
     ) -> ReadResult<TexturedValue<f64>> {
-        let wanted = match material.alpha_mode() {
+        let texture_use = match material.alpha_mode() {
             AlphaMode::Opaque => return Ok(TexturedValue::Constant(1.0)),
             AlphaMode::Blend => GltfTextureUse::Channel(3, factor),
             AlphaMode::Mask => GltfTextureUse::AlphaMask(factor, f64::from(material.alpha_cutoff().unwrap_or(0.5))),
         };
-        Ok(self.textured_scalar_and_mean(texture, wanted)?.0)
+        Ok(self.textured_scalar_and_mean(texture, texture_use)?.0)
     }
 
     /// Returns the emitted radiance, constant or by a texture; `None` if the surface emits nothing.
@@ -357,11 +360,11 @@ impl GltfMaterialConverter<'_, '_> {
         if !strength.is_finite() {
             return Err(self.context.error(&self.name, "its emissive strength is not finite"));
         }
-        let own = self.texture_reference(material.emissive_texture().as_ref());
+        let emissive_texture = self.texture_reference(material.emissive_texture().as_ref());
         let (factor, texture, scale) = if material.unlit() {
             (base, base_texture, 1.0)
         } else {
-            (material.emissive_factor().map(clamped_to_unit).into(), own.as_ref(), strength)
+            (material.emissive_factor().map(clamped_to_unit).into(), emissive_texture.as_ref(), strength)
         };
         if factor * scale == DVec3::ZERO {
             return Ok(None);
@@ -397,6 +400,7 @@ impl GltfMaterialConverter<'_, '_> {
         }
     }
 
+    /// Converts the normal map of a material; `None` without one, or if all its pixels are equal.
     fn normal_map(&mut self, material: &gltf::Material<'_>) -> ReadResult<Option<NormalPerturbationDescription>> {
         let Some(normal) = material.normal_texture() else { return Ok(None) };
         let reference =
@@ -410,9 +414,10 @@ impl GltfMaterialConverter<'_, '_> {
         })
     }
 
-    /// Returns the texture that a material refers to, with its coordinates.
+    /// Returns the texture that `info` refers to, with its texture coordinates.
     ///
-    /// `None` if there is no texture, or if its transform is not valid.
+    /// `None` if `info` is `None`. A texture whose transform is not invertible also gives `None`,
+    /// with a note.
     pub(super) fn texture_reference<'t>(
         &mut self,
         info: Option<&gltf::texture::Info<'t>>,
@@ -420,7 +425,7 @@ impl GltfMaterialConverter<'_, '_> {
         self.with_valid_transform(TextureReference::from_info(info?))
     }
 
-    /// Returns `reference`; `None` with a note if its transform is not valid.
+    /// Returns `reference`; `None`, with a note, if its texture transform is not invertible.
     pub(super) fn with_valid_transform<'t>(&mut self, reference: TextureReference<'t>) -> Option<TextureReference<'t>> {
         if reference.has_valid_transform() {
             return Some(reference);
@@ -442,39 +447,41 @@ impl GltfMaterialConverter<'_, '_> {
         })
     }
 
-    /// Returns a parameter in \[0, 1], as a constant or a texture, and its mean.
+    /// Converts `texture` to a number parameter in \[0, 1]. Returns it as a constant or a texture,
+    /// and its mean over all pixels.
     ///
-    /// `wanted` selects the conversion from the pixels of `texture` to the parameter.
+    /// `texture_use` selects the conversion of pixels, and holds a factor. Without a texture, the
+    /// result depends only on the factor.
     pub(super) fn textured_scalar_and_mean(
         &mut self,
         texture: Option<&TextureReference<'_>>,
-        wanted: GltfTextureUse,
+        texture_use: GltfTextureUse,
     ) -> ReadResult<(TexturedValue<f64>, f64)> {
-        let alone = match wanted {
+        let value_without_texture = match texture_use {
             GltfTextureUse::Channel(_, factor) => factor,
             GltfTextureUse::GgxAlpha(factor) => factor * factor,
             GltfTextureUse::AlphaMask(factor, cutoff) => f64::from(factor >= cutoff),
             GltfTextureUse::Color(_) | GltfTextureUse::Normal(_) => 1.0,
         };
-        Ok(match self.convert_texture(texture, wanted)? {
+        Ok(match self.convert_texture(texture, texture_use)? {
             Some(GltfConvertedTexture::Constant(value)) => (TexturedValue::Constant(value.x), value.x),
             Some(GltfConvertedTexture::Texture(name, mean)) => (TexturedValue::Texture(name), mean.x),
-            None => (TexturedValue::Constant(alone), alone),
+            None => (TexturedValue::Constant(value_without_texture), value_without_texture),
         })
     }
 
-    /// Converts `texture` for the use `wanted`; `None` without a texture, or if its picture has an
-    /// unsupported format.
+    /// Converts the pixels of `texture` for `texture_use`, such as a color. `None` without a
+    /// texture, or if its picture has an unsupported format.
     ///
-    /// A material of Caustica has one set of texture coordinates: that of its first texture. A
-    /// later texture with another set becomes a constant, the mean of its pixels.
+    /// All textures of a material share one set of texture coordinates, the set of the first
+    /// texture. A later texture with another set becomes a constant: the mean of its pixels.
     fn convert_texture(
         &mut self,
         texture: Option<&TextureReference<'_>>,
-        wanted: GltfTextureUse,
+        texture_use: GltfTextureUse,
     ) -> ReadResult<Option<GltfConvertedTexture>> {
         let Some(texture) = texture else { return Ok(None) };
-        let values = self.materials.textures.convert_texture(texture, wanted, self.notes)?;
+        let values = self.materials.textures.convert_texture(texture, texture_use, self.notes)?;
         if let Some(GltfConvertedTexture::Texture(..)) = &values {
             let texcoord_set = *self.texcoord_set.get_or_insert(texture.texcoord_set);
             if texcoord_set != texture.texcoord_set {
@@ -485,9 +492,9 @@ impl GltfMaterialConverter<'_, '_> {
         Ok(values)
     }
 
-    /// Adds one of the two materials of a mix, and returns the name of this material.
+    /// Adds one of the two materials of a mix to the imported scene, and returns its name.
     ///
-    /// The name is that of the whole material followed by `suffix`.
+    /// This name is the name of the mix, followed by `suffix`.
     pub(super) fn add_mix_component(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
         let name = self.materials.list.unique_name(&format!("{} {suffix}", self.name));
         let normal = if kind.mix_material_names().is_none() { self.normal.clone() } else { None };
@@ -500,9 +507,9 @@ impl GltfMaterialConverter<'_, '_> {
     }
 }
 
-/// Returns the refractive index of a coat with the reflectance `f0` at normal incidence.
+/// Returns the refractive index whose Fresnel reflectance at normal incidence is `f0`.
 ///
-/// `None` if the channels differ, or if the index is not between 1 and [`MAX_COAT_INDEX`].
+/// `None` if the channels of `f0` differ, or if the index is above [`MAX_COAT_INDEX`].
 pub(super) fn coat_refractive_index(f0: DVec3) -> Option<f64> {
     let root = f0.x.sqrt();
     let index = (1.0 + root) / (1.0 - root);

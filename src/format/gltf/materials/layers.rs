@@ -13,19 +13,21 @@ use serde_json::Value;
 
 /// Clear coat of a material (KHR_materials_clearcoat).
 pub(super) struct GltfClearCoat {
-    /// Share of the surface that the coat covers, in \[0, 1].
+    /// Fraction of the surface that the coat covers, in \[0, 1].
     amount: TexturedValue<f64>,
     /// GGX α of the coat.
     ggx_alpha: f64,
 }
 
 impl<'a> GltfMaterialConverter<'_, 'a> {
-    /// Returns the clear coat of `material`; `None` without one, or if it is ignored with a note.
+    /// Returns the clear coat of `material`; `None` without one.
+    ///
+    /// A clear coat on glass also gives `None`, with a note.
     pub(super) fn clear_coat(&mut self, material: &gltf::Material<'_>) -> ReadResult<Option<GltfClearCoat>> {
         let Some(extension) = material.extension_value("KHR_materials_clearcoat") else { return Ok(None) };
         let texture = self.extension_texture(extension, "clearcoatTexture")?;
-        let wanted = GltfTextureUse::Channel(0, unit_number(extension, "clearcoatFactor", 0.0));
-        let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), wanted)?;
+        let texture_use = GltfTextureUse::Channel(0, unit_number(extension, "clearcoatFactor", 0.0));
+        let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), texture_use)?;
         if amount == TexturedValue::Constant(0.0) {
             return Ok(None);
         }
@@ -40,15 +42,15 @@ impl<'a> GltfMaterialConverter<'_, 'a> {
             self.add_note("clear coats have the normals of the surface below");
         }
         let texture = self.extension_texture(extension, "clearcoatRoughnessTexture")?;
-        let wanted = GltfTextureUse::GgxAlpha(unit_number(extension, "clearcoatRoughnessFactor", 0.0));
-        let (alpha, ggx_alpha) = self.textured_scalar_and_mean(texture.as_ref(), wanted)?;
+        let texture_use = GltfTextureUse::GgxAlpha(unit_number(extension, "clearcoatRoughnessFactor", 0.0));
+        let (alpha, ggx_alpha) = self.textured_scalar_and_mean(texture.as_ref(), texture_use)?;
         if matches!(alpha, TexturedValue::Texture(_)) {
             self.add_note("textures of the roughness of clear coats become their mean");
         }
         Ok(Some(GltfClearCoat { amount, ggx_alpha }))
     }
 
-    /// Converts an opaque surface under a clear coat. `metallic` is its share of metal.
+    /// Converts an opaque surface under a clear coat. `metallic` is the metalness in \[0, 1].
     pub(super) fn clear_coated_description(
         &mut self,
         surface: &MetallicRoughnessSurface<'_>,
@@ -73,11 +75,11 @@ impl<'a> GltfMaterialConverter<'_, 'a> {
         }))
     }
 
-    /// Converts the part of the dielectric that is no glass: an opaque surface, or its mix with a
-    /// sheet that transmits light diffusely (KHR_materials_diffuse_transmission).
+    /// Converts the part of a dielectric that is not glass: an opaque surface, a sheet that
+    /// transmits light diffusely (KHR_materials_diffuse_transmission), or a mix of both.
     ///
-    /// As in the specification, the amount of diffuse transmission takes its share from the diffuse
-    /// reflection.
+    /// As in the specification, diffuse transmission of factor f reduces diffuse reflection to 1 −
+    /// f of its value.
     pub(super) fn sheet_or_opaque_description(
         &mut self,
         material: &gltf::Material<'_>,
@@ -87,8 +89,8 @@ impl<'a> GltfMaterialConverter<'_, 'a> {
             return self.opaque_dielectric_description(surface);
         };
         let texture = self.extension_texture(extension, "diffuseTransmissionTexture")?;
-        let wanted = GltfTextureUse::Channel(3, unit_number(extension, "diffuseTransmissionFactor", 0.0));
-        let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), wanted)?;
+        let texture_use = GltfTextureUse::Channel(3, unit_number(extension, "diffuseTransmissionFactor", 0.0));
+        let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), texture_use)?;
         if amount == TexturedValue::Constant(0.0) {
             return self.opaque_dielectric_description(surface);
         }
@@ -110,8 +112,8 @@ impl<'a> GltfMaterialConverter<'_, 'a> {
         Ok(mix_of(first, second, amount))
     }
 
-    /// Returns the texture `key` of a material extension; `None` without one, or if its transform
-    /// is not valid.
+    /// Returns the texture `key` of a material extension; `None` without one, or if its texture
+    /// transform is not invertible.
     fn extension_texture(&mut self, extension: &Value, key: &str) -> ReadResult<Option<TextureReference<'a>>> {
         let Some(info) = extension.get(key) else { return Ok(None) };
         let Some(reference) = self.materials.textures.texture_of_json(info) else {
@@ -121,7 +123,7 @@ impl<'a> GltfMaterialConverter<'_, 'a> {
     }
 }
 
-/// Returns the number `key` of a material extension, clamped to \[0, 1].
+/// Returns the number `key` of a material extension, clamped to \[0, 1]; `default` without one.
 fn unit_number(extension: &Value, key: &str, default: f32) -> f64 {
     clamped_to_unit(extension.get(key).and_then(Value::as_f64).map_or(default, |number| number as f32))
 }

@@ -32,17 +32,18 @@ pub(super) struct GltfMaterials<'a> {
     pub textures: GltfTextures<'a>,
     /// Materials of the imported scene.
     pub list: ImportedMaterials,
+    /// Imported materials, by material index in the file and the bits of the vertex color.
     converted_materials: HashMap<(Option<usize>, [u64; 4]), GltfImportedMaterial>,
 }
 
 impl<'a> GltfMaterials<'a> {
-    /// Returns an empty table of materials. `pictures` collects the textures of later materials.
-    pub fn new(pictures: GltfTextures<'a>) -> Self {
-        Self { textures: pictures, list: ImportedMaterials::default(), converted_materials: HashMap::new() }
+    /// Returns an empty table of materials, whose textures go to `textures`.
+    pub fn new(textures: GltfTextures<'a>) -> Self {
+        Self { textures, list: ImportedMaterials::default(), converted_materials: HashMap::new() }
     }
 
-    /// Returns the material of the imported scene for `material` of the file. Converts it at its
-    /// first use.
+    /// Returns the material of the imported scene that corresponds to the file's `material`.
+    /// Converts it at its first use.
     ///
     /// `vertex_color` multiplies the base color and alpha; `None` stands for white.
     pub fn imported_material(
@@ -66,8 +67,8 @@ impl<'a> GltfMaterials<'a> {
         Ok(imported)
     }
 
-    /// Keeps only the materials that an object uses, directly or through a mix, and their textures
-    /// and pictures.
+    /// Removes all materials that no object uses, directly or through a mix. Removes the textures
+    /// and pictures that only they use.
     pub fn remove_unused(&mut self, objects: &ObjectGroup) {
         let textures = self.list.remove_unused(objects);
         self.textures.keep_textures(&textures);

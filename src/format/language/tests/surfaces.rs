@@ -289,7 +289,7 @@ fn patch_control_points_must_fit_the_degrees() {
 }
 
 #[test]
-fn some_fields_are_written_only_if_they_differ_from_their_default() {
+fn some_fields_at_their_default_are_not_written() {
     let written = |conductor: &str, cone: &str| {
         let materials = format!("Materials {{ Conductor {{ metal gold {conductor} }} }}");
         let group = format!("Group {{ Cone {{ bottom 0 0 0 top 0 1 0 radius 1 {cone} }} }}");

@@ -24,7 +24,8 @@ pub struct DielectricDescription {
     pub absorption: DielectricAbsorption,
     /// GGX α, inside \[0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
-    /// False if light that several microfacets scatter is lost, as in pbrt-v4 and Mitsuba 3.
+    /// True if light that several microfacets scatter in turn is included; false if this light is
+    /// lost, as in pbrt-v4 and Mitsuba 3.
     pub has_multiple_scattering: bool,
     /// Priority where bodies overlap (Schmidt and Budge 2002): the highest wins. Among equal
     /// priorities, the body that was entered last wins.

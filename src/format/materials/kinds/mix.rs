@@ -66,7 +66,7 @@ impl MaterialBlock for MixDescription {
 impl MixConstraints {
     /// Returns the constraints of a material that has the given kind and index.
     ///
-    /// `constraints_by_name` returns those of each material of a mix.
+    /// If the material is a mix, `constraints_by_name` looks up the constraints of its components.
     pub(in crate::format) fn of_material(
         kind: &MaterialKindDescription,
         index: usize,
@@ -90,7 +90,7 @@ impl MixConstraints {
     /// True if this material and the other one bound two different dielectric bodies.
     ///
     /// They cannot form a mix: a path could enter one dielectric and leave the other, and the first
-    /// would stay on the path's stack of bodies.
+    /// body would then stay on the path's stack of bodies.
     pub(in crate::format) fn has_other_dielectric_than(self, other: Self) -> bool {
         match (self.dielectric_material_index, other.dielectric_material_index) {
             (Some(a), Some(b)) => a != b,

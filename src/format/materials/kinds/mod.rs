@@ -42,7 +42,8 @@ use crate::format::span::Spanned;
 use crate::scene::Material;
 use std::fmt;
 
-/// A kind of material in the scene language: its block, and what the block means.
+/// A kind of material in the scene language: the schema of its block, and its conversion to a
+/// material of the renderer.
 trait MaterialBlock: BlockCodec {
     /// Schema of the block: keyword, fields and help.
     ///
@@ -50,12 +51,12 @@ trait MaterialBlock: BlockCodec {
     /// the field `bump`, they may have a bump map or a normal map.
     const BLOCK: &'static BlockSchema;
 
-    /// Body that a surface of this material bounds.
+    /// Kind of body that a surface of this material encloses.
     const BOUNDED_BODY: BoundedBody;
 
     /// Converts the parsed fields of a block, without emission, normal perturbation and medium.
     ///
-    /// The parser knows the materials that the text defines before this one.
+    /// A mix looks up its components in the parser, which knows all earlier materials of the text.
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         Self::parse_fields(f)
     }
@@ -79,10 +80,10 @@ trait MaterialBlock: BlockCodec {
     fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>>;
 }
 
-/// Body that a surface bounds.
+/// Kind of body that a closed surface encloses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BoundedBody {
-    /// No body, or only that of a component of a mix or of a principled material.
+    /// No body. Components of a mix or of a principled material may still enclose one.
     None,
     /// A dielectric body.
     Dielectric,

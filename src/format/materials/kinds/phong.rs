@@ -27,19 +27,20 @@ pub struct PhongDescription {
     pub texture: Option<Spanned<String>>,
 }
 
-/// Least GGX α that is converted to a Phong lobe; a smaller α is clamped to it, because it would
-/// give a lobe narrower than a degree.
+/// Smallest GGX α that is converted to a Phong lobe. A smaller α is clamped to this value, because
+/// its lobe would be narrower than a degree.
 const MIN_PHONG_ALPHA: f64 = 0.01;
 
 impl PhongDescription {
-    /// Returns a diffuse surface with a lobe that reflects the fraction `reflectance` at normal
-    /// incidence. `shininess` is the exponent of the lobe.
+    /// Returns a diffuse surface with a Phong lobe of exponent `shininess`. The lobe reflects the
+    /// fraction `reflectance` at normal incidence.
     pub fn with_lobe_reflectance(diffuse: TexturedValue<DVec3>, reflectance: DVec3, shininess: f64) -> Self {
         let specular = reflectance * (0.5 * (shininess + 2.0));
         Self { diffuse, specular: specular.into(), shininess, texture: None }
     }
 
-    /// Returns a diffuse surface with a lobe in place of a GGX lobe of the roughness `alpha`.
+    /// Returns a diffuse surface with a Phong lobe that approximates a GGX lobe of roughness
+    /// `alpha`.
     ///
     /// The lobe reflects the fraction `reflectance` at normal incidence. Its exponent is 2/α² − 2,
     /// with α clamped to \[0.01, 1].

@@ -21,14 +21,14 @@ use glam::DVec3;
 pub struct PrincipledDescription {
     /// Reflectance of the diffuse base, and of the metal at normal incidence, inside \[0, 1].
     pub base_color: TexturedValue<DVec3>,
-    /// Share of metal, inside \[0, 1].
+    /// Fraction of the surface that is metal, inside \[0, 1].
     pub metallic: TexturedValue<f64>,
     /// GGX α of metal, glass and coat, inside \[0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
-    /// Index of refraction, inside \[1, 4]: of the coat relative to the surroundings, and of the
-    /// glass relative to vacuum.
+    /// Index of refraction, inside \[1, 4]: of the coat relative to the surroundings, and
+    /// absolute index of the glass.
     pub eta: f64,
-    /// Share of glass in the part that is no metal, inside \[0, 1].
+    /// Fraction of the non-metal part that is glass, inside \[0, 1].
     pub transmission: TexturedValue<f64>,
     /// Absorption inside the body of glass.
     pub absorption: DielectricAbsorption,
@@ -36,7 +36,8 @@ pub struct PrincipledDescription {
     pub clearcoat: TexturedValue<f64>,
     /// GGX α of the clear coat, inside \[0, 1]; 0 is smooth.
     pub clearcoat_roughness: f64,
-    /// False if light that several microfacets of metal and glass scatter is lost.
+    /// True if metal and glass include light that several microfacets scatter in turn; false if
+    /// this light is lost.
     pub has_multiple_scattering: bool,
 }
 

@@ -41,7 +41,7 @@ pub(super) fn read(
     let checked = check::check_and_rewrite_obj(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
         .map_err(|e| MeshError::error_at_line(path, e.line, e.defect))?;
     drop(text);
-    // The original text is freed. The following steps take less memory than it did.
+    // The original text is freed. The following steps take less memory than the text took.
     check_memory(
         path,
         MEMORY_PER_COORDINATE * checked.coordinate_count as u64 + MEMORY_PER_CORNER * checked.corner_count as u64,
@@ -116,7 +116,7 @@ fn join_obj_groups(models: &[tobj::Model], checked: &CheckedObjFile) -> Option<T
     let has = |list: fn(&tobj::Mesh) -> &Vec<f64>| models.iter().any(|model| !list(&model.mesh).is_empty());
     let (has_normals, has_texcoords) = (has(|mesh| &mesh.normals), has(|mesh| &mesh.texcoords));
     let (mut normals, mut texcoords) = (Vec::new(), Vec::new());
-    let mut numbers: HashMap<&str, u32> = HashMap::new();
+    let mut material_indices: HashMap<&str, u32> = HashMap::new();
     for (model, material) in models.iter().zip(&checked.group_material_names) {
         let part = &model.mesh;
         let base = u32::try_from(mesh.positions.len()).ok()?;
@@ -135,15 +135,15 @@ fn join_obj_groups(models: &[tobj::Model], checked: &CheckedObjFile) -> Option<T
         }
         let (corners, _) = part.indices.as_chunks::<3>();
         mesh.triangles.extend(corners.iter().map(|t| t.map(|v| v + base)));
-        let number = if material.is_empty() {
+        let material_index = if material.is_empty() {
             NO_MATERIAL
         } else {
-            *numbers.entry(material).or_insert_with(|| {
+            *material_indices.entry(material).or_insert_with(|| {
                 mesh.materials.push(material.clone());
                 mesh.materials.len() as u32 - 1
             })
         };
-        mesh.triangle_materials.resize(mesh.triangles.len(), number);
+        mesh.triangle_materials.resize(mesh.triangles.len(), material_index);
     }
     if mesh.materials.is_empty() {
         mesh.triangle_materials = Vec::new();

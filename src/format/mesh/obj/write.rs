@@ -13,7 +13,7 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
     for library in libraries {
         writeln!(out, "mtllib {library}")?;
     }
-    let (places, positions) = deduplicate_keys(mesh.positions.iter().map(|p| coordinate_bits(*p)));
+    let (position_indices, positions) = deduplicate_keys(mesh.positions.iter().map(|p| coordinate_bits(*p)));
     for [x, y, z] in positions {
         writeln!(
             out,
@@ -24,13 +24,13 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
         )?;
     }
     let texcoords = mesh.texcoords.as_deref().unwrap_or_default();
-    let (mapped, texcoords) = deduplicate_keys(texcoords.iter().map(|t| t.to_array().map(f64::to_bits)));
+    let (texcoord_indices, texcoords) = deduplicate_keys(texcoords.iter().map(|t| t.to_array().map(f64::to_bits)));
     for [s, t] in texcoords {
         writeln!(out, "vt {} {}", shortest_decimal_from_bits(s), shortest_decimal_from_bits(t))?;
     }
     let normals = mesh.normals.as_deref().unwrap_or_default();
-    let (facing, unique) = deduplicate_keys(normals.iter().map(|n| coordinate_bits(*n)));
-    for [x, y, z] in unique {
+    let (normal_indices, distinct_normals) = deduplicate_keys(normals.iter().map(|n| coordinate_bits(*n)));
+    for [x, y, z] in distinct_normals {
         writeln!(
             out,
             "vn {} {} {}",
@@ -49,12 +49,12 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
         let smooth = !normals.is_empty() && triangle.iter().all(|v| normals[*v as usize] != DVec3::ZERO);
         out.write_all(b"f")?;
         for v in triangle.map(|v| v as usize) {
-            let place = places[v] + 1;
-            match (mapped.get(v), smooth) {
-                (None, false) => write!(out, " {place}")?,
-                (None, true) => write!(out, " {place}//{}", facing[v] + 1)?,
-                (Some(t), false) => write!(out, " {place}/{}", t + 1)?,
-                (Some(t), true) => write!(out, " {place}/{}/{}", t + 1, facing[v] + 1)?,
+            let position = position_indices[v] + 1;
+            match (texcoord_indices.get(v), smooth) {
+                (None, false) => write!(out, " {position}")?,
+                (None, true) => write!(out, " {position}//{}", normal_indices[v] + 1)?,
+                (Some(t), false) => write!(out, " {position}/{}", t + 1)?,
+                (Some(t), true) => write!(out, " {position}/{}/{}", t + 1, normal_indices[v] + 1)?,
             }
         }
         out.write_all(b"\n")?;
@@ -64,9 +64,9 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
 
 /// Numbers the distinct keys. Returns the number of each key, and the list of distinct keys.
 fn deduplicate_keys<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
-    let mut numbers = DeduplicatedList::with_capacity(keys.len());
-    let list = keys.map(|key| numbers.find_or_append(key, |key| *key)).collect();
-    (list, numbers.into_values())
+    let mut distinct = DeduplicatedList::with_capacity(keys.len());
+    let list = keys.map(|key| distinct.find_or_append(key, |key| *key)).collect();
+    (list, distinct.into_values())
 }
 
 fn shortest_decimal_from_bits(bits: u64) -> ShortestDecimal<f64> {

@@ -136,9 +136,9 @@ impl PlyHeader {
         loop {
             let rest = &bytes[header.byte_count..];
             let number = header.line_count + 1;
-            let wrong = |message: String, remedy| Err((number, (message, remedy)));
+            let header_error = |message: String, remedy| Err((number, (message, remedy)));
             let Some(end) = rest.iter().position(|b| matches!(b, b'\n' | b'\r')) else {
-                return wrong("the header ends without `end_header`".to_owned(), EXPORT_ANEW);
+                return header_error("the header ends without `end_header`".to_owned(), EXPORT_ANEW);
             };
             let line = String::from_utf8_lossy(&rest[..end]);
             header.byte_count += end + if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
@@ -146,7 +146,7 @@ impl PlyHeader {
             let mut words = line.split_ascii_whitespace();
             match words.next() {
                 _ if number == 1 && line.trim() != "ply" => {
-                    return wrong("the first line is not `ply`".to_owned(), EXPORT_ANEW);
+                    return header_error("the first line is not `ply`".to_owned(), EXPORT_ANEW);
                 }
                 Some("format") => {
                     encoding = Some(match words.next() {
@@ -155,14 +155,17 @@ impl PlyHeader {
                         Some("binary_big_endian") => PlyEncoding::BigEndian,
                         other => {
                             let message = format!("unknown format `{}`", escaped_excerpt(other.unwrap_or_default()));
-                            return wrong(message, "known are ascii, binary_little_endian and binary_big_endian");
+                            return header_error(
+                                message,
+                                "known are ascii, binary_little_endian and binary_big_endian",
+                            );
                         }
                     });
                 }
                 Some("element") => {
                     let element = parse_ply_element(words, number).map_err(|e| (number, e))?;
                     if element.kind != PlyElementKind::Other && header.elements.iter().any(|e| e.kind == element.kind) {
-                        return wrong(format!("`{}` is declared twice", element.name), EXPORT_ANEW);
+                        return header_error(format!("`{}` is declared twice", element.name), EXPORT_ANEW);
                     }
                     header.elements.push(element);
                 }
@@ -171,12 +174,15 @@ impl PlyHeader {
                         let property = parse_ply_property(words, element.kind).map_err(|e| (number, e))?;
                         element.properties.push(property);
                     }
-                    None => return wrong("a property stands before any element".to_owned(), EXPORT_ANEW),
+                    None => return header_error("a property stands before any element".to_owned(), EXPORT_ANEW),
                 },
                 Some("end_header") => break,
                 Some("ply" | "comment" | "obj_info") | None => {}
                 Some(word) => {
-                    return wrong(format!("`{}` is no line of a PLY header", escaped_excerpt(word)), EXPORT_ANEW);
+                    return header_error(
+                        format!("`{}` is no line of a PLY header", escaped_excerpt(word)),
+                        EXPORT_ANEW,
+                    );
                 }
             }
         }
@@ -230,13 +236,13 @@ impl PlyElement {
     }
 
     fn check_required_properties(&self) -> Result<(), HeaderError> {
-        let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
+        let header_error = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
         match self.kind {
             PlyElementKind::Vertex if !(0..3).all(|slot| self.has_vertex_component(slot)) => {
-                wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
+                header_error("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
             PlyElementKind::Face if !self.properties.iter().any(|p| p.role == PlyPropertyRole::VertexIndices) => {
-                wrong("`face` has no list `vertex_indices`", "export it with the corners of its faces")
+                header_error("`face` has no list `vertex_indices`", "export it with the corners of its faces")
             }
             _ => Ok(()),
         }

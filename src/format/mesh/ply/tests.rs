@@ -59,8 +59,8 @@ fn every_number_type_is_read_in_both_endians() {
         for (encoding, big) in [("binary_big_endian", true), ("binary_little_endian", false)] {
             let bytes: Vec<u8> = if big { three.to_vec() } else { three.iter().rev().copied().collect() };
             let zero = vec![0; bytes.len()];
-            // Vertices at (3, 0, 0), (0, 3, 0) and 0; a list of numbers, and a face of lists of
-            // this type.
+            // Vertices at distance 3 on each axis and at the origin. Then an element to skip with a
+            // list of this type, and a face with index lists of this type.
             let whole = !name.starts_with(['f', 'd']);
             let index = if whole { name } else { "uchar" };
             let mut text = format!("ply\nformat {encoding} 1.0\nelement vertex 4\n").into_bytes();

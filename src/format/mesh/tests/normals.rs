@@ -18,8 +18,8 @@ fn the_smoothing_angle_decides_a_cubes_normals() {
         round.compute_missing_smooth_normals(angle);
         assert_eq!(round.positions.len(), 8);
         for (p, n) in round.positions.iter().zip(round.normals.as_ref().unwrap()) {
-            // Faces are divided unevenly, but their angles add up to the same. Sums of unit vectors
-            // err by ulps.
+            // Faces are divided unevenly, but their corner angles at a vertex have equal sums. Sums
+            // of unit vectors err by ulps.
             assert!((*n - p.normalize()).length() < 4e-16 * 4.0, "{n} at {p}");
         }
     }

@@ -23,8 +23,8 @@ fn closed_solids_have_their_area_volume_and_genus() {
     assert_eq!((report.vertices, report.triangles, report.genus), (4, 4, Some(0)));
     let (n, m) = (40, 30);
     let report = torus_mesh(n, m).mesh_report();
-    // A regular polygon revolved about the axis: the circle's 2π² R r², times the polygons' shares
-    // of their circles.
+    // The mesh is a torus whose two circles are regular polygons. Its volume is 2π² R r², times the
+    // area of each polygon as a fraction of its circle.
     let inscribed = |n: u32| f64::from(n) / TAU * libm::sin(TAU / f64::from(n));
     let ring = 2.0 * libm::pow(std::f64::consts::PI, 2.0) * 2.0 * inscribed(n) * inscribed(m);
     // The two triangles of a quad are not coplanar: an error of second order in 1/(n m).

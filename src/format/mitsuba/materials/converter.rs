@@ -20,7 +20,7 @@ use std::rc::Rc;
 /// Greatest nesting depth of BSDFs.
 const MAX_BSDF_DEPTH: u32 = 24;
 
-/// Result of the conversion of a BSDF: reflection and transmission, and a bump map or normal map.
+/// A Mitsuba BSDF after conversion: reflection and transmission, and a bump map or normal map.
 #[derive(Clone)]
 pub(super) struct ConvertedBsdf {
     /// Reflection and transmission.
@@ -40,36 +40,39 @@ pub(super) fn diffuse_description(reflectance: DVec3) -> MaterialKindDescription
     MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: reflectance.into() })
 }
 
-/// Returns the first of the BSDFs `sides` that are nested in `bsdf`; an error if there is none.
+/// Returns the first of `nested`, the BSDFs inside `bsdf`. Fails if there is none.
 pub(super) fn first_nested<'s>(
     bsdf: &MitsubaObject,
-    sides: &'s [(String, Rc<MitsubaObject>)],
+    nested: &'s [(String, Rc<MitsubaObject>)],
 ) -> ReadResult<&'s Rc<MitsubaObject>> {
     let message = || format!("`{}` has no nested BSDF", bsdf.plugin);
     let missing = || bsdf.place.error(message(), "nest a `bsdf` in it, or refer to one");
-    sides.first().map(|(_, inner)| inner).ok_or_else(missing)
+    nested.first().map(|(_, inner)| inner).ok_or_else(missing)
 }
 
-/// Converter of one BSDF to a material, with the state of the conversion.
+/// Converter of one Mitsuba BSDF to a material, with the tables that it needs and fills.
 pub(super) struct MitsubaMaterialConverter<'c, 'a> {
-    /// Materials of the imported scene so far; receives the two materials of each mix.
+    /// Materials of the imported scene so far. The converter adds the two materials of each mix.
     pub materials: &'c mut MitsubaMaterials,
     /// Textures of the imported scene.
     pub textures: &'c mut MitsubaTextures,
-    /// Files and messages of the import.
+    /// Objects, files and messages of the import.
     pub context: &'c ImportContext<'a>,
-    /// Convention for the texture coordinates of the shape.
+    /// Relation between the shape's texture coordinates in Caustica and in Mitsuba.
     pub convention: TexcoordConvention,
-    /// Name of the material in the imported scene. The names of materials in a mix begin with it.
+    /// Name of the material in the imported scene. If it is a mix, the names of its two materials
+    /// begin with this name.
     pub name: &'c str,
 }
 
 impl MitsubaMaterialConverter<'_, '_> {
-    /// Converts a BSDF, unless it was converted for the same convention before.
+    /// Returns the converted BSDF. Converts it unless it was converted before, for the same
+    /// convention of texture coordinates.
     ///
     /// `depth` is the number of BSDFs that contain this one.
     pub(super) fn convert_bsdf(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
-        // Without this table, blends that name the next one twice would take exponential time.
+        // Without this cache, a chain of blends that each use the next one twice takes exponential
+        // time.
         let key = (Rc::as_ptr(bsdf), self.convention);
         if let Some(known) = self.materials.surfaces.get(&key) {
             return Ok(known.clone());
@@ -82,7 +85,8 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(surface)
     }
 
-    /// Converts a BSDF; one of unknown kind becomes diffuse gray, with a message.
+    /// Converts a BSDF that is not in the cache. One of unknown kind becomes diffuse gray, with a
+    /// message.
     fn convert_new_bsdf(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let context = self.context;
         Ok(match bsdf.plugin.as_str() {
@@ -121,24 +125,24 @@ impl MitsubaMaterialConverter<'_, '_> {
             "principled" | "principledthin" => self.convert_principled(bsdf)?,
             "phong" => self.convert_phong(bsdf)?,
             "twosided" => {
-                let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
-                if sides.len() > 1 {
+                let nested = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
+                if nested.len() > 1 {
                     context.add_note("surfaces with two BSDFs have the first one on both sides", bsdf);
                 }
-                self.convert_first_nested(bsdf, &sides, depth)?
+                self.convert_first_nested(bsdf, &nested, depth)?
             }
             "mask" => self.convert_mask(bsdf, depth)?,
             "blendbsdf" | "mixturebsdf" => self.convert_blend(bsdf, depth)?,
             "bumpmap" | "bump" => self.convert_bump_map(bsdf, depth)?,
             "normalmap" => {
-                let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
-                let mut surface = self.convert_first_nested(bsdf, &sides, depth)?;
-                let wanted = (MitsubaTextureUse::Normal, self.convention);
+                let nested = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
+                let mut surface = self.convert_first_nested(bsdf, &nested, depth)?;
+                let texture_use = (MitsubaTextureUse::Normal, self.convention);
                 let values = match context.children_of_class(bsdf, ObjectClass::Texture)?.first() {
-                    Some((_, texture)) => Some(self.textures.convert_texture(context, texture, wanted, 1.0, 0)?),
+                    Some((_, texture)) => Some(self.textures.convert_texture(context, texture, texture_use, 1.0, 0)?),
                     // A fork of Mitsuba names the picture file in the BSDF itself.
                     None if bsdf.values.contains_key("filename") => {
-                        Some(self.textures.convert_bitmap(context, bsdf, wanted, 1.0)?)
+                        Some(self.textures.convert_bitmap(context, bsdf, texture_use, 1.0)?)
                     }
                     None => None,
                 };
@@ -150,8 +154,8 @@ impl MitsubaMaterialConverter<'_, '_> {
             "null" => MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 }).into(),
             "coating" | "roughcoating" => {
                 context.add_whole_object_note(&format!("the coat of `{}` is ignored", bsdf.plugin), bsdf);
-                let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
-                self.convert_first_nested(bsdf, &sides, depth)?
+                let nested = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
+                self.convert_first_nested(bsdf, &nested, depth)?
             }
             other => {
                 context.add_whole_object_note(&format!("BSDFs of kind `{other}` become diffuse gray"), bsdf);
@@ -160,30 +164,31 @@ impl MitsubaMaterialConverter<'_, '_> {
         })
     }
 
-    /// Converts the first of the nested BSDFs `sides`; an error if the list is empty.
+    /// Converts the first of `nested`, the BSDFs inside `bsdf`. Fails if there is none.
     ///
-    /// `bsdf` is the BSDF around them, at nesting depth `depth`.
+    /// `depth` is the nesting depth of `bsdf`.
     fn convert_first_nested(
         &mut self,
         bsdf: &Rc<MitsubaObject>,
-        sides: &[(String, Rc<MitsubaObject>)],
+        nested: &[(String, Rc<MitsubaObject>)],
         depth: u32,
     ) -> ReadResult<ConvertedBsdf> {
-        self.convert_bsdf(first_nested(bsdf, sides)?, depth + 1)
+        self.convert_bsdf(first_nested(bsdf, nested)?, depth + 1)
     }
 
+    /// Converts a `bumpmap`: its nested BSDF with the bump map of its texture.
     fn convert_bump_map(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let context = self.context;
-        let sides = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
-        let mut surface = self.convert_first_nested(bsdf, &sides, depth)?;
+        let nested = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
+        let mut surface = self.convert_first_nested(bsdf, &nested, depth)?;
         let scale = bsdf.number("scale").unwrap_or(1.0);
         if let Some((_, texture)) = context.children_of_class(bsdf, ObjectClass::Texture)?.first() {
-            let wanted = (MitsubaTextureUse::Height, self.convention);
-            // Values of textures are at least 0, so a negative factor of the texture moves to the
-            // height.
+            let texture_use = (MitsubaTextureUse::Height, self.convention);
+            // Texture values cannot be negative here. So the sign of the texture's factor goes into
+            // the height.
             let sign = sign_of_scales(context, texture)?;
             if let MitsubaConvertedTexture::Texture(texture, _) =
-                self.textures.convert_texture(context, texture, wanted, sign, 0)?
+                self.textures.convert_texture(context, texture, texture_use, sign, 0)?
             {
                 let height = sign * scale;
                 surface.normal = Some(NormalPerturbationDescription::Bump { texture, height });
@@ -192,6 +197,8 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(self.without_mix_perturbation(bsdf, surface))
     }
 
+    /// Converts a `dielectric` or `roughdielectric`. A smooth one without a change of index becomes
+    /// a null interface.
     fn convert_dielectric(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
         self.note_tints(bsdf)?;
         let index = refractive_index(self.context, bsdf)?;
@@ -211,8 +218,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(kind.into())
     }
 
-    /// Adds a message for each specular tint of a dielectric whose mean is not 1: tints are
-    /// ignored.
+    /// Adds a message for each tint of a dielectric whose mean is not 1, because tints are ignored.
     fn note_tints(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<()> {
         for name in ["specular_reflectance", "specular_transmittance"] {
             if self.convert_texture_parameter(bsdf, name, 1.0, MitsubaTextureUse::Color)?.mean() != DVec3::ONE {
@@ -274,7 +280,7 @@ impl MitsubaMaterialConverter<'_, '_> {
             })
             .into());
         }
-        // Mitsuba's clear coat has a quarter of the strength of a coat that covers all.
+        // Mitsuba's clear coat of strength 1 reflects only a quarter as much as a full coat.
         let clearcoat =
             0.25 * self.convert_texture_parameter(bsdf, "clearcoat", 0.0, MitsubaTextureUse::Fraction)?.mean().x;
         let gloss = self.convert_texture_parameter(bsdf, "clearcoat_gloss", 0.0, MitsubaTextureUse::Fraction)?.mean().x;
@@ -300,11 +306,11 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(MaterialKindDescription::Phong(PhongDescription::with_lobe_reflectance(diffuse, specular, shininess)).into())
     }
 
-    /// Returns GGX α of a BSDF; 0.1 if the file gives none.
+    /// Returns GGX α of a rough BSDF, as a constant or a texture. Mitsuba's `alpha` is 0.1 by
+    /// default.
     ///
-    /// Any distribution but `ggx` counts as Beckmann. α of Beckmann is multiplied by √ln 2, so that
-    /// GGX has the same median slope. Different α along u and v become the geometric mean of their
-    /// means over the texture.
+    /// Any distribution but `ggx` counts as Beckmann. Its α is multiplied by √ln 2, so that GGX has
+    /// the same median slope. With `alpha_u` or `alpha_v`, α is the geometric mean of both means.
     fn roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<TexturedValue<f64>> {
         let factor = self.ggx_alpha_factor(bsdf);
         let _ = bsdf.boolean("sample_visible", true);
@@ -317,6 +323,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(self.ggx_alpha(bsdf, factor)?.into_number())
     }
 
+    /// Returns the mean of GGX α of a rough BSDF over its texture.
     fn mean_roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<f64> {
         match self.roughness(bsdf)? {
             TexturedValue::Constant(alpha) => Ok(alpha),
@@ -324,7 +331,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         }
     }
 
-    /// Returns the factor from α of a BSDF to GGX α. Notes a Beckmann distribution.
+    /// Returns the factor that converts α of a BSDF to GGX α. Adds a message for Beckmann.
     fn ggx_alpha_factor(&self, bsdf: &MitsubaObject) -> f64 {
         if bsdf.text("distribution") == Some("ggx") {
             return 1.0;
@@ -335,18 +342,25 @@ impl MitsubaMaterialConverter<'_, '_> {
 
     /// Returns the parameter `alpha` of a BSDF, multiplied by `factor`.
     fn ggx_alpha(&mut self, bsdf: &MitsubaObject, factor: f64) -> ReadResult<MitsubaConvertedTexture> {
-        let wanted = (MitsubaTextureUse::Fraction, self.convention);
-        self.textures.convert_texture_parameter(self.context, bsdf, ("alpha", 0.1), wanted, factor)
+        let texture_use = (MitsubaTextureUse::Fraction, self.convention);
+        self.textures.convert_texture_parameter(self.context, bsdf, ("alpha", 0.1), texture_use, factor)
     }
 
+    /// Converts the color or texture parameter `name` of a BSDF; `default` if it has none.
     pub(super) fn convert_texture_parameter(
         &mut self,
         bsdf: &MitsubaObject,
         name: &str,
         default: f64,
-        wanted: MitsubaTextureUse,
+        texture_use: MitsubaTextureUse,
     ) -> ReadResult<MitsubaConvertedTexture> {
-        self.textures.convert_texture_parameter(self.context, bsdf, (name, default), (wanted, self.convention), 1.0)
+        self.textures.convert_texture_parameter(
+            self.context,
+            bsdf,
+            (name, default),
+            (texture_use, self.convention),
+            1.0,
+        )
     }
 
     fn textured_color(&mut self, bsdf: &MitsubaObject, name: &str, default: f64) -> ReadResult<TexturedValue<DVec3>> {

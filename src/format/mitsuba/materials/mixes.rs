@@ -14,11 +14,11 @@ use std::rc::Rc;
 impl MitsubaMaterialConverter<'_, '_> {
     /// Converts a `mask` to a mix of the nested BSDF and a fully transparent material.
     ///
-    /// If the opacity is 1, returns the nested BSDF.
+    /// If the opacity is 1 everywhere, returns the nested BSDF alone.
     pub(super) fn convert_mask(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let opacity = self.convert_texture_parameter(bsdf, "opacity", 0.5, MitsubaTextureUse::Fraction)?.into_number();
-        let sides = self.context.children_of_class(bsdf, ObjectClass::Bsdf)?;
-        let solid = first_nested(bsdf, &sides)?;
+        let nested = self.context.children_of_class(bsdf, ObjectClass::Bsdf)?;
+        let solid = first_nested(bsdf, &nested)?;
         let surface = self.convert_bsdf(solid, depth + 1)?;
         if opacity == TexturedValue::Constant(1.0) {
             return Ok(surface);
@@ -27,15 +27,15 @@ impl MitsubaMaterialConverter<'_, '_> {
         let solid = self.add_mix_component("solid", solid, surface)?;
         match self.materials.list.mix_defect(&clear, &solid) {
             Some(MixDefect::TooDeep) => Err(too_deep_error(bsdf)),
-            // The transparent material bounds no body.
+            // The transparent material is no body, so there are never two.
             Some(MixDefect::TwoDielectrics) | None => Ok(mix_of(clear, solid, opacity).into()),
         }
     }
 
     /// Converts a `blendbsdf` or `mixturebsdf` of two BSDFs to a mix.
     ///
-    /// If both bound different dielectric bodies, returns the one with the larger mean weight, with
-    /// a message, because such mixes are not allowed.
+    /// The scene language forbids mixes of two different dielectric bodies. Such a blend becomes
+    /// the BSDF of the larger mean weight, with a message.
     pub(super) fn convert_blend(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let weight = self.blend_weight(bsdf)?;
         let parts = self.context.children_of_class(bsdf, ObjectClass::Bsdf)?;
@@ -57,7 +57,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         }
     }
 
-    /// Returns the weight of the second BSDF in a `blendbsdf` or `mixturebsdf`.
+    /// Returns the weight of the second BSDF in a `blendbsdf` or `mixturebsdf`, in \[0, 1].
     fn blend_weight(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<MitsubaConvertedTexture> {
         if bsdf.plugin != "mixturebsdf" {
             return self.convert_texture_parameter(bsdf, "weight", 0.5, MitsubaTextureUse::Fraction);
@@ -74,9 +74,9 @@ impl MitsubaMaterialConverter<'_, '_> {
         }
     }
 
-    /// Returns `surface`; if it is a mix, without its own bump map or normal map.
+    /// Returns `surface`, but removes the bump map or normal map of a mix, with a message.
     ///
-    /// Only the two materials of a mix can have such maps. Adds a message if a map is removed.
+    /// In Caustica, only the two materials of a mix can have such maps.
     pub(super) fn without_mix_perturbation(&mut self, bsdf: &MitsubaObject, surface: ConvertedBsdf) -> ConvertedBsdf {
         if surface.kind.mix_material_names().is_some() && surface.normal.is_some() {
             self.context.add_note("bump maps and normal maps of mixes are ignored", bsdf);
@@ -85,11 +85,11 @@ impl MitsubaMaterialConverter<'_, '_> {
         surface
     }
 
-    /// Adds one of the two materials of a mix, and returns its name. `surface` is the result of the
-    /// conversion of `bsdf`.
+    /// Adds `surface`, the converted `bsdf`, as one of the two materials of a mix. Returns its
+    /// name.
     ///
-    /// All mixes share the material of a BSDF. For a null interface, returns the name of the fully
-    /// transparent material instead.
+    /// If another mix has added the same BSDF before, returns that material. A null interface
+    /// becomes the fully transparent material.
     fn add_mix_component(
         &mut self,
         suffix: &str,

@@ -1,4 +1,4 @@
-//! Materials of a scene that is imported from Mitsuba, each converted at its first use.
+//! Materials of a scene that is imported from Mitsuba. Each BSDF is converted at its first use.
 
 mod converter;
 mod mixes;
@@ -20,12 +20,13 @@ use std::rc::Rc;
 /// Estimated memory of each material: its description and its share of the built scene \[bytes].
 const MEMORY_PER_MATERIAL: u64 = 2_000;
 
-/// Kind of boundary that a material makes. It decides which surfaces a shape needs.
+/// Kind of boundary that a material makes. Decides whether a shape can contain a medium, and
+/// whether it needs a second surface for this.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MaterialBoundary {
-    /// Any other boundary: an opaque, diffusely transmitting or principled material, or a mix.
+    /// Opaque, diffusely transmitting or principled material, or a mix.
     Surface,
-    /// Boundary of a solid dielectric, such as a glass body.
+    /// Boundary of a solid dielectric body, such as a lens.
     Body,
     /// A thin pane without volume.
     Pane,
@@ -38,7 +39,7 @@ pub(super) enum MaterialBoundary {
 pub(super) struct MitsubaImportedMaterial {
     /// Name of the material in the imported scene.
     pub name: String,
-    /// Kind of boundary, which decides which surfaces a shape needs.
+    /// Kind of boundary that the material makes.
     pub boundary: MaterialBoundary,
     /// True if the material uses a texture, or if it is a mix.
     pub may_be_textured: bool,
@@ -55,7 +56,7 @@ pub(super) struct ShapeMaterialInputs {
     ///
     /// `None` if the shape emits constant radiance or nothing.
     pub emission_texture: Option<(Spanned<String>, f64)>,
-    /// Convention for the texture coordinates of the shape.
+    /// Relation between the shape's texture coordinates in Caustica and in Mitsuba.
     pub convention: TexcoordConvention,
 }
 
@@ -66,10 +67,12 @@ pub(super) struct MitsubaMaterials {
     pub list: ImportedMaterials,
     /// Converted BSDFs by object and convention for texture coordinates.
     surfaces: HashMap<(*const MitsubaObject, TexcoordConvention), ConvertedBsdf>,
-    /// Names of the materials of BSDFs that are parts of mixes.
+    /// Names of the materials that are parts of mixes, by BSDF object and convention.
     mix_component_names: HashMap<(*const MitsubaObject, TexcoordConvention), String>,
+    /// Materials of shapes, by BSDF object and [`ShapeMaterialInputs`] as text.
     converted: HashMap<(Option<*const MitsubaObject>, String), MitsubaImportedMaterial>,
     black_material_name: Option<String>,
+    /// Names of null-interface materials, by the name of the medium that they bound.
     null_interface_names: HashMap<String, String>,
 }
 
@@ -77,8 +80,8 @@ impl MitsubaMaterials {
     /// Returns the material of a shape. Converts the shape's BSDF, unless the same BSDF was
     /// converted for equal `inputs` before.
     ///
-    /// A shape without a BSDF has a diffuse material of reflectance 0.5. A null interface with an
-    /// emission texture becomes a black surface that emits.
+    /// A shape without a BSDF is diffuse, with reflectance 0.5. A null interface with an emission
+    /// texture becomes a black surface that emits light.
     pub fn imported_material(
         &mut self,
         context: &ImportContext<'_>,
@@ -91,8 +94,8 @@ impl MitsubaMaterials {
             return Ok(known.clone());
         }
         let ShapeMaterialInputs { medium, emission_texture: emission, convention } = inputs;
-        let wanted = bsdf.and_then(|bsdf| bsdf.id.clone()).unwrap_or_else(|| "material".to_owned());
-        let name = self.list.unique_name(&wanted);
+        let wanted_name = bsdf.and_then(|bsdf| bsdf.id.clone()).unwrap_or_else(|| "material".to_owned());
+        let name = self.list.unique_name(&wanted_name);
         let mut converter =
             MitsubaMaterialConverter { materials: self, textures, context, convention: *convention, name: &name };
         let surface = match bsdf {

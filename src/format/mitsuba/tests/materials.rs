@@ -7,7 +7,8 @@ use crate::format::description::{
 };
 use glam::DVec3;
 
-/// Returns `count` blends, each of which names the next one twice, around a diffuse BSDF.
+/// Returns a chain of `count` blends that ends at a diffuse BSDF. Each blend mixes the next one
+/// with itself.
 ///
 /// The outermost blend has the identifier `b0`.
 fn doubling_blends(count: usize) -> String {
@@ -38,14 +39,14 @@ fn principled_has_the_parameters_of_the_file() {
 }
 
 #[test]
-fn a_bsdf_that_many_blends_name_is_converted_once() {
+fn a_bsdf_of_many_blends_is_converted_once() {
     let scene = import_text(&(doubling_blends(8) + "<shape type=\"sphere\"><ref id=\"b0\"/></shape>"));
     // Eight mixes and the diffuse BSDF.
     assert_eq!(scene.description.materials.len(), 9, "{:?}", scene.description.materials);
 }
 
 #[test]
-fn mixes_deeper_than_the_scene_language_allows_are_errors() {
+fn too_deeply_nested_mixes_are_errors() {
     let shape = "\n<shape type=\"sphere\"><ref id=\"b0\"/></shape>";
     assert_import_error(&(doubling_blends(9) + shape), "mixes nest more than 8 deep");
     assert_import_error(&(doubling_blends(22) + shape), "mixes nest more than 8 deep");
@@ -82,7 +83,7 @@ fn blends_of_two_dielectrics_become_the_one_of_larger_weight() {
 }
 
 #[test]
-fn negative_factors_of_displacements_turn_the_height_of_bumps() {
+fn negative_factors_of_bump_textures_negate_the_height() {
     let scene = import_text(
         r#"<shape type="sphere"><bsdf type="bumpmap"><float name="scale" value="3"/><bsdf type="diffuse"/>
           <texture type="scale"><float name="scale" value="-2"/><texture type="checkerboard">

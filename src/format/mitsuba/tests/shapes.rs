@@ -19,7 +19,7 @@ fn write_png(path: &Path, pixels: &[[u8; 3]]) {
     std::fs::write(path, file).unwrap();
 }
 
-/// Returns the meshes of all objects, which are meshes, in the order of the objects.
+/// Returns the mesh of each object, in order. All objects must be meshes.
 fn meshes_of_objects(scene: &ImportedScene) -> Vec<&TriangleMesh> {
     let mesh = |(_, object)| match object {
         ObjectDescription::Shape { shape: ShapeDescription::Mesh(MeshDescription { path, .. }), .. } => {
@@ -76,7 +76,7 @@ fn textures_on_inward_spheres_lie_by_longitude_and_latitude() {
     let mesh = meshes_of_objects(&scene)[0];
     let texcoords = mesh.texcoords.as_ref().unwrap();
     for (position, uv) in mesh.positions.iter().zip(texcoords) {
-        // Mitsuba's v is the angle from the z axis over π, and ours is 1 − v.
+        // Mitsuba's v is the angle from the z axis over π. Caustica's v is 1 minus Mitsuba's.
         let (phi, theta) = (std::f64::consts::TAU * uv.x, std::f64::consts::PI * (1.0 - uv.y));
         let (sin_phi, cos_phi) = libm::sincos(phi);
         let (sin_theta, cos_theta) = libm::sincos(theta);
@@ -94,7 +94,7 @@ fn textures_on_inward_spheres_lie_by_longitude_and_latitude() {
 }
 
 #[test]
-fn textured_meshes_without_coordinates_have_those_of_each_triangle() {
+fn textured_meshes_without_texcoords_get_mitsuba_defaults() {
     let folder = tempfile::tempdir().unwrap();
     let file = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\n";
     std::fs::write(folder.path().join("a.obj"), file).unwrap();
@@ -108,7 +108,7 @@ fn textured_meshes_without_coordinates_have_those_of_each_triangle() {
     );
     let meshes = meshes_of_objects(&scene);
     assert_eq!(meshes[0].texcoords, None);
-    // With flipped coordinates, our v is 1 − v of Mitsuba.
+    // With flipped coordinates, Caustica's v is 1 minus Mitsuba's.
     for (mesh, [start, end]) in meshes[1..].iter().zip([[0.0, 1.0], [1.0, 0.0]]) {
         let expected = [DVec2::new(0.0, start), DVec2::new(1.0, start), DVec2::new(0.0, end)];
         let texcoords = mesh.texcoords.as_ref().unwrap();

@@ -1,10 +1,10 @@
-//! Tests of environment maps: areas and directions.
+//! Tests of environment maps of pbrt: equal areas and directions.
 
 use super::*;
 
-/// Equal areas of the sphere have equal areas of the map.
+/// Equal areas of the sphere cover equal areas of the octahedral map.
 #[test]
-fn octahedral_maps_keep_areas() {
+fn octahedral_maps_preserve_areas() {
     let n = 400;
     let mut counts = [0u32; 64];
     for i in 0..n * n {
@@ -23,9 +23,9 @@ fn octahedral_maps_keep_areas() {
     assert!(octahedral_coordinates(DVec3::X).abs_diff_eq(DVec2::new(1.0, 0.5), 1e-12));
 }
 
-/// Compares the new map with the old one along directions.
+/// Compares the converted map with pbrt's map in several directions.
 #[test]
-fn maps_show_the_rotated_sky() {
+fn converted_maps_show_the_rotated_sky() {
     let color = |d: DVec3| (0.5 + 0.5 * d).as_vec3();
     let (width, height) = (64, 32);
     let mut pixels = Vec::new();

@@ -37,15 +37,15 @@ fn motions_are_split_into_translation_and_rotation() {
 }
 
 #[test]
-fn cut_motions_have_constant_speed() {
+fn motion_within_the_shutter_has_constant_speed() {
     let at = |time: f64| {
         let turn = DAffine3::from_rotation_z((90.0 * time).to_radians());
         DAffine3::from_translation(4.0 * time * DVec3::Y) * turn * DAffine3::from_scale(DVec3::new(1.0, 2.0, 3.0))
     };
-    let cut = MovingTransform([at(0.0), at(1.0)]).cut([0.25, 0.75]);
-    assert!(cut.0[0].abs_diff_eq(at(0.25), 1e-12) && cut.0[1].abs_diff_eq(at(0.75), 1e-12), "{cut:?}");
-    // Objects rest before the first time and after the second.
+    let within = MovingTransform([at(0.0), at(1.0)]).at_fractions([0.25, 0.75]);
+    assert!(within.0[0].abs_diff_eq(at(0.25), 1e-12) && within.0[1].abs_diff_eq(at(0.75), 1e-12), "{within:?}");
+    // Objects rest before fraction 0 and after fraction 1.
     let whole = MovingTransform([at(0.0), at(1.0)]);
-    assert_eq!(whole.cut([-1.0, 2.0]), whole);
-    assert!(whole.cut([1.0, 2.0]).is_still());
+    assert_eq!(whole.at_fractions([-1.0, 2.0]), whole);
+    assert!(whole.at_fractions([1.0, 2.0]).is_still());
 }

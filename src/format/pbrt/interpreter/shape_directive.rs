@@ -33,11 +33,11 @@ impl Interpreter<'_> {
         let medium = (!inside.is_empty() && separates_media && self.media.contains(&inside)).then_some(&*inside);
         let emission = self.shape_emission(place)?;
         let alpha = parameters.find("alpha");
-        let mut transform = self.open_transform();
+        let mut transform = self.transform_over_shutter();
         let PbrtSceneContent { meshes, textures, materials, notes, .. } = &mut self.content;
-        let wanted = PbrtMaterialUse { medium, alpha, place };
+        let shape_properties = PbrtMaterialUse { medium, alpha, place };
         let PbrtImportedMaterial { name: material, needs_texcoords } =
-            materials.imported_material(&self.state.material, &wanted, textures, self.files, notes)?;
+            materials.imported_material(&self.state.material, &shape_properties, textures, self.files, notes)?;
         if needs_texcoords && !has_texcoords_of_pbrt(&shape, meshes) {
             if let ShapeDescription::Sphere(_) = shape {
                 transform = MovingTransform(transform.0.map(|map| map * textured_sphere_rotation()));
@@ -68,7 +68,9 @@ impl Interpreter<'_> {
         Ok(())
     }
 
-    /// Returns the emission that the current area light gives to shapes; `None` if they are dark.
+    /// Returns the emission of the current `AreaLightSource`; `None` if shapes emit nothing.
+    ///
+    /// Shapes inside an object definition emit nothing, with a message.
     fn shape_emission(&mut self, place: &PbrtSourceLocation) -> ReadResult<Option<PbrtShapeEmission>> {
         let Some(light) = &self.state.area_light else { return Ok(None) };
         if self.objects.has_open_definition() {
@@ -79,7 +81,8 @@ impl Interpreter<'_> {
         PbrtShapeEmission::from_parameters(&light.parameters, self.files, &mut self.content).map(Some)
     }
 
-    /// Returns the radiance of a shape of type `kind` \[W/(m² sr)].
+    /// Returns the emitted radiance of a shape of type `kind` \[W/(m² sr)], from its radiance or
+    /// power, its area and its opacity.
     fn emitted_radiance(
         &mut self,
         emission: &PbrtShapeEmission,
@@ -90,7 +93,7 @@ impl Interpreter<'_> {
         let place = &parameters.place;
         let to_world = transform.0[0];
         let PbrtSceneContent { meshes, notes, .. } = &mut self.content;
-        // Each triangle of a mesh is a lamp of its own in pbrt, and has the whole power.
+        // In pbrt, each triangle of a mesh is a lamp of its own, and each has the whole `power`.
         let count = lamp_count((kind, parameters), shape, meshes);
         if emission.is_flux() && count > 1 && !lamps_have_equal_areas(kind, shape, meshes, to_world) {
             let message = "`power` of lamps that are meshes is even over their area: pbrt divides it by triangle";
@@ -98,13 +101,13 @@ impl Interpreter<'_> {
         }
         let radiance = emission.radiance(|| world_area(shape, meshes, to_world) / count as f64);
         let Some(alpha) = parameters.find("alpha").filter(|_| !self.content.is_v3) else { return Ok(radiance) };
-        Ok(radiance * self.emitting_share(alpha, place)?)
+        Ok(radiance * self.opacity_factor(alpha, place)?)
     }
 
-    /// Returns the share of a lamp's surface that emits, because of its opacity `alpha`.
+    /// Returns the factor on a lamp's radiance because of its opacity `alpha`: the mean opacity.
     ///
-    /// A lamp without any opacity emits fully in pbrt, but is invisible.
-    fn emitting_share(&mut self, alpha: &Parameter, place: &PbrtSourceLocation) -> ReadResult<f64> {
+    /// In pbrt, a lamp of constant opacity 0 emits fully, but is invisible. So its factor is 1.
+    fn opacity_factor(&mut self, alpha: &Parameter, place: &PbrtSourceLocation) -> ReadResult<f64> {
         let PbrtSceneContent { textures, notes, .. } = &mut self.content;
         let value = textures.parameter_value(alpha, false, place, self.files)?;
         let share = (value.mean().element_sum() / 3.0).clamp(0.0, 1.0);

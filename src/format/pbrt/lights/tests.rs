@@ -1,4 +1,4 @@
-//! Tests of lights of pbrt: patterns, power, and lamps with two sides.
+//! Tests of lights of pbrt: directional patterns, power, and two-sided area lights.
 
 use crate::format::description::{
     DirectionOrTarget, DiscDescription, GoniometricLightDescription, GroupItem, IntensityDistribution,
@@ -12,7 +12,9 @@ use crate::image::{Image, WriteOptions, srgb_decode, write};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Returns the scene of a text that names the picture `a.exr`; pixels are in rows from the top.
+/// Imports `text`, which refers to the picture `a.exr`.
+///
+/// The picture has the size (`width`, `height`) and gray `pixels`, row by row from the top.
 fn import_with_picture((width, height): (u32, u32), pixels: &[f32], text: &str) -> ImportedScene {
     let folder = tempfile::tempdir().unwrap();
     let image = Image::from_pixels(width, height, pixels.iter().map(|p| Vec3::splat(*p)).collect()).unwrap();
@@ -20,7 +22,7 @@ fn import_with_picture((width, height): (u32, u32), pixels: &[f32], text: &str) 
     decode(&folder.path().join("a.pbrt"), text.as_bytes(), &ImportOptions::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Returns emitted radiance and shape of all shapes.
+/// Returns the emitted radiance and the geometry of each shape.
 fn emitting_shapes(scene: &ImportedScene) -> Vec<(DVec3, ShapeDescription)> {
     fn shape(object: &Spanned<ObjectDescription>) -> (DVec3, ShapeDescription) {
         match &object.value {
@@ -47,13 +49,13 @@ fn pictures_of_projectors_stay_upright() {
         else {
             panic!()
         };
-        // pbrt's +z is our −z. Then the right of the picture is +x.
+        // The scene is mirrored along z: pbrt's +z becomes −z. The right of the picture is +x.
         assert_eq!((pose.aim, pose.up), (DirectionOrTarget::Direction(DVec3::NEG_Z), Some(DVec3::Y)));
         assert!((angle - 90.0).abs() < 1e-9 && *strength == PointLightStrength::Intensity(DVec3::splat(3.0)));
         let values: Vec<f32> = scene.assets.pictures[&path.value].pixels().iter().map(|pixel| pixel.x).collect();
         assert_eq!(values, pixels, "{head}");
     }
-    // The field of view is that of the shorter side.
+    // `fov` is the angle of the shorter side, here the width.
     let scene = import_with_picture((1, 2), &[1.0, 2.0], &format!("WorldBegin {light}"));
     let LightDescription::Projector(ProjectorLightDescription { vertical_fov_degrees: angle, .. }) =
         scene.description.lights[0].value
@@ -63,11 +65,11 @@ fn pictures_of_projectors_stay_upright() {
     assert!((angle - 2.0 * libm::atan(2.0).to_degrees()).abs() < 1e-9);
 }
 
-/// The top of pbrt's map is +y of the light, and its left quarter lies between +x and +z.
+/// In pbrt's map, the top is +y of the light, and the left quarter lies between +x and +z.
 #[test]
 fn maps_of_goniometric_lights_keep_their_directions() {
     let mut pixels = [0.0; 32];
-    // The left quarter of the top half.
+    // Only the left quarter of the top half is bright.
     [0, 1, 8, 9].iter().for_each(|i| pixels[*i] = 1.0);
     let text = "WorldBegin LightSource \"goniometric\" \"string mapname\" \"a.exr\"";
     let scene = import_with_picture((8, 4), &pixels, text);
@@ -81,7 +83,7 @@ fn maps_of_goniometric_lights_keep_their_directions() {
     };
     assert_eq!(pose.aim, DirectionOrTarget::Direction(DVec3::Z));
     let map = &scene.assets.pictures[&path.value];
-    // Our left quarter lies between −z, which is pbrt's +z, and +x.
+    // In the converted map, the left quarter lies between −z and +x. This −z is pbrt's +z.
     for (i, pixel) in map.pixels().iter().enumerate() {
         let (x, y) = ((i % 8) as f32 + 0.5, (i / 8) as f32 + 0.5);
         let is_bright = x < 2.0 && y < 2.0;
@@ -92,7 +94,7 @@ fn maps_of_goniometric_lights_keep_their_directions() {
 }
 
 #[test]
-fn power_replaces_the_unit_of_lights() {
+fn power_sets_the_flux_of_lights() {
     let scene = import_text(
         "WorldBegin LightSource \"point\" \"float power\" 10 \"rgb I\" [1 .5 0] \"float scale\" 2 \
          AreaLightSource \"diffuse\" \"float power\" 12 Scale 2 2 2 Shape \"sphere\" \
@@ -159,7 +161,7 @@ fn spotlights_of_v3_fall_off_by_the_fourth_power() {
     else {
         panic!()
     };
-    // pbrt's +z is our −z.
+    // The scene is mirrored along z: pbrt's +z becomes −z.
     assert_eq!((pose.up, *strength), (Some(DVec3::NEG_Z), PointLightStrength::Intensity(DVec3::new(1.0, 2.0, 3.0))));
     let map = &scene.assets.pictures[&path.value];
     let cos = |degrees: f64| libm::cos(degrees.to_radians());
@@ -169,9 +171,9 @@ fn spotlights_of_v3_fall_off_by_the_fourth_power() {
     }
 }
 
-/// Each triangle of a mesh is a lamp of its own in pbrt, and has the whole power.
+/// In pbrt, each triangle of a mesh is a lamp of its own, and has the whole `power`.
 #[test]
-fn power_counts_for_each_triangle_of_a_mesh() {
+fn each_triangle_of_a_mesh_emits_the_power() {
     let lamp = |shape: &str| {
         let text = format!("WorldBegin AreaLightSource \"diffuse\" \"float power\" 12 Shape {shape}");
         let scene = import_text(&text);
@@ -180,7 +182,7 @@ fn power_counts_for_each_triangle_of_a_mesh() {
     let mesh = |points: &str| {
         lamp(&format!("\"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [0 0 0 {points} 0 1 0]"))
     };
-    // The triangles have the areas ½ and ½, and then ½ and 1.
+    // Areas of the two triangles: ½ and ½ in the first case, ½ and 1 in the second.
     for (points, expected, is_noted) in [("1 0 0 1 1 0", 24.0, false), ("1 0 0 2 1 0", 16.0, true)] {
         let (emittance, has_note) = mesh(points);
         assert!((emittance - expected).abs() < 1e-9 && has_note == is_noted, "{emittance} {has_note}");

@@ -26,19 +26,20 @@ const MAX_MIX_DEPTH: usize = 16;
 /// Least GGX α of a rough surface. pbrt treats a smaller α as smooth.
 const MIN_ROUGH_ALPHA: f64 = 1e-3;
 
-/// Refractive index of pbrt's coats and glossy materials, and the default for dielectrics.
+/// Refractive index of pbrt's materials if the file states none, and of `plastic` and `uber`.
 const DEFAULT_REFRACTIVE_INDEX: f64 = 1.5;
 
-/// Default thickness of pbrt's coats. It is also their optical depth, because their extinction is
-/// 1.
+/// Thickness of the coat of `coateddiffuse` if the file states none.
+///
+/// The thickness is also the optical depth of the coat, because pbrt's coats have extinction 1.
 const DEFAULT_COAT_THICKNESS: f64 = 0.01;
 
 /// Estimated memory of each material \[bytes].
 const MEMORY_PER_MATERIAL: u64 = 2_000;
 
-/// Converter of one pbrt material for a shape, with the state of the conversion.
+/// Converter of one pbrt material for a shape, with the tables that receive its results.
 pub(super) struct PbrtMaterialConverter<'m> {
-    /// Materials of the file and of the imported scene; receives the converted ones.
+    /// Materials of the file and of the imported scene. The converter adds its results here.
     pub materials: &'m mut PbrtMaterials,
     /// Textures of the file and of the imported scene.
     pub textures: &'m mut PbrtTextures,
@@ -50,9 +51,10 @@ pub(super) struct PbrtMaterialConverter<'m> {
     pub medium: Option<&'m str>,
 }
 
-/// GGX α of a surface, and the mean of α over the texture.
+/// GGX α of a surface, as a constant or a texture, and its mean.
 struct Roughness {
     alpha: TexturedValue<f64>,
+    /// Mean of α over the pixels of the texture.
     mean: f64,
 }
 
@@ -101,8 +103,9 @@ impl PbrtMaterialConverter<'_> {
         Ok(name)
     }
 
-    /// Returns the name of a mix of the material `name`, with the weight `opacity`, and a fully
-    /// transparent one.
+    /// Adds a mix that makes the material `name` partly transparent, and returns its name.
+    ///
+    /// `opacity` is the weight of the material. The rest transmits all light unchanged.
     pub(super) fn mix_with_transparent(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
         let clear =
             MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
@@ -110,10 +113,10 @@ impl PbrtMaterialConverter<'_> {
         self.push_material(mix_of(clear, name.to_owned(), opacity), None)
     }
 
-    /// Converts a mix of two named materials, adds it, and returns its name.
+    /// Converts a pbrt `mix` of two named materials, adds it, and returns its name.
     ///
-    /// `parts` are the numbers of the two materials, if they were known where the mix is defined.
-    /// `depth` is the number of mixes around this one.
+    /// `parts` are the numbers of the two materials. `None` stands for a material that the file
+    /// defines only after the mix. `depth` is the number of mixes around this one.
     fn convert_mix(&mut self, parameters: &Parameters, parts: [Option<usize>; 2], depth: usize) -> ReadResult<String> {
         let place = &parameters.place;
         if depth >= MAX_MIX_DEPTH {
@@ -190,8 +193,8 @@ impl PbrtMaterialConverter<'_> {
                 } else {
                     gloss
                 };
-                let kept = DVec3::splat(1.0 - f0.max_element());
-                let (diffuse, _) = self.textured_color_and_mean(p, "Kd", default, &|c| c * kept)?;
+                let diffuse_share = DVec3::splat(1.0 - f0.max_element());
+                let (diffuse, _) = self.textured_color_and_mean(p, "Kd", default, &|c| c * diffuse_share)?;
                 let roughness = self.roughness(p, 0.1, true)?;
                 MaterialKindDescription::Phong(PhongDescription::in_place_of_ggx(diffuse, f0, roughness.mean))
             }
@@ -250,7 +253,7 @@ impl PbrtMaterialConverter<'_> {
             }
             "interface" | "none" | "" => {
                 if self.medium.is_none() {
-                    // A boundary without a medium changes nothing.
+                    // Without a medium inside, the boundary has no effect.
                     return Ok(MaterialKindDescription::Thin(ThinDielectricDescription {
                         eta: 1.0,
                         transmittance: DVec3::ONE.into(),
@@ -292,7 +295,7 @@ impl PbrtMaterialConverter<'_> {
         let metallic = scalar("metallic", 0.0, &|share| share)?.0;
         let roughness = scalar("roughness", 0.5, &|roughness| roughness * roughness)?.0;
         let transmission = scalar("spectrans", 0.0, &|share| share)?.0;
-        // pbrt's clear coat has a quarter of the strength of a coat that covers all.
+        // pbrt's clear coat of strength 1 reflects only a quarter as much as a full coat.
         let clearcoat = scalar("clearcoat", 0.0, &|strength| 0.25 * strength)?.0;
         let clearcoat_roughness = scalar("clearcoatgloss", 1.0, &|gloss| 0.1 + (0.001 - 0.1) * gloss)?.1;
         if transmission != TexturedValue::Constant(0.0) {
@@ -311,11 +314,10 @@ impl PbrtMaterialConverter<'_> {
         }))
     }
 
-    /// Returns a conductor with the given reflectance at normal incidence, or else with the complex
-    /// index η + ik.
+    /// Returns a conductor with the reflectance at normal incidence or the complex index η + ik
+    /// that the parameters `p` state.
     ///
-    /// The three texts are the names of the parameters for the reflectance, η and k. The default
-    /// for η and k is copper.
+    /// `[reflectance, eta, k]` are the names of these parameters. Missing η and k are copper's.
     fn conductor_description(
         &mut self,
         p: &Parameters,
@@ -355,10 +357,8 @@ impl PbrtMaterialConverter<'_> {
         Ok(conductor(MetalDescription::with_clamped_index(eta, k)))
     }
 
-    /// Returns the refractive index of a dielectric.
-    ///
-    /// It is a glass that Caustica knows by name, an index with an Abbe number, or a constant
-    /// index.
+    /// Returns the refractive index of a pbrt dielectric: constant, or with the dispersion of a
+    /// glass that pbrt knows by name.
     fn refractive_index_description(&mut self, p: &Parameters) -> ReadResult<RefractiveIndexDescription> {
         if let Some(glass) = p.find("eta").and_then(glass_name).and_then(glass_description) {
             return Ok(glass);
@@ -366,11 +366,11 @@ impl PbrtMaterialConverter<'_> {
         self.refractive_index(p, &["eta", "index"]).map(RefractiveIndexDescription::Constant)
     }
 
-    /// Returns the refractive index from the first parameter with one of `names`; 1.5 if there is
-    /// none.
+    /// Returns the refractive index from the first of the parameters `names` that exists; 1.5 if
+    /// none does.
     ///
-    /// A glass gives its index at 587.56 nm, and any other spectrum its green channel. A texture
-    /// gives 1.5, with a message.
+    /// A named glass gives its index at 587.56 nm. Any other spectrum gives its mean, weighted by
+    /// the response of the green channel. A texture gives 1.5, with a message.
     fn refractive_index(&mut self, p: &Parameters, names: &[&str]) -> ReadResult<f64> {
         let place = &p.place;
         let index = match p.find_any(names) {
@@ -399,7 +399,8 @@ impl PbrtMaterialConverter<'_> {
         self.roughness_from_names(p, ["uroughness", "vroughness"], default, is_v3)
     }
 
-    /// Returns GGX α from the roughness parameters `u` and `v`, or else from the isotropic one.
+    /// Returns GGX α from the roughness parameters called `u` and `v`. A missing one takes the
+    /// value of the isotropic parameter, such as `roughness`.
     ///
     /// If the means along u and v differ, both `alpha` and `mean` are their geometric mean.
     /// `default` is the value of a missing parameter. `is_v3` selects pbrt-v3's map from roughness
@@ -420,7 +421,8 @@ impl PbrtMaterialConverter<'_> {
         };
         let (first, second) = (value(u)?, value(v)?);
         let remaps = p.flag("remaproughness") != Some(false);
-        // A pbrt-v3 material with roughness 0 is smooth, even without remapping.
+        // In pbrt-v3, roughness 0 counts as smooth, although the polynomial below gives more than
+        // 0.
         let is_smooth = |r: f64| r <= 0.0 && (is_v3 || remaps);
         let alpha = move |r: f64| {
             let alpha = match (remaps, is_v3) {
@@ -444,8 +446,11 @@ impl PbrtMaterialConverter<'_> {
         Ok(Roughness { alpha: TexturedValue::Constant(even), mean: even })
     }
 
-    /// Returns a color parameter, clamped to \[0, 1] and mapped by `map`, and its mean over the
+    /// Returns the color parameter `name`, as a constant or a texture, and its mean over the
     /// texture.
+    ///
+    /// Colors are clamped to \[0, 1], and then mapped by `map`. `default` is the gray value of a
+    /// missing parameter.
     fn textured_color_and_mean(
         &mut self,
         p: &Parameters,
@@ -461,9 +466,10 @@ impl PbrtMaterialConverter<'_> {
         self.textures.add_texture(&value, &unit, self.files)
     }
 
-    /// Converts a texture to numbers: takes the mean of the channels, and applies `map` to it.
+    /// Converts a texture to a number parameter. Returns it as a constant or a texture, and its
+    /// mean over the texture.
     ///
-    /// Returns the number or number texture, and its mean over the texture.
+    /// Each number is `map` of the mean of a color's channels.
     pub(super) fn textured_scalar_and_mean(
         &mut self,
         value: &PbrtTexture,

@@ -14,56 +14,56 @@ use converter::PbrtMaterialConverter;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// A material as the pbrt file defines it.
+/// A material as the pbrt file defines it, not yet converted.
 #[derive(Clone)]
 struct FileMaterial {
+    /// Type of the material in pbrt, such as `diffuse`.
     kind: String,
     parameters: Rc<Parameters>,
-    /// Numbers of the two materials of a mix; `None` for one that is defined later.
+    /// Numbers of the two materials of a mix; `None` for one that the file defines only later.
     mix_parts: [Option<usize>; 2],
 }
 
-/// Material of the imported scene.
+/// A converted material, as shapes refer to it.
 #[derive(Clone)]
 pub(super) struct PbrtImportedMaterial {
-    /// Name of the material.
+    /// Name of the material in the imported scene.
     pub name: String,
-    /// True if a texture of the material, or of a part of a mix, is a function of texture
-    /// coordinates.
+    /// True if the material depends on texture coordinates, because of a texture of its own or of a
+    /// part of a mix.
     pub needs_texcoords: bool,
 }
 
 /// Materials that the pbrt file defines, and the materials of the imported scene that shapes use.
 pub(super) struct PbrtMaterials {
-    /// All materials of the file, by number.
+    /// All materials of the file, by number; `None` for pbrt's default material.
     numbered: Vec<Option<FileMaterial>>,
-    /// Numbers of the materials with names.
+    /// Number of each named material that is visible at the current point of the file.
     named: HashMap<String, usize>,
-    /// Each name that was defined, in order, with the number that it had before.
+    /// Undo list for the ends of blocks in pbrt-v3, with an entry for each definition of a named
+    /// material, in order: the name, and the number that it had before; `None` without one.
     replaced_names: Vec<(String, Option<usize>)>,
-    /// Materials of the imported scene. A key combines pbrt's material, the medium inside and the
-    /// opacity.
+    /// Converted materials. A key is a text of the material's number, the medium inside the shape,
+    /// and the opacity of the shape.
     converted: HashMap<String, PbrtImportedMaterial>,
     /// Materials of the imported scene.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
-    /// Properties of these materials that limit their use in mixes.
+    /// Table that tells which two of the imported materials a mix may combine.
     mix_limits: ImportedMixLimits,
 }
 
-/// Conditions of a shape under which its material is converted.
+/// Properties of a shape on which its converted material depends.
 pub(super) struct PbrtMaterialUse<'a> {
     /// Name of the medium inside the shape; `None` for vacuum.
     pub medium: Option<&'a str>,
     /// Opacity parameter of the shape; `None` for an opaque shape.
     pub alpha: Option<&'a Parameter>,
-    /// Position of the shape.
+    /// Position of the `Shape` directive, for errors.
     pub place: &'a PbrtSourceLocation,
 }
 
 impl PbrtMaterials {
-    /// Returns the table of materials before the first directive.
-    ///
-    /// It holds only pbrt's default material, with the number 0.
+    /// Returns a table with only pbrt's default material, which has the number 0.
     pub fn new() -> Self {
         Self {
             numbered: vec![None],
@@ -84,10 +84,10 @@ impl PbrtMaterials {
         self.numbered.len() - 1
     }
 
-    /// Adds a material of a `MakeNamedMaterial` directive.
+    /// Adds the material of a `MakeNamedMaterial` directive.
     ///
-    /// In a scene of pbrt-v3, it replaces an earlier one with this name, until the end of the
-    /// attribute block. In pbrt-v4, a second definition is an error.
+    /// In pbrt-v3, the material replaces an earlier one of the same name, until the end of the
+    /// attribute block. In pbrt-v4, a second definition of a name is an error.
     pub fn add_named(&mut self, name: &str, parameters: Parameters, is_v3: bool) -> ReadResult<()> {
         if !is_v3 && self.named.contains_key(name) {
             let message = format!("the material `{name}` is defined twice");
@@ -102,12 +102,16 @@ impl PbrtMaterials {
         Ok(())
     }
 
-    /// Returns the number of definitions of names so far, for [`Self::restore_names`].
+    /// Returns the number of definitions that [`Self::restore_names`] can undo. Pass it to that
+    /// function at the end of the block that starts here.
     pub fn named_definition_count(&self) -> usize {
         self.replaced_names.len()
     }
 
-    /// Undoes the definitions of names after the first `count`. Materials keep their numbers.
+    /// Undoes all but the first `count` definitions of named materials, at the end of a block of
+    /// pbrt-v3.
+    ///
+    /// Shapes that already use such a material keep it, because they refer to it by number.
     pub fn restore_names(&mut self, count: usize) {
         for (name, replaced) in self.replaced_names.drain(count.min(self.replaced_names.len())..).rev() {
             match replaced {
@@ -117,7 +121,7 @@ impl PbrtMaterials {
         }
     }
 
-    /// Returns a reference to the material `name`, which may be defined later.
+    /// Returns a reference to the material `name`: by number if it is defined, else by name.
     pub fn reference(&self, name: String, place: PbrtSourceLocation) -> MaterialReference {
         match self.named.get(&name) {
             Some(number) => MaterialReference::Numbered(*number),
@@ -125,16 +129,16 @@ impl PbrtMaterials {
         }
     }
 
-    /// Returns a shape's material in the imported scene. Converts it at its first use.
+    /// Returns the imported material of a shape that uses `material`. Converts it at its first use.
     pub fn imported_material(
         &mut self,
         material: &MaterialReference,
-        wanted: &PbrtMaterialUse<'_>,
+        shape_properties: &PbrtMaterialUse<'_>,
         textures: &mut PbrtTextures,
         files: &PbrtSceneFiles<'_>,
         notes: &mut ImportNotes,
     ) -> ReadResult<PbrtImportedMaterial> {
-        let PbrtMaterialUse { medium, alpha, place } = *wanted;
+        let PbrtMaterialUse { medium, alpha, place } = *shape_properties;
         let opacity = alpha.map_or(String::new(), |alpha| format!("{:?} {:?}", alpha.numbers, alpha.texts));
         let number = self.number(material)?;
         let key = format!("{number}|{medium:?}|{opacity}");
@@ -156,7 +160,7 @@ impl PbrtMaterials {
         Ok(converted)
     }
 
-    /// Returns the number of a material. Fails if no material has the name.
+    /// Returns the number of a material. Fails if `material` names one that is not defined.
     fn number(&self, material: &MaterialReference) -> ReadResult<usize> {
         match material {
             MaterialReference::Numbered(number) => Ok(*number),
@@ -166,8 +170,8 @@ impl PbrtMaterials {
         }
     }
 
-    /// True if the imported material `name`, or a part of it if it is a mix, has a texture that is
-    /// a function of texture coordinates.
+    /// True if a texture of the imported material `name` depends on texture coordinates. If the
+    /// material is a mix, textures of its parts count too.
     fn needs_texcoords(&self, name: &str, textures: &PbrtTextures) -> bool {
         let material = self.descriptions.iter().rev().find(|material| material.name.as_deref() == Some(name));
         material.is_some_and(|material| {
@@ -179,21 +183,22 @@ impl PbrtMaterials {
         })
     }
 
-    /// True if the imported material `name` is a dielectric or a null interface, so that a medium
-    /// can fill its shape.
+    /// True if a medium can fill shapes of the imported material `name`: it is a dielectric or a
+    /// null interface.
     pub fn can_contain_medium(&self, name: &str) -> bool {
         let material = self.descriptions.iter().find(|material| material.name.as_deref() == Some(name));
         material.is_some_and(|material| material.kind.is_dielectric() || material.kind.is_null_interface())
     }
 }
 
-/// Returns the names of the two materials of a mix; the amount is the share of the second. `None`
-/// if the parameters do not name two.
+/// Returns the names of the two materials of a mix; `None` if the parameters do not name two.
+///
+/// The order is that of pbrt-v4: `amount` is the weight of the second material.
 fn mix_part_names(parameters: &Parameters) -> Option<[String; 2]> {
     let listed = parameters.find("materials").map_or(&[][..], |list| &list.texts);
     match (listed, parameters.text("namedmaterial1"), parameters.text("namedmaterial2")) {
         ([first, second, ..], _, _) => Some([first.clone(), second.clone()]),
-        // In pbrt-v3, the amount is the share of the first material.
+        // In pbrt-v3, `amount` is the weight of the first material, so the two are exchanged.
         (_, Some(first), Some(second)) => Some([second.to_owned(), first.to_owned()]),
         _ => None,
     }

@@ -1,4 +1,4 @@
-//! Tests of materials of pbrt: names, colors of glass, and errors.
+//! Tests of materials of pbrt: scopes of names, glass, mixes and errors.
 
 use crate::format::description::{
     CoatedDiffuseDescription, DiffuseDescription, GroupItem, MaterialKindDescription, TexturedValue,
@@ -23,7 +23,8 @@ fn diffuse_reds(scene: &ImportedScene) -> Vec<f64> {
     scene.description.root.items.iter().filter_map(red).collect()
 }
 
-/// Returns directives that define the diffuse material `m` and use it for a sphere.
+/// Returns directives that define the diffuse material `m` with red reflectance `red`, and use it
+/// for a sphere.
 fn defined_and_used(red: &str) -> String {
     format!(
         "MakeNamedMaterial \"m\" \"string type\" \"matte\" \"rgb Kd\" [{red} 0 0] NamedMaterial \"m\" \
@@ -32,7 +33,7 @@ fn defined_and_used(red: &str) -> String {
 }
 
 #[test]
-fn names_of_v3_materials_end_with_their_block() {
+fn v3_material_names_end_with_their_block() {
     let scene = import_text(&format!(
         "Film \"image\" WorldBegin {} AttributeBegin {} AttributeEnd NamedMaterial \"m\" Shape \"sphere\" {}",
         defined_and_used(".1"),
@@ -60,7 +61,7 @@ fn missing_textures_of_opacity_are_reported_with_their_line() {
 }
 
 #[test]
-fn colors_of_glass_have_a_note() {
+fn ignored_glass_colors_have_a_note() {
     let has_note = |colors: &str| {
         let text = format!(
             "Film \"image\" WorldBegin Texture \"t\" \"spectrum\" \"constant\" Material \"glass\" {colors} \
@@ -92,7 +93,7 @@ fn panes_and_coats_take_the_index_of_named_glasses() {
 }
 
 #[test]
-fn mixes_of_two_dielectrics_become_the_heavier_one() {
+fn dielectric_mixes_become_the_component_of_larger_weight() {
     let glass = |name: &str, index: f64| {
         format!("MakeNamedMaterial \"{name}\" \"string type\" \"dielectric\" \"float eta\" {index} ")
     };
@@ -114,7 +115,7 @@ fn mixes_of_two_dielectrics_become_the_heavier_one() {
 }
 
 #[test]
-fn mixes_that_nest_deeper_than_our_language_allows_are_errors() {
+fn too_deeply_nested_mixes_are_errors() {
     let mix = |level: u32| {
         format!(
             "MakeNamedMaterial \"m{level}\" \"string type\" \"mix\" \"string materials\" [\"m{}\" \"leaf\"]\n",

@@ -28,7 +28,7 @@ fn uniform_grids_keep_densities_and_their_box() {
     let grid = &scene.assets.grids[&path.value];
     assert_eq!((grid.cell_counts, &grid.densities[..], *scale), ([2, 1, 2], &[0.0, 1.0, 2.0, 3.0][..], 1.0));
     assert_eq!(absorption_and_scattering_of_scene(&scene), (DVec3::new(2.0, 4.0, 6.0), DVec3::splat(2.0)));
-    // The mean factor by density is (0.5 + 2 + 3) / 6. Light counts once per absorption.
+    // Emission is σa · Le times the density-weighted mean of `Lescale`: (0.5 + 2 + 3) / 6.
     assert!(only_medium(&scene).emission.abs_diff_eq(DVec3::new(2.0, 4.0, 0.0) * 5.5 / 6.0, 1e-12));
     // The world is mirrored along z.
     let map = TransformStep::composed_matrix(&extent.steps);
@@ -51,7 +51,7 @@ fn color_grids_keep_their_totals() {
         assert!((absorption * density).abs_diff_eq(DVec3::splat(factor), 1e-6));
         assert!((scattering * density).abs_diff_eq(DVec3::new(1.0, 2.0, 3.0) * factor, 1e-6));
     }
-    // Both cells together emit 3 · 1 · 1.
+    // Both cells together emit `Lescale` · Le · σa = 3 · 1 · 1.
     let total: f64 = densities.iter().map(|density| f64::from(*density)).sum();
     assert!((only_medium(&scene).emission * total).abs_diff_eq(DVec3::new(3.0, 0.0, 0.0), 1e-6));
     let plain = import_text(
@@ -62,7 +62,7 @@ fn color_grids_keep_their_totals() {
 }
 
 #[test]
-fn homogeneous_media_emit_by_their_absorption() {
+fn homogeneous_media_emit_le_times_absorption() {
     let scene = import_text(
         "MakeNamedMedium \"m\" \"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [0 0 0] \"rgb Le\" [1 1 1] \"float Lescale\" 2 WorldBegin",
     );

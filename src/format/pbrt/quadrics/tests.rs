@@ -12,7 +12,7 @@ fn mesh_area(mesh: &TriangleMesh) -> f64 {
     mesh.triangles.iter().map(|triangle| mesh.triangle_area(*triangle)).sum()
 }
 
-/// Areas follow from closed forms, and facets lie inside the surface: their area is smaller.
+/// Compares with exact areas. The area of the facets is smaller, because they lie inside.
 #[test]
 fn facets_have_the_area_of_their_surface() {
     let cases = [

@@ -14,18 +14,19 @@ fn textured_shapes(shapes: &str) -> ImportedScene {
 }
 
 #[test]
-fn textured_spheres_have_the_axes_of_pbrt() {
+fn textured_spheres_have_pbrt_texture_coordinates() {
     let scene = textured_shapes("Shape \"sphere\"");
     let GroupItem::Object(object) = &scene.description.root.items[1] else { panic!() };
     let ObjectDescription::Transform { steps, object } = &object.value else { panic!() };
     assert!(matches!(object.value, ObjectDescription::Shape { shape: ShapeDescription::Sphere(_), .. }));
     let map = TransformStep::composed_matrix(steps).matrix3;
-    // Our directions with u = 0, u = ¼ and v = 1, in pbrt's world, which is mirrored along z.
+    // Left: Caustica's directions with u = 0, u = ¼ and v = 1. Right: pbrt's. The world is mirrored
+    // along z.
     assert_eq!([DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y].map(|d| map * d), [DVec3::X, DVec3::Y, DVec3::NEG_Z]);
 }
 
 #[test]
-fn textured_disks_and_cylinders_are_meshes_with_coordinates() {
+fn textured_disks_and_cylinders_become_meshes_with_texcoords() {
     let shapes = "Shape \"disk\" Shape \"cylinder\"";
     let scene = textured_shapes(shapes);
     let meshes: Vec<_> = scene.assets.meshes.values().collect();
@@ -41,7 +42,7 @@ fn textured_disks_and_cylinders_are_meshes_with_coordinates() {
 }
 
 #[test]
-fn textured_meshes_without_coordinates_get_those_of_pbrt() {
+fn textured_meshes_without_texcoords_get_pbrt_defaults() {
     let square = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 2 0 2 3]";
     let corner_of = |uv: DVec2| [DVec2::ZERO, DVec2::X, DVec2::ONE].iter().position(|corner| *corner == uv).unwrap();
     let file_triangles =

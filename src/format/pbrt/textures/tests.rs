@@ -1,11 +1,11 @@
-//! Tests of textures of pbrt: encodings, transparency and patterns.
+//! Tests of textures of pbrt: encodings, alpha channels and nested textures.
 
 use crate::format::import::{ImportOptions, ImportedScene};
 use crate::format::pbrt::decode;
 use crate::format::pbrt::tests::{import_text, note_messages};
 use crate::image::srgb_decode;
 
-/// Returns the scene of a text that names the picture `a.png`, which has one row of RGBA pixels.
+/// Imports `text`, which refers to the picture `a.png` with one row of RGBA pixels.
 fn import_with_png(pixels: &[[u8; 4]], text: &str) -> ImportedScene {
     let folder = tempfile::tempdir().unwrap();
     let image = ::image::RgbaImage::from_raw(pixels.len() as u32, 1, pixels.concat()).unwrap();
@@ -59,14 +59,14 @@ fn inverted_pictures_are_scaled_before_inversion() {
 }
 
 #[test]
-fn numbers_of_transparent_pictures_are_their_alpha() {
+fn number_textures_use_the_alpha_of_transparent_pictures() {
     let pixels = [[0, 0, 0, 255], [255, 255, 255, 51]];
     assert_near(&image_map_values(&pixels, "float", "\"string encoding\" \"linear\""), &[1.0, 0.2]);
     assert_near(&image_map_values(&pixels, "spectrum", ""), &[0.0, 1.0]);
 }
 
 #[test]
-fn patterns_of_pictures_and_directions_have_notes() {
+fn approximated_checkerboards_and_mixes_have_notes() {
     let scene = import_text(
         "WorldBegin Texture \"c\" \"spectrum\" \"checkerboard\" Texture \"d\" \"spectrum\" \"checkerboard\" \
          \"texture tex1\" \"c\" Texture \"m\" \"spectrum\" \"directionmix\" \"rgb tex1\" [1 0 0] Shape \"sphere\"",

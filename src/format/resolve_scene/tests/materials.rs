@@ -29,7 +29,7 @@ fn materials_are_resolved() {
     let body = Body { priority: 7, ..Body::new(1.7) };
     assert_eq!(scene.materials()[0], Material::rough_boundary(body, 0.25));
     assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
-    // A half after two units, a quarter after two units: ln 2 / 2 and ln 2 a unit.
+    // Transmittance 1/2 over two units means ln 2 / 2 per unit; 1/4 over two units means ln 2.
     let ln2 = std::f32::consts::LN_2;
     assert!(is_nearly_equal(absorption(2), vec3(0.5 * ln2, 0.0, ln2)));
     assert_eq!(scene.materials()[3], Material::mirror(vec3(0.9, 0.8, 0.7)));
@@ -45,7 +45,7 @@ fn metals_have_the_named_or_given_index() {
     }
     let scene = resolve_materials("Conductor { eta 1 2 3 k 4 5 6 }");
     assert_eq!(scene.materials()[0], Material::conductor(vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0), 0.0));
-    // (n² − 2n + 1 + k²) / (n² + 2n + 1 + k²) head-on.
+    // Reflectance at normal incidence is ((n − 1)² + k²) / ((n + 1)² + k²).
     let facing = conductor_reflectance(1.0, vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0));
     assert!(is_nearly_equal(facing, vec3(16.0 / 20.0, 26.0 / 34.0, 40.0 / 52.0)));
     let error = resolve_error(&format!("Materials {{\nConductor {{ metal unobtainium }} }} {BALL}"));
@@ -107,7 +107,7 @@ fn mixes_resolve_to_material_indices() {
 
 #[test]
 fn a_mix_that_contains_itself_is_refused() {
-    // The parser reports such names of a file. A description may be changed after parsing.
+    // The parser refuses such names in a file. A description may be changed after parsing.
     let text = format!("{CAMERA}Materials {{ Mirror a {{ }}\nMix m {{ first a second a amount 0 }} }} {BALL}");
     let mut description = parse("a.txt", &text).unwrap();
     if let MaterialKindDescription::Mix(MixDescription { second, .. }) = &mut description.materials[1].value.kind {

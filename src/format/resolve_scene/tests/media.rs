@@ -12,7 +12,7 @@ const BALL: &str = "Group { MaterialIndex 0 Sphere { center 7 0 0 radius 1 } }";
 
 /// Returns the text of a scene with these media and materials.
 ///
-/// A ball of the first material is off the origin.
+/// The only object is a ball of the first material, whose center is not the origin.
 fn scene_text_with_media(media: &str, materials: &str) -> String {
     format!("Media {{ {media} }}\nMaterials {{ {materials} }} {BALL}")
 }
@@ -93,8 +93,7 @@ fn body_absorption_adds_to_a_homogeneous_medium() {
     resolve_scene_text(&scene_text_with_media(cloud, "Dielectric { medium c absorption 0 0 0 }"));
 }
 
-/// Compares densities with those of 2 × 1 × 1 cells in a box, with interpolation between their
-/// centers.
+/// A grid of 2 × 1 × 1 cells gives densities inside its box, interpolated between cell centers.
 #[test]
 fn density_grids_fill_their_box() {
     let folder = tempfile::tempdir().unwrap();
@@ -157,8 +156,7 @@ fn clouds_fill_the_inscribed_ellipsoid() {
     let [full, thin, other] = ["cover 1 softness 0", "cover .3 softness 0", "cover 1 softness 0 seed 1"].map(of);
     assert!(mean(&full, 0.5) > 0.2 && mean(&thin, 0.5) < mean(&full, 0.5));
     assert_ne!(mean(&full, 0.5), mean(&other, 0.5));
-    // The box's corner is outside of the ellipsoid. Points outside of the box are outside of it
-    // too.
+    // A corner of the box is outside the ellipsoid, as are all points outside the box.
     assert_eq!(
         [
             density_of_first_material(&full, dvec3(1.7, 0.8, 0.8)),
@@ -209,7 +207,7 @@ fn clear_objects_cannot_emit() {
 
 #[test]
 fn unknown_medium_names_are_refused() {
-    // The parser finds such names in a file; a description may be changed after it.
+    // The parser refuses such names in a file. A description may be changed after parsing.
     let text = format!("{CAMERA}{}", scene_text_with_media("Medium a { }", "Clear { medium a }"));
     let mut description = parse("a.txt", &text).unwrap();
     description.media.pop();

@@ -124,8 +124,8 @@ fn mesh_options_select_the_normals() {
     assert!(
         is_nearly_equal(normal("smoothAngle 44", 1.5), flat) && is_nearly_equal(normal("smoothAngle 44", 0.9), written)
     );
-    // At both ends of the edge, the normal lies between those of the two faces. So it does along
-    // the edge.
+    // The normals at both ends of the edge lie between the two face normals, so all normals along
+    // the edge do.
     let mean = normal("normals none smoothAngle 46", 1.000_001);
     assert!(mean.dot(Vec3::Z) < 0.999 && mean.dot(flat) < 0.999 && mean.y.abs() < 1e-6, "{mean}");
     assert!(is_nearly_equal(normal("normals none smoothAngle 44", 1.000_001), flat));

@@ -75,7 +75,7 @@ fn objects_before_any_material_use_the_first() {
 
 #[test]
 fn unknown_material_names_are_refused() {
-    // The parser finds such names in a file; a description may be changed after it.
+    // The parser refuses such names in a file. A description may be changed after parsing.
     let text = format!("{CAMERA}{MATERIAL_BLOCK_PARSERS}Group {{ MaterialName b }}");
     let mut description = parse("a.txt", &text).unwrap();
     description.materials.pop();
@@ -145,7 +145,8 @@ fn singular_products_are_reported_at_the_inner_transform() {
     let error = resolve_error(&format!("Group {{\nTransform {{ {huge}\nTransform {{ {huge} {ball} }} }} }}"));
     assert_eq!((error.line(), error.offending_text()), (4, "Transform"));
     assert!(error.message().contains("singular") && error.remedy().contains("scale"), "{error}");
-    // The place is that of the innermost transform, also after another one has ended.
+    // The error points at the innermost enclosing transform, even if another transform has ended
+    // before the object.
     let fine = format!("Transform {{ UniformScale 2 {ball} }}");
     let error = resolve_error(&format!(
         "Group {{\nTransform {{ {huge} Group {{ {fine}\nTransform {{ {huge} {ball} }} }} }} }}"
@@ -339,7 +340,7 @@ fn the_camera_has_the_given_direction() {
         // `up` appears upward.
         assert!(camera.generate_ray(glam::vec2(15.0, 0.0), None).direction.z > middle.z);
     }
-    // The parser refuses an `up` along the view; a description may be changed after it.
+    // The parser refuses an `up` along the view. A description may be changed after parsing.
     let text = format!("{CAMERA}Group {{ }}");
     let mut description = parse("a.txt", &text).unwrap();
     description.camera.value.up = DVec3::Z;

@@ -53,7 +53,8 @@ fn folder_of_meshes() -> tempfile::TempDir {
     folder
 }
 
-/// Builds the scene of `text` after `earlier`. Returns it with the number of mesh files parsed.
+/// Builds the scene of `file`, reusing meshes of `earlier`. Returns the scene with the number of
+/// mesh files parsed.
 fn resolve_after(earlier: Option<&ResolvedScene>, file: &SceneFile) -> (ResolvedScene, usize) {
     let monitor = FileMonitor::default();
     let resolved = file.resolve_incrementally(earlier, &monitor, MemoryLimit::Unbounded).unwrap();

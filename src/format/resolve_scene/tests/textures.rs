@@ -42,7 +42,7 @@ fn pictures_are_decoded_as_color_or_numbers() {
             Bsdf::Diffuse(reflectance) => reflectance.x,
             other => panic!("{other:?}"),
         };
-    // Eight bits are off by half a level; .5 is level 188 of the sRGB curve.
+    // Eight bits round by up to half a level; 0.5 is level 188 of the sRGB curve.
     assert!((front_reflectance("Image t { file half.png }", "Diffuse { reflectance t }") - 0.5).abs() < 0.003);
     let numbers = front_reflectance("Image t { file half.png encoding linear }", "Diffuse { reflectance t }");
     assert!((numbers - 188.0 / 255.0).abs() < 1e-6, "{numbers}");
@@ -120,10 +120,10 @@ fn solid_textures_move_with_their_objects() {
     }
 }
 
-/// Each patch of an object emits by the texture. An object without a surface does not set the
-/// emission texture of the previous object.
+/// The emission texture applies to each patch of its object. An object without a surface does not
+/// change the emission texture of the previous object.
 #[test]
-fn each_part_of_an_object_emits_by_its_texture() {
+fn all_patches_of_an_object_have_textured_emission() {
     let net = |x: f64| {
         let at = |i: u32| format!("[ {} {} 0 ]", x + f64::from(i / 4), i % 4);
         (0..16).map(at).collect::<Vec<_>>().join(" ")

@@ -30,10 +30,10 @@ fn noise_and_bias_after_passes(forecast: &ErrorForecast, passes: u32) -> (f64, f
 
 /// With more passes, fireflies first become more numerous and then fade.
 ///
-/// A tenth of the pixels are fireflies of relative squared noise 16. Above four times the passes,
-/// each contributes less.
+/// A tenth of the pixels are fireflies of relative squared noise 16. Beyond four times as many
+/// passes, each contributes less than 1.
 #[test]
-fn fireflies_spread_before_they_fade() {
+fn firefly_error_grows_before_it_falls() {
     let mut fireflies = FireflyHistogram::default();
     (0..10).for_each(|_| fireflies.add(16.0, 0.01));
     let forecast =

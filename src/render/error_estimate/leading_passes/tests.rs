@@ -1,7 +1,7 @@
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
-/// Returns `passes` passes of uniform noise, in which each run of `block` pixels is equal.
+/// Returns `passes` passes of uniform noise, in which runs of `block` pixels have equal values.
 fn passes_of_block_noise(block: usize, pixels: usize, passes: u32, seed: u64) -> LeadingPassPictures {
     let mut leading = LeadingPassPictures::default();
     for pass in 0..passes {
@@ -14,8 +14,9 @@ fn passes_of_block_noise(block: usize, pixels: usize, passes: u32, seed: u64) ->
 
 /// Pixels that are always equal count as one independent sample.
 ///
-/// 240 pixels in runs of b equal ones make 240/b independent samples. The mean over 100 seeds of 20
-/// independent squared products, of relative variance 2, has a relative error of √(2/2000).
+/// 240 pixels in runs of b equal pixels make 240/b independent samples. Squared products have a
+/// relative variance of 2. So the mean of 20 independent ones, over 100 seeds, has a relative error
+/// of √(2/2000).
 #[test]
 fn equal_pixels_count_as_one_sample() {
     let weights = vec![1.0; 240];
@@ -36,9 +37,9 @@ fn equal_pixels_count_as_one_sample() {
     }
 }
 
-/// A lone bright pixel does not correlate the noise of different passes.
+/// A single bright pixel in one pass does not correlate the noise of different passes.
 #[test]
-fn fireflies_leave_products_small() {
+fn fireflies_do_not_correlate_passes() {
     let mut leading = LeadingPassPictures::default();
     for pass in 0..8 {
         let value = |i| Rgb::splat(if pass == 3 && i == 5 { 100.0 } else { 0.0 });

@@ -1,11 +1,11 @@
 use super::*;
 use crate::render::error_estimate::ErrorEstimate;
 
-/// Confidence of an interval whose upper end is the mean: its half width is 0.
+/// Confidence of an interval of half width 0, whose upper end is the estimated error.
 const CENTER: Confidence = Confidence::LEAST;
 
-/// Returns the forecast after 8 passes of relative variance 0.08 each, so that the noise is 0.1,
-/// with the given moments of nested differences.
+/// Returns the forecast after 8 passes with the given moments of nested differences. Each pass has
+/// relative variance 0.08, so the noise is 0.1.
 fn forecast_with(differences: NestedDifferenceMoments, alpha: Option<f64>) -> ErrorForecast {
     let blur = BlurEstimate::from_differences(&differences);
     let parts = SquaredErrorParts {
@@ -31,7 +31,7 @@ fn range(forecast: StopForecast) -> PassRange {
     range
 }
 
-/// Moments of smooth light with the blur 2·√`d0_squared`, known without noise.
+/// Moments of smooth light with the blur 2·√`d0_squared`, measured without noise.
 fn smooth(d0_squared: f64) -> NestedDifferenceMoments {
     NestedDifferenceMoments { d0_squared, d0_d1: 0.5 * d0_squared, d1_squared: 0.25 * d0_squared, ..Default::default() }
 }
@@ -45,7 +45,7 @@ fn normal_quantiles_match_tables() {
 
 #[test]
 fn draws_are_spread_evenly() {
-    let mean = |of: fn(&ForecastDraw) -> f64| ALL_DRAWS.iter().map(of).sum::<f64>() / DRAWS as f64;
+    let mean = |of: fn(&ForecastDraw) -> f64| ALL_DRAWS.iter().map(of).sum::<f64>() / DRAW_COUNT as f64;
     assert!(mean(|draw| draw.noise_variate).abs() < 0.05 && mean(|draw| draw.later_blur_variate).abs() < 0.05);
     assert!(
         (mean(|draw| draw.exponent_variate) - 0.5).abs() < 0.02 && (mean(|draw| draw.blur_variate) - 0.5).abs() < 0.02
@@ -54,8 +54,7 @@ fn draws_are_spread_evenly() {
     assert!(mean(|draw| draw.noise_variate * draw.later_blur_variate).abs() < 0.1);
 }
 
-/// To halve the noise, four times the passes are needed. The uncertainty of the model widens the
-/// range.
+/// Half the noise needs four times as many passes. The uncertainty of the model widens the range.
 ///
 /// Noise of 0.1 after 8 passes falls to 0.05 after 32 passes.
 #[test]
@@ -63,14 +62,15 @@ fn noise_alone_needs_four_times_the_passes() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);
     let PassRange { low, median, high } = range(forecast.stop_forecast(0.05, CENTER));
     assert!((31..=34).contains(&median), "{median}");
-    // Deviation 0.2·¾ of the variance, and the schedule of estimates.
+    // The relative deviation of the variance is 0.2·¾. The tolerance includes the schedule of
+    // estimates.
     let factor = libm::exp(1.2816 * 0.15);
     assert!((f64::from(low) * factor / 32.0 - 1.0).abs() < 0.08, "{low}");
     assert!((f64::from(high.unwrap()) / factor / 32.0 - 1.0).abs() < 0.08, "{high:?}");
 }
 
-/// A wider interval needs more passes to fall below the target: its upper end is √(1 +
-/// z·√uncertainty) times the error.
+/// With a wider interval, more passes are needed. The upper end of the interval is √(1 +
+/// z·√uncertainty) times the error, for a half width of z standard deviations.
 #[test]
 fn forecast_uses_the_upper_end_of_the_interval() {
     let mut forecast = forecast_with(NestedDifferenceMoments::default(), None);

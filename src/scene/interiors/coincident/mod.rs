@@ -15,8 +15,8 @@ use crate::scene::geometry::CoincidenceGroup;
 use crate::scene::{Hit, Scene, SurfaceInteraction};
 use crate::shape::SurfacePoint;
 
-/// Maximum number of boundaries that may coincide with the one that a ray hits. Any more are
-/// ignored.
+/// Maximum number of boundaries that are recorded as coincident with the one that a ray hits. Any
+/// more are ignored.
 const MAX_COINCIDENT_FACES: usize = 3;
 
 /// A boundary of a dielectric body at a hit, and the direction in which the path crosses it.
@@ -79,7 +79,7 @@ pub(super) struct BoundarySides<'a> {
     /// True if the boundary and all that coincide with it are null interfaces.
     pub is_null_interface: bool,
     /// Greatest roughness α of the boundary and all that coincide with it, null interfaces left
-    /// out.
+    /// out. Roughness textures of coincident boundaries count with their means.
     pub roughness: f32,
 }
 
@@ -87,15 +87,15 @@ impl InteriorStack {
     /// Returns the dielectric bodies around a path after it crosses the boundary `own` and all
     /// boundaries in `coincident`.
     ///
-    /// The path may already have crossed a coincident boundary at its previous vertex. Therefore,
-    /// an entry into a body that is already on the stack is skipped, unless the path leaves the
-    /// same body through `own`. An exit from a body that is not on the stack has no effect.
+    /// The path may already have crossed a coincident boundary at its previous vertex. So an entry
+    /// into a body that is already on the stack is skipped, unless the path leaves the same body
+    /// through `own`. An exit from a body that is not on the stack has no effect.
     pub(super) fn stack_after_crossing(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
         let mut far = *self;
         let count = |material: u32| self.body_materials().iter().filter(|m| **m == material).count();
-        let spare = |material: u32| usize::from(!own.entering && own.material == material);
+        let removed_by_own = |material: u32| usize::from(!own.entering && own.material == material);
         let mut faces = [None; MAX_COINCIDENT_FACES + 1];
-        let pending = coincident.iter().filter(|f| !f.entering || count(f.material) <= spare(f.material));
+        let pending = coincident.iter().filter(|f| !f.entering || count(f.material) <= removed_by_own(f.material));
         faces.iter_mut().zip(pending.chain([own])).for_each(|(slot, face)| *slot = Some(face));
         // Sorting makes the order of simultaneous entries independent of the boundary that was hit.
         faces.sort_unstable();
@@ -131,10 +131,10 @@ pub(super) fn boundary_sides<'a>(
     BoundarySides { near, far, is_null_interface, roughness }
 }
 
-/// Returns the boundaries of other dielectric bodies that coincide with `surface`: those within its
-/// position error.
+/// Returns the boundaries of other dielectric bodies that coincide with `surface`: those within the
+/// position error of the surface point.
 ///
-/// `leaf_at` returns the index of the material at a hit. For a mix, it chooses a leaf.
+/// `leaf_at` returns the material index at a hit. For a mix, it is the index of one leaf material.
 #[inline]
 pub(in crate::scene) fn coincident_faces_at(
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! The search for boundaries that may coincide with a boundary of another object.
+//! Search for the primitives with which a boundary of another object may coincide.
 
 use crate::accel::PrimitiveIndex;
 use crate::math::Bounds;
@@ -12,8 +12,8 @@ use std::sync::Arc;
 /// Maximum number of faces in a leaf of the search tree.
 const LEAF_FACES: usize = 8;
 
-/// Greatest number of pair tests, as a multiple of the number of faces. If the search needs more,
-/// all faces count as possibly coincident.
+/// Greatest number of tests of face pairs, divided by the number of faces. If the search needs
+/// more, all faces count as possibly coincident.
 const PAIRS_PER_FACE: usize = 1000;
 
 /// Greatest number of pairs of profile leaves that are tested for coaxial surfaces of revolution.
@@ -36,7 +36,7 @@ enum CoincidentPart {
 }
 
 impl CoincidentPart {
-    /// Adds intervals of a profile.
+    /// Adds the flagged `intervals` of the profile to this part.
     fn add_intervals(&mut self, intervals: Vec<bool>) {
         match self {
             Self::Nothing => *self = Self::ProfileIntervals(intervals),
@@ -46,10 +46,10 @@ impl CoincidentPart {
     }
 }
 
-/// For each primitive of a scene, the part that may coincide with the boundary of another object's
-/// dielectric body.
+/// For each primitive of a scene: whether the boundary of another object's dielectric body may
+/// coincide with it, and on which part.
 ///
-/// Both lists are empty if `all_flagged`, or if no boxes of boundary objects overlap.
+/// Both lists are empty if `all_flagged` is true, or if no boxes of boundary objects overlap.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct CoincidentFlags {
     /// One flag for each triangle: true if the boundary of another object may coincide with it.
@@ -61,7 +61,8 @@ pub(in crate::scene) struct CoincidentFlags {
 }
 
 impl CoincidentFlags {
-    /// True if a boundary of another object may coincide with `primitive` at the hit.
+    /// True if the boundary of another object's dielectric body may coincide with `primitive` at
+    /// the hit.
     #[inline]
     pub fn may_coincide(&self, primitive: HitPrimitive) -> bool {
         self.all_flagged
@@ -110,15 +111,15 @@ pub(in crate::scene) fn flag_coincident_primitives(
     is_boundary: impl Fn(u32) -> bool,
 ) -> CoincidentFlags {
     let bounds_body = |object: usize| is_boundary(geometry.objects[object].material);
-    let at_rest = geometry.shapes.first_moving_index() as usize;
-    let boundary_shapes: Vec<usize> = (0..at_rest).filter(|i| bounds_body(*i)).collect();
+    let first_moving = geometry.shapes.first_moving_index() as usize;
+    let boundary_shapes: Vec<usize> = (0..first_moving).filter(|i| bounds_body(*i)).collect();
     let mesh_bounds = boundary_mesh_bounds(geometry, bounds_body);
-    let moving = at_rest..geometry.shapes.len();
-    let endless = geometry.shapes.len() + geometry.mesh_ranges.len()..geometry.objects.len();
-    let anywhere = moving.chain(endless).filter(|object| bounds_body(*object)).count();
-    if anywhere > 0 {
+    let moving = first_moving..geometry.shapes.len();
+    let plane_objects = geometry.shapes.len() + geometry.mesh_ranges.len()..geometry.objects.len();
+    let unlocated_count = moving.chain(plane_objects).filter(|object| bounds_body(*object)).count();
+    if unlocated_count > 0 {
         let others = boundary_shapes.len() + mesh_bounds.iter().flatten().count();
-        return CoincidentFlags { all_flagged: anywhere + others > 1, ..CoincidentFlags::default() };
+        return CoincidentFlags { all_flagged: unlocated_count + others > 1, ..CoincidentFlags::default() };
     }
     let mut extents: Vec<BoundaryObjectBounds> =
         boundary_shapes.iter().map(|i| BoundaryObjectBounds::new(Shape::bounds(&geometry.shapes[*i as u32]))).collect();
@@ -185,15 +186,15 @@ pub(in crate::scene) fn flag_coincident_primitives(
 /// Flags in `shapes` the parts of coaxial surfaces of revolution that are near each other.
 ///
 /// Each of `pairs` holds the indices of two shapes, the lower one first, and the distance within
-/// which they may coincide \[length]. At most `budget` pairs of profile leaves are tested. Whole
-/// surfaces are flagged if that is too few.
+/// which they may coincide \[length]. At most `budget` pairs of profile leaves are tested. If more
+/// are needed, whole surfaces are flagged.
 fn flag_coaxial_pairs(
     geometry: &Geometry,
     mut pairs: Vec<(u32, u32, f64)>,
     mut budget: usize,
     shapes: &mut [CoincidentPart],
 ) {
-    // The join tests two faces of one tree leaf in both orders.
+    // Drop duplicate pairs: the join tests two faces of one tree leaf in both orders.
     pairs.sort_unstable_by_key(|(i, j, _)| (*i, *j));
     pairs.dedup_by_key(|(i, j, _)| (*i, *j));
     for (i, j, margin) in pairs {
@@ -244,7 +245,7 @@ fn flag_overlapping_bounds(extents: &[BoundaryObjectBounds]) -> Vec<bool> {
 }
 
 /// True if triangle `b` lies on one side of the plane of triangle `a`, farther from it than
-/// `margin`.
+/// `margin` \[length].
 fn lie_on_one_side_of_plane(a: &[DVec3; 3], b: &[DVec3; 3], margin: f64) -> bool {
     let normal = (a[1] - a[0]).cross(a[2] - a[0]);
     let margin = margin * normal.length();
@@ -315,8 +316,8 @@ impl<'a> SpatialSelfJoin<'a> {
         index
     }
 
-    /// Flags the faces below `node` that are near a face of another object below it. Returns `None`
-    /// if that takes more than `budget` tests.
+    /// Flags the faces below `node` that are near a face of another object, which is also below
+    /// `node`. Returns `None` if the budget of pair tests does not suffice.
     fn join_node_with_itself(&mut self, node: usize) -> Option<()> {
         if self.nodes[node].boundary_object.is_some() {
             return Some(());
@@ -331,8 +332,8 @@ impl<'a> SpatialSelfJoin<'a> {
         }
     }
 
-    /// Flags the faces below nodes `a` and `b` that are near a face of another object below the
-    /// other node. Returns `None` if that takes more than `budget` tests.
+    /// Flags the faces below node `a` that are near a face of another object below node `b`, and
+    /// vice versa. Returns `None` if the budget of pair tests does not suffice.
     fn join_node_pair(&mut self, a: usize, b: usize) -> Option<()> {
         let (first, second) = (&self.nodes[a], &self.nodes[b]);
         if first.boundary_object.is_some() && first.boundary_object == second.boundary_object

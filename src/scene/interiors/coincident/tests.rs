@@ -25,8 +25,8 @@ fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
     inside
 }
 
-/// Crosses the face between a glass (material 0) and its content (material 1). The result does not
-/// depend on which of the two boundaries is hit.
+/// A path crosses the face between a glass (material 0) and its content (material 1). The result
+/// does not depend on which of the two boundaries is hit.
 #[test]
 fn coincident_faces_are_crossed_together() {
     let glass = interior_stack_of_materials(&[0]);
@@ -138,12 +138,12 @@ fn coincident_faces_are_unique_and_limited() {
     assert!(CoincidentFaces::NONE.is_empty());
 }
 
-/// A mix whose face coincides with a face of glass resolves to its liquid part with the probability
-/// of this part.
+/// A mix on a face that coincides with a face of glass resolves to its liquid component with the
+/// probability of this component.
 ///
 /// The standard error over 4096 keys is 0.0072. The tolerance is 5.5 times as large.
 #[test]
-fn a_coincident_mix_counts_with_the_probability_of_its_body() {
+fn coincident_mixes_resolve_by_their_component_probabilities() {
     const COUNT: u64 = 4096;
     let mut builder = SceneBuilder::new();
     let glass = builder.add_material(Material::dielectric(1.5, Rgb::ZERO));

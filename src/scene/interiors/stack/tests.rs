@@ -38,8 +38,8 @@ fn the_highest_priority_wins_in_any_entry_order() {
     assert_eq!(out.relative_eta(&body_of_material(2), |b| b.eta), 1.5 / 1.33);
 }
 
-/// Compares the interface that a path meets when it enters a dielectric body with the one that it
-/// meets when it leaves.
+/// The interface that a path meets when it enters a dielectric body equals the one that it meets
+/// when it leaves.
 #[test]
 fn a_boundary_has_one_interface_from_both_sides() {
     let m = water_ice_glass_materials();
@@ -61,7 +61,7 @@ fn a_boundary_has_one_interface_from_both_sides() {
 }
 
 #[test]
-fn equal_priorities_nest_and_equal_materials_merge() {
+fn equal_priorities_let_the_last_entered_body_win() {
     let mut m = water_ice_glass_materials();
     for material in &mut m {
         *material = material.with_body(Body { priority: 0, ..*material.bounded_body().unwrap() });

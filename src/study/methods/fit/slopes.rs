@@ -3,11 +3,11 @@
 use crate::sampling::{Dimension, Key};
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
-/// Largest ratio of the numbers of passes of the last checkpoint and of a checkpoint that is
-/// fitted. Earlier checkpoints are left out of the fit.
+/// Largest ratio of passes at the last checkpoint to passes at a fitted checkpoint. Earlier
+/// checkpoints are left out of the fit.
 const MAX_TAIL_PASS_RATIO: u32 = 16;
 
-/// Minimum number of checkpoints for the fit of a line. Two are too few: they always lie on a line.
+/// Smallest number of checkpoints to which a line is fitted. Two points always lie on a line.
 const MIN_CHECKPOINTS: usize = 3;
 
 /// Number of bootstrap replicates from which the confidence interval of a slope is computed.
@@ -25,7 +25,7 @@ pub struct SlopeEstimate {
     pub confidence_interval: Option<[f64; 2]>,
 }
 
-/// Slopes of one quantity: error, noise or bias.
+/// Fitted slopes of one quantity (error, noise or bias) over time and over passes.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ConvergenceSlopes {
     /// Slope of the quantity (error, noise or bias) over processor time, in a log-log plot.
@@ -64,22 +64,22 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     let mean = |values: &[f64], weights: &[f64]| values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
     // Noise and bias have confidence intervals only if the noise of each seed is known, so that
     // seeds can be resampled.
-    let apart = if has_noises { seeds } else { 0 };
+    let seeds_with_noise = if has_noises { seeds } else { 0 };
     let error = fit_convergence_slopes(tail, seeds, |c, weights| {
         weights.map_or_else(|| c.mean_relative_squared_error(), |w| mean(&c.relative_squared_errors, w))
     });
-    let noise = fit_convergence_slopes(tail, apart, |c, weights| {
+    let noise = fit_convergence_slopes(tail, seeds_with_noise, |c, weights| {
         weights.map_or(c.squared_noise, |w| mean(&c.squared_noises, w))
     });
-    // The mean squared error is exactly bias² + noise², so the rest is bias.
-    let bias = fit_convergence_slopes(tail, apart, |c, weights| {
+    // The mean squared error is bias² + noise².
+    let bias = fit_convergence_slopes(tail, seeds_with_noise, |c, weights| {
         weights.map_or(c.squared_bias, |w| mean(&c.relative_squared_errors, w) - mean(&c.squared_noises, w))
     });
     Some(ConvergenceFit { checkpoint_passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
 
-/// Returns the checkpoints that are fitted: the last ones that have positive times and at least
-/// 1/16 of the passes of the last checkpoint.
+/// Returns the checkpoints to which lines are fitted: the last ones, from the first with a positive
+/// time and at least 1/16 of the passes of the last checkpoint.
 fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceCheckpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
     let early = |c: &&ConvergenceCheckpoint| {
@@ -88,13 +88,13 @@ fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceChe
     &checkpoints[checkpoints.iter().take_while(early).count()..]
 }
 
-/// Fits slopes over time and passes to the root of a squared quantity (error, noise or bias) at the
-/// checkpoints `tail`.
+/// Fits log-log slopes of one quantity (error, noise or bias) over time and over passes, through
+/// the checkpoints `tail`.
 ///
-/// `square` returns the squared quantity at a checkpoint, averaged over seeds with the given
-/// weights; `None` stands for equal weights. The result is `None` if the squared quantity is not
-/// positive at one of the checkpoints. The slopes have no intervals with fewer than two `seeds`, or
-/// if more than 2.5 % of the bootstrap replicates cannot be fitted.
+/// `square` returns the squared quantity at a checkpoint: its mean over seeds with the given
+/// weights, or with equal weights for `None`. The result is `None` if the squared quantity is not
+/// positive at one of the checkpoints. The slopes have no confidence intervals with fewer than two
+/// `seeds`, or if more than 2.5 % of the bootstrap replicates cannot be fitted.
 fn fit_convergence_slopes(
     tail: &[ConvergenceCheckpoint],
     seeds: usize,
@@ -102,21 +102,22 @@ fn fit_convergence_slopes(
 ) -> Option<ConvergenceSlopes> {
     let times: Vec<f64> = tail.iter().map(|c| libm::log(c.cpu_seconds)).collect();
     let passes: Vec<f64> = tail.iter().map(|c| libm::log(f64::from(c.passes))).collect();
-    let of = |weights: Option<&[f64]>| {
+    let fit_slopes = |weights: Option<&[f64]>| {
         let logs = tail.iter().map(|c| Some(square(c, weights)).filter(|s| *s > 0.0).map(|s| 0.5 * libm::log(s)));
         let logs: Vec<f64> = logs.collect::<Option<_>>()?;
         Some([least_squares_slope(&times, &logs), least_squares_slope(&passes, &logs)])
     };
-    let [by_time, by_passes] = of(None)?;
-    let replicates: Vec<[f64; 2]> =
-        (0..BOOTSTRAP_REPLICATES).filter_map(|replicate| of(Some(&bootstrap_seed_weights(replicate, seeds)))).collect();
-    // An interval needs at least 97.5 % of the replicates. The others are missing because their
-    // `square` was not positive at a checkpoint.
+    let [by_time, by_passes] = fit_slopes(None)?;
+    let replicates: Vec<[f64; 2]> = (0..BOOTSTRAP_REPLICATES)
+        .filter_map(|replicate| fit_slopes(Some(&bootstrap_seed_weights(replicate, seeds))))
+        .collect();
+    // Replicates whose `square` is not positive at a checkpoint are missing. An interval needs 97.5
+    // % of the replicates.
     let has_interval = seeds >= 2 && replicates.len() as u64 * 40 >= BOOTSTRAP_REPLICATES * 39;
-    let slope = |value: f64, which: usize| {
+    let slope = |value: f64, axis: usize| {
         let interval = has_interval.then(|| {
-            let half = bootstrap_interval_factor(seeds) * standard_deviation(replicates.iter().map(|r| r[which]));
-            [value - half, value + half]
+            let half_width = bootstrap_interval_factor(seeds) * standard_deviation(replicates.iter().map(|r| r[axis]));
+            [value - half_width, value + half_width]
         });
         SlopeEstimate { value, confidence_interval: interval }
     };
@@ -124,7 +125,7 @@ fn fit_convergence_slopes(
 }
 
 /// Returns the weight of each seed in bootstrap replicate number `replicate`: the relative
-/// frequency of the seed among draws with replacement.
+/// frequency of the seed among `seeds` draws with replacement.
 fn bootstrap_seed_weights(replicate: u64, seeds: usize) -> Vec<f64> {
     let key = Key::new(0xb007_57a9).child_key(replicate);
     let mut weights = vec![0.0; seeds];
@@ -150,8 +151,8 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
     (values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
 }
 
-/// Returns the half-width of a 95 % confidence interval, divided by the standard deviation of the
-/// bootstrap replicates.
+/// Returns the factor by which the standard deviation of the bootstrap replicates is multiplied to
+/// get the half-width of a 95 % confidence interval.
 ///
 /// For S seeds, the factor is the 97.5 % quantile of Student's t distribution times √(S/(S − 1)).
 /// The root corrects the variance of the bootstrap, which has the divisor S instead of S − 1
@@ -189,8 +190,8 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     Some([mean - half, mean + half])
 }
 
-/// Returns the 95 % confidence interval of the squared relative bias; `None` with fewer than two
-/// seeds, or if the noise of each seed is not known.
+/// Returns the 95 % confidence interval of the squared relative bias at a checkpoint; `None` with
+/// fewer than two seeds, or if the noise of each seed is not known.
 pub(super) fn squared_bias_interval(checkpoint: &ConvergenceCheckpoint) -> Option<[f64; 2]> {
     let ConvergenceCheckpoint { relative_squared_errors: squared_errors, squared_noises, .. } = checkpoint;
     (squared_errors.len() == squared_noises.len())

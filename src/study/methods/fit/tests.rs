@@ -12,35 +12,35 @@ use rand::RngExt;
 const SEEDS: usize = 8;
 const PIXELS: usize = 64;
 
-/// Makes results of a synthetic method. The error of pass i has mean 0.1 · `bias` · s(i) and
-/// variance 0.01/s(i).
+/// Makes results of a synthetic method. The error of each pixel in pass i has the mean 0.1 · `bias`
+/// · s(i) and the variance 0.01/s(i).
 ///
 /// s(i) is the squared gather radius of pass i, divided by that of the first pass. It shrinks with
-/// the exponent `alpha`. `name` selects the random numbers.
-fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
-    let mut rng = Key::new(77).child_key(name).rng();
+/// the exponent `alpha`. `random_seed` selects the random numbers.
+fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], random_seed: u64) -> MethodResult {
+    let mut rng = Key::new(77).child_key(random_seed).rng();
     // Irwin–Hall: the sum of twelve uniform numbers, minus six, has mean 0 and variance 1.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
-    let shrinks = |i: u32| squared_radius_ratio(alpha, i);
-    let (mut made, mut drift) = (0, 0.0);
+    let radius_ratio = |i: u32| squared_radius_ratio(alpha, i);
+    let (mut made, mut bias_sum) = (0, 0.0);
     let mut sums = vec![[0.0; PIXELS]; SEEDS];
     let checkpoints = passes.iter().map(|&n| {
-        let variance: f64 = (made..n).map(|i| 1.0 / shrinks(i)).sum();
-        drift += (made..n).map(|i| bias * shrinks(i)).sum::<f64>();
+        let variance: f64 = (made..n).map(|i| 1.0 / radius_ratio(i)).sum();
+        bias_sum += (made..n).map(|i| bias * radius_ratio(i)).sum::<f64>();
         made = n;
         for sum in sums.iter_mut().flatten() {
             *sum += variance.sqrt() * normal();
         }
-        let error = |sum: f64| 0.1 * (sum + drift) / f64::from(n);
+        let error = |sum: f64| 0.1 * (sum + bias_sum) / f64::from(n);
         let mean_of = |seed: &[f64; PIXELS], of: &dyn Fn(usize, f64) -> f64| {
             seed.iter().enumerate().map(|(i, s)| of(i, *s)).sum::<f64>() / PIXELS as f64
         };
         let means: Vec<f64> =
             (0..PIXELS).map(|p| sums.iter().map(|s| error(s[p])).sum::<f64>() / SEEDS as f64).collect();
         let squared_errors: Vec<f64> = sums.iter().map(|s| mean_of(s, &|_, x| error(x) * error(x))).collect();
-        let apart = |i: usize, x: f64| (error(x) - means[i]) * (error(x) - means[i]);
+        let squared_deviation = |i: usize, x: f64| (error(x) - means[i]) * (error(x) - means[i]);
         let squared_noises: Vec<f64> =
-            sums.iter().map(|s| mean_of(s, &apart) * SEEDS as f64 / (SEEDS - 1) as f64).collect();
+            sums.iter().map(|s| mean_of(s, &squared_deviation) * SEEDS as f64 / (SEEDS - 1) as f64).collect();
         let noise2 = squared_noises.iter().sum::<f64>() / SEEDS as f64;
         let bias2 = squared_errors.iter().sum::<f64>() / SEEDS as f64 - noise2;
         let seconds = 0.25 * f64::from(n);
@@ -87,8 +87,8 @@ fn slope_intervals_cover_theory() {
     let laws = [(Algorithm::Path, 0.0, 1.0), (Algorithm::Sppm, 2.0, DEFAULT_ALPHA), (Algorithm::Pm, 0.0, 1.0)];
     for (algorithm, bias, alpha) in laws {
         let mut covered = [0; 2];
-        for name in 0..100 {
-            let method = synthetic_method(algorithm, bias, alpha, &passes, name);
+        for random_seed in 0..100 {
+            let method = synthetic_method(algorithm, bias, alpha, &passes, random_seed);
             let fit = fit_convergence(&method).unwrap();
             assert_eq!(fit.checkpoint_passes, [16, 32, 64, 128, 256]);
             for (covered, (slopes, quantity)) in
@@ -140,15 +140,18 @@ fn fitted_slopes_match_theory() {
 #[test]
 fn verdicts_name_the_cause_of_bias() {
     let passes = powers_of_two(9);
-    let is =
+    let verdict_of =
         |algorithm, bias, alpha, passes: &[u32]| fitted_verdict(&synthetic_method(algorithm, bias, alpha, passes, 5));
-    assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), ConvergenceVerdict::Expected { coming_floor: None, .. }));
     assert!(matches!(
-        is(Algorithm::Sppm, 3.0, DEFAULT_ALPHA, &passes),
-        ConvergenceVerdict::Expected { coming_floor: None, .. }
+        verdict_of(Algorithm::Path, 0.0, 1.0, &passes),
+        ConvergenceVerdict::Expected { bias_floor: None, .. }
+    ));
+    assert!(matches!(
+        verdict_of(Algorithm::Sppm, 3.0, DEFAULT_ALPHA, &passes),
+        ConvergenceVerdict::Expected { bias_floor: None, .. }
     ));
     // The bias of `synthetic_method` is then 0.1 · 3.
-    let plateau = is(Algorithm::Pm, 3.0, 1.0, &passes);
+    let plateau = verdict_of(Algorithm::Pm, 3.0, 1.0, &passes);
     assert!(
         matches!(plateau, ConvergenceVerdict::Plateau { floor, cause: BiasCause::Radii(_) } if (floor - 0.3).abs() < 0.01),
         "{plateau:?}"
@@ -156,28 +159,28 @@ fn verdicts_name_the_cause_of_bias() {
     let words = plateau.to_string();
     assert!(words.starts_with("plateau: bias of ") && words.ends_with(" % stays at r = 0.100"), "{words}");
     assert!(matches!(
-        is(Algorithm::Path, 3.0, 1.0, &passes),
+        verdict_of(Algorithm::Path, 3.0, 1.0, &passes),
         ConvergenceVerdict::Plateau { cause: BiasCause::Unknown, .. }
     ));
     assert!(matches!(
-        is(Algorithm::Whitted, 3.0, 1.0, &passes),
+        verdict_of(Algorithm::Whitted, 3.0, 1.0, &passes),
         ConvergenceVerdict::Plateau { cause: BiasCause::OmittedLight, .. }
     ));
     // The bias is a tenth of the noise at the last checkpoint.
     assert!(
-        matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), ConvergenceVerdict::BiasHidden { max_bias, .. } if max_bias < 0.005)
+        matches!(verdict_of(Algorithm::Pm, 0.001, 1.0, &passes), ConvergenceVerdict::BiasHidden { max_bias, .. } if max_bias < 0.005)
     );
     // The bias is as large as the noise at the last checkpoint.
     assert!(matches!(
-        is(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes),
-        ConvergenceVerdict::Expected { coming_floor: Some(_), .. }
+        verdict_of(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes),
+        ConvergenceVerdict::Expected { bias_floor: Some(_), .. }
     ));
-    assert!(matches!(is(Algorithm::Path, 0.0, DEFAULT_ALPHA, &passes), ConvergenceVerdict::Slower { .. }));
+    assert!(matches!(verdict_of(Algorithm::Path, 0.0, DEFAULT_ALPHA, &passes), ConvergenceVerdict::Slower { .. }));
     assert!(matches!(
-        is(Algorithm::Ppm, 0.0, 1.0, &passes),
+        verdict_of(Algorithm::Ppm, 0.0, 1.0, &passes),
         ConvergenceVerdict::Expected { .. } | ConvergenceVerdict::Faster { .. } | ConvergenceVerdict::BiasHidden { .. }
     ));
-    assert_eq!(is(Algorithm::Path, 0.0, 1.0, &powers_of_two(2)), ConvergenceVerdict::TooFewCheckpoints);
+    assert_eq!(verdict_of(Algorithm::Path, 0.0, 1.0, &powers_of_two(2)), ConvergenceVerdict::TooFewCheckpoints);
 }
 
 #[test]
@@ -249,12 +252,12 @@ fn plateaus_never_reach_smaller_errors() {
     assert!(matches!(time_to_tenth_of_error(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
-/// Above a constant bias, the predicted time is that in which the noise alone falls far enough.
+/// Above a constant bias, only the noise falls, so the predicted time follows from the noise alone.
 ///
 /// The bias is 0.1, and the noise is 0.1 after 256 passes. For an error of 0.12, the squared noise
 /// must fall from 0.01 to 0.12² − 0.1² = 0.0044. It does so after 256 · 0.01/0.0044 passes.
 #[test]
-fn only_noise_falls_above_a_plateau() {
+fn only_noise_falls_above_constant_bias() {
     let mut method = method_without_noise();
     for c in &mut method.checkpoints {
         let noise2 = 0.01 * 256.0 / f64::from(c.passes);
@@ -262,18 +265,18 @@ fn only_noise_falls_above_a_plateau() {
         (c.squared_noises, c.squared_noise, c.squared_bias) = (vec![noise2; SEEDS], noise2, 0.01);
     }
     let fit = fit_convergence(&method);
-    let verdict = ConvergenceVerdict::Expected { slope: -0.3, coming_floor: Some(0.1) };
+    let verdict = ConvergenceVerdict::Expected { slope: -0.3, bias_floor: Some(0.1) };
     let TimeToError::Predicted { effort, .. } = time_to_error(&method, fit.as_ref(), &verdict, 0.12) else { panic!() };
     assert!((effort.passes / (256.0 * 0.01 / 0.0044) - 1.0).abs() < 1e-6, "{effort:?}");
     assert_eq!(time_to_error(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor: 0.1 });
 }
 
-/// No time above a thousand times the measured time is predicted.
+/// Predicted times are at most a thousand times the measured time.
 ///
 /// At a slope of −0.5, a thousandth of the error would take 10⁶ times as long. If the slope's
 /// confidence interval contains 0, the upper end of the time is a thousand times the prediction.
 #[test]
-fn predictions_end_at_a_thousand_times_the_measured_time() {
+fn predicted_times_are_limited_to_a_thousandfold() {
     let method = method_without_noise();
     let mut fit = fit_convergence(&method).unwrap();
     let verdict = judge_convergence(&method, Some(&fit), None);

@@ -1,17 +1,17 @@
-//! Time that methods take to reach an error, and the method with the least error after a time.
+//! Time in which methods reach an error, and the method with the smallest error after a time.
 
 use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Largest predicted time, divided by the time of the method's last checkpoint. A longer time
-/// counts as unknown.
+/// Limit of extrapolation: the largest predicted time, divided by the time of the method's last
+/// checkpoint. A longer time counts as unknown.
 ///
-/// The ends of the confidence interval of a predicted time lie within the same factor of that time.
+/// The confidence interval of a predicted time is clamped to within this factor of that time.
 pub const MAX_EXTRAPOLATION_FACTOR: f64 = 1000.0;
 
-/// Log-log slope of noise over time that is assumed if no slope could be fitted: that of
-/// independent passes.
+/// Assumed log-log slope of noise over time if no slope could be fitted. The noise of a mean of n
+/// independent passes falls as n^−½.
 const DEFAULT_NOISE_SLOPE: f64 = -0.5;
 
 /// Time and work that a method takes to reach an error.
@@ -68,14 +68,14 @@ pub enum TimeToError {
     Predicted {
         /// Time and work by the fitted slope.
         effort: RenderEffort,
-        /// Processor times \[s] for both ends of the slope's confidence interval; `None` if the
-        /// slope has no interval.
+        /// Confidence interval of the processor time \[s], from both ends of the slope's interval.
+        /// `None` if the slope has no interval.
         ///
-        /// Their ratio to the time of `effort` is limited by [`MAX_EXTRAPOLATION_FACTOR`].
+        /// Both ends are within a factor of [`MAX_EXTRAPOLATION_FACTOR`] of the time of `effort`.
         #[serde(rename = "seconds")]
         cpu_seconds_interval: Option<[f64; 2]>,
     },
-    /// The error is never reached, because the bias stays above it.
+    /// The error is never reached, because the bias remains at or above it.
     Never {
         /// Relative bias that remains after any number of passes.
         floor: f64,
@@ -85,7 +85,8 @@ pub enum TimeToError {
     Unknown,
 }
 
-/// Returns the time and work after which the relative error of `method` stays at or below `error`.
+/// Returns the time and work after which the relative error of `method` is at most `error` and
+/// stays there.
 ///
 /// `fit` holds the fitted slopes of `method`, and `verdict` the judgement on them.
 #[must_use]
@@ -107,8 +108,8 @@ pub fn time_to_error(
         return extrapolate_time_to_error(before, fit, verdict, error);
     };
     let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.mean_relative_squared_error()));
-    // The logarithm of the later squared error is unknown if the square is not positive. The later
-    // checkpoint itself is then used.
+    // If the later squared error is not positive, its logarithm is unknown: use the later
+    // checkpoint.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
     TimeToError::Measured(RenderEffort::interpolate_effort(
         RenderEffort::effort_at_checkpoint(before),
@@ -125,7 +126,7 @@ fn extrapolate_time_to_error(
 ) -> TimeToError {
     let floor = match verdict {
         ConvergenceVerdict::Plateau { floor, .. } => Some(*floor),
-        ConvergenceVerdict::Expected { coming_floor, .. } => *coming_floor,
+        ConvergenceVerdict::Expected { bias_floor, .. } => *bias_floor,
         ConvergenceVerdict::TooFewCheckpoints
         | ConvergenceVerdict::ErrorTooSmall { .. }
         | ConvergenceVerdict::NoInterval { .. }
@@ -137,7 +138,7 @@ fn extrapolate_time_to_error(
     if let Some(floor) = floor.filter(|floor| *floor >= error) {
         return TimeToError::Never { floor };
     }
-    // Above a constant bias, only the noise falls: fit and extrapolate it alone.
+    // Above a constant bias, only the noise falls: extrapolate the noise alone.
     let (slopes, square, target) = match floor {
         Some(floor) => (
             fit.and_then(|fit| fit.noise),
@@ -182,8 +183,8 @@ pub fn time_to_tenth_of_error(
 /// Returns the relative error of `method` after `seconds` of processor time, interpolated between
 /// checkpoints or extrapolated from the last one.
 ///
-/// `None` before the first checkpoint, or if there is no fit to extrapolate. Also `None` if the
-/// squared error of a checkpoint that is used is not positive.
+/// `None` before the first checkpoint, or after the last one without a fit. Also `None` if the
+/// estimated squared error of a checkpoint in use is not positive.
 #[must_use]
 pub fn error_after_cpu_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
     let error = |c: &ConvergenceCheckpoint| Some(c.mean_relative_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
@@ -204,8 +205,8 @@ pub fn error_after_cpu_seconds(method: &MethodResult, fit: Option<&ConvergenceFi
     }
 }
 
-/// Checkpoint on the Pareto front: no other checkpoint of any method has both less time and less
-/// error.
+/// Checkpoint on the Pareto front of time and error: no checkpoint of any method has both less time
+/// and less error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ParetoPoint {
     /// Index of the method in the list of the study's methods.
@@ -223,14 +224,10 @@ pub struct ParetoPoint {
 #[must_use]
 pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
     let mut all: Vec<(f64, f64, ParetoPoint)> = Vec::new();
-    for (method, found) in methods.iter().enumerate() {
-        let points = found.checkpoints.iter().enumerate().filter(|(_, c)| c.mean_relative_squared_error() > 0.0);
-        all.extend(points.map(|(checkpoint, c)| {
-            (
-                c.cpu_seconds,
-                c.mean_relative_squared_error(),
-                ParetoPoint { method_index: method, checkpoint_index: checkpoint },
-            )
+    for (method_index, method) in methods.iter().enumerate() {
+        let points = method.checkpoints.iter().enumerate().filter(|(_, c)| c.mean_relative_squared_error() > 0.0);
+        all.extend(points.map(|(checkpoint_index, c)| {
+            (c.cpu_seconds, c.mean_relative_squared_error(), ParetoPoint { method_index, checkpoint_index })
         }));
     }
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -240,10 +237,11 @@ pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
         least = least.min(*square);
         better
     });
-    all.into_iter().map(|(_, _, milestone)| milestone).collect()
+    all.into_iter().map(|(_, _, point)| point).collect()
 }
 
-/// Method with the least expected error after the time budget of a study.
+/// Recommended method: the method with the smallest expected error after the time budget of a
+/// study.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MethodRecommendation {
     /// Index of the method in the list of the study's methods.
@@ -258,19 +256,19 @@ pub struct MethodRecommendation {
     pub similar_method_indices: Vec<usize>,
 }
 
-/// Recommends the method with the least error after the time budget of the study; `None` if no
-/// error is known.
+/// Returns the method with the smallest expected error after the time budget of the study; `None`
+/// if no error is known.
 ///
-/// `fits` holds the fitted slopes of each method of `found`.
+/// `fits` holds the fitted slopes of each method of `result`.
 #[must_use]
-pub fn recommend_method(found: &MethodStudyResult, fits: &[Option<ConvergenceFit>]) -> Option<MethodRecommendation> {
-    let errors: Vec<(usize, f64)> = found
+pub fn recommend_method(result: &MethodStudyResult, fits: &[Option<ConvergenceFit>]) -> Option<MethodRecommendation> {
+    let errors: Vec<(usize, f64)> = result
         .methods
         .iter()
         .zip(fits)
         .enumerate()
         .filter_map(|(i, (method, fit))| {
-            Some((i, error_after_cpu_seconds(method, fit.as_ref(), found.max_cpu_seconds_per_seed)?))
+            Some((i, error_after_cpu_seconds(method, fit.as_ref(), result.max_cpu_seconds_per_seed)?))
         })
         .collect();
     let (method, error) = errors.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;

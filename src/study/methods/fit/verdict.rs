@@ -7,8 +7,7 @@ use crate::study::methods::MethodResult;
 use crate::study::report::text::{error_percent_text, slope_text, three_digit_text};
 use std::fmt;
 
-/// Smallest ratio of squared bias to squared error at which a report says that bias dominates the
-/// error.
+/// Smallest ratio of squared bias to squared error at which bias counts as dominant.
 ///
 /// The error then exceeds the bias by at most 12 %.
 pub const DOMINANT_SQUARED_BIAS_SHARE: f64 = 0.8;
@@ -16,8 +15,8 @@ pub const DOMINANT_SQUARED_BIAS_SHARE: f64 = 0.8;
 /// Largest width of a slope's confidence interval with which the slope counts as known. A method
 /// with a wider interval is [`ConvergenceVerdict::Undecided`].
 ///
-/// It is half of the distance between slope 0 (a constant error) and slope −½ (the error of
-/// `path`).
+/// This width is half of the difference between slope 0 (a constant error) and slope −½ (the error
+/// of `path`).
 const MAX_DECIDED_INTERVAL_WIDTH: f64 = 0.25;
 
 /// Verdict on how the error of a method falls with the number of passes.
@@ -51,7 +50,8 @@ pub enum ConvergenceVerdict {
         /// Cause of the bias.
         cause: BiasCause,
     },
-    /// The error falls as theory predicts. Theory also predicts a bias, but noise still hides it.
+    /// The error falls as theory predicts. Theory also predicts a bias, which is too small to be
+    /// distinguished from noise.
     BiasHidden {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
@@ -64,7 +64,7 @@ pub enum ConvergenceVerdict {
         slope: f64,
         /// Relative bias at which the error will stop falling; `None` if the bias falls with the
         /// error, or is not significant.
-        coming_floor: Option<f64>,
+        bias_floor: Option<f64>,
     },
     /// The error falls more slowly than theory predicts.
     Slower {
@@ -96,9 +96,11 @@ pub enum BiasCause {
 
 /// Judges how the error of a method falls with the number of passes.
 ///
-/// `reference_error` is the relative error of the reference; `None` if the reference is taken as
-/// exact. The noise of the references cancels in the measured error, but a bias that they share
-/// does not. So errors below `reference_error` are not judged.
+/// `fit` holds the fitted slopes of `method`. `reference_error` is the relative error of the
+/// reference; `None` if the reference is taken as exact.
+///
+/// The noise of the references cancels in the measured error, but a bias that they share does not.
+/// So errors below `reference_error` are not judged.
 #[must_use]
 pub fn judge_convergence(
     method: &MethodResult,
@@ -109,22 +111,27 @@ pub fn judge_convergence(
         return ConvergenceVerdict::TooFewCheckpoints;
     };
     let least = reference_error.unwrap_or(0.0);
-    let nothing = mean_confidence_interval(&last.relative_squared_errors).is_some_and(|[low, _]| low <= 0.0)
+    let is_too_small = mean_confidence_interval(&last.relative_squared_errors).is_some_and(|[low, _]| low <= 0.0)
         || last.mean_relative_squared_error() <= least * least;
-    let (Some(slopes), false) = (fit.error, nothing) else {
+    let (Some(slopes), false) = (fit.error, is_too_small) else {
         return ConvergenceVerdict::ErrorTooSmall { reference_error };
     };
     let SlopeEstimate { value: slope, confidence_interval: interval } = slopes.by_passes;
     let Some([low, high]) = interval else { return ConvergenceVerdict::NoInterval { slope } };
-    let law = |quantity| predicted_convergence_slopes(method.algorithm, quantity, &fit.checkpoint_passes, method.alpha);
-    let (Some(noise), Some(total)) = (law(ErrorComponent::Noise), law(ErrorComponent::Error)) else {
+    let predicted_slopes_of =
+        |quantity| predicted_convergence_slopes(method.algorithm, quantity, &fit.checkpoint_passes, method.alpha);
+    let (Some(noise), Some(total)) =
+        (predicted_slopes_of(ErrorComponent::Noise), predicted_slopes_of(ErrorComponent::Error))
+    else {
         return ConvergenceVerdict::NoInterval { slope };
     };
-    let bias = law(ErrorComponent::Bias);
-    // `falling` is the flattest slope that theory predicts for the noise, and for the bias if it
-    // falls. A constant bias does not count.
-    let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
-    if low > falling && last.squared_bias >= DOMINANT_SQUARED_BIAS_SHARE * last.mean_relative_squared_error() {
+    let bias = predicted_slopes_of(ErrorComponent::Bias);
+    // Flattest slope that theory predicts for the noise, and for the bias unless it is constant.
+    let flattest_falling_slope =
+        bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
+    if low > flattest_falling_slope
+        && last.squared_bias >= DOMINANT_SQUARED_BIAS_SHARE * last.mean_relative_squared_error()
+    {
         return ConvergenceVerdict::Plateau { floor: last.squared_bias.sqrt(), cause: bias_cause(method) };
     }
     if low > total.flattest {
@@ -136,14 +143,18 @@ pub fn judge_convergence(
     if high - low > MAX_DECIDED_INTERVAL_WIDTH {
         return ConvergenceVerdict::Undecided { slope, interval: [low, high] };
     }
-    let seen = squared_bias_interval(last);
-    match seen {
+    let bias_interval = squared_bias_interval(last);
+    match bias_interval {
         Some([low, most]) if low <= 0.0 && bias.is_some() => {
             ConvergenceVerdict::BiasHidden { slope, max_bias: most.max(0.0).sqrt() }
         }
         _ => {
-            let stays = bias.is_some_and(|b| b.flattest >= 0.0) && seen.is_some_and(|[low, _]| low > 0.0);
-            ConvergenceVerdict::Expected { slope, coming_floor: stays.then(|| last.squared_bias.max(0.0).sqrt()) }
+            let bias_is_constant =
+                bias.is_some_and(|b| b.flattest >= 0.0) && bias_interval.is_some_and(|[low, _]| low > 0.0);
+            ConvergenceVerdict::Expected {
+                slope,
+                bias_floor: bias_is_constant.then(|| last.squared_bias.max(0.0).sqrt()),
+            }
         }
     }
 }
@@ -175,8 +186,8 @@ impl fmt::Display for ConvergenceVerdict {
                 let (most, slope) = (error_percent_text(*most), slope_text(*slope));
                 write!(f, "{as_theory}; bias is hidden by noise, below {most} (slope {slope})")
             }
-            Self::Expected { slope, coming_floor: None } => write!(f, "{as_theory} (slope {})", slope_text(*slope)),
-            Self::Expected { slope, coming_floor: Some(floor) } => {
+            Self::Expected { slope, bias_floor: None } => write!(f, "{as_theory} (slope {})", slope_text(*slope)),
+            Self::Expected { slope, bias_floor: Some(floor) } => {
                 write!(
                     f,
                     "{as_theory}, towards a bias of {} (slope {})",

@@ -31,9 +31,9 @@ pub fn csv_report(findings: &EffectStudyResult) -> String {
         "takes",
     ]);
     for decision in &findings.effect_plan.decisions {
-        let found = findings.effects.iter().find(|f| f.decision.effect == decision.effect);
+        let result = findings.effects.iter().find(|f| f.decision.effect == decision.effect);
         let number_cell =
-            |of: &dyn Fn(&EffectResult) -> Option<f64>| found.and_then(of).map_or(String::new(), |v| v.to_string());
+            |of: &dyn Fn(&EffectResult) -> Option<f64>| result.and_then(of).map_or(String::new(), |v| v.to_string());
         table += &csv_row(&[
             decision.effect.to_string(),
             decision.is_simulated.to_string(),
@@ -55,11 +55,11 @@ pub fn csv_report(findings: &EffectStudyResult) -> String {
     table
 }
 
-/// Report of a study of effects as Markdown.
+/// Returns the report of a study of effects as Markdown.
 #[must_use]
 pub fn markdown_report(about: &EffectReportHeader, findings: &EffectStudyResult) -> String {
     let passes = findings.full_picture_cost.pass_seconds.len();
-    let a_pass = |n: u64| count_text(n as f64 / passes as f64);
+    let per_pass = |n: u64| count_text(n as f64 / passes as f64);
     let mut text = format!(
         "# Cost and contribution of effects: {}\n\nCaustica {}, {}, seed {}, passes of each picture: {passes}. Seconds are {}. Each effect \
          was left out once. The whole picture: {:.1} ms, {} rays and {} gathered photons per pass, mean radiance {} W/(m² sr).\n\n",
@@ -69,8 +69,8 @@ pub fn markdown_report(about: &EffectReportHeader, findings: &EffectStudyResult)
         about.seed,
         clock_name(findings.clock),
         1e3 * findings.full_picture_cost.total_pass_seconds() / passes as f64,
-        a_pass(findings.full_picture_cost.counters.total_rays()),
-        a_pass(findings.full_picture_cost.counters.gathered_photons),
+        per_pass(findings.full_picture_cost.counters.total_rays()),
+        per_pass(findings.full_picture_cost.counters.gathered_photons),
         three_digit_text(findings.mean_radiance),
     );
     let row = |EffectResult { decision, added_cost, contribution, .. }: &EffectResult| {
@@ -108,7 +108,7 @@ mod tests {
     use std::sync::atomic::AtomicBool;
 
     #[test]
-    fn every_effect_has_a_row() {
+    fn csv_and_markdown_list_every_effect() {
         let scene = diffuse_sphere_on_floor(8, 6);
         let mut settings = Settings::default();
         settings.camera_paths.effects = EffectOverrides::NO_OVERRIDES.with_forced_on(Effect::Environment);

@@ -9,10 +9,10 @@ fn luminance(c: Vec3) -> f32 {
 #[test]
 fn ramps_rise_in_lightness() {
     let ramps = [error_color_ramp as fn(f64) -> Vec3, signed_color_ramp, |t| signed_color_ramp(-t)];
-    for error_color_ramp in ramps {
-        let lights: Vec<f32> = (0..=64).map(|i| luminance(error_color_ramp(f64::from(i) / 64.0))).collect();
-        assert!(lights.windows(2).all(|pair| pair[1] > pair[0]), "{lights:?}");
-        assert!(lights[0] < 0.01 && lights[64] > 0.6);
+    for ramp in ramps {
+        let luminances: Vec<f32> = (0..=64).map(|i| luminance(ramp(f64::from(i) / 64.0))).collect();
+        assert!(luminances.windows(2).all(|pair| pair[1] > pair[0]), "{luminances:?}");
+        assert!(luminances[0] < 0.01 && luminances[64] > 0.6);
     }
     // OKLab coordinates of white and red, converted to linear RGB.
     assert!((oklch_to_linear_rgb(1.0, 0.0, 0.0) - Vec3::ONE).length() < 1e-6);

@@ -1,4 +1,4 @@
-//! Conclusions from a study of methods, for all its reports.
+//! Conclusions from a study of methods, which all its report formats share.
 
 use crate::study::methods::fit::{
     ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MAX_EXTRAPOLATION_FACTOR,
@@ -24,15 +24,16 @@ pub(super) struct MethodAnalysis {
     pub(super) verdict: ConvergenceVerdict,
     /// Time and work until the method reaches each error of [`TARGET_ERRORS`].
     pub(super) times_to_target_errors: [TimeToError; 4],
+    /// Time and work until the error is a tenth of that at the last checkpoint.
     pub(super) time_to_tenth_error: TimeToError,
 }
 
 impl MethodStudyAnalysis {
-    pub(super) fn new(found: &MethodStudyResult) -> Self {
-        let fits: Vec<Option<ConvergenceFit>> = found.methods.iter().map(fit_convergence).collect();
-        let recommendation = recommend_method(found, &fits);
+    pub(super) fn new(result: &MethodStudyResult) -> Self {
+        let fits: Vec<Option<ConvergenceFit>> = result.methods.iter().map(fit_convergence).collect();
+        let recommendation = recommend_method(result, &fits);
         let judge = |(method, fit): (&MethodResult, Option<ConvergenceFit>)| {
-            let verdict = judge_convergence(method, fit.as_ref(), found.reference.error);
+            let verdict = judge_convergence(method, fit.as_ref(), result.reference.error);
             let reaches = TARGET_ERRORS.map(|e| time_to_error(method, fit.as_ref(), &verdict, e));
             MethodAnalysis {
                 time_to_tenth_error: time_to_tenth_of_error(method, fit.as_ref(), &verdict),
@@ -41,16 +42,16 @@ impl MethodStudyAnalysis {
                 fit,
             }
         };
-        let methods = found.methods.iter().zip(fits).map(judge).collect();
-        Self { methods, pareto: pareto_front(&found.methods), recommendation }
+        let methods = result.methods.iter().zip(fits).map(judge).collect();
+        Self { methods, pareto: pareto_front(&result.methods), recommendation }
     }
 
     /// Returns a text that recommends the best method, and the shell command that renders with the
     /// method; `None` without a recommendation.
-    pub(super) fn recommendation_text(&self, found: &MethodStudyResult) -> Option<(String, String)> {
+    pub(super) fn recommendation_text(&self, result: &MethodStudyResult) -> Option<(String, String)> {
         let MethodRecommendation { method_index: method, expected_error: expected, similar_method_indices: alike } =
             self.recommendation.as_ref()?;
-        let (best, judged) = (&found.methods[*method], &self.methods[*method]);
+        let (best, judged) = (&result.methods[*method], &self.methods[*method]);
         let more = match judged.time_to_tenth_error {
             TimeToError::Predicted { effort, .. } => {
                 format!(" A tenth of its last error would take about {}.", duration_text(effort.cpu_seconds))
@@ -60,13 +61,13 @@ impl MethodStudyAnalysis {
             }
             _ => String::new(),
         };
-        let others: Vec<&str> = alike.iter().map(|i| found.methods[*i].label.as_str()).collect();
+        let others: Vec<&str> = alike.iter().map(|i| result.methods[*i].label.as_str()).collect();
         let alike =
             if others.is_empty() { String::new() } else { format!(" Within 10 % of it: {}.", others.join(", ")) };
         let words = format!(
             "{} has the least error after {} of processor time: an error of {} is expected.{alike}{more}",
             best.label,
-            duration_text(found.max_cpu_seconds_per_seed),
+            duration_text(result.max_cpu_seconds_per_seed),
             error_percent_text(*expected),
         );
         Some((words, best.render_command.clone()))
@@ -85,7 +86,8 @@ impl MethodAnalysis {
     }
 }
 
-/// Text of a slope over passes with its confidence interval, such as `−0.49 (−0.52 … −0.46)`.
+/// Returns the text of a slope over passes with its confidence interval, such as
+/// `−0.49 (−0.52 … −0.46)`.
 pub(super) fn slope_interval_text(slopes: Option<ConvergenceSlopes>) -> String {
     let Some(ConvergenceSlopes { by_passes, .. }) = slopes else { return "–".to_owned() };
     let interval = by_passes
@@ -94,16 +96,16 @@ pub(super) fn slope_interval_text(slopes: Option<ConvergenceSlopes>) -> String {
     format!("{}{interval}", text::slope_text(by_passes.value))
 }
 
-/// Text of the range of predicted slopes, such as `−0.50` or `−0.50 … 0.00`; see [`SlopeRange`].
+/// Returns the text of a range of predicted slopes, such as `−0.50` or `−0.50 … 0.00`.
 pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
     law.map_or("none".to_owned(), |law| law.to_string())
 }
 
-/// Returns two parts: the text of the time to reach an error, and further texts (time range, passes
-/// and photons).
+/// Returns the time to reach an error as text, and a list of further texts: time range, passes and
+/// photons.
 ///
-/// `has_photons` is true if the method traces photons. For an error that is never reached, the
-/// second part is an explanation.
+/// `has_photons` is true if the method traces photons. If the error is never reached, the list
+/// holds the reason.
 pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
     let work = |effort: &RenderEffort| {
         let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));

@@ -22,7 +22,7 @@ const SCHEMA: u32 = 1;
 /// noise can make negative. Column `squares` lists the relative squared errors of all seeds,
 /// separated by semicolons.
 #[must_use]
-pub fn csv_report(found: &MethodStudyResult) -> String {
+pub fn csv_report(result: &MethodStudyResult) -> String {
     let mut table = csv_row(&[
         "method",
         "algorithm",
@@ -43,7 +43,7 @@ pub fn csv_report(found: &MethodStudyResult) -> String {
         "squares",
         "command",
     ]);
-    for method in &found.methods {
+    for method in &result.methods {
         for c in &method.checkpoints {
             let number = |v: f64| v.to_string();
             let [low, high] = mean_confidence_interval(&c.relative_squared_errors)
@@ -73,6 +73,7 @@ pub fn csv_report(found: &MethodStudyResult) -> String {
     table
 }
 
+/// JSON report of a study of methods.
 #[derive(Serialize)]
 struct MethodStudyJson<'f> {
     schema: u32,
@@ -97,12 +98,14 @@ struct MethodStudyJson<'f> {
     recommendation: &'f Option<MethodRecommendation>,
 }
 
+/// JSON of the origin and the relative error of the reference picture.
 #[derive(Serialize)]
 struct ReferenceJson<'f> {
     source: &'f str,
     error: Option<f64>,
 }
 
+/// JSON of one method: its settings, checkpoints, slopes, verdict and times to reach errors.
 #[derive(Serialize)]
 struct MethodJson<'f> {
     label: &'f str,
@@ -133,6 +136,7 @@ struct PredictedSlopesJson {
     bias: Option<SlopeRange>,
 }
 
+/// JSON of a target error, and of the time and work in which a method reaches it.
 #[derive(Serialize)]
 struct TimeToErrorJson {
     #[serde(rename = "error")]
@@ -146,9 +150,9 @@ struct TimeToErrorJson {
 ///
 /// # Errors
 /// [`serde_json::Error`] if encoding fails, which is not known to happen.
-pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
-    let analysis = MethodStudyAnalysis::new(found);
-    let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
+pub fn method_study_json(result: &MethodStudyResult) -> Result<String, serde_json::Error> {
+    let analysis = MethodStudyAnalysis::new(result);
+    let methods = result.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
         let law = |quantity| judged.predicted_convergence_slopes(method, quantity);
         let target = |(error, reach): (f64, TimeToError)| TimeToErrorJson { target_error: error, time_to_error: reach };
         MethodJson {
@@ -172,18 +176,18 @@ pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json
     });
     let report = MethodStudyJson {
         schema: SCHEMA,
-        program: &found.program,
-        machine: &found.machine,
-        scene: &found.scene_path,
-        study_command: &found.study_command,
-        width: found.reference.picture.width(),
-        height: found.reference.picture.height(),
-        seeds: found.seeds,
-        cpu_seconds_per_seed: found.max_cpu_seconds_per_seed,
-        thread_time_share: found.thread_time_share,
-        interrupted: found.interrupted,
-        warnings: study_warnings(found),
-        reference: ReferenceJson { source: &found.reference.source, error: found.reference.error },
+        program: &result.program,
+        machine: &result.machine,
+        scene: &result.scene_path,
+        study_command: &result.study_command,
+        width: result.reference.picture.width(),
+        height: result.reference.picture.height(),
+        seeds: result.seeds,
+        cpu_seconds_per_seed: result.max_cpu_seconds_per_seed,
+        thread_time_share: result.thread_time_share,
+        interrupted: result.interrupted,
+        warnings: study_warnings(result),
+        reference: ReferenceJson { source: &result.reference.source, error: result.reference.error },
         methods: methods.collect(),
         pareto: &analysis.pareto,
         recommendation: &analysis.recommendation,
@@ -191,29 +195,29 @@ pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json
     Ok(serde_json::to_string_pretty(&report)? + "\n")
 }
 
-/// Report of a study of methods as Markdown: tables, verdicts and commands.
+/// Returns the report of a study of methods as Markdown: tables, verdicts and commands.
 #[must_use]
-pub fn markdown_report(found: &MethodStudyResult) -> String {
-    let analysis = MethodStudyAnalysis::new(found);
+pub fn markdown_report(result: &MethodStudyResult) -> String {
+    let analysis = MethodStudyAnalysis::new(result);
     let own_error =
-        found.reference.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
+        result.reference.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
     let mut text = format!(
         "# Error over time: {}\n\n{}. {}. Seeds: {} of each method, up to {} of processor time each. Reference: {}{own_error}.\n\n{}",
-        escape_markdown(&found.scene_path),
-        escape_markdown(&found.program),
-        escape_markdown(&found.machine),
-        found.seeds,
-        duration_text(found.max_cpu_seconds_per_seed),
-        escape_markdown(&found.reference.source),
-        markdown_code_block(&found.study_command),
+        escape_markdown(&result.scene_path),
+        escape_markdown(&result.program),
+        escape_markdown(&result.machine),
+        result.seeds,
+        duration_text(result.max_cpu_seconds_per_seed),
+        escape_markdown(&result.reference.source),
+        markdown_code_block(&result.study_command),
     );
-    for warning in study_warnings(found) {
+    for warning in study_warnings(result) {
         text += &format!("\n> {}\n", escape_markdown(&warning));
     }
-    if let Some((words, command)) = analysis.recommendation_text(found) {
+    if let Some((words, command)) = analysis.recommendation_text(result) {
         text += &format!("\n## Recommendation\n\n{}\n\n{}", escape_markdown(&words), markdown_code_block(&command));
     }
-    let all = || found.methods.iter().zip(&analysis.methods);
+    let all = || result.methods.iter().zip(&analysis.methods);
     let rows = all().map(|(method, judged)| {
         let of = |square: fn(&ConvergenceCheckpoint) -> f64| {
             method.checkpoints.last().map_or("–".to_owned(), |c| square_root_percent_text(square(c)))
@@ -244,7 +248,7 @@ pub fn markdown_report(found: &MethodStudyResult) -> String {
     let heads = ["method", "setup", "10 %", "5 %", "2 %", "1 %", "a tenth of the last error"];
     text += &format!("\n## Time to reach an error\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));
     text += "\n## Checkpoints\n";
-    for method in &found.methods {
+    for method in &result.methods {
         text += &format!(
             "\n### {}\n\n{}\n{}",
             escape_markdown(&method.label),

@@ -19,18 +19,18 @@ use crate::study::report::text::{duration_text, error_percent_text, slope_text, 
 use glam::Vec3;
 use std::fmt::Write;
 
-/// Number of crops that the page shows of each picture: windows with large errors.
+/// Number of enlarged windows of each picture, where errors are largest, that the page shows.
 const CROP_COUNT: usize = 2;
 
-/// Factor by which the page enlarges each crop: a window of a picture with large errors.
+/// Factor by which the page enlarges windows of pictures where errors are largest.
 const CROP_MAGNIFICATION: u32 = 4;
 
-/// Makes an HTML figure that contains the element `what`, a caption, and the shell command that
-/// renders the same picture.
-fn figure_html(class: &str, label: &str, what: &str, caption: &str, command: &str) -> String {
+/// Returns an HTML figure that contains the HTML `content`, a caption, and the shell command that
+/// makes the same picture.
+fn figure_html(class: &str, label: &str, content: &str, caption: &str, command: &str) -> String {
     let label = if label.is_empty() { String::new() } else { format!(" data-label=\"{}\"", escape_html(label)) };
     format!(
-        "<figure class=\"{class}\"{label}>{what}\n<figcaption>{}<code class=\"command\">{}</code></figcaption></figure>\n",
+        "<figure class=\"{class}\"{label}>{content}\n<figcaption>{}<code class=\"command\">{}</code></figcaption></figure>\n",
         escape_html(caption),
         escape_html(command)
     )
@@ -44,8 +44,8 @@ fn error_plot_points(method: &MethodResult, square: fn(&ConvergenceCheckpoint) -
     method.checkpoints.iter().map(|c| (c.cpu_seconds, square(c).max(0.0).sqrt())).collect()
 }
 
-/// HTML figure that plots the errors of all methods over processor time.
-pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
+/// Returns an HTML figure that plots the errors of all methods over processor time.
+pub(super) fn error_plot_html(result: &MethodStudyResult) -> String {
     let bars = |method: &MethodResult| {
         method
             .checkpoints
@@ -53,14 +53,14 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
             .map(|c| mean_confidence_interval(&c.relative_squared_errors).map(|ends| ends.map(|e| e.max(0.0).sqrt())))
             .collect()
     };
-    let one = |(style, method): (usize, &MethodResult)| PlotSeries {
+    let series_of = |(style, method): (usize, &MethodResult)| PlotSeries {
         label: method.label.clone(),
         series_index: style,
         stroke: LineStyle::Solid,
         points: error_plot_points(method, ConvergenceCheckpoint::mean_relative_squared_error),
         confidence_intervals: bars(method),
     };
-    let series: Vec<PlotSeries> = found.methods.iter().enumerate().map(one).collect();
+    let series: Vec<PlotSeries> = result.methods.iter().enumerate().map(series_of).collect();
     let all = || series.iter().flat_map(|s| s.points.iter()).filter(|p| p.0 > 0.0 && p.1 > 0.0);
     let first = all().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let most = all().map(|p| p.1).fold(0.0, f64::max);
@@ -71,7 +71,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
         through: (first, 1.6 * most),
         label_below: false,
     };
-    let ends: Vec<String> = found
+    let ends: Vec<String> = result
         .methods
         .iter()
         .filter_map(|m| Some((m, m.checkpoints.last()?)))
@@ -94,7 +94,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
     let Some(svg) = plot_svg(&drawn) else { return "<p>No error is large enough to be measured.</p>\n".to_owned() };
     let caption = "Relative error over processor time without setup, with 95 % intervals. Grey: slopes of noise (−1/2) \
                    and of noise and bias with shrinking radii (−1/3).";
-    figure_html("plot main", "", &svg, caption, &found.study_command)
+    figure_html("plot main", "", &svg, caption, &result.study_command)
 }
 
 fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> Option<String> {
@@ -140,28 +140,29 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     plot_svg(&LogLogPlot { id: &id, title: &title, alt_text: &words, size: (520.0, 340.0), series, guides })
 }
 
-/// HTML of the reference and all pictures. A script shows one of them at a time in the same place.
-pub(super) fn picture_switcher_html(found: &MethodStudyResult) -> Result<String, StudyError> {
-    let exposed = auto_exposure_stops(&found.reference.picture).unwrap_or(0.0);
-    let mut flip = "<div id=\"pictures\">\n<div id=\"flip-buttons\" role=\"group\" aria-label=\"Picture\" hidden=\"hidden\"></div>\n<div id=\"flip\">\n".to_owned();
+/// Returns HTML of the reference and all pictures. A script shows one of them at a time, all in the
+/// same place, for comparison by flipping.
+pub(super) fn picture_switcher_html(result: &MethodStudyResult) -> Result<String, StudyError> {
+    let exposure_stops = auto_exposure_stops(&result.reference.picture).unwrap_or(0.0);
+    let mut html = "<div id=\"pictures\">\n<div id=\"flip-buttons\" role=\"group\" aria-label=\"Picture\" hidden=\"hidden\"></div>\n<div id=\"flip\">\n".to_owned();
     let mut add = |label: &str, image: &Image, caption: &str, command: &str| -> Result<(), StudyError> {
-        let shown = inline_png(&encode_png(image, exposed)?, image_size(image), label);
-        flip += &figure_html(
+        let shown = inline_png(&encode_png(image, exposure_stops)?, image_size(image), label);
+        html += &figure_html(
             "picture",
             label,
             &shown,
-            &format!("{caption}; exposure {}.", exposure_text(exposed)),
+            &format!("{caption}; exposure {}.", exposure_text(exposure_stops)),
             command,
         );
         Ok(())
     };
     add(
         "reference",
-        &found.reference.picture,
-        &format!("The reference: {}", found.reference.source),
-        &found.study_command,
+        &result.reference.picture,
+        &format!("The reference: {}", result.reference.source),
+        &result.study_command,
     )?;
-    for method in &found.methods {
+    for method in &result.methods {
         let last = method.checkpoints.last();
         let summary = last.map_or(String::new(), |c| {
             format!(
@@ -174,16 +175,16 @@ pub(super) fn picture_switcher_html(found: &MethodStudyResult) -> Result<String,
         add(&method.label, &method.first_seed_picture, &format!("{}{summary}", method.label), &method.render_command)?;
     }
     Ok(
-        flip + "</div>\n<p>Arrow keys turn to the next; <code>#show=</code> and a label after the page&#39;s address open it at one.</p>\n</div>\n"
+        html + "</div>\n<p>Arrow keys turn to the next; <code>#show=</code> and a label after the page&#39;s address open it at one.</p>\n</div>\n"
     )
 }
 
-/// HTML of enlarged crops of all pictures in the windows where errors are largest.
-pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, StudyError> {
+/// Returns HTML that shows all pictures enlarged, in the windows where errors are largest.
+pub(super) fn error_crops_html(result: &MethodStudyResult) -> Result<String, StudyError> {
     let mut crops = String::new();
-    for window in largest_error_windows(&found.methods, CROP_COUNT) {
-        let reference = window.crop_image(&found.reference.picture)?;
-        let exposed = auto_exposure_stops(&reference).unwrap_or(0.0);
+    for window in largest_error_windows(&result.methods, CROP_COUNT) {
+        let reference = window.crop_image(&result.reference.picture)?;
+        let exposure_stops = auto_exposure_stops(&reference).unwrap_or(0.0);
         let place = format!(
             "columns {} to {}, rows {} to {}",
             window.x,
@@ -200,16 +201,16 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
         let _ = writeln!(
             crops,
             "<h3>In {place}</h3>\n<p>Exposure {}.</p>\n<div class=\"pictures\">",
-            exposure_text(exposed)
+            exposure_text(exposure_stops)
         );
         let size = (window.width * CROP_MAGNIFICATION, window.height * CROP_MAGNIFICATION);
         let mut add = |label: &str, image: &Image, command: &str| -> Result<(), StudyError> {
-            let shown = inline_png(&encode_png(image, exposed)?, size, &format!("{label}, {place}"));
+            let shown = inline_png(&encode_png(image, exposure_stops)?, size, &format!("{label}, {place}"));
             crops += &figure_html("crop", "", &shown, label, command);
             Ok(())
         };
-        add("reference", &reference, &found.study_command)?;
-        for method in &found.methods {
+        add("reference", &reference, &result.study_command)?;
+        for method in &result.methods {
             add(&method.label, &window.crop_image(&method.first_seed_picture)?, &method.render_command)?;
         }
         crops += "</div>\n";
@@ -217,11 +218,11 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
     Ok(crops)
 }
 
-/// Draws a colour bar as SVG. The function `error_color_ramp` gives the linear RGB colour at each
-/// position on the bar, from 0 to 1.
+/// Returns the SVG of a colour bar with ticks. The function `ramp` gives the linear RGB colour at
+/// each position on the bar, from 0 to 1.
 ///
-/// `ticks` are positions on the bar and their labels.
-fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
+/// `ticks` are the positions on the bar with their labels.
+fn color_legend_svg(id: &str, ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
     const GRADIENT_STOPS: u32 = 24;
     let mut svg = format!(
         "<svg class=\"legend\" role=\"img\" aria-labelledby=\"{id}-title\" viewBox=\"0 0 360 40\" width=\"360\" height=\"40\">\
@@ -229,7 +230,7 @@ fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(
     );
     for i in 0..=GRADIENT_STOPS {
         let part = f64::from(i) / f64::from(GRADIENT_STOPS);
-        let [r, g, b] = error_color_ramp(part).to_array().map(|c| (255.0 * srgb_encoded(c)) as u8);
+        let [r, g, b] = ramp(part).to_array().map(|c| (255.0 * srgb_signal_for_truncation(c)) as u8);
         let _ = write!(svg, "<stop offset=\"{part:.4}\" stop-color=\"#{r:02x}{g:02x}{b:02x}\"/>");
     }
     let _ = write!(
@@ -249,21 +250,21 @@ fn color_legend_svg(id: &str, error_color_ramp: impl Fn(f64) -> Vec3, ticks: &[(
 
 /// Returns the sRGB signal of a linear value (IEC 61966-2-1), plus half an 8-bit step. Truncation
 /// to 8 bits then rounds to nearest.
-fn srgb_encoded(linear: f32) -> f32 {
+fn srgb_signal_for_truncation(linear: f32) -> f32 {
     let signal = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
     signal + 0.5 / 255.0
 }
 
-/// HTML articles, one per method: verdict, slopes, plot, and error maps on common scales.
+/// Returns HTML articles, one per method: verdict, slopes, plot, and error maps on common scales.
 pub(super) fn method_articles_html(
-    found: &MethodStudyResult,
+    result: &MethodStudyResult,
     analysis: &MethodStudyAnalysis,
 ) -> Result<String, StudyError> {
-    let weights = RelativeErrorWeights::from_image(&found.reference.picture);
+    let weights = RelativeErrorWeights::from_image(&result.reference.picture);
     let differences: Vec<Vec<f64>> =
-        found.methods.iter().map(|m| relative_differences(&m.mean_difference, &weights)).collect();
+        result.methods.iter().map(|m| relative_differences(&m.mean_difference, &weights)).collect();
     let most_error =
-        color_scale_maximum(found.methods.iter().flat_map(|m| m.relative_pixel_errors.iter().map(|e| f64::from(*e))));
+        color_scale_maximum(result.methods.iter().flat_map(|m| m.relative_pixel_errors.iter().map(|e| f64::from(*e))));
     let most_difference = color_scale_maximum(differences.iter().flatten().map(|d| d.abs()));
     let mut all = "<p>All methods share the scales of their maps. Error by decades; dark is small:</p>\n".to_owned();
     if let Some(most) = most_error {
@@ -285,7 +286,8 @@ pub(super) fn method_articles_html(
             &[0.0, 0.5, 1.0].into_iter().zip(ticks).collect::<Vec<_>>(),
         );
     }
-    for (i, ((method, judged), difference)) in found.methods.iter().zip(&analysis.methods).zip(&differences).enumerate()
+    for (i, ((method, judged), difference)) in
+        result.methods.iter().zip(&analysis.methods).zip(&differences).enumerate()
     {
         let label = escape_html(&method.label);
         let _ = writeln!(
@@ -300,7 +302,7 @@ pub(super) fn method_articles_html(
         if let Some(svg) = method_plot_svg(i, method, judged) {
             let caption =
                 "Error, noise (dashed) and bias (dotted) over processor time. Grey: slopes by theory, moved down.";
-            all += &figure_html("plot", "", &svg, caption, &found.study_command);
+            all += &figure_html("plot", "", &svg, caption, &result.study_command);
         }
         if let Some(most) = most_error {
             let map = error_map(method, most)?;

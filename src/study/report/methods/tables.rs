@@ -8,7 +8,7 @@ use crate::study::report::svg::{marker_svg, series_color};
 use crate::study::report::text::{count_text, duration_text, error_percent_text, three_digit_text};
 use std::fmt::Write;
 
-/// Inline SVG of a method's plot marker in its colour; `style` is the index of the method.
+/// Returns inline SVG of a method's plot marker in its colour. `style` is the index of the method.
 pub(super) fn method_marker_svg(style: usize) -> String {
     let colour = series_color(style);
     format!(
@@ -17,7 +17,7 @@ pub(super) fn method_marker_svg(style: usize) -> String {
     )
 }
 
-/// Start of an HTML table with its head row. The first `left` columns are aligned left.
+/// Returns the start of an HTML table with its head row. The first `left` columns are aligned left.
 fn table_head_html(columns: &[&str], left: usize) -> String {
     let mut table =
         "<div class=\"scroll\" role=\"region\" aria-label=\"table\" tabindex=\"0\"><table>\n<thead><tr>".to_owned();
@@ -30,14 +30,14 @@ fn table_head_html(columns: &[&str], left: usize) -> String {
 
 const TABLE_END: &str = "</tbody>\n</table></div>\n";
 
-/// Text of the square root of `square` in percent; `≈ 0` if `square` is not positive.
+/// Returns the square root of `square` in percent as text; `≈ 0` if `square` is not positive.
 pub(super) fn square_root_percent_text(square: f64) -> String {
     if square > 0.0 { error_percent_text(square.sqrt()) } else { "≈ 0".to_owned() }
 }
 
-pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &MethodStudyAnalysis) -> String {
+pub(super) fn verdicts_table_html(result: &MethodStudyResult, analysis: &MethodStudyAnalysis) -> String {
     let mut table = table_head_html(&["method", "verdict", "error at the end", "noise", "bias", "slope", "theory"], 2);
-    for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
+    for (i, (method, judged)) in result.methods.iter().zip(&analysis.methods).enumerate() {
         let _ = write!(
             table,
             "<tr><th scope=\"row\">{}<a href=\"#method-{i}\">{}</a></th>",
@@ -67,7 +67,7 @@ pub(super) fn verdicts_table_html(found: &MethodStudyResult, analysis: &MethodSt
     table + TABLE_END + note
 }
 
-pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &MethodStudyAnalysis) -> String {
+pub(super) fn times_table_html(result: &MethodStudyResult, analysis: &MethodStudyAnalysis) -> String {
     let heads: Vec<String> = TARGET_ERRORS.iter().map(|e| format!("{:.0} %", 100.0 * e)).collect();
     let columns: Vec<&str> = ["method", "setup"]
         .into_iter()
@@ -75,7 +75,7 @@ pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &MethodStudy
         .chain(["a tenth of the last error"])
         .collect();
     let mut table = table_head_html(&columns, 1);
-    for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
+    for (i, (method, judged)) in result.methods.iter().zip(&analysis.methods).enumerate() {
         let _ = write!(table, "<tr><th scope=\"row\">{}{}</th>", method_marker_svg(i), escape_html(&method.label));
         let _ = write!(table, "<td class=\"n\">{}</td>", duration_text(method.setup_seconds));
         for reach in judged.times_to_target_errors.iter().chain([&judged.time_to_tenth_error]) {
@@ -92,7 +92,7 @@ pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &MethodStudy
     let front: Vec<String> = analysis
         .pareto
         .iter()
-        .map(|m| (&found.methods[m.method_index], m.checkpoint_index))
+        .map(|m| (&result.methods[m.method_index], m.checkpoint_index))
         .map(|(method, at)| {
             let c = &method.checkpoints[at];
             format!(
@@ -111,9 +111,9 @@ pub(super) fn times_table_html(found: &MethodStudyResult, analysis: &MethodStudy
     table + TABLE_END + note + &front
 }
 
-pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
+pub(super) fn checkpoint_tables_html(result: &MethodStudyResult) -> String {
     let mut all = String::new();
-    for (i, method) in found.methods.iter().enumerate() {
+    for (i, method) in result.methods.iter().enumerate() {
         let _ = writeln!(
             all,
             "<details><summary>{}{}: every checkpoint</summary>",
@@ -159,7 +159,7 @@ pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
     all
 }
 
-/// HTML table with the slopes of one method, measured and predicted.
+/// Returns an HTML table with the slopes of one method, measured and predicted.
 pub(super) fn slopes_table_html(
     method: &crate::study::methods::MethodResult,
     judged: &super::analysis::MethodAnalysis,

@@ -3,34 +3,35 @@
 use crate::study::methods::{MIN_THREAD_TIME_SHARE, MethodStudyResult};
 use crate::study::report::text::error_percent_text;
 
-/// Smallest ratio of a method's error to the reference's error at which the measured error of the
-/// method is reliable.
+/// Smallest ratio of a method's error to the error of the reference at which the measured error of
+/// the method is reliable.
 ///
 /// At a ratio of 3, the squared error of the reference is 1/9 of the squared error of the method.
 /// This changes the measured error by about 6 %.
 const MIN_RELIABLE_ERROR_RATIO: f64 = 3.0;
 
-/// Texts of reasons to doubt the results of a study; empty if there are none.
-pub(super) fn study_warnings(found: &MethodStudyResult) -> Vec<String> {
+/// Returns warnings about a study whose results may be unreliable; empty if there is no reason for
+/// doubt.
+pub(super) fn study_warnings(result: &MethodStudyResult) -> Vec<String> {
     let mut warnings = Vec::new();
-    if found.interrupted {
+    if result.interrupted {
         warnings.push("The study was interrupted: methods may have had less time than the budget.".to_owned());
     }
-    if found.thread_time_share < MIN_THREAD_TIME_SHARE {
+    if result.thread_time_share < MIN_THREAD_TIME_SHARE {
         warnings.push(format!(
             "The machine was busy: this program had only {:.0} % of its threads' time at worst. Wall times are too long, and processor \
              times may be too.",
-            100.0 * found.thread_time_share
+            100.0 * result.thread_time_share
         ));
     }
-    if let Some(reference_error) = found.reference.error {
+    if let Some(reference_error) = result.reference.error {
         let close = |m: &&crate::study::methods::MethodResult| {
             m.checkpoints.last().is_some_and(|c| {
                 c.mean_relative_squared_error()
                     < MIN_RELIABLE_ERROR_RATIO * MIN_RELIABLE_ERROR_RATIO * reference_error * reference_error
             })
         };
-        let labels: Vec<&str> = found.methods.iter().filter(close).map(|m| m.label.as_str()).collect();
+        let labels: Vec<&str> = result.methods.iter().filter(close).map(|m| m.label.as_str()).collect();
         if !labels.is_empty() {
             warnings.push(format!(
                 "The reference has an error of about {}, and {} below {MIN_RELIABLE_ERROR_RATIO} times that. Its bias may distort them: render longer references.",

@@ -9,8 +9,8 @@ use std::process::Command;
 
 /// Values around the range of 16-bit floats.
 ///
-/// They are the largest 16-bit float, the next 32-bit float, the values around which rounding would
-/// overflow, and larger values.
+/// They are the largest 16-bit float, the next 32-bit float, the 32-bit floats on both sides of the
+/// rounding limit to infinity, and larger values.
 const EDGES: [f32; 6] = [65_504.0, 65_504.004, 65_519.996, 65_520.0, 1e30, f32::MAX];
 
 fn write_and_read_pixel(value: f32, options: &WriteOptions, name: &str) -> (Vec3, ClippedPixelReport) {

@@ -72,10 +72,10 @@ fn narrow_images_keep_their_field_of_view() {
 
 /// A light that covers .6 × .6 of the image has the right mean at every field of view.
 ///
-/// The mean is .36 of the light's radiance. Rays are evenly spread over pixels and see the light or
-/// not. For n independent rays, Hoeffding's bound is √(ln(2/10⁻⁶)/2n). Let T be the tangent of half
-/// the field of view. A direction error of 2⁻²⁵ √3 moves an edge over half the image by (T + 1/T)
-/// 2⁻²⁴ of its half width. There are two edges per axis.
+/// The mean is .36 of the light's radiance. Rays are evenly spread over the pixels, and each one
+/// sees the light or not. For n independent rays, Hoeffding's bound is √(ln(2/10⁻⁶)/2n). Let T be
+/// the tangent of half the field of view. A direction error of 2⁻²⁵ √3 moves an edge of the light
+/// by (T + 1/T) 2⁻²⁴, relative to half the image width. There are two edges per axis.
 #[test]
 fn visible_light_has_correct_mean_at_extreme_angles() {
     let side = 16u32;
@@ -121,7 +121,7 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
 
 /// Invalid angles are refused, and so are pixels so narrow that their rays would coincide.
 ///
-/// The error points at the position in the text.
+/// The error points at the angle in the scene text.
 #[test]
 fn impossible_angles_are_refused_with_remedy() {
     let camera = |angle: &str, size: &str| {
@@ -227,7 +227,7 @@ fn orthographic_images_of_any_size_are_correct() {
 
 /// Panoramas of one pixel, a row or a column cover the whole sphere of directions.
 ///
-/// Longitude and latitude are those of the pixel, whatever the other side of the image.
+/// Each pixel has the right longitude and latitude, whatever the image's other side length.
 #[test]
 fn panoramas_of_any_size_cover_the_sphere() {
     for (width, height) in [(1, 1), (2, 1), (1, 20_000), (20_000, 1)] {

@@ -43,7 +43,7 @@ fn zero_aperture_equals_pinhole_bit_for_bit() {
         {
             assert!(picture(algorithm, shut) == pinhole, "{algorithm:?} {shut}");
         }
-        // These two integrators trace only the central ray of a lens.
+        // `Raycast` and `Whitted` trace only rays through the lens center.
         if !matches!(algorithm, Algorithm::Raycast | Algorithm::Whitted) {
             assert!(picture(algorithm, "aperture .1 focusDistance 3") != pinhole, "{algorithm:?}");
         }

@@ -23,10 +23,10 @@ fn random_vec2(rng: &mut SmallRng) -> Vec2 {
 
 /// Hits of far spheres agree with double-double arithmetic.
 ///
-/// The solver's discriminant is r² minus the squared distance of the line, which rounds by some
-/// ulps of (distance · r). Rays within 16 of these ulps of a tangent may hit or miss. The position
-/// is accurate to its rounding. The normal's error is its own rounding and the change by the
-/// rounding of the position.
+/// The solver's discriminant is r² minus the squared distance of the ray's line from the center. It
+/// rounds by some ulps of distance · r. Rays within 16 of these ulps of a tangent may hit or miss.
+/// The position of a hit has only its final rounding error. The error of the normal is its own
+/// rounding plus the effect of the position's rounding.
 #[test]
 fn far_spheres_are_hit_correctly() {
     let mut rng = SmallRng::seed_from_u64(3);
@@ -68,8 +68,9 @@ fn far_spheres_are_hit_correctly() {
 
 /// A far light does not occlude itself: a shadow ray to a visible point ends before the light.
 ///
-/// Points of an ellipsoid sampled by area may lie on its far side, which occludes itself. Rays
-/// nearly along a surface may hit or miss, so points with a cosine below 10⁻³ do not count.
+/// Points of an ellipsoid are sampled by area, so they may be on its far side, where it occludes
+/// itself. Rays nearly along a surface may hit or miss, so the test ignores points with a cosine
+/// below 10⁻³.
 #[test]
 fn far_lights_cast_no_shadow_on_themselves() {
     let squash = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 0.6, 0.8))).unwrap();
@@ -132,7 +133,8 @@ fn far_lights_cast_no_shadow_on_themselves() {
     }
 }
 
-/// A floor lit by a far sphere has no noise, as all directions of the cone of light count equally.
+/// A floor lit by a far sphere has no noise, because all directions in the cone of light contribute
+/// equally.
 ///
 /// It reflects ρ·L·(r/d)²·cos θ, with albedo ρ, radiance L, radius r, distance d and angle θ. The
 /// image shows a few units of the floor. Distance and angle vary over it by at most 2/d.

@@ -1,4 +1,5 @@
-//! Surfaces of degree 20 with closed forms, with poles, cusps on the axis and edges without length.
+//! Spline surfaces of degree 20 that have closed forms, with poles, cusps on the axis, and edges of
+//! length 0.
 
 use caustica::accel::ShapeHit;
 use caustica::math::{Ray, warp};
@@ -128,7 +129,7 @@ fn known_surfaces() -> Vec<KnownSurface> {
     ]
 }
 
-/// Returns the zeros, ascending, of a function that is convex on `lo..hi`, and its least value.
+/// Returns the zeros of a function that is convex on `lo..hi`, in ascending order, and its minimum.
 fn roots(f: &dyn Fn(f64) -> f64, lo: f64, hi: f64) -> (Vec<f64>, f64) {
     let (mut a, mut b) = (lo, hi);
     for _ in 0..120 {
@@ -183,10 +184,10 @@ fn ray(known: &KnownSurface, rng: &mut SmallRng, i: u32) -> Ray {
 /// Hits and normals of surfaces of degree 20 agree with bisection of the closed forms.
 ///
 /// Some rays are along the axis or through poles and cusps. The solver counts a ray within 10⁻¹² of
-/// the surface's size as a touch. Rays that the reference puts within 10⁻⁹ of a touch or border may
-/// hit or miss. Otherwise the slope at a root is above √(2·10⁻⁹) times the curvature, which is
-/// about 1. So 10⁻¹² changes `t` by less than 10⁻⁷ of it. The relative rounding error of `t` is
-/// 6·10⁻⁸.
+/// the surface as touching it; lengths are relative to the surface's size. Rays that the reference
+/// puts within 10⁻⁹ of touching the surface or its border may hit or miss. For all others, the
+/// slope at a root is above √(2·10⁻⁹) times the curvature, which is about 1. So 10⁻¹² changes `t`
+/// by less than 10⁻⁷ of it. The relative rounding error of `t` is 6·10⁻⁸.
 #[test]
 fn degree_20_surfaces_are_hit_correctly() {
     known_surfaces().par_iter().for_each(|known| {
@@ -255,9 +256,9 @@ fn degree_20_surfaces_are_hit_correctly() {
 
 /// Rays from inside a sphere, exactly through its poles, hit one of its two patches.
 ///
-/// Each patch covers half of all longitudes from pole to pole. A pole is a side without length of
-/// both patches. Leaves around a pole reject such a ray more often the steeper they are, so one
-/// case has degree 20.
+/// Each patch covers half of all longitudes from pole to pole. At a pole, one side of each patch
+/// has length 0. Steep leaves around a pole reject such a ray most often, so one case has degree
+/// 20.
 #[test]
 #[ignore = "long: many samples of a hard case"]
 fn sphere_poles_are_hit_from_inside() {

@@ -21,7 +21,7 @@ fn turn(rng: &mut SmallRng) -> ([I64Vec3; 3], i64) {
     (columns, a * a + b * b + c * c + d * d)
 }
 
-/// Rays that touch spheres exactly, or miss a touch by one unit in up to 10⁷, are decided
+/// Rays that touch a sphere exactly, or are off a tangent by one part in up to 10⁷, are decided
 /// correctly.
 ///
 /// A non-zero discriminant is far above double-precision rounding, so its sign must be right. With

@@ -39,7 +39,7 @@ fn fuzz_corpus_gives_results_or_typed_errors() {
 /// Each importer of [`IMPORTERS`] has a corpus, and each corpus has a fuzz target. A corpus is
 /// found by the first word of the importer's name.
 #[test]
-fn each_importer_has_a_corpus_and_a_fuzz_target() {
+fn every_importer_has_a_corpus_and_fuzz_target() {
     for importer in IMPORTERS {
         let name = importer.name().split(' ').next().unwrap().to_lowercase();
         assert!(KINDS.iter().any(|(kind, _)| *kind == name), "add a corpus `{name}` for {}", importer.name());

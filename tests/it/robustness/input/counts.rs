@@ -1,8 +1,8 @@
-//! Counts larger than their file, and files larger than memory, are refused without allocating for
-//! them.
+//! Counts that exceed the file size, and files larger than memory, are refused without allocating
+//! memory for them.
 //!
-//! The program has 2 GB of address space here and dies if it needs more. Reading even a tenth of
-//! these files would take longer than the ten seconds that a refusal may take.
+//! The program runs with 2 GB of address space, so it crashes if it allocates more. Reading a tenth
+//! of these files would take longer than the ten seconds that a refusal may take.
 
 use super::{InputSandbox, scene};
 use caustica::format::{grid, mesh, parse};
@@ -180,7 +180,7 @@ fn files_above_memory_limit_are_refused_unread() {
 /// Memory for the photons of an estimate depends on the number of existing photons, not on the
 /// requested number.
 ///
-/// A single photon only sets the radius of its disc, so it gives no estimate.
+/// A single photon gives no estimate, because it only determines the radius of the disc.
 #[test]
 fn gather_count_is_capped_by_photon_count() {
     let sandbox = InputSandbox::new();

@@ -66,8 +66,8 @@ fn truncated_scenes_are_refused() {
     }
 }
 
-/// Files of lines state no length: a truncated file is read, or refused with the number of the
-/// broken line.
+/// Line-based formats such as OBJ state no length. A truncated file is read, or refused with the
+/// number of the broken line.
 #[test]
 fn truncated_line_lists_are_read_to_their_end() {
     let obj = fs::read(project_path("tests/scenes/coarse-ball.obj")).unwrap();

@@ -62,7 +62,7 @@ fn accepted_images_stay_within_memory_limit() {
     assert_within_limit(&sizes.map(|size| peak_memory(&sandbox, &[&flags[..], &[size]].concat())));
 }
 
-/// Returns a mesh of n × n squares in waves, cut into triangles, as PLY or OBJ.
+/// Returns the PLY or OBJ file of a wavy mesh of n × n squares, each cut into two triangles.
 fn wave_mesh(n: u32, ply: bool) -> Vec<u8> {
     let points = (0..=n).flat_map(|y| (0..=n).map(move |x| (x, y)));
     let places: Vec<[f32; 3]> = points
@@ -133,8 +133,8 @@ fn accepted_patches_stay_within_memory_limit() {
 fn accepted_textures_and_environments_stay_within_memory_limit() {
     let sandbox = InputSandbox::new();
     let noise = |i: u32| glam::Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0);
-    // The bytes of the file are in memory while it is read. Noise does not compress. The size alone
-    // decides on a refusal.
+    // The first picture is noise, which does not compress: its file is in memory while it is read.
+    // The second one is refused for its size alone, so its content does not matter.
     for (format, fits) in [(caustica::image::OutputFormat::Png, 1290), (caustica::image::OutputFormat::Exr, 1100)] {
         let files = [(fits, 1.0), (1400_u32, 0.0)].map(|(n, strength)| {
             let pixels = (0..n * n).map(|i| noise(i) * strength).collect();

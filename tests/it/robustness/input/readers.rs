@@ -17,11 +17,12 @@ use caustica::texture::{MipMap, WrapMode};
 use glam::Vec3;
 use std::path::Path;
 
-/// Memory limit of images, meshes and grids \[bytes], as a small file may describe a large one.
-const FREE: Option<u64> = Some(1 << 28);
+/// Memory limit of images, meshes and grids \[bytes]. Without it, a small file could claim a huge
+/// image.
+const MEMORY_LIMIT_BYTES: Option<u64> = Some(1 << 28);
 
 /// Largest resolution of a cloud that is built. Larger ones take too long.
-const CLOUD: u32 = 24;
+const MAX_CLOUD_RESOLUTION: u32 = 24;
 
 /// Path of a folder that does not exist.
 const NOWHERE: &str = "/nowhere/at/all";
@@ -30,8 +31,7 @@ fn described(bytes: &[u8]) -> Option<SceneDescription> {
     match parse_scene_bytes("fuzz.txt", bytes) {
         Ok(description) => Some(description),
         Err(error) => {
-            // The message is computed because this checks that the error's position lies within the
-            // text.
+            // Formatting the error also checks that its position lies within the text.
             assert!(
                 !error.to_string().is_empty()
                     && !error.remedy().is_empty()
@@ -43,7 +43,7 @@ fn described(bytes: &[u8]) -> Option<SceneDescription> {
 }
 
 fn resolved(description: &SceneDescription, bytes: &[u8]) -> Option<Scene> {
-    let cloud = |density: &DensityDescription| matches!(density, DensityDescription::Cloud { resolution, .. } if *resolution > CLOUD);
+    let cloud = |density: &DensityDescription| matches!(density, DensityDescription::Cloud { resolution, .. } if *resolution > MAX_CLOUD_RESOLUTION);
     if description.media.iter().any(|medium| cloud(&medium.density)) {
         return None;
     }
@@ -86,7 +86,7 @@ pub fn ply(bytes: &[u8]) {
 }
 
 fn loaded(name: &str, bytes: &[u8]) {
-    match mesh::decode(Path::new(name), bytes.to_vec(), &(), FREE) {
+    match mesh::decode(Path::new(name), bytes.to_vec(), &(), MEMORY_LIMIT_BYTES) {
         Ok(mut loaded) => {
             let vertices = loaded.mesh.positions.len();
             assert!(loaded.mesh.triangles.iter().flatten().all(|v| (*v as usize) < vertices));
@@ -119,7 +119,7 @@ pub fn mtl(bytes: &[u8]) {
 
 /// Reads a density grid.
 pub fn grid(bytes: &[u8]) {
-    match grid::decode(Path::new("fuzz.grid"), bytes.len() as u64, bytes, FREE) {
+    match grid::decode(Path::new("fuzz.grid"), bytes.len() as u64, bytes, MEMORY_LIMIT_BYTES) {
         Ok(grid) => assert!(grid.densities.iter().all(|v| v.is_finite() && *v >= 0.0)),
         Err(error) => assert!(error.to_string().contains("fuzz.grid"), "{error}"),
     }
@@ -166,7 +166,7 @@ fn check_imported(imported: Result<ImportedScene, SceneReadError>) {
 /// from it.
 pub fn picture(bytes: &[u8]) {
     for meaning in [PixelMeaning::Color, PixelMeaning::NonColor] {
-        match decode(Path::new("fuzz.picture"), bytes, meaning, FREE) {
+        match decode(Path::new("fuzz.picture"), bytes, meaning, MEMORY_LIMIT_BYTES) {
             Ok((image, _)) => {
                 // Textures and lights are built only from small images: large ones take long and
                 // reveal no more errors.

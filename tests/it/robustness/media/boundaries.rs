@@ -12,20 +12,20 @@ use caustica::shape::{Rectangle, Shape};
 use glam::DVec3;
 use std::time::{Duration, Instant};
 
-/// Number of nested bodies, which is many times the capacity of an interior stack.
+/// Number of nested bodies, many more than an interior stack can hold.
 const NEST: u32 = 100;
 
 /// Number of times that light crosses all nested bodies: 2 · 100 · 5,000 boundaries.
 const TURNS: u32 = 5000;
 
-/// Optical depth of all crossings together, of each path.
+/// Total optical depth of a path over all crossings.
 const DEPTH: f64 = 1.0;
 
 /// Relative error of the transmittance of a path across so many boundaries.
 ///
-/// In each body, σ rounds to 2⁻²⁴. Each crossing of all bodies multiplies once and rounds its
-/// factor: 2·2⁻²⁴. At each of 200 boundaries, a ray starts late by a few roundings of a coordinate
-/// of 1: at most 8·2⁻²⁴ of a length of 2.
+/// It has three parts. The coefficient σ of each body rounds by 2⁻²⁴. Each of 5,000 crossings
+/// rounds its transmittance and the product: 2·2⁻²⁴. And at each boundary, the offset of the ray
+/// origin shortens the path by a few roundings of a coordinate near 1: at most 8·2⁻²⁴.
 const ROUNDING: f64 = (DEPTH + 2.0 * 5000.0 + 100.0 * 8.0 * DEPTH) / 16_777_216.0;
 
 /// Returns a rectangle around `center` with these edges.
@@ -49,12 +49,12 @@ fn absorption_of_body(i: u32, turns: u32) -> f64 {
     uneven(i) / total * DEPTH / f64::from(turns)
 }
 
-/// How nested bodies absorb light.
+/// Cause of absorption in the nested bodies.
 #[derive(Clone, Copy, Debug)]
 enum Filled {
-    /// By a medium inside each body.
+    /// A medium inside each body.
     Media,
-    /// By the absorption of each body's dielectric.
+    /// The absorption coefficient of each body's dielectric.
     Bodies,
 }
 
@@ -90,9 +90,9 @@ fn settings(max_bounces: u32) -> Settings {
 
 /// A camera ray across a million boundaries obeys Beer's law.
 ///
-/// It hits the far one of two mirrors 2,500 times. That mirror emits radiance 1, so the sum is Σ
-/// exp(−(2k + 1)τ), with the optical depth τ of a crossing. Each term adds a rounding error of 2⁻²⁴
-/// of the sum.
+/// The bodies lie between two mirrors. The ray hits the far mirror 2,500 times. This mirror emits
+/// radiance 1, so the sum is Σ exp(−(2k + 1)τ), where τ is the optical depth of one crossing. Each
+/// term adds a rounding error of 2⁻²⁴ of the sum.
 #[test]
 fn camera_ray_obeys_beer_over_million_boundaries() {
     let tau = DEPTH / f64::from(TURNS);
@@ -143,7 +143,7 @@ fn photons_obey_beer_over_million_boundaries() {
     assert!(off.iter().all(|off| *off < ROUNDING + 1e-6), "media, bodies: {off:?}, may be {ROUNDING}");
 }
 
-/// A shadow ray crosses more bodies than an interior stack holds, and transmits e^{−depth}.
+/// A shadow ray crosses more bodies than an interior stack holds, and transmits exp(−depth).
 ///
 /// It runs through 200 boundaries from a floor to a directional light. An interior stack holds
 /// twelve bodies.

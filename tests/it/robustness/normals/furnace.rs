@@ -1,4 +1,5 @@
-//! Energy: in surroundings of radiance 1, no surface with shading normals is brighter than 1.
+//! Furnace tests: in surroundings of radiance 1, no surface with shading normals is brighter than
+//! 1.
 
 use crate::support::{mean_and_error, render_passes, scene_from_text, student_t_tail};
 use caustica::color::Rgb;

@@ -81,7 +81,7 @@ fn coarse_ball_is_dark_inside() {
 
 /// A wall with a steep bump map leaks no light: everything behind it is black.
 ///
-/// The map would tilt normals below the horizon, but normals never tilt that far.
+/// Unlimited, the map would tilt normals below the horizon. The renderer limits the tilt.
 #[test]
 #[ignore = "long: many samples of a hard case"]
 fn bumps_below_horizon_leak_no_light() {

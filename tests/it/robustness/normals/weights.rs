@@ -1,7 +1,8 @@
 //! Weights of photons under shading normals.
 //!
-//! Veach's correction factor is unbounded, but its mean and tail are known. Under uniform light,
-//! photons arrive in proportion to the cosine to the geometric normal.
+//! Veach's correction factor for shading normals (1997, section 5.3) is unbounded, but its mean and
+//! tail are known. Under uniform light, photons arrive with a density proportional to the cosine to
+//! the geometric normal ng. ns is the shading normal.
 
 use crate::support::{midpoint_integral, scene_from_text, test_key};
 use caustica::bsdf::{
@@ -15,17 +16,19 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
-/// Largest weight that counts in sums, so that they have a variance.
+/// Largest weight that sums include, so that their variance is finite.
 ///
-/// Each test bounds the effect on its mean.
+/// Each test bounds the effect of the omitted weights on its mean.
 const MAX_WEIGHT: f64 = 100.0;
 
-/// Two-sided quantile of the normal distribution for a false-alarm rate of 10⁻⁶.
-const Z: f64 = 4.9;
+/// Allowed deviation of a mean, in standard errors: the two-sided quantile of the normal
+/// distribution for a false-alarm rate of 10⁻⁶.
+const MAX_STANDARD_ERRORS: f64 = 4.9;
 
 const N: u64 = 1 << 18;
 
-/// Returns a random direction from which a photon arrives, by the cosine to the geometric normal z.
+/// Returns a random direction from which a photon arrives, with a pdf proportional to the cosine to
+/// the geometric normal +z.
 fn arrival_direction(key: Key) -> Vec3 {
     Frame::from_normal(Vec3::Z).to_world(warp::square_to_cosine_hemisphere(key.uniform_2d(Dimension::LightDirection)))
 }
@@ -35,25 +38,28 @@ fn tilted_normal(degrees: f32) -> Vec3 {
     Vec3::new(0.6 * sin, 0.8 * sin, cos)
 }
 
-/// Returns the mean of the values that are at most [`MAX_WEIGHT`], and [`Z`] standard errors of it.
+/// Returns the mean of the values that are at most [`MAX_WEIGHT`], and its allowed deviation of
+/// [`MAX_STANDARD_ERRORS`] standard errors.
 fn clamped_mean(values: impl ParallelIterator<Item = f64>) -> (f64, f64) {
     let zero = || (0.0, 0.0);
     let add = |(s, q): (f64, f64), (t, r): (f64, f64)| (s + t, q + r);
     let (sum, squares) = values.map(|x| (x.min(MAX_WEIGHT), x.min(MAX_WEIGHT) * x.min(MAX_WEIGHT))).reduce(zero, add);
     let (mean, square) = (sum / N as f64, squares / N as f64);
-    (mean, Z * ((square - mean * mean).max(0.0) / N as f64).sqrt())
+    (mean, MAX_STANDARD_ERRORS * ((square - mean * mean).max(0.0) / N as f64).sqrt())
 }
 
 /// Weights of photons conserve flux, and their tail is bounded.
 ///
-/// The mean over arrivals of |w·ns|/|w·ng| is ∫|w·ns| dω/π over the upper hemisphere. It is (1 +
-/// c)/2 from directions w on which the normals agree, and (1 − c)/2 from others. c and s are the
-/// cosine and sine between the normals.
+/// The weight of a photon from direction w is |w·ns|/|w·ng|. c and s are the cosine and sine of the
+/// angle between the normals.
 ///
-/// The slope of a direction along one axis exceeds a with the probability P(a) = ½(1 − a/√(1 +
-/// a²)). The factor is |c + s·slope|. So the factor exceeds x with the probability P((x − c)/s) +
-/// P((x + c)/s). As P(a) < 1/4a², that is below s²/(x − c)². Its integral from x on is below s²/(x
-/// − c).
+/// Mean: ∫|w·ns| dω/π over the upper hemisphere is 1. Directions for which both normals are on the
+/// same side contribute (1 + c)/2, and all others (1 − c)/2.
+///
+/// Tail: the weight is |c + s·slope|, where slope is that of w along one axis. The slope exceeds a
+/// with the probability P(a) = ½(1 − a/√(1 + a²)). So the weight exceeds x with the probability
+/// P((x − c)/s) + P((x + c)/s). Because P(a) < 1/(4a²), this is below s²/(x − c)². The integral of
+/// this probability from x on is below s²/(x − c).
 #[test]
 fn photon_weights_conserve_flux_with_bounded_tail() {
     for degrees in [5.0, 37.0, 70.0, 87.0] {
@@ -69,24 +75,24 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
             let beyond_slope = |a: f64| 0.5 * (1.0 - a / (1.0 + a * a).sqrt());
             let expected = N as f64 * (beyond_slope((x - c) / s) + beyond_slope((x + c) / s));
             let beyond = (0..N).into_par_iter().filter(|i| factor(*i) > x).count() as f64;
-            // At low counts, the tail of the Poisson distribution is longer than that of the normal
-            // distribution.
-            let noise = Z * expected.sqrt() + 10.0;
+            // The added 10 covers low counts, for which a Poisson distribution has a longer tail
+            // than a normal one.
+            let noise = MAX_STANDARD_ERRORS * expected.sqrt() + 10.0;
             assert!((beyond - expected).abs() <= noise, "{degrees}°: {beyond} beyond {x}, {expected}");
         }
     }
 }
 
-/// A diffuse surface scatters light only where both normals agree.
+/// A diffuse surface scatters light only between directions that are on the same side of both
+/// normals.
 ///
-/// At albedo 1, the mean weight is (1 + c)/2 for arriving directions, times the same factor for
-/// leaving ones. It is the fraction of directions on which both normals agree; c and s are the
-/// cosine and sine between the normals.
+/// c and s are the cosine and sine of the angle between the normals. At albedo 1, the mean weight
+/// is (1 + c)/2 for arriving directions, times the same factor for leaving ones.
 ///
-/// The factors a and b are max(c + s·slope, 0) of independent slopes. The products up to
-/// [`MAX_WEIGHT`] have the mean E[a G(MAX_WEIGHT/a)]. Here G(z) = ½(z + 1 − √(s² + (z − c)²)) is
-/// the integral of P(b > x) up to z. With slope = tanφ this is an integral of ½ cosφ dφ. Factors
-/// round some ten times in single precision.
+/// The weight is a product of two factors a and b. Each is max(c + s·slope, 0), with independent
+/// slopes. The products up to [`MAX_WEIGHT`] have the mean E\[a G(MAX_WEIGHT/a)]. Here G(z) = ½(z +
+/// 1 − √(s² + (z − c)²)) is the integral of P(b > x) from 0 to z. With slope = tan φ, the
+/// expectation over a is an integral with ½ cos φ dφ.
 #[test]
 fn diffuse_scatters_where_both_normals_agree() {
     for degrees in [5.0, 37.0, 70.0] {
@@ -97,11 +103,11 @@ fn diffuse_scatters_where_both_normals_agree() {
             let flux = 0.5 * (c * libm::cos(phi) + s * libm::sin(phi));
             flux * up_to(MAX_WEIGHT * libm::cos(phi) * 0.5 / flux)
         };
-        // Second derivatives are at most a few hundred, where samples cross the bound. The error is
-        // 10⁻⁷.
+        // The midpoint rule has an error of 10⁻⁷: second derivatives are at most a few hundred,
+        // where weights reach the bound.
         let expected = midpoint_integral(-libm::atan(c / s), FRAC_PI_2, 20_000, part);
-        // Light from beyond the shading horizon arrives behind the shading normal, which is then
-        // flipped. The fraction of such directions is (1 − c)/2.
+        // Directions behind the shading normal count as 0, because the normal would be flipped for
+        // them. They are the fraction (1 − c)/2.
         let (agreeing, error) = clamped_mean((0..N).into_par_iter().map(|i| {
             let wo = arrival_direction(test_key(61).child_key(i));
             if wo.dot(ns) > 0.0 {
@@ -115,7 +121,7 @@ fn diffuse_scatters_where_both_normals_agree() {
     }
 }
 
-/// Returns the weight of a photon that arrives from `wo` after it is scattered; 0 if it is
+/// Returns the weight after scattering of a photon that arrives from `wo` with weight 1; 0 if it is
 /// absorbed.
 fn remaining_photon_weight(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: TransportMode) -> f64 {
     let key = test_key(62).child_key(i);
@@ -147,11 +153,14 @@ fn lossless_bsdfs() -> Vec<(Bsdf, bool)> {
 
 /// Returns an upper bound of the mean weight of light that leaves glass of index 1.5.
 ///
-/// `c` is the cosine between the normals. The directions outside on which the normals agree are the
-/// fraction (1 + c)/2 by flux. They all see the same fraction of the inside. The directions inside
-/// that lead to them are the fraction c of these, which adds T(1 − c)/2n². Directions that ns would
-/// send into the surface leave by ng. They are the (1 − c)/2 on which normals disagree outside,
-/// seen from inside, where their cosine to ns is above √(1 − n⁻²).
+/// `c` is the cosine of the angle between the normals. The bound is 1 plus two terms:
+///
+/// - The outer directions for which both normals agree are the fraction (1 + c)/2 of the flux. Of
+///   the inner directions that lead to them, only the fraction c is on the same side of both
+///   normals. This adds at most (1 − c)/(2n²).
+/// - Directions that refraction about ns would send into the surface leave by ng instead. Outside,
+///   they are the fraction (1 − c)/2 of the flux. Inside, their cosine to ns is above √(1 − n⁻²).
+///   This adds at most (1 − c)/(2n² √(1 − n⁻²)).
 fn max_weight_out_of_glass(c: f64) -> f64 {
     let n2 = 1.5 * 1.5;
     1.0 + 0.5 * (1.0 - c) / n2 * (1.0 + 1.0 / (1.0 - 1.0 / n2).sqrt())
@@ -159,19 +168,19 @@ fn max_weight_out_of_glass(c: f64) -> f64 {
 
 /// No surface scatters more than it receives, in the mean over uniform incident light.
 ///
-/// A mirror and a straight transmitter lose nothing either. Reflection about ns keeps solid angles,
-/// and a direction below the surface is reflected about ng instead. The exception is light that
-/// leaves glass: see [`max_weight_out_of_glass`].
+/// Mirrors and straight transmitters also lose nothing. Reflection about ns keeps solid angles. If
+/// the reflected direction is below the surface, it is reflected about ng instead. The exception is
+/// light that leaves glass: see [`max_weight_out_of_glass`].
 ///
-/// Factors of mirrors are |wi·ng|/|wo·ng|. They exceed x with a probability of at most that of a
-/// cosine below 1/x, which is 1/x². So the mean beyond 100 is below 1/50.
+/// Photon weights at mirrors are |wi·ng|/|wo·ng|. A weight above x needs a cosine below 1/x, which
+/// has the probability 1/x². So weights above 100 contribute less than 1/50 to the mean.
 #[test]
 fn no_surface_reflects_more_than_it_receives() {
     for (bsdf, keeps) in lossless_bsdfs() {
         for degrees in [5.0, 37.0, 70.0, 87.0] {
             let ns = tilted_normal(degrees);
             for ns in [ns, -ns] {
-                // The outer side is the side of both normals.
+                // Both normals point outward, to +z. If `turn` is −1, photons arrive from inside.
                 let turn = if ns.z < 0.0 { -1.0 } else { 1.0 };
                 let from = |i: u64| arrival_direction(test_key(63).child_key(i)) * Vec3::new(1.0, 1.0, turn);
                 let values = (0..N)
@@ -220,7 +229,7 @@ fn coarse_ball_flux_matches_its_faces() {
             t.deposits.surface_photons.iter().map(|p| flux(p).min(MAX_WEIGHT * each)).sum()
         })
         .collect();
-    // The hue of a photon rounds by 10⁻⁵. Weights that are left out change the mean by at most
+    // The stored color of a photon rounds by 10⁻⁵. Omitted weights change the mean by at most
     // s²/99.
     let slack = expected * (s2 / (MAX_WEIGHT - 1.0) + 3e-5);
     crate::support::assert_mean("flux on a coarse ball", &samples, expected, slack, 0.01);
@@ -234,7 +243,10 @@ fn coarse_ball_flux_matches_its_faces() {
             .filter(|p| f64::from(p.attributes.flux().x) > x * each)
             .count();
         let expected = landed as f64 * s2 / (s2 + (x - 1.0) * (x - 1.0));
-        assert!((beyond as f64) < expected + Z * expected.sqrt() + 10.0, "{beyond} beyond {x}, {expected}");
+        assert!(
+            (beyond as f64) < expected + MAX_STANDARD_ERRORS * expected.sqrt() + 10.0,
+            "{beyond} beyond {x}, {expected}"
+        );
     }
     assert!(landed > 100_000);
 }

@@ -17,8 +17,7 @@ use std::f64::consts::PI;
 const ALL: [Algorithm; 5] = [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Ppm, Algorithm::Pm];
 
 /// Builds a ball and a glass body on a floor, lit by point lights of the given powers.
-///
-/// `None` leaves the position of a light empty.
+/// `None` omits the light at this position of the list.
 fn scene_lit_by(powers: &[Option<f32>]) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(0.6)));
@@ -60,7 +59,7 @@ fn zero_power_lights_change_nothing() {
     });
 }
 
-/// Returns rotations under which the points of a plane stay in it up to rounding only.
+/// Returns rotations after which points of a plane are off the rotated plane by rounding errors.
 fn test_rotations() -> impl Iterator<Item = DQuat> {
     let turn = |i: i32| DQuat::from_axis_angle(DVec3::new(1.0, f64::from(i), 0.3).normalize(), 0.7 * f64::from(i));
     (0..12).map(turn)
@@ -84,8 +83,9 @@ fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
 /// A point light in the plane of a floor lights the ceiling, although rounding may place it below
 /// the floor.
 ///
-/// Photons: five sigma of a binomial distribution of 2¹⁶ paths are .044. Shadow rays: 4096 are
-/// stratified over an image that varies by a tenth per pixel, so the tolerance is five times .1/64.
+/// Tolerance for photons: five sigma of a binomial distribution of 2¹⁶ paths, which is .044.
+/// Tolerance for shadow rays: five times .1/64, because 4096 rays are stratified over an image that
+/// varies by a tenth per pixel.
 #[test]
 fn point_light_in_floor_lights_ceiling() {
     let places = [DVec3::ZERO, DVec3::new(0.1, 0.2, 0.3), DVec3::new(100.1, 0.7, -33.3)];
@@ -105,7 +105,7 @@ fn point_light_in_floor_lights_ceiling() {
 
 /// Builds an area light in the plane of a black ceiling, facing down, and a floor under it.
 ///
-/// `first` tells if the light precedes the ceiling in the scene.
+/// If `first` is true, the light precedes the ceiling in the scene.
 fn lamp_in_the_ceiling(turn: DQuat, first: bool) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
@@ -123,8 +123,8 @@ fn lamp_in_the_ceiling(turn: DQuat, first: bool) -> Scene {
     b.build(Camera::orthographic(0.5 * y, -y, z, 0.5, 4, 4).unwrap()).unwrap()
 }
 
-/// All integrators find the light of an area light in the plane of a ceiling, in any order of the
-/// two.
+/// All integrators find the light of an area light in the plane of a ceiling, whichever of both the
+/// scene lists first.
 ///
 /// Light sampling and BSDF sampling share the light by MIS weights. The error of the midpoint rule
 /// with 40 steps is 40⁻²/24 of the second derivative, below 10⁻⁴. t with 15 degrees of freedom
@@ -160,7 +160,7 @@ fn area_light_in_ceiling_plane_loses_no_light() {
     }
 }
 
-/// Lights that are blocked at once store no photons, and their surroundings are black.
+/// Lights whose surroundings block all light store no photons, and the picture is black.
 ///
 /// One is a point light in a black ball. The other is an area light just in front of a black wall.
 #[test]

@@ -1,6 +1,6 @@
 //! Tests of photon maps alone, for various numbers and layouts of photons.
 
-use super::{HUE, photon, random};
+use super::{STORED_COLOR_ROUNDING, photon, random};
 use caustica::color::Rgb;
 use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
 use glam::Vec3;
@@ -23,10 +23,11 @@ fn estimate(map: &PhotonMap, p: Vec3, radius: f32, k: u32, kernel: Kernel) -> f6
     f64::from(nested.full_disc.radiance.y)
 }
 
-/// Photons count only for a normal on their side of a wall.
+/// A photon estimate includes only photons that arrived on the side of its normal.
 ///
-/// At a point of the wall, all photons count on their side and none on the other side. None counts
-/// for a wall that is perpendicular. This holds for a fixed radius and for the nearest k.
+/// All photons of this test arrived on one side of a wall. Estimates with the normal of this side
+/// include all of them. With the opposite or a perpendicular normal, they include none. This holds
+/// for a fixed radius and for the k nearest photons.
 #[test]
 fn photons_count_on_their_side_only() {
     let map = PhotonMap::build((0..10_000).map(|i| photon(random(i) * Vec3::new(1.0, 1.0, 0.0), 1.0)).collect());
@@ -71,9 +72,9 @@ fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
 
 /// Estimates are right with fewer than k photons; an empty map gives 0.
 ///
-/// The estimate is Σ Φ K over the largest disc, with flux Φ and kernel K, up to rounding. The
-/// rounding is that of the hue, of distances (10⁻⁶ of coordinates of .4, in a disc of .5), and of a
-/// few operations.
+/// The estimate is Σ Φ K over the largest disc, with flux Φ and kernel K. The tolerance covers
+/// rounding of the stored color, of distances (10⁻⁶ of coordinates of .4, in a disc of .5), and of
+/// a few operations.
 #[test]
 fn estimates_hold_with_fewer_than_k_photons() {
     let (radius, p) = (0.5f32, Vec3::new(0.1, 0.2, 0.3));
@@ -89,7 +90,10 @@ fn estimates_hold_with_fewer_than_k_photons() {
             let expected: f64 = offsets[..count].iter().map(|x| flux(*x)).sum();
             for k in [0, 5, 50, 10_000_000] {
                 let found = estimate(&map, p, radius, k, kernel);
-                assert!((found / expected - 1.0).abs() < HUE + 1e-5, "{kernel:?}, {count} of {k}: {found} {expected}");
+                assert!(
+                    (found / expected - 1.0).abs() < STORED_COLOR_ROUNDING + 1e-5,
+                    "{kernel:?}, {count} of {k}: {found} {expected}"
+                );
             }
             assert_eq!(map.kth_photon_distance(p, Vec3::Z, count as u32 + 1, 1e6), None);
         }
@@ -98,11 +102,11 @@ fn estimates_hold_with_fewer_than_k_photons() {
 
 /// A million photons at a hundred adjacent single-precision positions are all found.
 ///
-/// A few other photons make the map large. The estimate is Φ K(0) of the whole disc. For the
-/// nearest k, it is that of the smallest disc, 10⁻⁵ of the distance from the origin. Distances have
-/// an error of 6.2·10⁻⁷ of that distance, .062 of the disc (see
-/// `disc_radius_never_falls_below_position_rounding`). The estimate of the cone kernel is lower by
-/// this fraction.
+/// A few other photons make the map large. For a fixed radius, the estimate is Φ K(0). For the k
+/// nearest photons, it is that of the smallest possible disc, whose radius is 10⁻⁵ of the distance
+/// R from the origin. Distances between photons have an error of 6.2·10⁻⁷ R, which is .062 of this
+/// radius (see `disc_radius_never_falls_below_position_rounding`). The cone kernel lowers the
+/// estimate by up to this fraction.
 #[test]
 fn million_photons_at_adjacent_floats_are_found() {
     let n = 1_000_000u64;
@@ -119,7 +123,10 @@ fn million_photons_at_adjacent_floats_are_found() {
             let found = estimate(&map, place(0), 0.1, k, kernel);
             let (r, off) = if k == 0 { (0.1, 1e-5) } else { (1e-5 * f64::from(place(0).length()), 0.062) };
             let expected = 1.1 * n as f64 * kernel_at(kernel, 0.0, r);
-            assert!((found / expected - 1.0).abs() < HUE + off, "{kernel:?}, k = {k}: {found:e} {expected:e}");
+            assert!(
+                (found / expected - 1.0).abs() < STORED_COLOR_ROUNDING + off,
+                "{kernel:?}, k = {k}: {found:e} {expected:e}"
+            );
         }
     }
     // Takes a second on an idle machine. Searching each leaf for each photon would take n² = 10¹²
@@ -132,7 +139,8 @@ type Layout = fn(Vec3) -> Vec3;
 
 /// Photons in a plane, on a line or at a few points give the estimates of a linear scan.
 ///
-/// The radius of the scan is 10⁻⁶ of the coordinates smaller or larger.
+/// The result must lie between linear scans with radii that are 10⁻⁶ of the coordinates smaller and
+/// larger.
 #[test]
 fn coplanar_and_collinear_photons_are_found() {
     let layouts: [(&str, Layout); 5] = [
@@ -152,7 +160,10 @@ fn coplanar_and_collinear_photons_are_found() {
             map.visit_within_radius(p, r, |data, _| power += f64::from(data.flux().y));
             let scan = |r: f32| photons.iter().filter(|q| (q.position - p).length() <= r).count() as f64;
             let (low, high) = (scan(r - margin), scan(r + margin));
-            assert!(power >= low * (1.0 - HUE) && power <= high * (1.0 + HUE), "{name}: {low} {power} {high}");
+            assert!(
+                power >= low * (1.0 - STORED_COLOR_ROUNDING) && power <= high * (1.0 + STORED_COLOR_ROUNDING),
+                "{name}: {low} {power} {high}"
+            );
         }
     });
 }
@@ -184,8 +195,9 @@ fn ten_million_photons_are_estimated_correctly() {
 ///
 /// One square is 1 wide and has a thousand photons, the other is 10⁻³ wide and has a million. The
 /// relative variance is (k + c − 2)/(k − 2) − 1, with the noise factor c = 4/3 of Epanechnikov's
-/// kernel: .0278. In the sparse square, discs of radius √(50/(10³π)) = .126 around 36 points
-/// overlap, so the mean counts as one of 4 points. The tolerance is five sigma.
+/// kernel: .0278. In the sparse square, the discs around 36 points have the radius √(50/(10³π)) =
+/// .126 and overlap. So their mean is as uncertain as that of 4 independent points. The tolerance
+/// is five sigma.
 #[test]
 fn densities_nine_orders_apart_are_estimated() {
     let sparse = (0..1000).map(|i| photon(Vec3::new(1.0, 0.0, 0.0) + random(i) * Vec3::new(1.0, 1.0, 0.0), 1.0));

@@ -1,6 +1,6 @@
 //! Light powers at the limits of single precision.
 
-use super::{HUE, WITH_PHOTONS, assert_finite, flat_camera, rectangle_around, rendered, settings};
+use super::{STORED_COLOR_ROUNDING, WITH_PHOTONS, assert_finite, flat_camera, rectangle_around, rendered, settings};
 use crate::support::{PATIENCE, mean_and_error, render_one_pass, test_key};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
@@ -53,7 +53,7 @@ fn estimates(rendered: &RenderResult) -> (ErrorEstimate, ErrorMaps) {
     (estimator.estimate(&rendered.film), estimator.error_maps(&rendered.film))
 }
 
-/// Returns the sums of the passes' pixels, from their means.
+/// Returns the sum over all passes of each pixel, from the mean over passes.
 ///
 /// The number of passes is a power of two, so nothing rounds.
 fn sums(rendered: &RenderResult) -> Vec<DVec3> {
@@ -63,17 +63,18 @@ fn sums(rendered: &RenderResult) -> Vec<DVec3> {
 
 /// Renders with lights of 2^±100 W are finite and agree with those at 1 W.
 ///
-/// At 2⁹³ W, about 10²⁸ W, images and error maps have the bits of those at 1 W times that factor.
-/// Relative error estimates are equal too: sums of the film have bins of 31 bits, which move by
-/// whole bins. At 2¹⁰⁰ W, they round differently, by 2⁻³¹ of the largest square in a pixel.
-/// Variances are above a thousandth of it. So error maps differ by a relative error of less than
-/// 2⁻²⁰.
+/// At 2⁹³ W, about 10²⁸ W, images and error maps are exactly 2⁹³ times those at 1 W. Relative error
+/// estimates are equal, because 93 is a multiple of 31: the sums of the film have bins of 31 bits,
+/// so all numbers move by whole bins. At 2¹⁰⁰ W, sums round differently, by 2⁻³¹ of the largest
+/// square in a pixel. Variances are above a thousandth of this square. So error maps differ by a
+/// relative error below 2⁻²⁰.
 ///
-/// At 2⁻¹⁰⁰ W, less than 10⁻³⁰, numbers below 2⁻¹²⁶ lose digits, but none loses more than 2⁻¹⁵⁰. An
-/// estimate adds fewer than 2¹⁴ products of two such numbers with a kernel of at most 2/(π r²),
-/// where r is at least .01. The whole error is 2·2¹⁴·2⁻¹⁵⁰·2¹³ = 2⁻¹²², which is a radiance of 2⁻²²
-/// relative to light of 2⁻¹⁰⁰. Pixels of about 2⁻⁵ thus have a relative error of 2⁻¹⁷, and their
-/// noise is a tenth of them. So an error estimate has a relative error of 2·10·2⁻¹⁷.
+/// At 2⁻¹⁰⁰ W, about 10⁻³⁰ W, numbers below 2⁻¹²⁶ are subnormal and lose digits, with an error of
+/// at most 2⁻¹⁵⁰. A density estimate adds fewer than 2¹⁴ products of two such numbers with a kernel
+/// of at most 2/(π r²), where r is at least .01. The total error is 2·2¹⁴·2⁻¹⁵⁰·2¹³ = 2⁻¹²², which
+/// is 2⁻²² relative to the power. Relative to the power, pixels are about 2⁻⁵, so their relative
+/// error is 2⁻¹⁷. Their noise is a tenth of them, so an error estimate has a relative error of
+/// 2·10·2⁻¹⁷.
 #[test]
 #[ignore = "long: many samples of a hard case"]
 fn powers_at_float_limits_render_finitely() {
@@ -121,8 +122,8 @@ fn powers_at_float_limits_render_finitely() {
 ///
 /// The light is at height 1, behind an index-matched pane. The radiance is ρ/π times the mean of
 /// I/(1 + x²)^{3/2} over a square .2 wide: 1 − 3/2·.2²/6 up to 10⁻⁴. The kernel of radius r = .05
-/// blurs it by (r²/12)·6. There are sixteen passes: t with 15 degrees of freedom exceeds 7 once in
-/// 10⁵ times.
+/// changes it by the fraction (r²/12)·6. There are sixteen passes; Student's t with 15 degrees of
+/// freedom exceeds 7 once in 10⁵ times.
 #[test]
 #[ignore = "long: many samples of a hard case"]
 fn point_light_flux_matches_closed_form() {
@@ -140,7 +141,7 @@ fn point_light_flux_matches_closed_form() {
         let mean = |i| render_one_pass(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 64.0 / power;
         let (mean, error) = mean_and_error(&(0..16).map(mean).collect::<Vec<f64>>());
         let expected = 0.5 / PI / (4.0 * PI) * (1.0 - 0.01);
-        let slack = expected * (0.05 * 0.05 / 2.0 + 1e-4 + HUE);
+        let slack = expected * (0.05 * 0.05 / 2.0 + 1e-4 + STORED_COLOR_ROUNDING);
         assert!((mean - expected).abs() < 7.0 * error + slack, "{power:e} W: {mean} ± {error}, {expected}");
         assert!(error < 0.015 * expected, "{error}");
     }
@@ -148,8 +149,9 @@ fn point_light_flux_matches_closed_form() {
 
 /// Photons beyond the range of single precision are counted and reported instead of stored.
 ///
-/// The scene has two lights of 10³⁸ W per channel. With one photon path, the channel sum of its
-/// flux overflows. With 16 paths, all photons are stored. A light beyond the range is refused.
+/// The scene has two lights of 10³⁸ W per channel. With one photon path, the sum of the color
+/// channels of its flux overflows. With 16 paths, all photons are stored. A light beyond the range
+/// is refused.
 #[test]
 fn photons_beyond_float_range_are_reported() {
     let scene = |powers: &[f32]| {

@@ -1,6 +1,6 @@
 //! Radii after very long renders, and radii below the rounding of positions.
 
-use super::{HUE, assert_finite, flat_camera, rectangle_around, rendered, settings};
+use super::{STORED_COLOR_ROUNDING, assert_finite, flat_camera, rectangle_around, rendered, settings};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, DEFAULT_ALPHA, Settings, SilentMonitor, squared_radius_ratio};
 use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
@@ -38,9 +38,9 @@ fn behind_a_pane() -> Scene {
 
 /// After 10⁶ passes, disc radii follow the law and no light is lost.
 ///
-/// 4 × 4 pixels have 1,000 rays each, with discs of radius .0105. Together they cover all photons
-/// of the visible quarter, partly at its rim. For n photons on the floor, the relative error is
-/// below √(c/(n/4)) with c = 4/3. Five sigma for 50,000 photons are .052.
+/// Each of 4 × 4 pixels has 1,000 rays, with gather discs of radius .0105. Together the discs cover
+/// the visible quarter of the floor. For n photons on the floor, the relative error is below
+/// √(c/(n/4)) with the kernel's noise factor c = 4/3. Five sigma for 50,000 photons are .052.
 ///
 /// Once the radius is below the rounding of positions, discs no longer shrink. They hold so few
 /// photons that an image cannot test their mean.
@@ -60,8 +60,7 @@ fn discs_after_million_passes_hold_photons() {
                 // a thousand equal radii in single precision.
                 assert!((found / expected - 1.0).abs() < 1002.0 * f64::from(f32::EPSILON), "{found} {expected}");
             } else {
-                // The floor is within .9 of the scene's center, which limits the rounding of
-                // positions.
+                // Positions are within .9 of the scene's center, which bounds their rounding.
                 assert!(found > 100.0 * expected && found < 1e-5, "{found} {expected}");
             }
             assert!(pixel.differences.iter().all(|s| s.is_finite()));
@@ -79,11 +78,11 @@ fn discs_after_million_passes_hold_photons() {
 /// Photons on a plane far from the origin are found at any radius, although their positions are
 /// rounded.
 ///
-/// They lie around a position on a tilted plane, as close together as floats allow. The estimate is
-/// finite, and no photon that rounding moves off the plane is lost. The least radius of a disc is
-/// 10⁻⁵ of the distance R from the origin. Distances have an error of γ(3)R per rotated position in
-/// each of three coordinates: 2·3·2⁻²⁴·√3 R = 6.2·10⁻⁷ R, .062 of a disc. Epanechnikov's kernel
-/// changes by at most the square of that.
+/// The photons lie around a point of a tilted plane, as close together as floats allow. The
+/// estimate is finite, and includes all photons that rounding moves off the plane. The smallest
+/// radius of a disc is 10⁻⁵ R, where R is the distance from the origin. Each rotated position has
+/// an error of γ(3)R in each coordinate. So distances have an error of 2·3·2⁻²⁴·√3 R = 6.2·10⁻⁷ R,
+/// .062 of the disc's radius. Epanechnikov's kernel changes by at most the square of this fraction.
 #[test]
 fn disc_radius_never_falls_below_position_rounding() {
     let normal = Vec3::new(0.5, 0.7, -0.4).normalize();
@@ -106,7 +105,10 @@ fn disc_radius_never_falls_below_position_rounding() {
                 let r = f64::from(found.full_disc.radius);
                 assert!(r >= 0.99e-5 * f64::from(center.length()) && r <= 1.01e-3 * f64::from(size), "{r}");
                 let part = f64::from(found.full_disc.radiance.y) * std::f64::consts::PI * r * r / 2000.0;
-                assert!((part - 1.0).abs() < 0.062 * 0.062 + HUE, "{size:e}, {radius:e}, k = {k}: {part}");
+                assert!(
+                    (part - 1.0).abs() < 0.062 * 0.062 + STORED_COLOR_ROUNDING,
+                    "{size:e}, {radius:e}, k = {k}: {part}"
+                );
                 assert!(found.radiance.iter().all(|l| l.is_finite()));
             }
         }

@@ -29,8 +29,9 @@ fn one_minus_cos(x: f64) -> f64 {
 
 /// Spotlights of any width emit their power: stated power, emitted photons and arriving flux agree.
 ///
-/// The flux of a sharp cone of half angle θ is 2π(1 − cos θ) times its intensity. A soft rim has
-/// half of that on its part of the solid angle. 1 − cos θ rounds to 2⁻²⁴, and so do a few products.
+/// The flux of a sharp cone of half angle θ is 2π(1 − cos θ) times its intensity. The soft rim has
+/// half of the intensity on average over its solid angle. 1 − cos θ rounds to 2⁻²⁴, and so do a few
+/// products.
 #[test]
 fn spotlights_of_any_width_emit_their_power() {
     for outer in ANGLES.map(|angle| 0.5 * angle.to_radians()) {

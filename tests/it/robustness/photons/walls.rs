@@ -45,11 +45,11 @@ fn gathering(k: u32) -> Settings {
     Settings { initial_gather_radius: Some(RADIUS as f32), gather_k: Some(k), ..settings(40_000, 4) }
 }
 
-/// The lower side of a wall of any thickness shows no light from its upper side, to the bit.
+/// The lower side of a wall of any thickness shows exactly no light from its upper side.
 ///
-/// This holds in its middle, at its edges and at its corners. A map counts photons only on the side
-/// they landed on (`photons_count_on_their_side_only`), and a BSDF rejects light from behind. The
-/// edges of the image see past the wall.
+/// This holds in its middle, at its edges and at its corners. A photon estimate includes only
+/// photons on the side of its normal (`photons_count_on_their_side_only`), and a BSDF rejects light
+/// from behind. The edges of the image see past the wall.
 #[test]
 fn thin_walls_leak_no_photons() {
     [0.0, 1e-6, RADIUS / 4.0].par_iter().for_each(|thickness| {
@@ -66,10 +66,11 @@ fn thin_walls_leak_no_photons() {
 /// Photons of a wall leak to a shelf below it only within a known bound.
 ///
 /// The wall has no thickness, and the shelf faces the same way. Photons leak only if the gap is
-/// below a quarter of the pass's radius. So the mean over n passes is at most E ρ/π m/n, where m
-/// passes have a radius above four times the gap. The radii are known. The shelf's center may
-/// exceed that bound by 10 % of noise. Of 10⁴ photons per pass, 80 lie within .1 of a point. The
-/// noise is √(4/3/80/m) per point, over 36 independent points, at five sigma.
+/// below a quarter of the pass's gather radius. So the mean over n passes is at most E ρ/π · m/n,
+/// if m passes have a radius above four times the gap. The test computes m from the known radii.
+/// The shelf's center may exceed this bound by 10 % of noise: of 10⁴ photons per pass, 80 lie
+/// within .1 of a point. So the noise is √(4/3/80/m) per point, over 36 independent points, at five
+/// sigma.
 #[test]
 #[ignore = "long: many samples of a hard case"]
 fn shelf_leak_stays_within_bound() {

@@ -32,7 +32,8 @@ fn room(more: &str) -> Scene {
 
 /// Scene texts with balls and meshes of index 1.
 ///
-/// They are before the light, the wall and the mirror, around the camera, and apart from the glass.
+/// They are in front of the light, the wall and the mirror, around the camera, and apart from the
+/// glass.
 const BODIES: [&str; 4] = [
     "MaterialName air Sphere { center 0 1 0  radius .5 }",
     "MaterialName rough Transform { Translate -.9 .7 .2 UniformScale .4 TriangleMesh { obj_file coarse-ball.obj } }",
@@ -78,8 +79,7 @@ fn index_matched_bodies_change_no_photon() {
     }
 }
 
-/// A body of index 1 that has an effect stays in the scene: a bubble in glass, or a boundary of
-/// fog.
+/// A body of index 1 is kept if it has an effect: a bubble in glass, or a boundary of fog.
 #[test]
 fn bubble_is_not_culled_as_index_matched() {
     let radiances = |more: &str| -> Vec<f64> {
@@ -98,10 +98,11 @@ fn bubble_is_not_culled_as_index_matched() {
         };
         render_passes(&scene, Algorithm::Path, settings, 16).iter().map(|p| f64::from(p.x)).collect()
     };
-    // R is the reflectance of each interface along the axis. Light on either side has radiance 1.
+    // `r` is the reflectance of an interface at normal incidence. The light on both sides has
+    // radiance 1.
     let r: f64 = 0.04;
-    // Returns the transmittance and reflectance of a wall with all inner reflections. The wall
-    // transmits the fraction `left` in one crossing.
+    // Returns the transmittance and reflectance of a wall with all inner reflections. Absorption
+    // leaves the fraction `left` in one crossing.
     let wall = |left: f64| {
         let all = 1.0 / (1.0 - r * r * left * left);
         ((1.0 - r) * (1.0 - r) * left * all, r + (1.0 - r) * (1.0 - r) * r * left * left * all)
@@ -110,7 +111,7 @@ fn bubble_is_not_culled_as_index_matched() {
     // Light between two walls leaves through one of them.
     let (wall_through, wall_back) = wall(libm::exp(-0.2));
     let hollow = wall_back + wall_through * wall_through / (1.0 - wall_back);
-    // Rays are up to .0037 off the axis. Their paths are shorter by less than the square of that.
+    // Rays are up to .0037 off the axis, which shortens their paths by less than .0037².
     assert_mean("a ball", &radiances(""), through + back, 2e-5, 0.005);
     assert_mean("a bubble", &radiances("MaterialName air Sphere { center 0 0 0  radius .8 }"), hollow, 2e-5, 0.005);
 }

@@ -64,9 +64,9 @@ fn sky_is_seen_through_snells_window() {
     }
 }
 
-/// In a glass ball, the sky is n² as bright in every direction.
+/// Inside a glass ball, the radiance of the sky is multiplied by n² in every direction.
 ///
-/// At less than 1/n of the radius from the center, no ray outwards is totally reflected.
+/// The camera is less than 1/n of the radius from the center, so no ray is totally reflected.
 #[test]
 #[ignore = "long: many samples of a hard case"]
 fn radiance_in_glass_scales_by_squared_index() {
@@ -83,8 +83,8 @@ fn radiance_in_glass_scales_by_squared_index() {
     }
 }
 
-/// Overlapping balls resolve by priority: a camera sees radiance scaled by n² of the body around
-/// it.
+/// Overlapping balls resolve by priority: a camera sees radiance multiplied by n² of the body
+/// around it.
 ///
 /// That is the body with the higher priority at the camera's position. Radiance over n² is
 /// invariant along a ray.

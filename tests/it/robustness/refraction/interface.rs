@@ -7,7 +7,8 @@ use caustica::math::{Frame, warp};
 use caustica::sampling::Dimension;
 use glam::{DVec3, Vec2, Vec3};
 
-/// Returns a positive f32 in units of 2⁻³⁶, which must divide it.
+/// Returns a positive f32 as an exact integer in units of 2⁻³⁶. The value must be a multiple of
+/// 2⁻³⁶.
 fn to_fixed_point(x: f32) -> i128 {
     let (mantissa, exponent) = (i128::from(x.to_bits() & 0x7f_ffff | 0x80_0000), (x.to_bits() >> 23) as i32 - 150);
     mantissa << (exponent + 36)
@@ -15,7 +16,7 @@ fn to_fixed_point(x: f32) -> i128 {
 
 /// Returns relative indices below 1, at which total internal reflection occurs.
 ///
-/// They are those of common glasses, and values ever nearer to 1.
+/// They are indices of common glasses, and values that approach 1.
 fn refractive_indices() -> impl Iterator<Item = f32> {
     let random = |i: u64| test_key(3).child_key(i).uniform_1d(Dimension::Light);
     (0..4000u64).map(move |i| match i % 3 {

@@ -45,17 +45,17 @@ fn add_face(b: &mut SceneBuilder, faces: Faces, y: f64, up: bool, material: u32)
     };
 }
 
-/// Way in which a liquid touches its glass.
+/// Contact of a liquid with its glass.
 #[derive(Clone, Copy, Debug)]
 enum Contact {
-    /// The glass ends at ±½. The liquid ends at this distance inside of it.
+    /// The inner faces of the glass are at y = ±½. Those of the liquid are this far inside of them.
     Apart(f64),
     /// One block of glass that a liquid of higher priority overlaps.
     Priority,
 }
 
-/// Adds a stack of a glass wall, a liquid and a glass wall. `liquid_first` tells if the liquid's
-/// faces precede the glass.
+/// Adds a layer of liquid between two glass walls. If `liquid_first` is true, the liquid's faces
+/// are added before those of the glass.
 fn add_layers(b: &mut SceneBuilder, faces: Faces, contact: Contact, liquid_first: bool) {
     let glass = b.add_material(Material::dielectric(GLASS as f32, Vec3::ZERO));
     let priority = u8::from(matches!(contact, Contact::Priority));
@@ -97,8 +97,8 @@ fn stack_transmittance(indices: &[f64], s: f64) -> f64 {
     1.0 / (1.0 + r.map(|r| r / (1.0 - r)).sum::<f64>())
 }
 
-/// Returns the mean of [`stack_transmittance`] over the beam around `angle`, by 32 rings of 32
-/// directions.
+/// Returns the mean of [`stack_transmittance`] over the beam around `angle`, from 32 rings of 32
+/// directions each.
 fn mean_stack_transmittance(indices: &[f64], angle: f64) -> f64 {
     let ring = |i: u32| {
         // Rings of equal solid angle.
@@ -147,8 +147,8 @@ fn transmitted_fractions(scene: &Scene) -> Vec<f64> {
 /// Faces of glass and liquid that coincide, or are an ulp apart on either side, act as one
 /// interface.
 ///
-/// This holds in any order of hits, and also for an overlap and a liquid of higher priority. A gap
-/// of a hundredth acts as a film of air.
+/// This holds for any order of hits. It also holds if a liquid of higher priority overlaps the
+/// glass. A gap of .01 acts as a film of air.
 #[test]
 #[ignore = "long: many samples of a hard case"]
 fn liquid_touches_its_glass() {
@@ -163,7 +163,7 @@ fn liquid_touches_its_glass() {
         (Contact::Priority, &wet),
         (Contact::Apart(0.01), &film),
     ];
-    // At 80° the film reflects half of what glass and liquid transmit.
+    // At 80°, a film of air reflects half of the light that glass and liquid alone transmit.
     assert!(stack_transmittance(&wet, libm::sin(1.4)) > 1.4 * stack_transmittance(&film, libm::sin(1.4)));
     let all: Vec<_> = cases
         .into_iter()
@@ -186,7 +186,7 @@ fn liquid_touches_its_glass() {
 
 /// Two blocks of the same glass act as one block if they share a face.
 ///
-/// The same holds if they overlap and end together on one side.
+/// This also holds if they overlap and one face of each coincides.
 #[test]
 fn touching_blocks_of_one_glass_merge() {
     let blocks = [[(1.0, 0.0), (0.0, -1.0)], [(1.0, -1.0), (1.0, 0.0)], [(1.0, -1.0), (0.0, -1.0)]];
@@ -219,7 +219,7 @@ fn touching_blocks_of_one_glass_merge() {
 
 /// Rays of a camera in the liquid start in the liquid.
 ///
-/// Under a sky of radiance 1, they then have the radiance n² of the liquid through any layers.
+/// Under a sky of radiance 1, their radiance is then n² of the liquid, through any layers.
 #[test]
 #[ignore = "long: many samples of a hard case"]
 fn camera_in_liquid_starts_in_liquid() {

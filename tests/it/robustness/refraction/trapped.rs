@@ -1,5 +1,5 @@
-//! Paths with a thousand internal reflections: no light is lost, no position drifts out, and every
-//! path ends.
+//! Paths with a thousand internal reflections: no light is lost, positions stay on the surface, and
+//! every path ends.
 
 use crate::support::{render_passes, test_key};
 use caustica::bsdf::TransportMode;
@@ -45,8 +45,7 @@ fn cube(triangles: bool) -> SceneBuilder {
     b
 }
 
-/// Traces a path from the origin, and calls `see` with position and direction after each
-/// reflection.
+/// Traces a path from the origin. Calls `see` with position and direction after each reflection.
 ///
 /// Panics if a reflection is not total.
 fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
@@ -116,8 +115,8 @@ fn trapped_rays_stay_in_slab() {
 
 /// Rays that are trapped in a ball keep their distance from its center.
 ///
-/// Each reflection rounds the position by half an ulp per coordinate. It rounds the direction by
-/// the normal, the reflection and the normalisation: seven times √3 · 2⁻²⁴.
+/// Each reflection rounds the position by half an ulp per coordinate. The direction rounds by seven
+/// times √3 · 2⁻²⁴, in the normal, the reflection and the normalisation.
 #[test]
 fn trapped_rays_stay_in_ball() {
     let mut b = SceneBuilder::new();

@@ -9,9 +9,9 @@ use glam::{Vec2, Vec3};
 
 /// Returns BSDFs of each kind, each with an upper bound of its sample weight on photon paths.
 ///
-/// The weight of diffuse surfaces, mirrors and visible microfacets is at most their reflectance. A
-/// Phong lobe of exponent s weighs (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the
-/// mean of three channels, and so are those of a diffuse sheet.
+/// The weight of diffuse surfaces, mirrors and visible microfacets is at most their reflectance.
+/// The weight of a Phong lobe of exponent s is at most its albedo times (s + 2)/(s + 1). Panes and
+/// diffuse sheets choose a lobe by the mean of three channels, so a channel's weight can be larger.
 fn bsdf_kinds() -> Vec<(Bsdf, f32)> {
     let (eta, k) = metal_refractive_index("gold").unwrap();
     let mut kinds = vec![
@@ -37,7 +37,7 @@ fn bsdf_kinds() -> Vec<(Bsdf, f32)> {
                 .map(|eta| (Bsdf::dielectric(eta, alpha, MicrofacetScattering::Single), 1.02)),
         );
     }
-    // Light that microfacets scatter more than once has a pdf that only resembles it.
+    // For light that microfacets scatter more than once, the pdf is only an approximation.
     for alpha in [MIN_ROUGH_ALPHA, 0.01, 0.1, 1.0] {
         let multiple = MicrofacetScattering::Multiple;
         kinds.push((Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::ONE, alpha, multiple)), 5.0));

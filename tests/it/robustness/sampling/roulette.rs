@@ -1,6 +1,6 @@
-//! Russian roulette at its ends.
+//! Russian roulette with survival probabilities 0 and 1.
 //!
-//! A path with survival probability 0 ends without a division by it. A path with probability 1
+//! A path with survival probability 0 ends, without a division by 0. A path with probability 1
 //! always survives.
 
 use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
@@ -35,8 +35,7 @@ fn trace(scene: &Scene, index: u64) -> TracedPhotons {
     tracer.trace(test_key(90).child_key(index), PATHS, &|_| {})
 }
 
-/// Between white walls, no photon ends before the bounce limit, and none gains or loses a bit of
-/// flux.
+/// Between white walls, no photon path ends before the bounce limit, and its flux keeps all bits.
 #[test]
 fn white_surfaces_terminate_no_photon() {
     let TracedPhotons { deposits: Deposits { surface_photons: photons, .. }, audit, rays, .. } =
@@ -61,10 +60,10 @@ fn black_surfaces_terminate_every_photon() {
 
 /// Channels that walls absorb stay zero, and roulette conserves the mean flux.
 ///
-/// Walls reflect one channel, which has half of the light's flux, and absorb the others. Half of
-/// the paths survive the first roulette with twice the flux; later roulette ends none. The mean
+/// Walls reflect one color channel, which has half of the light's flux, and absorb the others. Half
+/// of the paths survive the first roulette with doubled flux; later roulette ends no path. The mean
 /// flux over 16 passes of 2¹² paths is accurate to 1/256. A photon's flux rounds a few times, and
-/// its hue to 2⁻¹⁷.
+/// its stored color rounds to 2⁻¹⁷.
 #[test]
 fn zero_channel_stays_zero() {
     let scene = room("0 0 1", 0.0);
@@ -98,11 +97,11 @@ fn settings(samples: u32, max_bounces: u32, seed: u64) -> Settings {
     }
 }
 
-/// Camera paths obey roulette at its ends.
+/// Camera paths also end or survive with certainty at survival probabilities 0 and 1.
 ///
-/// Between walls that emit and reflect nothing, camera paths return exactly the emission, whatever
-/// the random number of roulette. Between walls that reflect everything, each allowed bounce adds
-/// its light, and next-event estimation adds one more.
+/// Between walls that emit and reflect nothing, camera paths return exactly the emission for all
+/// random numbers. Between walls that reflect everything, each allowed bounce adds the emission of
+/// a wall, and next-event estimation adds it once more.
 #[test]
 fn camera_paths_follow_same_roulette() {
     let dark = room("0 0 0", 0.25);

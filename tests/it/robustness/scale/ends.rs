@@ -21,7 +21,8 @@ fn balls(places: &[(DVec3, f64)], plane: bool) -> Result<Scene, BuildError> {
 
 /// Too small shapes are refused with a remedy, and shapes above a size of 2⁻³⁹ are not.
 ///
-/// 2⁻²⁴ of such a size has a square that is a normal number.
+/// At this size s, the square of the rounding error s·2⁻²⁴ is still a normal single-precision
+/// number.
 #[test]
 fn too_small_shapes_are_refused() {
     let least = libm::exp2(-39.0);

@@ -12,8 +12,8 @@ use std::path::Path;
 
 /// Builds small objects on a floor with lights nearby.
 ///
-/// The fraction (4/300)² of the light travels more than 300 units. The part of it that returns is
-/// less than single precision resolves.
+/// Only the fraction (4/300)² of the light travels more than 300 units. So little of it returns
+/// that single precision cannot resolve it.
 fn scene_on_floor(floor: &str) -> Scene {
     let text = format!(
         "PerspectiveCamera {{ center 0 3.4 3  lookAt 0 .2 .1  angle 34  width {}  height {} }}
@@ -57,8 +57,8 @@ const ROUND: &str = "Sphere { center 0 -100000 0  radius 100000 }";
 ///
 /// Where the objects stand, the sphere deviates from a plane by 2²/(2·10⁵) = 2·10⁻⁵. Pixels differ
 /// only at edges of objects and shadows, which move by about 10⁻⁵. A pixel is 10⁻¹ wide. In glass
-/// and mirrors, edges move ten times as far. So one pixel in a thousand differs; five times as many
-/// are allowed.
+/// and mirrors, edges move ten times as far. So about one pixel in a thousand differs. The test
+/// allows five times as many.
 #[test]
 #[ignore = "long: many samples of a hard case"]
 fn sphere_of_radius_100000_acts_as_flat_floor() {
@@ -81,7 +81,8 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
     assert!(objection.is_none(), "{}", objection.unwrap());
 }
 
-/// Pilots find gather radii from the objects that photons lie on, not from the floor's size.
+/// Pilots derive gather radii from the objects on which photons lie, not from the size of the
+/// floor.
 ///
 /// Both pilots take the third quartile of 512 photons, whose rank has a standard deviation of 2 %.
 /// Radii vary twofold over the ranks, so this is less than a tenth of a radius.
@@ -135,9 +136,9 @@ fn occluder_near_light_shades_huge_floor() {
     let differ = a.iter().flatten().zip(b.iter().flatten()).filter(off).count();
     assert!(differ * 200 < a.len() * a[0].len(), "{differ} pixels differ");
 
-    // The light sees the glass under the solid angle 2π(1 − √(1 − .2²/.4825)) sr, .0212 of the
-    // sphere: 2777 paths. The same holds for the stone. The light through the glass agrees on both
-    // floors within five sigma of the difference, 5·√2/√2777.
+    // Seen from the light, the glass has the solid angle 2π(1 − √(1 − .2²/.4825)) sr, .0212 of the
+    // sphere. So 2777 paths hit it, and as many hit the stone. The light through the glass agrees
+    // on both floors within five sigma of the difference, 5·√2/√2777.
     let near = |p: glam::DVec3| p.length() < 3.0;
     for (mask, place) in
         [(StoreMask::CAUSTIC, &near as &dyn Fn(_) -> _), (StoreMask::DIRECT, &|p| near(p) && p.y > 1.0)]

@@ -4,15 +4,16 @@ use crate::support::{mean_and_error, student_t_tail};
 use caustica::color::Rgb;
 use glam::DVec3;
 
-/// False-alarm rate of one number of a comparison.
+/// False-alarm rate of the comparison of one number.
 ///
 /// A test run compares some thousand numbers, so one run in 10⁴ has a false alarm.
 pub const RATE: f64 = 1e-8;
 
 /// Relative change of a mean by rounding.
 ///
-/// A stored photon's hue rounds by half a step of 2⁻¹⁶ of the channel sum, which is 1.5·2⁻¹⁶ of a
-/// grey channel. A path of about a hundred factors, each rounded to 2⁻²⁴, adds 100·2⁻²⁴.
+/// The color of a stored photon rounds by half a step of 2⁻¹⁶ of the channel sum, which is 1.5·2⁻¹⁶
+/// of a grey channel. The throughput of a path, a product of about a hundred factors that round to
+/// 2⁻²⁴ each, adds 100·2⁻²⁴.
 pub const ROUNDING: f64 = 1.5 / 65_536.0 + 100.0 / 16_777_216.0;
 
 /// Returns the mean over the image and over each of its quarters, by channels: 15 numbers.

@@ -1,7 +1,7 @@
 //! Similarity transforms of scene descriptions.
 //!
-//! Every field with a unit of length is named. Matches are exhaustive, so that a new field of the
-//! scene language cannot be forgotten.
+//! The code names every field with a unit of length. Matches are exhaustive, so the compiler
+//! reports each field that is added to the scene language.
 
 use caustica::format::description::{
     ApertureDescription, AreaLightStrength, CameraDescription, DensityDescription, DielectricAbsorption,
@@ -32,7 +32,7 @@ impl Similarity {
         Self { scale, ..Self::NONE }
     }
 
-    /// Returns the description transformed by this map. Its image has the same radiance.
+    /// Returns the description transformed by this map. Its image has equal radiance.
     pub fn of(&self, mut d: SceneDescription) -> SceneDescription {
         let SceneDescription { camera, background: _, ambient_medium: _, lights, textures, media, materials, root } =
             &mut d;
@@ -226,8 +226,8 @@ impl Similarity {
     /// intensity over squared length.
     fn intensity(&self, strength: &mut PointLightStrength) {
         match strength {
-            // This strength is the radiance of a white surface at the scene's center, which does
-            // not depend on scale.
+            // This strength is the radiance of a white surface at the scene's center. It does not
+            // depend on scale.
             PointLightStrength::Mit6837Color(_) => {}
             PointLightStrength::Intensity(watts) | PointLightStrength::Power(watts) => self.area(watts),
         }

@@ -1,10 +1,10 @@
-//! Double-double arithmetic with 104 bits or 10⁻³¹, as a reference (Dekker 1971; Hida, Li and
-//! Bailey 2001).
+//! Double-double arithmetic as a reference, with 104 bits (a relative precision of 10⁻³¹; Dekker
+//! 1971; Hida, Li and Bailey 2001).
 
 use glam::{DAffine3, DMat3, DVec3};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The unevaluated sum of a number and its rounding error.
+/// A number as the unevaluated sum of two `f64`: its rounded value and the rounding error.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct DoubleDouble(pub f64, pub f64);
 
@@ -160,7 +160,7 @@ impl Affine {
         self.vector(p) + self.shift
     }
 
-    /// Returns the composition: `inner` first, then this map.
+    /// Returns the map that applies `inner` first, then this map.
     pub fn after(&self, inner: &Self) -> Self {
         Self { columns: inner.columns.map(|c| self.vector(c)), shift: self.point(inner.shift) }
     }

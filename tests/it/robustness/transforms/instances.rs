@@ -42,9 +42,10 @@ fn octahedron(o: DoubleDoubleVec, d: DoubleDoubleVec) -> ([DoubleDouble; 2], [DV
 /// Hits of a mesh instance under transforms of condition number 10⁸ have the right distance and
 /// normal.
 ///
-/// The mesh is an octahedron, seen from within 10⁶ sizes. Rays round to f32 near the mesh, within 4
-/// of its sizes. The triangle test rounds as much again: 16·2⁻²³ times 4 in object space. `t` may
-/// have this error over |d·n|, plus its own rounding and that of f64 on the way.
+/// The mesh is an octahedron, seen from within 10⁶ sizes. Near the mesh, rays round to f32 at up to
+/// 4 times its size. The triangle test rounds as much again: together 16·2⁻²³ times 4 in object
+/// space. `t` may have this error divided by |d·n|, plus its own rounding and the rounding of
+/// transforms in f64.
 #[test]
 fn instance_hits_match_double_double_transforms() {
     let ball = sphere_mesh(0);

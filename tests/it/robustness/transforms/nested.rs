@@ -1,7 +1,7 @@
 //! Transforms of the scene language: nested 64 deep, and singular ones.
 
 use super::double_double::{Affine, DoubleDoubleVec};
-use super::shapes::{UnitShape, truth};
+use super::shapes::{UnitShape, exact_hit};
 use caustica::format::{SceneError, SourceText, parse, resolve};
 use caustica::math::{Ray, Transform, rotation_matrix};
 use caustica::scene::{Effects, RayCone, Scene};
@@ -51,8 +51,9 @@ fn step(rng: &mut SmallRng, level: u32) -> (String, DAffine3) {
 /// A shape in 64 nested transforms lies where the exact product of the transforms places it.
 ///
 /// Each product rounds by about 4 ulps of ‖outer‖·‖inner‖. The inner transforms amplify this error
-/// by their norms: 1 for a rotation, 2 for a scale, 1.14 for a shear, while 10⁶ and 10⁻⁶ cancel.
-/// The result is 64 · 4 · 2⁻⁵² · 4.6⁸ = 1.2·10⁻⁸ of positions, which are within 10 of the origin.
+/// by their norms: 1 for a rotation, 2 for a scale, 1.14 for a shear. Scales by 10⁶ and 10⁻⁶
+/// cancel. The total error is 64 · 4 · 2⁻⁵² · 4.6⁸ = 1.2·10⁻⁸, relative to positions, which are
+/// within 10 of the origin.
 #[test]
 fn shapes_64_transforms_deep_are_placed_correctly() {
     let shapes = [
@@ -93,7 +94,7 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
             let Some(direction) = (target.as_vec3() - origin).try_normalize() else { continue };
             let ray = Ray::new(origin, direction);
             let mut known =
-                truth(own, &exact, DoubleDoubleVec::from(origin.as_dvec3()) + middle, direction.as_dvec3().into());
+                exact_hit(own, &exact, DoubleDoubleVec::from(origin.as_dvec3()) + middle, direction.as_dvec3().into());
             if known.doubtful {
                 doubtful += 1;
                 continue;
@@ -103,12 +104,17 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
             let (Some(hit), Some(exactly)) = (found, known.t) else { continue };
             hits += 1;
             let off = (f64::from(hit.t) - exactly).abs();
-            known.blur += PRODUCTS / direction.as_dvec3().dot(known.normal).abs();
-            known.turn += PRODUCTS * shrink;
-            assert!(off <= known.blur, "{own:?} {ray:?}: {} {exactly}, off by {off:e} of {:e}", hit.t, known.blur);
+            known.t_error += PRODUCTS / direction.as_dvec3().dot(known.normal).abs();
+            known.normal_error += PRODUCTS * shrink;
+            assert!(
+                off <= known.t_error,
+                "{own:?} {ray:?}: {} {exactly}, off by {off:e} of {:e}",
+                hit.t,
+                known.t_error
+            );
             let s = scene.surface_interaction(&ray, &hit, &RayCone::zero_width_cone(Effects::NONE), || 0.0).point;
             let turned = s.ng.as_dvec3().cross(known.normal).length();
-            assert!(turned <= known.turn, "{own:?} {ray:?}: turned by {turned:e} of {:e}", known.turn);
+            assert!(turned <= known.normal_error, "{own:?} {ray:?}: turned by {turned:e} of {:e}", known.normal_error);
         }
         assert!(hits > RAYS / 5 && doubtful < RAYS / 10, "{own:?} {hits} {doubtful}");
     }

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Rotations by multiples of 90° map axes exactly to axes.
 ///
-/// So does a motion by two quarter turns, in its middle.
+/// A motion by two quarter turns is also exact in its middle.
 #[test]
 fn quarter_turns_are_exact() {
     for quarters in -9i32..=9 {

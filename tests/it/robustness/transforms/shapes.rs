@@ -107,37 +107,39 @@ impl UnitShape {
 }
 
 /// Exact result of intersecting a ray with a transformed shape, and the allowed errors.
-pub struct Truth {
+pub struct ExactHit {
     /// Ray parameter of the hit; `None` for a miss.
     pub t: Option<f64>,
     /// Allowed error of `t`.
-    pub blur: f64,
+    pub t_error: f64,
     /// Position of the hit in object space.
-    ///
-    /// The next fields are the unit normal, of either sign, and its allowed error.
     pub hit: DVec3,
+    /// Unit normal in world space, of either sign.
     pub normal: DVec3,
-    pub turn: f64,
+    /// Allowed error of `normal` \[rad].
+    pub normal_error: f64,
     /// True if the ray touches the shape, or passes a border, within rounding: hit and miss are
     /// both right.
     pub doubtful: bool,
 }
 
-/// Rounding error in f64 of coordinates on their way into object space.
-///
-/// The next constant is the error of a spline shape of size 2 (256 · 32 ulps).
-const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
-const SPLINES: f64 = 256.0 * 32.0 * f64::EPSILON * 2.0;
+/// Relative rounding error in f64 of coordinates that are transformed to object space.
+const TRANSFORM_ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Error of positions on a spline shape of size 2: 256 · 32 ulps.
+const SPLINE_ROUNDING: f64 = 256.0 * 32.0 * f64::EPSILON * 2.0;
 
 /// Returns the nearest hit beyond `t = 0` of a ray from `origin`, with its allowed errors.
 ///
-/// An error e of positions in object space changes t by e/|d·n|. n is the unit object normal, and d
-/// the ray's direction in object space. The point then moves by e and by |d| times the change of t.
-/// It turns the object normal by at most twice as much, since no shape bends more sharply than
-/// radius ½. World normals turn by |M⁻¹| times that, over the length |M⁻ᵀn|. Flat shapes are stored
-/// by two world edges. The error of each edge is some ulps of |M|, over its distance from the
-/// other.
-pub fn truth(own: UnitShape, exact: &Affine, origin: DoubleDoubleVec, direction: DoubleDoubleVec) -> Truth {
+/// The errors are bounded as follows. n is the unit normal and d the direction of the ray, both in
+/// object space; M is the transform to world space.
+///
+/// - An error e of positions in object space changes t by e/|d·n|.
+/// - The hit point then moves by e + |d| · (change of t).
+/// - The object normal turns by at most twice as much, because no radius of curvature is below ½.
+/// - The world normal turns by |M⁻¹|/|M⁻ᵀn| times as much as the object normal.
+/// - A flat shape is stored as two edge vectors in world space. Each edge has an error of some ulps
+///   of |M|, divided by its distance from the other edge.
+pub fn exact_hit(own: UnitShape, exact: &Affine, origin: DoubleDoubleVec, direction: DoubleDoubleVec) -> ExactHit {
     let (o, d) = (exact.point_back(origin), exact.back(direction));
     let [c, b, a] = own.quadratic(o, d);
     let discriminant = b * b - a * c;
@@ -154,17 +156,18 @@ pub fn truth(own: UnitShape, exact: &Affine, origin: DoubleDoubleVec, direction:
     let place = exact.shift.value().length();
     let (from, pace) = (origin.value().length(), direction.value().length());
     let flat = matches!(own, UnitShape::Disc | UnitShape::Square);
-    let splines = if matches!(own, UnitShape::Tube | UnitShape::Bowl) { SPLINES } else { 0.0 };
+    let splines = if matches!(own, UnitShape::Tube | UnitShape::Bowl) { SPLINE_ROUNDING } else { 0.0 };
     let [x, y, z] = exact.columns;
     let volume = x.dot(y.cross(z)).value().abs();
     // For a miss, `middle` is where the ray is nearest to the shape.
     let middle = if a.value() == 0.0 { DoubleDouble::ZERO } else { -(b / a) };
-    let mut truth = Truth { t: None, blur: 0.0, hit: DVec3::ZERO, normal: DVec3::Y, turn: 0.0, doubtful: false };
+    let mut result =
+        ExactHit { t: None, t_error: 0.0, hit: DVec3::ZERO, normal: DVec3::Y, normal_error: 0.0, doubtful: false };
     let reach = |t: f64| from + t.abs() * pace + place + stretch;
-    let noise = |t: f64| ROUNDINGS * shrink * reach(t) + splines;
+    let noise = |t: f64| TRANSFORM_ROUNDING * shrink * reach(t) + splines;
     // The gradient of F is at most 6 long in the relevant region.
     let touch = discriminant.value().abs() / a.value().abs().max(d.value().length_squared() * 1e-30);
-    truth.doubtful |= !flat && touch < 40.0 * noise(middle.value());
+    result.doubtful |= !flat && touch < 40.0 * noise(middle.value());
     for t in roots {
         let p = o + d.scaled(t);
         let at = t.value();
@@ -173,28 +176,31 @@ pub fn truth(own: UnitShape, exact: &Affine, origin: DoubleDoubleVec, direction:
         let along = d.value().dot(n).abs();
         let world = exact.normal(gradient).value();
         let turned = world.length() / gradient.value().length();
-        let (blur, turn) = if flat {
+        let (t_error, normal_error) = if flat {
             let cos = direction.value().dot(world.normalize()).abs();
-            (ROUNDINGS * reach(at) / cos, ROUNDINGS * stretch * stretch / (volume * turned))
+            (TRANSFORM_ROUNDING * reach(at) / cos, TRANSFORM_ROUNDING * stretch * stretch / (volume * turned))
         } else {
-            let blur = noise(at) / along;
-            (blur, 2.0 * shrink * (noise(at) + d.value().length() * blur) / turned)
+            let t_error = noise(at) / along;
+            (t_error, 2.0 * shrink * (noise(at) + d.value().length() * t_error) / turned)
         };
-        let moved =
-            if flat { noise(at) + d.value().length() * blur } else { noise(at) * (1.0 + d.value().length() / along) };
+        let moved = if flat {
+            noise(at) + d.value().length() * t_error
+        } else {
+            noise(at) * (1.0 + d.value().length() / along)
+        };
         let within = own.within(p);
-        truth.doubtful |= at > -blur && within.abs() <= 2.0 * moved || at.abs() <= blur;
-        if at > 0.0 && within >= 0.0 && truth.t.is_none_or(|t| at < t) {
-            (truth.t, truth.blur) = (Some(at), blur + 6e-8 * at);
-            truth.hit = p.value();
-            (truth.normal, truth.turn) = (world.normalize(), turn + 2e-7);
+        result.doubtful |= at > -t_error && within.abs() <= 2.0 * moved || at.abs() <= t_error;
+        if at > 0.0 && within >= 0.0 && result.t.is_none_or(|t| at < t) {
+            (result.t, result.t_error) = (Some(at), t_error + 6e-8 * at);
+            result.hit = p.value();
+            (result.normal, result.normal_error) = (world.normalize(), normal_error + 2e-7);
         }
     }
-    truth
+    result
 }
 
-/// Returns the distance of a reported point from the shape along its normal, relative to its stated
-/// error.
+/// Returns the distance of the point `s` from the shape along its normal, divided by the error
+/// bound that `s` states.
 ///
 /// The hit is expected at `hit` in object space. `None` if rounding to f32 moves the point so far
 /// that the curvature of the shape matters.
@@ -236,7 +242,7 @@ fn shape_hits_match_double_double_transforms() {
             if ray.direction == Vec3::ZERO {
                 continue;
             }
-            let known = truth(own, &exact, origin.as_dvec3().into(), ray.direction.as_dvec3().into());
+            let known = exact_hit(own, &exact, origin.as_dvec3().into(), ray.direction.as_dvec3().into());
             if known.doubtful {
                 doubtful += 1;
                 continue;
@@ -246,10 +252,18 @@ fn shape_hits_match_double_double_transforms() {
             let (Some(ShapeHit { t, shape_coords: uv }), Some(exactly)) = (found, known.t) else { continue };
             hits += 1;
             let off = (f64::from(t) - exactly).abs();
-            assert!(off <= known.blur, "{own:?} {name} {ray:?}: {t} {exactly}, off by {off:e} of {:e}", known.blur);
+            assert!(
+                off <= known.t_error,
+                "{own:?} {name} {ray:?}: {t} {exactly}, off by {off:e} of {:e}",
+                known.t_error
+            );
             let s = shape.surface_point(&ray, t, uv);
             let turned = s.ng.as_dvec3().cross(known.normal).length();
-            assert!(turned <= known.turn, "{own:?} {name} {ray:?}: turned by {turned:e} of {:e}", known.turn);
+            assert!(
+                turned <= known.normal_error,
+                "{own:?} {name} {ray:?}: turned by {turned:e} of {:e}",
+                known.normal_error
+            );
             if let Some(off) = distance_off_shape(own, &exact, &s, known.hit) {
                 assert!(off <= 1.0, "{own:?} {name} {ray:?}: {off} errors off");
             }

@@ -87,9 +87,9 @@ pub fn torus_mesh(n: u32, m: u32) -> ClosedMesh {
     ClosedMesh { name: "torus", vertices: cells().map(|(i, j)| place(i, j)).collect(), faces: faces.collect(), inside }
 }
 
-/// Returns a cone around z whose rings grow tenfold, from a size of 10⁻⁶ to 10⁶.
+/// Returns a cone around z. From ring to ring, its size grows tenfold, from 10⁻⁶ to 10⁶.
 ///
-/// Adjacent triangles belong to rings of different size, over twelve orders of magnitude in all.
+/// So adjacent triangles differ in size, and all sizes span twelve orders of magnitude.
 pub fn growing_cone() -> ClosedMesh {
     const SIDES: u32 = 12;
     let rings = -6..=6;

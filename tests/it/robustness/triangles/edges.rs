@@ -25,11 +25,11 @@ fn volume(o: I64Vec3, a: I64Vec3, b: I64Vec3, c: I64Vec3) -> i64 {
 /// Rays through and beside the common edge of two triangles hit the triangle on their side of the
 /// edge.
 ///
-/// Rays and triangles have integer coordinates. The side on which a ray passes the edge is the sign
-/// of a volume, known exactly. The shear of the triangle test moves corners by γ(9) of their
-/// distance from the ray's origin. So volumes this small, relative to the largest one, are in
-/// doubt. All others must be decided correctly. A ray through the edge hits one of the triangles at
-/// t = 1, with this error over the cosine.
+/// Rays and triangles have integer coordinates. So the side on which a ray passes the edge is known
+/// exactly: it is the sign of a tetrahedron's volume. The shear of the triangle test (Woop et al.
+/// 2013) moves corners by γ(9) of their distance from the ray's origin. Cases with a smaller
+/// relative volume may go either way. All others must be decided correctly. A ray through the edge
+/// hits one of the triangles at t = 1, with this error divided by the cosine.
 #[test]
 fn edge_rays_hit_triangle_on_their_side() {
     let mut rng = SmallRng::seed_from_u64(1);
@@ -42,8 +42,8 @@ fn edge_rays_hit_triangle_on_their_side() {
         let on = a + edge * rng.random_range(1..8);
         let target = if i % 2 == 0 { on } else { on + grid(&mut rng, 2) };
         let (sides, spread) = ([b, d].map(|p| volume(o, a, c, p)), (c - a).length_squared());
-        // Only cases count in which the triangles lie on different sides of the edge, seen from the
-        // ray's origin.
+        // Skip cases in which both triangles are on the same side of the edge, seen from the ray's
+        // origin.
         if sides[0].signum() * sides[1].signum() >= 0 || spread == 0 || target == o {
             continue;
         }
@@ -66,8 +66,8 @@ fn edge_rays_hit_triangle_on_their_side() {
             through += 1;
             continue;
         }
-        // A volume over the area of its base is a height. The base of the two edges from the origin
-        // is twice a triangle.
+        // A volume divided by its base area is a height. `base` is twice the area of the triangle
+        // of the origin and the edge.
         let base = (a - o).as_dvec3().cross((c - o).as_dvec3()).length();
         if (side.unsigned_abs() as f64) <= blur * base {
             doubtful += 1;
@@ -87,9 +87,9 @@ const SCALES: [f32; 3] = [1.0 / 1_048_576.0, 1.0, 1_048_576.0];
 
 /// Triangles without area are never hit.
 ///
-/// Their corners are collinear, or two or three corners are equal, exactly in f32. The shear of the
-/// triangle test rounds the corners off their line, but there is no area and no normal. Coordinates
-/// are multiples of 1/64 up to 3, so sums are exact.
+/// Their corners are exactly collinear in f32, or two or three corners are equal. Rounding in the
+/// shear of the triangle test moves corners off their line, and still there must be no hit.
+/// Coordinates are multiples of 1/64 up to 3, so sums are exact.
 #[test]
 fn zero_area_triangles_are_never_hit() {
     let mut rng = SmallRng::seed_from_u64(2);
@@ -130,10 +130,11 @@ fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 /// They go through the inside, beside it, at edges and in the triangle's plane. Coordinates are
 /// integers up to 8, and ray origins often lie in the triangle's plane.
 ///
-/// Edge functions are volumes over the squared largest component of the direction. They are 0 or at
-/// least 1/64. The shear moves corners by γ(9) of 28. So the error of an edge function is less than
-/// 28²·γ(9)·4 < .002, and only an exact edge is in doubt. The error of `t` is that over the slope.
-/// In the plane of a triangle a ray may hit or miss, but only where the triangle is.
+/// Edge functions are volumes, divided by the square of the largest direction component. They are 0
+/// or at least 1/64. The shear moves corners by γ(9) of 28. So the error of an edge function is
+/// less than 28²·γ(9)·4 < .002, and only rays exactly through an edge may go either way. The error
+/// of `t` is this error divided by the slope. A ray in the plane of a triangle may hit or miss it,
+/// but a hit must be on the triangle.
 #[test]
 fn axis_aligned_and_coplanar_rays_hit_correctly() {
     let mut rng = SmallRng::seed_from_u64(4);

@@ -13,9 +13,9 @@ const RAYS: u64 = 100_000_000;
 
 /// Returns how many of `rays` rays miss the mesh, although all should hit.
 ///
-/// Targets are corners, middles of edges and points on edges in f32. Rounding moves each beside its
-/// edge. From inside, every ray must hit. From outside of a `convex` mesh, every segment to a point
-/// inside must hit.
+/// Targets are corners, middles of edges and other points on edges. Rounding to f32 moves most of
+/// them slightly off their edge. From inside, every ray must hit. From outside a `convex` mesh,
+/// every segment to a point inside must hit.
 fn count_missed_rays(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3, rays: u64, seed: u64) -> u64 {
     let mut rng = SmallRng::seed_from_u64(seed);
     let corners = mesh.corners(&map);
@@ -71,8 +71,8 @@ fn hundred_million_rays_pass_no_edge() {
     cases.extend(slivers.iter().flat_map(|place| [(&box_, true, *place), (&ball, true, *place)]));
     cases.push((&fine, true, places[0]));
     let cone = growing_cone();
-    // The cone has no rays from outside: from afar, the rounding of a direction is wider than its
-    // tip.
+    // The cone is not tested from outside: from afar, the rounding error of a direction is wider
+    // than its tip.
     cases.push((&cone, false, places[0]));
     const CHUNKS: u64 = 4;
     let each = RAYS.div_ceil(cases.len() as u64 * CHUNKS);

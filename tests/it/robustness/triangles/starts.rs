@@ -54,8 +54,8 @@ fn walled_scene() -> [ClosedMesh; 4] {
 
 /// A ray that leaves a triangle never hits it again.
 ///
-/// A ray that leaves into a closed mesh hits the mesh, although it starts within rounding of a
-/// right-angled edge or of a corner.
+/// A ray that leaves towards the inside of a closed mesh hits the mesh. This holds even if it
+/// starts within rounding of a right-angled edge or of a corner.
 #[test]
 fn rays_leaving_edge_inwards_do_not_escape() {
     let run = |(closed, map): (ClosedMesh, fn(Vec3) -> Vec3)| {
@@ -144,8 +144,8 @@ fn rectangle_rooms_trap_rays_from_their_edges() {
             let (a, b) = (corner(i), corner(i ^ 1 << rng.random_range(0..3)));
             let target = map.transform_point(a + (b - a) * rng.random::<f64>()).as_vec3();
             let from = map.transform_point((low + high) * 0.5 + point(&mut rng).as_dvec3() * 0.5).as_vec3();
-            // A ray at an edge may pass between two rectangles. They touch only up to rounding, as
-            // their edges are not shared.
+            // Skip rays that miss: at an edge, a ray may pass between two rectangles. They share no
+            // vertices, so they touch only up to rounding.
             let Some(s) = near(&Ray::new(from, (target - from).normalize())) else { continue };
             let d = point(&mut rng);
             let d = if d.dot(s.ng) < 0.0 { -d } else { d };

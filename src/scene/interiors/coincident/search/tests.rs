@@ -62,7 +62,7 @@ fn coaxial_surfaces_are_flagged_where_they_meet() {
 
 /// Each tube has one leaf, so there is one pair of leaves to test.
 #[test]
-fn coaxial_surfaces_beyond_the_budget_are_flagged_as_a_whole() {
+fn coaxial_surfaces_over_budget_are_flagged_wholly() {
     let scene = coaxial_tubes();
     let flagged = |budget| {
         let mut parts = vec![CoincidentPart::Nothing; 2];
