@@ -406,6 +406,51 @@ impl Bsdf {
         }
     }
 
+    /// Transmittance for light that crosses the surface without a change of direction; `None` if
+    /// the surface does not transmit in this way.
+    ///
+    /// Only a [`ThinDielectric`] does. Shadow rays cross it, so light that it transmits counts as
+    /// direct light, not as a caustic.
+    #[inline]
+    #[must_use]
+    pub fn straight_transmittance(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> Option<Rgb> {
+        match self {
+            Self::ThinDielectric(thin) => Some(thin.straight_transmittance(wo, face_forward(ns, wo), ng)),
+            Self::Black
+            | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::CoatedDiffuse(_)
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => None,
+        }
+    }
+
+    /// True if the surface transmits light without a change of direction, so that shadow rays cross
+    /// it: see [`Bsdf::straight_transmittance`].
+    #[inline]
+    #[must_use]
+    pub fn transmits_straight(&self) -> bool {
+        match self {
+            Self::ThinDielectric(_) => true,
+            Self::Black
+            | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::CoatedDiffuse(_)
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => false,
+        }
+    }
+
     /// True if photons are stored on the surface. Density estimates then evaluate this BSDF.
     ///
     /// Diffuse BSDFs store photons, with or without transmission or a coat. So do Phong BSDFs, and
@@ -433,7 +478,8 @@ impl Bsdf {
     /// Mirrors, dielectrics, thin dielectrics and clear coats are casters at any roughness.
     /// Conductors, and coats over a diffuse base, are casters if their α is at most
     /// [`MIN_PHOTON_STORAGE_ALPHA`]. For a coated surface, the result describes the base:
-    /// [`Bsdf::select_layer`] splits the coat off as another BSDF.
+    /// [`Bsdf::select_layer`] splits the coat off as another BSDF. A thin dielectric casts only
+    /// the light that it reflects: see [`Bsdf::straight_transmittance`].
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {

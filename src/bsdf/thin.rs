@@ -42,6 +42,16 @@ impl ThinDielectric {
         (Rgb::splat(r) + through * kept * r, through)
     }
 
+    /// Transmittance for light that arrives along −`wo` and keeps its direction.
+    ///
+    /// `wo` points away from the sheet, `ns` is the shading normal on the side of `wo`, and `ng`
+    /// the geometric normal. The light of [`ThinDielectric::sample`] has the same expected value.
+    #[inline]
+    pub(super) fn straight_transmittance(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> Rgb {
+        let (cos, ..) = reflection_cosine_and_direction(wo, ns, ng);
+        self.reflectance_and_transmittance(cos).1
+    }
+
     /// Samples reflection or transmission by `lobe` in \[0, 1); `None` if the sheet absorbs all
     /// light.
     ///
@@ -50,9 +60,7 @@ impl ThinDielectric {
     /// of `wo`, and `ng` the geometric normal.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32) -> Option<BsdfSample> {
-        let (mirrored, uses_geometric_normal) = dielectric::reflect_above_surface(wo, ns, ng);
-        // Cosine between `wo` and the normal that was used for reflection: `ns` or `ng`.
-        let cos = wo.dot((wo + mirrored).normalize_or_zero());
+        let (cos, mirrored, uses_geometric_normal) = reflection_cosine_and_direction(wo, ns, ng);
         let (reflectance, transmittance) = self.reflectance_and_transmittance(cos);
         let (r, t) = (color::channel_mean(reflectance), color::channel_mean(transmittance));
         let reflects = r / (r + t);
@@ -64,4 +72,13 @@ impl ThinDielectric {
             if is_transmitted { (-wo, transmittance / (1.0 - reflects)) } else { (mirrored, reflectance / reflects) };
         Some(BsdfSample::specular_sample(wi, weight, is_transmitted, uses_geometric_normal && !is_transmitted))
     }
+}
+
+/// Cosine of incidence at a sheet, the mirrored direction of `wo`, and true if the geometric normal
+/// `ng` takes the place of the shading normal `ns`.
+#[inline]
+fn reflection_cosine_and_direction(wo: Vec3, ns: Vec3, ng: Vec3) -> (f32, Vec3, bool) {
+    let (mirrored, uses_geometric_normal) = dielectric::reflect_above_surface(wo, ns, ng);
+    // The bisector of both directions is the normal that was used for reflection.
+    (wo.dot((wo + mirrored).normalize_or_zero()), mirrored, uses_geometric_normal)
 }

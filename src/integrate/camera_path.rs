@@ -90,7 +90,7 @@ pub(super) struct PathState<I> {
     /// before it applies the factor.
     pending_weight: f32,
     /// True if a photon estimate carries a part of the indirect light that this path carries too.
-    /// False before the path's first receiver (surface or medium that stores photons).
+    /// False before the path's first receiver.
     shares_indirect: bool,
     /// Previous vertex, if next-event estimation there could have sampled the light that the path
     /// hits next. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
@@ -105,8 +105,8 @@ pub(super) struct PathState<I> {
 struct PathWeights {
     /// Weights of the light up to the first receiver (a surface or medium that stores photons).
     prefix: PrefixWeights,
-    /// Weights of camera paths and of photon estimates for the indirect light at the first receiver
-    /// (surface or medium that stores photons).
+    /// Weights of camera paths and of photon estimates for the indirect light at the first
+    /// receiver.
     indirect: IndirectWeights,
 }
 
@@ -250,7 +250,7 @@ fn shade_receiver<I: Interior>(
 
     // Continue in a sampled direction.
     path.history = PathHistory { receivers: path.history.receivers + 1, casters_since_receiver: 0 };
-    if !(continues && continue_path(policy, path, &vertex, task)) {
+    if !(continues && continue_path(paths, path, &vertex, task)) {
         return false;
     }
     if shares_indirect {
@@ -287,7 +287,7 @@ fn scatter_at_caster<I: Interior>(
         let direct = path.throughput * nee.estimate_direct_light(&vertex, continues, task);
         *radiance += weigh_and_record_light(direct, path, weights, task);
     }
-    if !continues {
+    if !continues && !surface.bsdf.transmits_straight() {
         return false;
     }
 
@@ -305,25 +305,37 @@ fn scatter_at_caster<I: Interior>(
             return true;
         }
     }
-    continue_path(policy, path, &vertex, task)
+    continue_path(paths, path, &vertex, task)
 }
 
 /// Continues `path` from `vertex` in a sampled direction. Returns false if the path ends there.
+///
+/// A path that crosses a thin sheet straight on continues as if the sheet were not there: shadow
+/// rays of the previous vertex cross the sheet, too.
 #[inline]
 fn continue_path<I: Interior>(
-    policy: &PathPolicy,
+    paths: &PathContext<'_>,
     path: &mut PathState<I>,
     vertex: &PathVertex<'_, I>,
     task: &mut PathTask,
 ) -> bool {
+    let policy = paths.policy;
     let Some(sample) = scatter::sample(policy.directions, vertex, task) else { return false };
     let mut next = path.after_scattering(vertex.surface, sample.wi, sample.weight, sample.is_transmitted);
-    next.prev_nee_vertex = (!sample.is_specular).then_some(PrevVertex {
-        p: vertex.surface.point.p,
-        hemisphere: vertex.scattering_hemisphere(),
-        history: vertex.history,
-        pdf: sample.pdf,
-    });
+    if sample.is_transmitted && vertex.surface.bsdf.transmits_straight() {
+        next.bounce = path.bounce;
+        next.history.casters_since_receiver -= 1;
+        next.prev_nee_vertex = path.prev_nee_vertex;
+    } else if path.bounce >= paths.max_bounces {
+        return false;
+    } else {
+        next.prev_nee_vertex = (!sample.is_specular).then_some(PrevVertex {
+            p: vertex.surface.point.p,
+            hemisphere: vertex.scattering_hemisphere(),
+            history: vertex.history,
+            pdf: sample.pdf,
+        });
+    }
     if color::channel_mean(next.throughput) < policy.min_throughput {
         return false;
     }

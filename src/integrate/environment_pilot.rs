@@ -150,20 +150,20 @@ fn trace_round(
 
 /// Returns the transmittance along `ray` to the environment; 0 if a surface blocks it.
 ///
-/// Media attenuate only rays that cross null interfaces. For other rays the result is 0 or 1.
+/// Media attenuate only rays that cross null interfaces or thin sheets. For other rays the result is 0 or 1.
 fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key: Key) -> Rgb {
     if !scene.occluded(ray) {
         return Rgb::ONE;
     }
     let Some(light) = scene.environment_light_index() else { return Rgb::ZERO };
-    if !scene.has_null_interfaces() {
+    if !scene.shadow_rays_cross_surfaces() {
         return Rgb::ZERO;
     }
     with_interior_type!(effects, <I> {
         // Start at the light, outside all bodies. Crossed boundaries reveal the bodies around the
         // ray's origin.
         let interior = scene.start_light_path::<I>(light, *ray, effects).interior;
-        scene.shadow_transmittance(ray, interior, key)
+        scene.shadow_transmittance(ray, interior, effects, key)
     })
 }
 

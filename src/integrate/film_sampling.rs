@@ -76,9 +76,8 @@ pub(super) struct PixelRays<'a> {
     /// If some rays of the pixel are aimed at images of lamps (film regions where camera rays meet
     /// a lamp), each ray has a weight `up_to_receiver` of its own.
     prefix_weights: PrefixWeights,
-    /// Images of lamps (film regions where camera rays meet a lamp) at which some rays of the pixel
-    /// are aimed, and the numbers of all rays that share their light; `None` if no ray of the pixel
-    /// is aimed.
+    /// Images of lamps at which some rays of the pixel are aimed, and the numbers of all rays that
+    /// share their light; `None` if no ray of the pixel is aimed.
     lamp_images: Option<(&'a [PixelLampImage], LampImageRayCounts)>,
     /// True if the film points of these rays are aimed at images of lamps; false if the pixel
     /// filter distributes them.

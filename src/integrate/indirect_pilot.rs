@@ -90,15 +90,13 @@ const BIAS_FACTOR: f64 = 2.0;
 struct TrialPathLight {
     /// Direct light at the first receiver (surface or medium that stores photons).
     direct: f64,
-    /// Emission that the path finds before its first receiver (surface or medium that stores
-    /// photons), plus the photon estimates of caustics and of their indirect light there. The
-    /// indirect-light pilot ignores the noise of this light, because other pilots reduce it.
+    /// Emission that the path finds before its first receiver, plus the photon estimates of
+    /// caustics and of their indirect light there. The indirect-light pilot ignores the noise of
+    /// this light, because other pilots reduce it.
     emission_and_caustics: f64,
-    /// Indirect light that the camera path finds by continuing beyond its first receiver (surface
-    /// or medium that stores photons).
+    /// Indirect light that the camera path finds by continuing beyond its first receiver.
     path_indirect: f64,
-    /// Indirect light that the photon estimate finds at the first receiver (surface or medium that
-    /// stores photons).
+    /// Indirect light that the photon estimate finds at the first receiver.
     photon_indirect: f64,
     /// Noisy estimate of the bias of `photon_indirect`.
     bias: f64,
@@ -113,9 +111,9 @@ struct PassCost {
     /// Relative variance of the direct light that one camera path finds at its first receiver
     /// (surface or medium that stores photons).
     direct_variance: f64,
-    /// Work of one camera path up to its first receiver (surface or medium that stores photons).
+    /// Work of one camera path up to its first receiver.
     prefix_work: f64,
-    /// Work of one camera path beyond its first receiver (surface or medium that stores photons).
+    /// Work of one camera path beyond its first receiver.
     continuation_work: f64,
     /// Work per pixel of tracing, storing and gathering the photons.
     photon_work: f64,

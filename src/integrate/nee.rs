@@ -71,8 +71,8 @@ pub(super) struct NextEventEstimator<'a> {
     lights: &'a [Light],
     effects: Effects,
     directions: DirectionSampling,
-    /// True if the scene has surfaces that shadow rays pass through (null interfaces).
-    has_null_interfaces: bool,
+    /// True if shadow rays cross some surfaces: null interfaces and thin sheets.
+    shadow_rays_cross_surfaces: bool,
     /// True if shadow rays go to the centers of lights instead of random points.
     aims_at_centers: bool,
     /// Sampler that chooses lights at random; `None` if every vertex sends shadow rays to all
@@ -120,14 +120,14 @@ impl<'a> NextEventEstimator<'a> {
         } else {
             None
         };
-        let has_null_interfaces = scene.has_null_interfaces();
+        let shadow_rays_cross_surfaces = scene.shadow_rays_cross_surfaces();
         guides.environment = guides.environment.filter(|_| !aims_at_centers && effects.has(Effect::Shadows));
         Self {
             scene,
             lights,
             effects,
             directions,
-            has_null_interfaces,
+            shadow_rays_cross_surfaces,
             aims_at_centers,
             light_sampler,
             schemes,
@@ -297,8 +297,8 @@ impl<'a> NextEventEstimator<'a> {
             ShadowTarget::Infinity => surface.spawn_ray(sample.wi),
         };
         if self.scene.occluded(&ray) {
-            return if self.has_null_interfaces {
-                reflected * self.transmittance_through_null_interfaces(light, vertex, &sample)
+            return if self.shadow_rays_cross_surfaces {
+                reflected * self.transmittance_through_surfaces(light, vertex, &sample)
             } else {
                 Rgb::ZERO
             };
@@ -319,9 +319,9 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
-    /// Returns the transmittance from `vertex` to the sampled point of a light, if at least one
-    /// surface lies between them. The result is 0 unless all these surfaces are null interfaces.
-    fn transmittance_through_null_interfaces<I: Interior>(
+    /// Returns the transmittance of a shadow ray that hits at least one surface; 0 unless all
+    /// surfaces on its way are null interfaces or thin sheets.
+    fn transmittance_through_surfaces<I: Interior>(
         &self,
         light: usize,
         vertex: &PathVertex<'_, I>,
@@ -334,7 +334,7 @@ impl<'a> NextEventEstimator<'a> {
                 .spawn_ray_to(self.shadow_ray_end(light, sample, target, vertex.surface.point.p), sample.wi),
             ShadowTarget::Infinity => path_ray.ray,
         };
-        self.scene.shadow_transmittance(&ray, path_ray.interior, vertex.shadow_sampler.sample_key())
+        self.scene.shadow_transmittance(&ray, path_ray.interior, self.effects, vertex.shadow_sampler.sample_key())
     }
 
     /// Returns the transmittance from `vertex` to the sampled point of a light, through the medium

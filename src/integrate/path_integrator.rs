@@ -44,8 +44,8 @@ pub(super) struct PathIntegrator<'a> {
     /// Report of the pilot (small simulation before the first pass) that guides shadow rays to the
     /// environment light; `None` without pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
-    /// Report of the pilot (small simulation before the first pass) that learns from which points
-    /// of media shadow rays should start. `None` without pilot.
+    /// Report of the pilot that learns from which points of media shadow rays should start. `None`
+    /// without pilot.
     scatter_point_guiding: Option<ScatterPointGuidingReport>,
     balance: Option<RayPhotonBalance>,
     /// Number of slices of the shutter interval in each pass. Each slice has its own photons and
@@ -245,7 +245,10 @@ impl<'a> PathIntegrator<'a> {
             (true, None) => find_ray_photon_balance(&renderer),
             (true, Some(policy)) => {
                 let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
-                renderer.map_builder.set_division(division.clone());
+                // Without a division, all photons of indirect light stay.
+                if weighs {
+                    renderer.map_builder.set_division(division.clone());
+                }
                 find_ray_photon_balance(&renderer)
             }
         };

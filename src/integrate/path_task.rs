@@ -65,12 +65,11 @@ pub(super) struct LightByPart {
     pub up_to_receiver: Rgb,
     /// Photon estimates from all maps.
     pub photon_estimates: Rgb,
-    /// Indirect light at the first receiver (surface or medium that stores photons), found by
-    /// camera paths that continue there. Photon estimates find the rest.
+    /// Indirect light at the first receiver, found by camera paths that continue there. Photon
+    /// estimates find the rest.
     pub indirect_by_paths: Rgb,
-    /// Indirect light at the first receiver (surface or medium that stores photons), found by
-    /// photon estimates. Continued camera paths find the rest. It is also a part of
-    /// `photon_estimates`.
+    /// Indirect light at the first receiver, found by photon estimates. Continued camera paths find
+    /// the rest. It is also a part of `photon_estimates`.
     pub indirect_by_photons: Rgb,
     /// `indirect_by_photons` with the full gather disc, minus the same estimate with half the disc
     /// area; 0 without nested estimates.

@@ -124,9 +124,9 @@ struct PixelLightStatistics {
     /// stores photons), without photon estimates.
     from_receiver: RunningVariance,
     /// Emission, and direct light at casters such as rough glass, that camera paths find before
-    /// their first receiver (surface or medium that stores photons).
+    /// their first receiver.
     up_to_receiver: RunningVariance,
-    /// Photon estimate at the first receiver (surface or medium that stores photons).
+    /// Photon estimate at the first receiver.
     photon_estimate: RunningVariance,
     /// Sum, over whole camera paths, of (`from_receiver` − its mean)·(`up_to_receiver` − its mean).
     /// Their covariance is this sum divided by (number of paths − 1).
@@ -143,13 +143,12 @@ struct RelativePixelVariances {
     /// (surface or medium that stores photons), without photon estimates.
     from_receiver: f64,
     /// Relative variance of the emission, and direct light at casters such as rough glass, that a
-    /// path finds before its first receiver (surface or medium that stores photons).
+    /// path finds before its first receiver.
     ///
     /// If the covariance of this light and the light of `from_receiver` is negative, twice the
     /// covariance is added: a ray near an edge finds either one light or the other.
     up_to_receiver: f64,
-    /// Relative variance of the photon estimate at the first receiver (surface or medium that
-    /// stores photons).
+    /// Relative variance of the photon estimate at the first receiver.
     photon_estimate: f64,
     /// Approximate relative variance of one ray that is aimed at the pixel's images of lamps (film
     /// regions where camera rays meet a lamp): the square of their light.
@@ -295,11 +294,9 @@ fn images_of_pixels(found: &[LampImageContribution], pixels: usize) -> LampImage
 enum PathParts {
     /// The whole path.
     Whole,
-    /// The path up to its first receiver (surface or medium that stores photons), with the photon
-    /// estimate there.
+    /// The path up to its first receiver, with the photon estimate there.
     PrefixWithLookup,
-    /// The path up to its first receiver (surface or medium that stores photons), without photon
-    /// estimate.
+    /// The path up to its first receiver, without photon estimate.
     Prefix,
 }
 

@@ -114,13 +114,11 @@ pub struct Settings {
     /// paths that end at the first surface or medium that stores photons. A pilot finds how many
     /// each pixel needs.
     pub allows_prefix_rays: bool,
-    /// True if a pilot (small simulation before the first pass) may guide shadow rays to the
-    /// environment light: it learns the directions from which this light reaches each part of the
-    /// scene.
+    /// True if a pilot may guide shadow rays to the environment light: it learns the directions
+    /// from which this light reaches each part of the scene.
     pub allows_environment_guiding: bool,
-    /// True if a pilot (small simulation before the first pass) may guide next-event estimation in
-    /// homogeneous media: it learns from which points of a medium, and from how many, shadow rays
-    /// should start.
+    /// True if a pilot may guide next-event estimation in homogeneous media: it learns from which
+    /// points of a medium, and from how many, shadow rays should start.
     pub allows_scatter_point_guiding: bool,
     /// Division of directly visible caustics between photon estimates and light tracing, in
     /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).

@@ -104,9 +104,8 @@ pub struct LightTracer<'a> {
     camera: &'a Camera,
     /// True if camera rays start at random points of the lens; false if at its center.
     samples_lens: bool,
-    /// True if the scene has null interfaces: boundaries that light crosses unchanged, so that they
-    /// do not block connections.
-    has_null_interfaces: bool,
+    /// True if connections cross some surfaces: null interfaces and thin sheets.
+    connections_cross_surfaces: bool,
     /// Fraction of a photon's flux that density estimates use, for each pixel; splats get the
     /// remaining flux. If it is `None`, as in a pilot, density estimates and splats each get the
     /// whole flux.
@@ -121,8 +120,8 @@ impl<'a> LightTracer<'a> {
     /// `shares` is `None`, density estimates and splats each get the whole flux.
     #[must_use]
     pub fn new(scene: &'a Scene, samples_lens: bool, shares: Option<&'a DensityEstimateShares>) -> Self {
-        let has_null_interfaces = scene.has_null_interfaces();
-        Self { scene, camera: scene.camera(), samples_lens, has_null_interfaces, shares }
+        let connections_cross_surfaces = scene.shadow_rays_cross_surfaces();
+        Self { scene, camera: scene.camera(), samples_lens, connections_cross_surfaces, shares }
     }
 
     /// Connects a caustic photon at `surface` to the camera, and passes the splat to `deposit`.
@@ -205,7 +204,7 @@ impl<'a> LightTracer<'a> {
     ) -> Rgb {
         let ray = surface.spawn_ray_to(connection.ray_origin, connection.direction_to_camera);
         let is_occluded = self.scene.occluded(&ray);
-        if is_occluded && !self.has_null_interfaces {
+        if is_occluded && !self.connections_cross_surfaces {
             return Rgb::ZERO;
         }
         let key = key.camera_connection_key();
@@ -213,7 +212,7 @@ impl<'a> LightTracer<'a> {
         let direction = connection.direction_to_camera;
         leaving.leave_surface_with_wavelength_weight(surface, direction, surface.is_transmitted(direction));
         if is_occluded {
-            return self.scene.shadow_transmittance(&ray, leaving.interior, key);
+            return self.scene.shadow_transmittance(&ray, leaving.interior, leaving.cone.effects, key);
         }
         let distance = (connection.ray_origin - surface.point.p).length();
         let unit = Ray { t_max: distance, ..Ray::new(surface.point.p, connection.direction_to_camera) };

@@ -7,7 +7,9 @@
 ///   ([`Bsdf::stores_photons`](crate::bsdf::Bsdf::stores_photons)), or a scattering event in a
 ///   medium.
 /// - *Caster*: any other surface that is not black, such as glass or a mirror
-///   ([`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics)).
+///   ([`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics)). A path has no vertex on a thin
+///   sheet that it crosses straight on, since shadow rays cross the sheet, too
+///   ([`Bsdf::straight_transmittance`](crate::bsdf::Bsdf::straight_transmittance)).
 /// - *Caustic*: light that goes from its source over one or more casters to a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PhotonKind {

@@ -136,9 +136,10 @@ impl PhotonTracer<'_> {
         let PhotonTracingTotals { audit, rays } = tally;
         let mut kind = PhotonKind::Direct;
         add_flux(&mut audit.emitted, flux);
-        for bounce in 0.. {
+        let mut bounce_count = 0;
+        for vertex in 0.. {
             *rays += 1;
-            let key = photon_path_key.photon_vertex_key(bounce);
+            let key = photon_path_key.photon_vertex_key(vertex);
 
             // Find the next vertex, and deposit in media on the way.
             let flux_before_segment = flux;
@@ -195,8 +196,11 @@ impl PhotonTracer<'_> {
 
             // Stop at the bounce limit, or if the mask stores no later photon of this path.
             let receives = surface.as_ref().is_none_or(|surface| surface.bsdf.stores_photons());
-            let next_kind = kind.kind_after_scattering(receives);
-            if bounce == self.max_bounces || !self.mask.can_reach_stored_kind(next_kind) {
+            let scattered_kind = kind.kind_after_scattering(receives);
+            let stops_if_scattered =
+                bounce_count == self.max_bounces || !self.mask.can_reach_stored_kind(scattered_kind);
+            let may_cross_straight = surface.as_ref().is_some_and(|surface| surface.bsdf.transmits_straight());
+            if stops_if_scattered && !may_cross_straight {
                 return add_flux(&mut audit.stopped, flux);
             }
 
@@ -212,11 +216,16 @@ impl PhotonTracer<'_> {
 
             // Sample the next direction.
             let before = color::channel_mean(flux);
+            let mut crosses_straight = false;
             let ratio = if let Some(surface) = &surface {
                 let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
                 let Some(sample) = surface.sample(lobe, u, TransportMode::Importance) else {
                     return add_flux(&mut audit.absorbed, flux);
                 };
+                crosses_straight = may_cross_straight && sample.is_transmitted;
+                if stops_if_scattered && !crosses_straight {
+                    return add_flux(&mut audit.stopped, flux);
+                }
                 let adjoint = sample.adjoint_correction(surface.wo, surface.point.ns, surface.point.ng);
                 let interior_weight =
                     path_ray.leave_surface_with_wavelength_weight(surface, sample.wi, sample.is_transmitted);
@@ -238,7 +247,11 @@ impl PhotonTracer<'_> {
             let kept = flux / ratio.min(1.0);
             add_flux(&mut audit.net_roulette_loss, flux - kept);
             flux = kept;
-            kind = next_kind;
+            // Light that crosses a thin sheet straight on counts as if the sheet were not there.
+            if !crosses_straight {
+                kind = scattered_kind;
+                bounce_count += 1;
+            }
         }
     }
 

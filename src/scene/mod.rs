@@ -74,9 +74,9 @@ pub struct Scene {
     glasses: Vec<DispersionFormula>,
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
-    /// True if the material of an object is a null interface, or a mix that may resolve to one.
-    /// Light crosses a null interface unchanged.
-    has_null_interfaces: bool,
+    /// True if the material of an object is, or may resolve to, one that shadow rays cross: a null
+    /// interface or a thin sheet.
+    shadow_rays_cross_surfaces: bool,
     textures: Vec<Arc<Texture>>,
     /// Texture mappings, by index. Objects that define none use the first one.
     mappings: Vec<TextureMapping>,

@@ -2,12 +2,13 @@
 
 use super::interiors::exp_neg;
 use super::{
-    BoundaryContext, BoundaryEvent, CurrentMedium, Effects, Hit, Interior, RayCone, Scene, SurfaceInteraction,
+    BoundaryContext, BoundaryEvent, CurrentMedium, Effect, Effects, Hit, Interior, RayCone, Scene, SurfaceInteraction,
 };
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::medium::Medium;
 use crate::sampling::{Dimension, Key};
+use crate::shape::SurfacePoint;
 use glam::{DVec3, Vec3};
 use rand::RngExt;
 
@@ -203,13 +204,20 @@ impl<I: Interior> PathRay<I> {
 }
 
 /// Estimates the transmittance of a shadow ray: see [`Scene::shadow_transmittance`].
-pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut interior: I, key: Key) -> Rgb {
+pub(super) fn shadow_transmittance<I: Interior>(
+    scene: &Scene,
+    ray: &Ray,
+    mut interior: I,
+    effects: Effects,
+    key: Key,
+) -> Rgb {
     let target = ray.at(ray.t_max);
     let ends = ray.t_max.is_finite();
     let (mut optical_depth, mut media_transmittance) = (DVec3::ZERO, DVec3::ONE);
+    let mut sheet_transmittance = Rgb::ONE;
     let mut ray = *ray;
     let mut rng = key.rng();
-    let mut context = BoundaryContext { key, crossed_boundary_count: 0, cone: RayCone::zero_width_cone(Effects::NONE) };
+    let mut context = BoundaryContext { key, crossed_boundary_count: 0, cone: RayCone::zero_width_cone(effects) };
     loop {
         let length = ray.direction.length();
         let unit = Ray::new(ray.origin, ray.direction / length);
@@ -225,12 +233,21 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
         if let Some((index, part, _)) = clip_ray_to_medium(scene, &unit, distance, &interior) {
             media_transmittance *= scene.media[index as usize].transmittance_f64(&part, part.t_max, &mut rng);
         }
-        let transmittance = exp_neg(optical_depth.as_vec3()) * media_transmittance.as_vec3();
+        let transmittance = exp_neg(optical_depth.as_vec3()) * media_transmittance.as_vec3() * sheet_transmittance;
         let Some(mut surface) = surface else { return transmittance };
-        if transmittance == Rgb::ZERO
-            || interior.resolve_boundary(scene, &mut surface, &context) != BoundaryEvent::NullInterface
-        {
+        if transmittance == Rgb::ZERO {
             return Rgb::ZERO;
+        }
+        match interior.resolve_boundary(scene, &mut surface, &context) {
+            BoundaryEvent::NullInterface => {}
+            BoundaryEvent::Hidden => return Rgb::ZERO,
+            BoundaryEvent::Surface => {
+                let SurfacePoint { ns, ng, .. } = surface.point;
+                match surface.bsdf.straight_transmittance(surface.wo, ns, ng) {
+                    Some(sheet) if effects.has(Effect::Specular) => sheet_transmittance *= sheet,
+                    Some(_) | None => return Rgb::ZERO,
+                }
+            }
         }
         ray = if ends { surface.spawn_ray_to(target, unit.direction) } else { surface.spawn_ray(unit.direction) };
         interior.cross_boundary(&surface, unit.direction);

@@ -110,11 +110,23 @@ impl Scene {
         self.materials.iter().filter_map(Material::bounded_body)
     }
 
-    /// True if some objects are null interfaces: boundaries that light and shadow rays cross
-    /// unchanged.
+    /// True if shadow rays cross some of the surfaces: null interfaces and thin sheets.
+    ///
+    /// See [`Scene::shadow_transmittance`].
     #[must_use]
-    pub fn has_null_interfaces(&self) -> bool {
-        self.has_null_interfaces
+    pub fn shadow_rays_cross_surfaces(&self) -> bool {
+        self.shadow_rays_cross_surfaces
+    }
+
+    /// True if an object has a null interface or a thin sheet, or a mix that may resolve to one.
+    pub(super) fn finds_surfaces_that_shadow_rays_cross(&self) -> bool {
+        let mut found = false;
+        for object in &*self.geometry.objects {
+            self.for_each_leaf_material(object.material, &mut |leaf| {
+                found |= leaf.bsdf.transmits_straight() || leaf.bounded_body.is_some_and(|body| body.is_null_interface);
+            });
+        }
+        found
     }
 
     /// Returns the indices of the object and of the material at `hit`. The material may be a mix.
@@ -241,12 +253,15 @@ impl Scene {
 
     /// Unbiased estimate of the transmittance along a shadow ray; 0 if a surface blocks the ray.
     ///
+    /// Shadow rays cross null interfaces and thin sheets. Of `effects`, [`Effect::Specular`](super::Effect::Specular) says
+    /// whether sheets transmit light, and the effects of textures apply to sheets and mixes.
+    ///
     /// `interior` holds the dielectric bodies and media around the ray's origin, and `key` is the
     /// random key. If `ray.t_max` is finite, the direction of `ray` is the vector from its origin
     /// to its end, so t = 1 at the end. If `ray.t_max` is infinite, the direction has unit length.
     #[must_use]
-    pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, interior: I, key: Key) -> Rgb {
-        path_ray::shadow_transmittance(self, ray, interior, key)
+    pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, interior: I, effects: Effects, key: Key) -> Rgb {
+        path_ray::shadow_transmittance(self, ray, interior, effects, key)
     }
 
     /// Unbiased estimate of the transmittance along `ray`, which has a unit direction. Surfaces are

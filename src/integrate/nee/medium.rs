@@ -231,8 +231,9 @@ impl NextEventEstimator<'_> {
         if self.effects.has(Effect::Shadows) {
             task.counters.shadow_rays += 1;
             if self.scene.occluded(&ray) {
-                return if self.has_null_interfaces {
-                    scattered * self.scene.shadow_transmittance(&ray, segment.interior, sampler.sample_key())
+                return if self.shadow_rays_cross_surfaces {
+                    scattered
+                        * self.scene.shadow_transmittance(&ray, segment.interior, self.effects, sampler.sample_key())
                 } else {
                     Rgb::ZERO
                 };

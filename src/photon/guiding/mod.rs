@@ -16,9 +16,18 @@ use crate::scene::{Interior, with_interior_type};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
-/// Number of rounds of photon paths in the pilot of emission guiding. Each round is guided by the
-/// samples of all earlier rounds.
-const PILOT_ROUNDS: u32 = 2;
+/// Least number of rounds of photon paths in a pilot of emission guiding. The samples of all earlier
+/// rounds guide the emission of a round.
+const MIN_ROUNDS: u32 = 2;
+
+/// Largest number of rounds of photon paths in a pilot of emission guiding.
+const MAX_ROUNDS: u32 = 12;
+
+/// Number of contributing photon paths at which the pilot ends after [`MIN_ROUNDS`] rounds.
+///
+/// If light enters through a small window, few paths of the first round contribute. Each round
+/// sends more paths through the window.
+const ENOUGH_CONTRIBUTING_PATHS: usize = 2000;
 
 /// Number of photon paths that one Rayon task traces in a pilot.
 const PATHS_PER_TASK: u32 = 4096;
@@ -40,8 +49,9 @@ pub struct EmissionGuidingPilotSettings<'a> {
     pub max_bounces: u32,
     /// Surface points that the camera sees. Their density gives the importance of a photon.
     pub visible_points: &'a VisiblePointMap,
-    /// Number of photon paths of the pilot. [`EmissionGuidingPilotSettings::DEFAULT_PATHS`]
-    /// suffices for most scenes.
+    /// Number of photon paths of the first two rounds of the pilot.
+    /// [`EmissionGuidingPilotSettings::DEFAULT_PATHS`] suffices for most scenes. More rounds follow
+    /// if few paths contribute to the picture.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,
@@ -68,8 +78,8 @@ pub struct EmissionGuidingReport {
     /// Estimated factor by which guiding reduces the variance of the picture, for the same number
     /// of photon paths; 1 without guiding.
     ///
-    /// The estimate is the second moment of path contributions in the unguided round of the pilot,
-    /// divided by the second moment in the guided round.
+    /// The estimate is the second moment of path contributions without guiding, divided by that with
+    /// guiding. Both come from the guided paths of the last round.
     #[serde(rename = "gain")]
     pub variance_gain: f64,
 }
@@ -87,18 +97,21 @@ impl PhotonSource<'_> {
     pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilotSettings<'_>) -> (Self, EmissionGuidingReport) {
         let unguided = self.light_distribution.clone();
         let mut report = EmissionGuidingReport { variance_gain: 1.0, ..EmissionGuidingReport::default() };
-        let mut samples = Vec::new();
-        let mut unguided_moment = 0.0;
-        for round in 0..PILOT_ROUNDS {
-            let found = self.trace_pilot_round(pilot, round);
+        let mut samples: Vec<EmissionGuidingSample> = Vec::new();
+        let mut contributing = 0;
+        for round in 0..MAX_ROUNDS {
+            if round >= MIN_ROUNDS && contributing >= ENOUGH_CONTRIBUTING_PATHS {
+                break;
+            }
+            let found = self.trace_pilot_round(pilot, round, &unguided);
             report.paths += found.samples.len() as u64;
             report.rays += found.rays;
+            let found_count = found.samples.iter().filter(|s| s.squared_contribution > 0.0).count();
+            contributing += found_count;
             if round == 0 {
-                let contributing = found.samples.iter().filter(|s| s.squared_contribution > 0.0).count();
-                report.contributing_fraction = contributing as f64 / found.samples.len().max(1) as f64;
-                unguided_moment = found.second_moment_sum;
-            } else if found.second_moment_sum > 0.0 && unguided_moment > 0.0 {
-                report.variance_gain = unguided_moment / found.second_moment_sum;
+                report.contributing_fraction = found_count as f64 / found.samples.len().max(1) as f64;
+            } else if found.second_moment_sum > 0.0 {
+                report.variance_gain = found.unguided_second_moment_sum / found.second_moment_sum;
             }
             samples.extend(found.samples);
             self.fit_guiding(&samples, &unguided);
@@ -106,22 +119,30 @@ impl PhotonSource<'_> {
         (self, report)
     }
 
-    /// Traces the photon paths of the pilot's round number `round` (0 or 1), and returns them with
-    /// their contributions to the picture.
-    fn trace_pilot_round(&self, pilot: &EmissionGuidingPilotSettings<'_>, round: u32) -> PilotRoundSamples {
+    /// Traces the photon paths of the pilot's round number `round`, and returns them with their
+    /// contributions to the picture.
+    ///
+    /// `unguided` holds the probabilities of the lights before guiding.
+    fn trace_pilot_round(
+        &self,
+        pilot: &EmissionGuidingPilotSettings<'_>,
+        round: u32,
+        unguided: &DiscreteDistribution,
+    ) -> PilotRoundSamples {
         let key = Key::new(pilot.seed).purpose_key(Purpose::EmissionGuiding).training_round_key(round);
-        let paths = pilot.paths / PILOT_ROUNDS;
+        let paths = pilot.paths / MIN_ROUNDS;
         let chunks: Vec<PilotRoundSamples> = (0..paths.div_ceil(PATHS_PER_TASK))
             .into_par_iter()
             .map(|chunk| {
                 let range = chunk * PATHS_PER_TASK..paths.min((chunk + 1).saturating_mul(PATHS_PER_TASK));
-                with_interior_type!(self, <I> self.trace_pilot_chunk::<I>(pilot, key, range, paths))
+                with_interior_type!(self, <I> self.trace_pilot_chunk::<I>(pilot, key, range, paths, unguided))
             })
             .collect();
         let mut total = PilotRoundSamples::default();
         for chunk in chunks {
             total.samples.extend(chunk.samples);
             total.second_moment_sum += chunk.second_moment_sum;
+            total.unguided_second_moment_sum += chunk.unguided_second_moment_sum;
             total.rays += chunk.rays;
         }
         total
@@ -135,6 +156,7 @@ impl PhotonSource<'_> {
         key: Key,
         range: std::ops::Range<u32>,
         paths: u32,
+        unguided: &DiscreteDistribution,
     ) -> PilotRoundSamples {
         let tracer = PhotonTracer { scene: self.scene, source: self, mask: pilot.mask, max_bounces: pilot.max_bounces };
         let mut scratch = PhotonSearchBuffers::default();
@@ -167,6 +189,8 @@ impl PhotonSource<'_> {
             let weight = 1.0 / f64::from(point.pdf);
             let inverse_pdf = weight / f64::from(point.light_probability);
             found.second_moment_sum += squared_contribution * inverse_pdf * inverse_pdf;
+            let unguided_probability = f64::from(unguided.probability(point.light));
+            found.unguided_second_moment_sum += squared_contribution * inverse_pdf / unguided_probability;
             let (position, direction) = (point.position_sample, point.direction_sample);
             found.samples.push(EmissionGuidingSample {
                 light: point.light,
@@ -218,6 +242,9 @@ struct PilotRoundSamples {
     samples: Vec<EmissionGuidingSample>,
     /// Sum over the round's paths of (contribution to the picture / pdf of the path)².
     second_moment_sum: f64,
+    /// Estimate of [`PilotRoundSamples::second_moment_sum`] for unguided paths, from the paths of
+    /// this round by importance sampling.
+    unguided_second_moment_sum: f64,
     /// Number of rays that the round traced.
     rays: u64,
 }

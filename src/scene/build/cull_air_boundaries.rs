@@ -1,7 +1,7 @@
 //! Removal of objects that bound bodies of air, which have no effect on light.
 
 use super::object::{BoundsF64, MergedMeshes, ObjectGeometry, SceneObject};
-use crate::scene::{Body, Material};
+use crate::scene::Material;
 
 /// Removes objects that bound a [`Body`](crate::scene::Body) of air: refractive index 1, no
 /// absorption and no medium.
@@ -61,15 +61,9 @@ fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
 
 /// True if `material`, or any component of it if it is a mix, bounds a dielectric body.
 pub(super) fn may_bound_body(materials: &[Material], material: u32) -> bool {
-    may_bound_body_with(materials, material, |_| true)
-}
-
-/// True if `material`, or any component of it if it is a mix, bounds a dielectric body for which
-/// `test` is true.
-pub(super) fn may_bound_body_with(materials: &[Material], material: u32, test: fn(&Body) -> bool) -> bool {
     let material = &materials[material as usize];
     match material.mix_component_indices() {
-        Some(parts) => parts.into_iter().any(|part| may_bound_body_with(materials, part, test)),
-        None => material.bounded_body().is_some_and(test),
+        Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
+        None => material.bounded_body().is_some(),
     }
 }

@@ -23,7 +23,7 @@ use crate::math::Motion;
 use crate::medium::Medium;
 use crate::shape::{Plane, Shape, TextureMappingKind, TriangleIndices};
 use crate::texture::Texture;
-use cull_air_boundaries::{cull_air_boundaries, may_bound_body, may_bound_body_with};
+use cull_air_boundaries::{cull_air_boundaries, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
 use lights::{CollectedLights, DeltaLight, collect_lights};
 use media::place_media;
@@ -249,9 +249,6 @@ impl SceneBuilder {
         let media = place_media(&self.media, &objects, &self.materials, origin, &mut animation);
         let geometry =
             geometry.build_hierarchies(&objects, &mappings, &of_object, earlier.map(|scene| &scene.geometry));
-        let is_null_interface =
-            |material| may_bound_body_with(&self.materials, material, |body| body.is_null_interface);
-        let has_null_interfaces = geometry.objects.iter().any(|object| is_null_interface(object.material));
         let mut scene = Scene {
             camera,
             background: self.background,
@@ -260,7 +257,7 @@ impl SceneBuilder {
             glasses: self.glasses,
             media,
             ambient_medium: self.ambient_medium,
-            has_null_interfaces,
+            shadow_rays_cross_surfaces: false,
             textures: self.textures,
             mappings: mappings.texture_mappings,
             mean_emission_lights: mean_emission_lights(&lights),
@@ -274,6 +271,7 @@ impl SceneBuilder {
         };
         scene.coincident =
             flag_coincident_primitives(&scene.geometry, |material| may_bound_body(&scene.materials, material));
+        scene.shadow_rays_cross_surfaces = scene.finds_surfaces_that_shadow_rays_cross();
         scene.derived = derive_scene_data(&scene);
         validate_light_power(&scene)?;
         Ok(scene)

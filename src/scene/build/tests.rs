@@ -122,15 +122,15 @@ fn equal_geometry_shares_its_hierarchy() {
 
 #[test]
 fn null_interface_materials_without_objects_do_not_count() {
-    let has_null_interfaces = |object: u32| {
+    let is_crossed = |object: u32| {
         let mut builder = SceneBuilder::new();
         builder.add_material(Material::smooth_boundary(Body { is_null_interface: true, ..Body::new(1.0) }));
         builder.add_material(Material::diffuse(Rgb::ONE));
         builder.add_material(Material::mix(0, 1, 0.5));
         builder.add_shape(Shape::Sphere(Ball::new(DVec3::ZERO, 1.0)), object, Rgb::ZERO);
-        builder.build(perspective_camera()).unwrap().has_null_interfaces()
+        builder.build(perspective_camera()).unwrap().shadow_rays_cross_surfaces()
     };
-    assert_eq!([0, 1, 2].map(has_null_interfaces), [true, false, true]);
+    assert_eq!([0, 1, 2].map(is_crossed), [true, false, true]);
 }
 
 #[test]

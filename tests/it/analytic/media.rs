@@ -294,7 +294,8 @@ fn expected_point_estimate(sigma: f64, wide: f64, r: f64) -> f64 {
 ///
 /// Collimated light of irradiance E goes down into the box. A horizontal ray of length s crosses it
 /// at depth z and has the radiance p(90°)E σs exp(−σt z)(1 − exp(−σt s))/σt, where p is the phase
-/// function. Behind a pane, which transmits (1 − R)/(1 + R), photons carry the light.
+/// function. Behind a slab of glass, which transmits (1 − R)/(1 + R), photons carry
+/// the light.
 #[test]
 #[ignore = "long: t-tests of three volume estimates"]
 fn photon_beam_estimate_matches_formula() {
@@ -302,13 +303,13 @@ fn photon_beam_estimate_matches_formula() {
     const SCATTERING: [f64; 3] = [0.5, 1.0, 1.5];
     const EXTINCTION: [f64; 3] = [1.0, 1.5, 1.5];
     let (depth, wide, irradiance) = (0.8, 2.0, 5.0);
-    let scene = |pane: &str| {
+    let scene = |slab: &str| {
         scene(&format!(
             "OrthographicCamera {{ center 5 0 0  direction -1 0 0  size .0001  width 4  height 4 }}
              Background {{ color 0 0 0 }}
              Lights {{ DirectionalLight {{ direction 0 -1 0  irradiance {irradiance} {irradiance} {irradiance} }} }}
              Media {{ Medium fog {{ scattering .5 1 1.5  absorption .5 .5 0  anisotropy {G} }} }}
-             Materials {{ Clear hazy {{ medium fog }}  Thin pane {{ indexOfRefraction 1.5 }} }}
+             Materials {{ Clear hazy {{ medium fog }}  Dielectric glass {{ indexOfRefraction 1.5 }} }}
              Group {{
                  MaterialName hazy
                  Rectangle {{ corner -1 -1 -1  edge0 2 0 0  edge1 0 0 2 }}
@@ -317,7 +318,7 @@ fn photon_beam_estimate_matches_formula() {
                  Rectangle {{ corner 1 -1 -1  edge0 0 1.8 0  edge1 0 0 2 }}
                  Rectangle {{ corner -1 -1 -1  edge0 0 1.8 0  edge1 2 0 0 }}
                  Rectangle {{ corner -1 -1 1  edge0 2 0 0  edge1 0 1.8 0 }}
-                 {pane}
+                 {slab}
              }}"
         ))
     };
@@ -335,7 +336,7 @@ fn photon_beam_estimate_matches_formula() {
             mean_radiance_of_passes(&straight, algorithm, settings_with(64, single_scattering_effects()), PASSES);
         assert_mean_each(&format!("beam, {}", algorithm.name()), &samples, expected(&whole), DVec3::ZERO, 0.01);
     }
-    let behind = scene("MaterialName pane  Rectangle { corner -1.2 1 -1.2  edge0 0 0 2.4  edge1 2.4 0 0 }");
+    let behind = scene("MaterialName glass  Box { min -1.2 1 -1.2  max 1.2 1.1 1.2 }");
     let r = fresnel_reflectance(1.0, 1.5);
     let through = (1.0 - r) / (1.0 + r);
     let path = mean_radiance_of_passes(&behind, Algorithm::Path, settings_with(64, single_scattering_effects()), 2);
@@ -367,7 +368,7 @@ fn photon_beam_estimate_matches_formula() {
                     mean_radiance_of_passes(&behind, algorithm, settings, 1)
                 })
                 .collect();
-            let what = format!("beam behind a pane, {} by {volume:?}", algorithm.name());
+            let what = format!("beam behind a slab, {} by {volume:?}", algorithm.name());
             // Midpoint rules are accurate to 10⁻⁴ for kernels with a root at their ends. Point
             // estimates send twelve probe rays to measure which part of a ball is hidden near the
             // ends of the ray. Their error is a few percent of that part.

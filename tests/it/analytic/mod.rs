@@ -22,6 +22,7 @@ mod light_tracing;
 mod media;
 mod motion;
 mod nephroid;
+mod panes;
 mod plates;
 mod prefix_rays;
 mod reference;

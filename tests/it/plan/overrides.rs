@@ -1,6 +1,6 @@
 //! Effect overrides: an effect that is forced off is missing from the image and costs nothing.
 
-use super::compare::{Picture, RenderSettings, scene};
+use super::compare::{Picture, RenderSettings, difference, scene};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::plan::EffectOverrides;
 use caustica::scene::{Effect, Effects, Scene};
@@ -199,4 +199,22 @@ fn unused_media_change_nothing() {
     let planned = distributions(EffectOverrides::NO_OVERRIDES);
     assert!(planned.aimed.is_some());
     assert_eq!(planned, distributions(EffectOverrides::ALL_FORCED_ON));
+}
+
+/// A pilot chooses the number of camera rays and photons of a pass. Effects that the scene does not
+/// need do not change its choice.
+#[test]
+fn unneeded_effects_do_not_change_the_balance() {
+    let scene = scene(&format!(
+        "{CAMERA}
+        Lights {{ RectangleLight {{ corner -1 4 -1  edge0 2 0 0  edge1 0 0 2  power 200 200 200 }} }}
+        Materials {{ Diffuse floor {{ reflectance .7 .6 .5 }}  Dielectric glass {{ }} }}
+        Group {{ MaterialName floor  Plane {{ normal 0 1 0  offset 0 }}
+                 Rectangle {{ corner -2 0 -2  edge0 4 0 0  edge1 0 3 0 }}
+                 MaterialName glass  Sphere {{ center 0 .8 0  radius .7 }} }}"
+    ));
+    for algorithm in [Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Pm] {
+        let settings = RenderSettings { samples: None, ..RenderSettings::new(algorithm) };
+        assert_eq!(difference(&scene, &settings, EffectOverrides::ALL_FORCED_ON), None);
+    }
 }
