@@ -19,19 +19,29 @@ pub(super) fn print_manual() -> Result<Exit, CommandFailure> {
     write_to_stdout(page.as_bytes())
 }
 
-/// Returns the manual page in roff, with a section for each subcommand.
+/// Returns the manual page in roff, with a section for each subcommand at any depth.
 fn manual_page() -> io::Result<String> {
     let mut command = Arguments::command();
     command.build();
     let mut page = render_roff(|out| Man::new(command.clone()).render(out))?;
-    for subcommand in command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help") {
+    for subcommand in command.get_subcommands() {
         let name = subcommand.get_name();
         // Subcommands are sections of this page. Links to separate pages would be dead.
         page = page.replace(&format!("caustica\\-{name}(1)"), &format!("caustica {name}"));
-        let section = subcommand_section(subcommand)?;
-        page += &format!(".SH \"CAUSTICA {}\"\n{section}", name.to_uppercase());
     }
+    push_subcommand_sections(&mut page, &command, "CAUSTICA")?;
     Ok(page)
+}
+
+/// Appends a section for each subcommand of `command`, and for their subcommands, to `page`.
+/// `title` is the title of the section of `command`.
+fn push_subcommand_sections(page: &mut String, command: &Command, title: &str) -> io::Result<()> {
+    for subcommand in command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help") {
+        let title = format!("{title} {}", subcommand.get_name().to_uppercase());
+        *page += &format!(".SH \"{title}\"\n{}", subcommand_section(subcommand)?);
+        push_subcommand_sections(page, subcommand, &title)?;
+    }
+    Ok(())
 }
 
 /// Returns the synopsis, description and options of a subcommand as roff subsections.
@@ -55,4 +65,18 @@ fn render_roff(render: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Resul
 fn write_to_stdout(text: &[u8]) -> Result<Exit, CommandFailure> {
     io::stdout().write_all(text).map_err(CommandFailure::output_error)?;
     Ok(Exit::Success)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn manual_has_flags_of_nested_subcommands() {
+        let page = manual_page().unwrap();
+        let (_, slurm) = page.split_once(".SH \"CAUSTICA FARM SLURM\"").unwrap();
+        let (section, _) = slurm.split_once(".SH ").unwrap();
+        assert!(section.contains("caustica farm slurm") && section.contains("\\-\\-poll"), "{section}");
+        assert!(!page.contains(".SH \"CAUSTICA FARM HELP\""));
+    }
 }

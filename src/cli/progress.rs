@@ -57,8 +57,8 @@ pub(super) enum ProgressDisplay {
 /// Texts, times and counts that a progress bar shows.
 #[derive(Debug, Default)]
 pub(super) struct ProgressBarLabels {
-    /// Text about the current pass, such as `pass 3/20`.
-    pass: String,
+    /// Text about the current work, such as `pass 3/20` or `AOVs`.
+    pub(super) work: String,
     /// Expected end of the whole render; `None` if unknown.
     end: Option<Instant>,
     /// Number of triangles of all meshes that were read so far.
@@ -101,7 +101,12 @@ impl ProgressDisplay {
             Some(total) => format!("pass {pass}/{total}"),
             None => format!("pass {pass}"),
         };
-        self.lock_progress_labels().into_iter().for_each(|mut labels| labels.pass.clone_from(&label));
+        self.set_work_label(&label);
+    }
+
+    /// Sets the text about the current work that the bar shows, in place of the pass number.
+    pub fn set_work_label(&self, label: &str) {
+        self.lock_progress_labels().into_iter().for_each(|mut labels| label.clone_into(&mut labels.work));
     }
 
     /// Sets the remaining time of the whole render that the bar shows; `None` if unknown.
@@ -180,14 +185,14 @@ impl ProgressMonitor for ProgressDisplay {
             PassStage::Indexing => ("indexing", "photons"),
             PassStage::Camera => ("image", "pixels"),
         };
-        let Some((pass, end)) = self.lock_progress_labels().map(|labels| (labels.pass.clone(), labels.end)) else {
+        let Some((work, end)) = self.lock_progress_labels().map(|labels| (labels.work.clone(), labels.end)) else {
             return;
         };
         let template = format!("{{prefix}} {name:<8} {{bar:16}} {{percent:>3}} %  {{rate}}  {{left}}  {{wide_msg}}");
         let style = ProgressStyle::with_template(&template);
         let style =
             style.map(|style| style.with_key("rate", progress_rate_label(unit)).with_key("left", time_left_label(end)));
-        self.restart_progress_bar(style, pass, total);
+        self.restart_progress_bar(style, work, total);
     }
 
     fn report_progress(&self, units: u64) {

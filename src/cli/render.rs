@@ -48,6 +48,9 @@ use crate::view::{PlanReport, RenderPublisher, RenderStage};
 use std::ops::Range;
 use std::time::Instant;
 
+/// Label of the progress bar while surface AOVs are rendered.
+const AOV_LABEL: &str = "AOVs";
+
 /// Number of rays per pixel with which surface AOVs are rendered for the live page.
 #[cfg(feature = "view")]
 const LIVE_AOV_PIXEL_RAYS: u32 = 4;
@@ -264,6 +267,7 @@ fn render_scene(
             live.publish_wanted_surface_aovs(size, || {
                 let effects = integrator.plan().simulated_effects();
                 let surface = aov_surface(arguments);
+                progress.set_work_label(AOV_LABEL);
                 render_surface_aovs(scene, effects, &camera_paths, surface, LIVE_AOV_PIXEL_RAYS, progress)
             });
         });
@@ -370,6 +374,9 @@ fn find_surface_aovs(
     progress: &ProgressDisplay,
 ) -> Option<SurfaceAovs> {
     let (effects, surface) = (integrator.plan().simulated_effects(), aov_surface(arguments));
+    progress.set_work_label(AOV_LABEL);
+    // The passes have ended, so the time left of the whole render is no longer meaningful.
+    progress.set_time_left(None);
     render_surface_aovs(scene, effects, settings, surface, SURFACE_AOV_RAYS, progress)
 }
 

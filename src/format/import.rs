@@ -88,7 +88,7 @@ pub struct ImportedScene {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum SceneReadError {
     /// The scene file, or a file that it names, could not be opened or read.
-    #[error("cannot read the scene `{}`", path.display())]
+    #[error("cannot read `{}`", path.display())]
     #[diagnostic(help("check the path and its permissions"))]
     Unreadable {
         /// Path of the file: the scene file, or a file that it names.
@@ -97,7 +97,7 @@ pub enum SceneReadError {
         source: std::io::Error,
     },
     /// The scene would exceed the memory limit.
-    #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), format_bytes(*needed), format_bytes(*free))]
+    #[error("`{}` takes about {} of memory, and {} are free", path.display(), format_bytes(*needed), format_bytes(*free))]
     #[diagnostic(help("put large parts into meshes, or allow more memory (--memory)"))]
     OutOfMemory {
         /// Path of the scene file, or of a file that it names.

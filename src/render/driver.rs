@@ -382,9 +382,13 @@ impl<'a> StopCriteria<'a> {
         }
         let floor = forecast.bias_floor().filter(|floor| *floor >= target.error)?;
         let hopeless = estimate.passes >= MIN_PASSES_BEFORE_GIVING_UP && GIVE_UP_BIAS_FACTOR * floor > target.error;
-        let has_no_other_limit = self.max_passes.is_none() && self.time_limit.is_none();
         let is_only_bias = self.ends_at_bias_floor && estimate.noise <= target.error;
-        (hopeless && (has_no_other_limit || is_only_bias)).then_some(EndReason::BiasFloor)
+        (hopeless && (self.has_no_pass_or_time_limit() || is_only_bias)).then_some(EndReason::BiasFloor)
+    }
+
+    /// True if neither a number of passes nor a time ends the render.
+    pub(super) fn has_no_pass_or_time_limit(&self) -> bool {
+        self.max_passes.is_none() && self.time_limit.is_none()
     }
 }
 

@@ -41,9 +41,15 @@ impl StopCriteria<'_> {
         let target = self.target?;
         match forecast.stop_forecast(target.error, target.interval_confidence()) {
             StopForecast::Passes(range) => Some((EndReason::Target, range.median.max(self.min_passes))),
-            StopForecast::Never { floor } if self.ends_at_bias_floor && GIVE_UP_BIAS_FACTOR * floor > target.error => {
-                let n = forecast.passes_to_reach_noise(target.error)?;
-                Some((EndReason::BiasFloor, n.max(MIN_PASSES_BEFORE_GIVING_UP).max(self.min_passes)))
+            StopForecast::Never { floor } if GIVE_UP_BIAS_FACTOR * floor > target.error => {
+                let n = if self.has_no_pass_or_time_limit() {
+                    MIN_PASSES_BEFORE_GIVING_UP
+                } else if self.ends_at_bias_floor {
+                    forecast.passes_to_reach_noise(target.error)?.max(MIN_PASSES_BEFORE_GIVING_UP)
+                } else {
+                    return None;
+                };
+                Some((EndReason::BiasFloor, n.max(self.min_passes)))
             }
             StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
         }

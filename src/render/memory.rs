@@ -7,8 +7,9 @@ use crate::stats::format_bytes;
 /// Memory per pixel of a render that estimates no error and stores no layers besides the picture
 /// \[bytes].
 ///
-/// The film takes 50 bytes, the current pass 13, and the ray distribution of `--adaptive` 20. After
-/// the last pass, the mean and the encoded file reuse the memory of the pass.
+/// The film takes 50 bytes, the current pass 13, and the ray distribution of `--adaptive` 20; 5
+/// bytes are a reserve. After the last pass, the mean and the encoded file reuse the memory of the
+/// pass.
 const BASE_BYTES_PER_PIXEL: u64 = 88;
 
 /// Memory per pixel that an error estimate needs, in addition to [`BASE_BYTES_PER_PIXEL`] \[bytes].
@@ -20,15 +21,15 @@ const ERROR_BYTES_PER_PIXEL: u64 = 382;
 
 /// Memory per pixel that light groups need, in addition to [`BASE_BYTES_PER_PIXEL`] \[bytes].
 ///
-/// The films of the three groups take 150 bytes, and those of the current pass 36. Layers to write
-/// reuse the memory of the pass.
+/// The films of the three groups take 150 bytes, and those of the current pass 36; 24 bytes are a
+/// reserve. Layers to write reuse the memory of the pass.
 const GROUP_BYTES_PER_PIXEL: u64 = 210;
 
 /// Memory per pixel for the light that clamping removes, in addition to [`BASE_BYTES_PER_PIXEL`]
 /// \[bytes].
 ///
-/// The film of the removed light takes 50 bytes, its sums in the error estimate 67, and the current
-/// pass 12.
+/// The film of the removed light takes 50 bytes, its sums in the error estimate 68, and the current
+/// pass 12; 10 bytes are a reserve.
 const CLAMPING_BYTES_PER_PIXEL: u64 = 140;
 
 /// Memory per pixel for pictures that wait to be sent to the viewer tev, in addition to

@@ -3,6 +3,7 @@
 use super::bounded_shape::BoundedShape;
 use super::hit::{ray_to_f64, round_t_if_in_range};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
+use super::texture_mapping::TexCoord;
 use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform, exact_cross, warp};
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -10,7 +11,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 /// Disc or ellipse: the points c + x·a + y·b with x² + y² ≤ 1, where c is `center`, a is
 /// `semi_axis_a` and b is `semi_axis_b`.
 ///
-/// The outer side is the side of a × b. `shape_coords` of a [`ShapeHit`] is (x, y).
+/// The outer side is the side of a × b. `shape_coords` of a [`ShapeHit`] and the texture
+/// coordinates are (x, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     center: DVec3,
@@ -104,6 +106,11 @@ impl BoundedShape for Disc {
         let (o, d) = ray_to_f64(ray);
         let p = o + d * f64::from(t);
         self.surface_at(self.move_point_off_rim(p - self.normal * self.normal.dot(p - self.center)))
+    }
+
+    fn tex_coord(&self, p: Vec3, _uv: Vec2) -> TexCoord {
+        let (offset, [grad_u, grad_v]) = (p.as_dvec3() - self.center, self.dual_basis);
+        TexCoord { uv: DVec2::new(grad_u.dot(offset), grad_v.dot(offset)), grad_u, grad_v }
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {

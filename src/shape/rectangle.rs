@@ -3,6 +3,7 @@
 use super::bounded_shape::BoundedShape;
 use super::hit::{ray_to_f64, round_t_if_in_range};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint};
+use super::texture_mapping::TexCoord;
 use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -27,7 +28,8 @@ const FAR_SIZE_RATIO2: f64 = 0.2;
 
 /// Rectangle or parallelogram: the points `corner + x·e0 + y·e1` with x, y in \[0, 1].
 ///
-/// The outer side is the side of `e0 × e1`. `shape_coords` of a [`ShapeHit`] is (x, y).
+/// The outer side is the side of `e0 × e1`. `shape_coords` of a [`ShapeHit`] and the texture
+/// coordinates are (x, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     corner: DVec3,
@@ -163,6 +165,11 @@ impl BoundedShape for Rectangle {
         let (o, d) = ray_to_f64(ray);
         let p = o + d * f64::from(t);
         self.surface_at(self.move_point_off_edges(p - self.normal * self.normal.dot(p - self.corner)))
+    }
+
+    fn tex_coord(&self, p: Vec3, _uv: Vec2) -> TexCoord {
+        let (offset, [grad_u, grad_v]) = (p.as_dvec3() - self.corner, self.dual_basis);
+        TexCoord { uv: DVec2::new(grad_u.dot(offset), grad_v.dot(offset)), grad_u, grad_v }
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {

@@ -47,8 +47,8 @@ pub struct ShapeSample {
     /// Probability density per area \[1/length²].
     pub pdf: f32,
     /// Numbers that locate the point on the shape, for
-    /// [`Shape::tex_coord`](super::Shape::tex_coord); zero for shapes without texture coordinates
-    /// of their own.
+    /// [`Shape::tex_coord`](super::Shape::tex_coord); zero for shapes whose texture coordinates do
+    /// not depend on them.
     pub shape_coords: Vec2,
 }
 

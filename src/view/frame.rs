@@ -133,6 +133,12 @@ impl LayerKind {
         }
     }
 
+    /// True for layers of object or material numbers. They are encoded as 32-bit floats, because
+    /// half floats round numbers above 2048.
+    fn has_identifiers(self) -> bool {
+        matches!(self, Self::Object | Self::Material)
+    }
+
     /// Returns the kind that has the given [`url_name`](Self::url_name); `None` if there is none.
     #[must_use]
     pub fn from_url_name(name: &str) -> Option<Self> {
@@ -273,16 +279,22 @@ impl LiveFrame {
     ///
     /// Four 32-bit integers come first: sequence number, width, height and number of channels. A
     /// 32-bit float follows, the scale. The pixel values follow as half floats, divided by the
-    /// scale. All numbers are little-endian.
+    /// scale. Object and material numbers follow as 32-bit floats instead, and their scale is 1.
+    /// All numbers are little-endian.
     #[must_use]
     pub fn encoded_layer(&self, kind: LayerKind) -> Option<Bytes> {
         let layer = self.layer(kind)?;
         let encode = || {
             let (width, height) = self.size;
-            let scale = layer_scale(&layer.values);
-            let mut bytes = Vec::with_capacity(HEADER_BYTES + 2 * layer.values.len());
+            let has_identifiers = kind.has_identifiers();
+            let (scale, value_bytes) = if has_identifiers { (1.0, 4) } else { (layer_scale(&layer.values), 2) };
+            let mut bytes = Vec::with_capacity(HEADER_BYTES + value_bytes * layer.values.len());
             for number in [self.sequence, width, height, layer.channels, scale.to_bits()] {
                 bytes.extend_from_slice(&number.to_le_bytes());
+            }
+            if has_identifiers {
+                layer.values.iter().for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
+                return Bytes::from(bytes);
             }
             let (mut scaled, mut halves) = ([0.0; CHUNK], [f16::ZERO; CHUNK]);
             for chunk in layer.values.chunks(CHUNK) {

@@ -95,10 +95,9 @@ impl<'a> RenderPublisher<'a> {
     pub fn publish_pass_if_due(&mut self, progress: &PassProgress<'_>, stop: &StopCriteria<'_>) {
         if let Some((estimate, forecast)) = &progress.error
             && estimate.error.is_finite()
-            && self.error_curve.len() < MAX_CURVE_POINTS
         {
             let point = ErrorCurvePoint::new(estimate, progress.rendered.wall_time.as_secs_f64());
-            Arc::make_mut(&mut self.error_curve).push(point);
+            push_curve_point(Arc::make_mut(&mut self.error_curve), point);
             self.forecast = Some(Arc::new(ForecastReport::new(estimate, forecast, stop)));
         }
         let start = Instant::now();
@@ -163,5 +162,31 @@ impl<'a> RenderPublisher<'a> {
         if let Some(maps) = LiveFrame::from_error_maps(0, rendered) {
             self.publish(|state, sequence| state.error_maps = Some(Arc::new(LiveFrame { sequence, ..maps })));
         }
+    }
+}
+
+/// Appends `point` to `curve`. If the curve has [`MAX_CURVE_POINTS`] points, first removes each
+/// second one.
+fn push_curve_point(curve: &mut Vec<ErrorCurvePoint>, point: ErrorCurvePoint) {
+    if curve.len() >= MAX_CURVE_POINTS {
+        *curve = curve.iter().copied().step_by(2).collect();
+    }
+    curve.push(point);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_error_curves_still_take_new_points() {
+        let (mut curve, count) = (Vec::new(), 3 * MAX_CURVE_POINTS as u32);
+        for passes in 1..=count {
+            let point =
+                ErrorCurvePoint { seconds: 1.0, passes, error: 0.1, low: 0.05, high: 0.2, noise: 0.1, bias: 0.0 };
+            push_curve_point(&mut curve, point);
+            assert!(curve.len() <= MAX_CURVE_POINTS && curve.is_sorted_by_key(|point| point.passes));
+        }
+        assert_eq!((curve[0].passes, curve.last().unwrap().passes), (1, count));
     }
 }

@@ -87,11 +87,16 @@ pub(super) fn busy_response() -> Response {
     response
 }
 
-/// Encoded pixels that are being sent to a browser. The permit is released when they are sent: it
-/// limits the number of simultaneous responses with pixels.
+/// Encoded pixels or picture file that is being sent to a browser. The permit is released when all
+/// bytes are sent: it limits the number of simultaneous responses with pixels.
 struct BytesInProgress {
     bytes: Bytes,
     _permit: OwnedSemaphorePermit,
+}
+
+/// Returns the body of a response that sends `bytes`. `permit` is held until all of them are sent.
+fn limited_body(bytes: Bytes, permit: OwnedSemaphorePermit) -> Body {
+    Body::from(Bytes::from_owner(BytesInProgress { bytes, _permit: permit }))
 }
 
 impl AsRef<[u8]> for BytesInProgress {
@@ -147,10 +152,7 @@ pub(super) async fn layer_pixels_response(
     };
     match tokio::task::spawn_blocking(encode).await {
         Ok(Some(bytes)) if bytes.is_empty() => StatusCode::NO_CONTENT.into_response(),
-        Ok(Some(bytes)) => {
-            let bytes = Bytes::from_owner(BytesInProgress { bytes, _permit: permit });
-            ([(CONTENT_TYPE, "application/octet-stream")], Body::from(bytes)).into_response()
-        }
+        Ok(Some(bytes)) => ([(CONTENT_TYPE, "application/octet-stream")], limited_body(bytes, permit)).into_response(),
         Ok(None) => (StatusCode::NOT_FOUND, "there is no such layer\n").into_response(),
         Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
     }
@@ -176,8 +178,14 @@ pub(super) struct SaveOptions {
 }
 
 /// Returns the response with the newest picture as a file to save; status 404 if there is only a
-/// preview or none. `file` ends with `.png` or `.exr`, which selects the format.
-pub(super) async fn saved_picture_response(page: Arc<LivePage>, file: String, options: SaveOptions) -> Response {
+/// preview or none. `file` ends with `.png` or `.exr`, which selects the format. `permit` limits
+/// the number of responses with pixels; it is held until all bytes are sent.
+pub(super) async fn saved_picture_response(
+    page: Arc<LivePage>,
+    file: String,
+    options: SaveOptions,
+    permit: OwnedSemaphorePermit,
+) -> Response {
     let newest = page.newest_state();
     let Some(frame) = newest.state.picture.clone().filter(|frame| !frame.is_preview) else {
         return (StatusCode::NOT_FOUND, "there is no pass yet\n").into_response();
@@ -195,7 +203,7 @@ pub(super) async fn saved_picture_response(page: Arc<LivePage>, file: String, op
     let name = format!("attachment; filename=\"{}\"", saved_file_name(&newest.state.status.scene, &frame, format));
     match tokio::task::spawn_blocking(move || encoded_picture(&frame, format, tone)).await {
         Ok(Some(bytes)) => {
-            let mut response = ([(CONTENT_TYPE, kind)], bytes).into_response();
+            let mut response = ([(CONTENT_TYPE, kind)], limited_body(Bytes::from(bytes), permit)).into_response();
             if let Ok(name) = HeaderValue::from_str(&name) {
                 response.headers_mut().insert(CONTENT_DISPOSITION, name);
             }
@@ -232,4 +240,28 @@ fn encoded_picture(frame: &LiveFrame, format: OutputFormat, tone: ToneMap) -> Op
         metadata: vec![software],
     };
     image::encode(format, &image, &options).ok().map(|(bytes, _)| bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use tokio::sync::Semaphore;
+
+    #[test]
+    fn saved_pictures_keep_permits_until_sent() {
+        let page = Arc::new(LivePage::new("scene.txt".to_owned(), "path", false, None));
+        page.publish(page.begin_render(), |state, sequence| {
+            let frame = LiveFrame::from_picture(sequence, (2, 1), 7, &[Vec3::ONE; 2]);
+            state.picture = Some(Arc::new(frame));
+        });
+        let permits = Arc::new(Semaphore::new(1));
+        let permit = permits.clone().try_acquire_owned().unwrap();
+        let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+        let answer = saved_picture_response(page, "a.png".to_owned(), SaveOptions::default(), permit);
+        let response = runtime.block_on(answer);
+        assert_eq!((response.status(), permits.available_permits()), (StatusCode::OK, 0));
+        drop(response);
+        assert_eq!(permits.available_permits(), 1);
+    }
 }

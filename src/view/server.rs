@@ -222,7 +222,7 @@ async fn send_saved_picture(
     Query(options): Query<SaveOptions>,
 ) -> Response {
     match shared.pixel_response_permits.clone().try_acquire_owned() {
-        Ok(_permit) => saved_picture_response(shared.page.clone(), file, options).await,
+        Ok(permit) => saved_picture_response(shared.page.clone(), file, options, permit).await,
         Err(_) => busy_response(),
     }
 }

@@ -117,8 +117,12 @@ fn next_state(events: &mut impl BufRead) -> serde_json::Value {
 fn decode(bytes: &[u8]) -> ([u32; 4], Vec<f32>) {
     let number = |i: usize| u32::from_le_bytes(bytes[4 * i..][..4].try_into().unwrap());
     let scale = f32::from_bits(number(4));
-    let values = bytes[frame::HEADER_BYTES..].as_chunks().0;
-    let values = values.iter().map(|half| half::f16::from_le_bytes(*half).to_f32() * scale).collect();
+    let (values, count) = (&bytes[frame::HEADER_BYTES..], number(1) * number(2) * number(3));
+    let values = if values.len() == 4 * count as usize {
+        values.as_chunks().0.iter().map(|single| f32::from_le_bytes(*single) * scale).collect()
+    } else {
+        values.as_chunks().0.iter().map(|half| half::f16::from_le_bytes(*half).to_f32() * scale).collect()
+    };
     ([0, 1, 2, 3].map(number), values)
 }
 
@@ -255,7 +259,7 @@ fn surface_layers_hold_the_aovs() {
         normal: vec![Vec3::Y, Vec3::ZERO],
         depth: vec![2.0, 0.0],
         position: vec![Vec3::new(1.0, 2.0, -4.0), Vec3::ZERO],
-        object_id: vec![3, 0],
+        object_id: vec![70_001, 0],
         material_id: vec![1, 0],
         motion: vec![Vec2::new(4.0, -2.0), Vec2::ZERO],
     };
@@ -270,7 +274,7 @@ fn surface_layers_hold_the_aovs() {
     assert_eq!(first_pixel("albedo"), [0.5, 0.25, 0.125]);
     assert_eq!((first_pixel("normal"), first_pixel("position")), (vec![0.0, 1.0, 0.0], vec![1.0, 2.0, -4.0]));
     assert_eq!((first_pixel("depth"), first_pixel("motion")), (vec![2.0], vec![4.0, -2.0]));
-    assert_eq!((first_pixel("object"), first_pixel("material")), (vec![3.0], vec![1.0]));
+    assert_eq!((first_pixel("object"), first_pixel("material")), (vec![70_001.0], vec![1.0]));
     assert!(!served.page.take_surface_aov_request(), "they exist");
     served.page.begin_render();
     assert_eq!(served.get("layer/albedo").code, 204, "those of an earlier render are gone");

@@ -63,7 +63,12 @@ impl FromStr for TevAddress {
 
 impl std::fmt::Display for TevAddress {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}:{}", self.host, self.port)
+        // Brackets separate the colons of an IPv6 address from the port.
+        if self.host.contains(':') {
+            write!(f, "[{}]:{}", self.host, self.port)
+        } else {
+            write!(f, "{}:{}", self.host, self.port)
+        }
     }
 }
 
@@ -297,8 +302,8 @@ mod tests {
         let address = |text: &str| text.parse::<TevAddress>().map(|address| address.to_string()).ok();
         assert_eq!(address("localhost"), Some("localhost:14158".to_owned()));
         assert_eq!(address("10.0.0.7:99"), Some("10.0.0.7:99".to_owned()));
-        assert_eq!(address("[::1]:99"), Some("::1:99".to_owned()));
-        assert_eq!(address("[::1]"), Some("::1:14158".to_owned()));
+        assert_eq!(address("[::1]:99"), Some("[::1]:99".to_owned()));
+        assert_eq!(address("[::1]"), Some("[::1]:14158".to_owned()));
         assert_eq!([address(""), address(":7"), address("host:x"), address("host:70000")], [None, None, None, None]);
     }
 

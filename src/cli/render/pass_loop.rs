@@ -49,7 +49,6 @@ pub(super) fn render_passes(
             let elapsed = start.elapsed().as_secs_f64();
             progress.print_line(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
         }
-        progress.set_pass_number(standing.passes + 1, passes);
         // After a pass without an error estimate, keep showing the previous remaining time.
         let forecast = forecast.map(|(_, _, forecast)| forecast);
         if let Some(left) = time_until_stop(stop, standing.passes, forecast, began.elapsed(), pass_seconds) {
@@ -57,6 +56,9 @@ pub(super) fn render_passes(
         }
         error.into_iter().for_each(|note| progress.set_progress_note(note));
         after_pass(standing);
+        if standing.end_reason.is_none() {
+            progress.set_pass_number(standing.passes + 1, passes);
+        }
     })
 }
 
@@ -92,7 +94,27 @@ fn time_until_stop(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Camera;
+    use crate::integrate::{Algorithm, Settings};
+    use crate::scene::SceneBuilder;
+    use glam::DVec3;
+    use indicatif::ProgressBar;
+    use std::sync::Mutex;
     use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn pass_number_stays_within_the_pass_limit() {
+        let camera = Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 2, 2).unwrap();
+        let scene = SceneBuilder::new().build(camera).unwrap();
+        let integrator = Algorithm::Path.prepare(&scene, Settings::default());
+        let interrupted = AtomicBool::new(false);
+        let stop = StopCriteria { max_passes: Some(2), ..StopCriteria::unlimited(&interrupted) };
+        let before = RenderResult::without_passes(integrator.as_ref(), (2, 2));
+        let progress = ProgressDisplay::Bar(ProgressBar::hidden(), Mutex::default());
+        render_passes(before, 0..u32::MAX, &stop, integrator.as_ref(), Instant::now(), &progress, |_| {});
+        let ProgressDisplay::Bar(_, labels) = progress else { unreachable!() };
+        assert_eq!(labels.into_inner().unwrap().work, "pass 2/2");
+    }
 
     #[test]
     fn the_first_stop_condition_sets_the_time_left() {

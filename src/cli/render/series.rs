@@ -7,7 +7,8 @@ use std::sync::atomic::Ordering;
 /// Calls `render` for each of `pictures`, and returns the exit code of the command.
 ///
 /// Ends early if a render fails or is interrupted. A picture that cannot be written does not end
-/// the series; its errors are returned at the end.
+/// the series; its errors are returned at the end. If a signal ends the series, the exit code is
+/// [`Exit::Interrupted`], also if pictures could not be written.
 pub(super) fn render_series<T>(
     pictures: impl IntoIterator<Item = T>,
     mut render: impl FnMut(T) -> Result<Exit, CommandFailure>,
@@ -23,13 +24,21 @@ pub(super) fn render_series<T>(
             }
             Err(failure) => {
                 reports.extend(failure.reports);
-                if failure.exit != Exit::Output || INTERRUPTED.load(Ordering::Relaxed) {
+                if failure.exit != Exit::Output {
                     return Err(CommandFailure { reports, exit: failure.exit });
+                }
+                if INTERRUPTED.load(Ordering::Relaxed) {
+                    end = Exit::Interrupted;
+                    break;
                 }
             }
         }
     }
-    if reports.is_empty() { Ok(end) } else { Err(CommandFailure { reports, exit: Exit::Output }) }
+    match end {
+        _ if reports.is_empty() => Ok(end),
+        Exit::Interrupted => Err(CommandFailure { reports, exit: end }),
+        _ => Err(CommandFailure { reports, exit: Exit::Output }),
+    }
 }
 
 #[cfg(test)]
@@ -54,5 +63,6 @@ mod tests {
         assert_eq!(series_outcome(&[unwritable, good, unwritable, good]), (Err((Exit::Output, 2)), 4));
         assert_eq!(series_outcome(&[unwritable, Err(Exit::Usage), good]), (Err((Exit::Usage, 2)), 2));
         assert_eq!(series_outcome(&[good, Ok(Exit::Interrupted), good]), (Ok(Exit::Interrupted), 2));
+        assert_eq!(series_outcome(&[unwritable, Ok(Exit::Interrupted), good]), (Err((Exit::Interrupted, 1)), 2));
     }
 }

@@ -287,6 +287,12 @@ impl<'a> Job<'a> {
             // Drop resume requests from before the pause, so that they do not end it.
             while self.resume_receiver.try_recv().is_ok() {}
             let is_stopped = rendered.end_reason == EndReason::Interrupted;
+            if is_stopped && !control.pause_requested.load(Ordering::Relaxed) {
+                // The user has resumed the render since it stopped. The request may be among those
+                // that were dropped.
+                stop.time_before_passes = Duration::ZERO;
+                continue;
+            }
             self.live.publish_end(&rendered, if is_stopped { RenderStage::Stopped } else { RenderStage::Ended });
             loop {
                 match self.resume_receiver.recv_timeout(AOV_POLL_INTERVAL) {

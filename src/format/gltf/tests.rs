@@ -261,6 +261,14 @@ fn unsupported_content_is_noted_once() {
 }
 
 #[test]
+fn normal_maps_scaled_to_nothing_are_noted() {
+    let transform = json!({ "KHR_texture_transform": { "scale": [0, 1] } });
+    let material = json!({ "name": "a", "normalTexture": { "index": 0, "extensions": transform } });
+    let notes = import_json(&triangle_scene(material, json!({}))).notes;
+    assert!(notes.iter().any(|note| note.message.contains("scaled to nothing")), "{notes:?}");
+}
+
+#[test]
 fn surfaces_emit_by_strength_and_alpha() {
     let material = json!({
         "name": "a", "emissiveFactor": [1, 0.5, 0.25], "alphaMode": "BLEND",

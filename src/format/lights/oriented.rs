@@ -4,7 +4,6 @@ use crate::format::aim::{DirectionOrTarget, parse_direction_or_target, write_dir
 use crate::format::error::SceneError;
 use crate::format::language::fields::BlockFields;
 use crate::format::language::schema::{FieldKind, FieldSchema, field_schema};
-use crate::format::language::text::is_normalizable;
 use crate::format::language::writer::SceneWriter;
 use glam::DVec3;
 use std::fmt;
@@ -32,14 +31,16 @@ pub(super) const POSE_FIELDS: &[FieldSchema] = &[
 ];
 
 impl LightPose {
-    /// Parses position and orientation. The field `up` must not be parallel to the axis.
+    /// Parses position and orientation. The field `up` must not be nearly parallel to the axis.
     pub(super) fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
         let position = f.value_or_default("position")?;
         let (aim, direction) = parse_direction_or_target(f, "position", position)?;
         let up: Option<DVec3> = f.optional_value("up");
         if let (Some(field), Some(up)) = (f.get("up"), up) {
-            field
-                .ensure_valid(is_normalizable(up.cross(direction)), "must not be parallel to the axis of the light")?;
+            // For a smaller sine of the angle between `up` and the axis, rounding decides which way
+            // is up.
+            let sine = up.normalize().cross(direction.normalize()).length();
+            field.ensure_valid(sine >= 1e-9, "must not be parallel to the axis of the light")?;
         }
         Ok(Self { position, aim, up })
     }

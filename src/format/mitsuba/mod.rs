@@ -135,8 +135,9 @@ fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Imp
 
 /// Converts the lights of the scene, except area lights, which are emission of shapes.
 ///
-/// `has_emissive_surfaces` is true if a shape emits light. Without any emitter in the file, adds a
-/// white sky and a message. Leaves out environment emitters after the first one, with a message.
+/// `has_emissive_surfaces` is true if a shape emits light. If neither a light nor such a shape is
+/// left, adds a white sky and a message. Leaves out environment emitters after the first one, with
+/// a message.
 fn read_lights(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,
@@ -154,9 +155,10 @@ fn read_lights(
         }
         lights.push(Spanned::new(light, Span::default()));
     }
-    if emitters.is_empty() && !has_emissive_surfaces {
-        let message = "the file has no light: a white sky of radiance 1 lights the scene";
-        context.notes.borrow_mut().add_missing(message);
+    if lights.is_empty() && !has_emissive_surfaces {
+        let cause = if emitters.is_empty() { "the file has no light" } else { "no emitter of the file gives light" };
+        let message = format!("{cause}: a white sky of radiance 1 lights the scene");
+        context.notes.borrow_mut().add_missing(&message);
         let sky = LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::ONE));
         lights.push(Spanned::new(sky, Span::default()));
     }

@@ -390,6 +390,18 @@ fn lights_have_the_strength_of_their_emitter() {
     assert!(matches!(lights("")[0].value, LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::ONE))));
 }
 
+#[test]
+fn a_white_sky_replaces_left_out_emitters() {
+    let black = r#"<emitter type="constant"><rgb name="radiance" value="0"/></emitter>"#;
+    for emitter in [black, "<emitter type=\"flashlight\"/>"] {
+        let scene = import_text(emitter);
+        let lights = &scene.description.lights;
+        let sky = LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::ONE));
+        assert!(lights.len() == 1 && lights[0].value == sky, "{lights:?}");
+        assert!(has_note(&scene, "no emitter of the file gives light: a white sky"));
+    }
+}
+
 /// Compares the falloff with the formula in Mitsuba's documentation, which is linear in the angle.
 #[test]
 fn spotlights_fall_off_linearly_in_the_angle() {

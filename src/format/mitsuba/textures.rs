@@ -23,21 +23,33 @@ use std::sync::Arc;
 const MAX_TEXTURE_DEPTH: u32 = 8;
 
 /// Quantity that a texture describes. It selects the conversion of pixel values and their range.
+///
+/// A number is the luminance of a picture's color, and the channel mean of a constant color.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum MitsubaTextureUse {
     /// Colors inside \[0, 1].
     Color,
-    /// Numbers inside \[0, 1]: the luminance of the texture's colors.
+    /// Numbers inside \[0, 1].
     Fraction,
-    /// Squares of numbers inside \[0, 1], such as GGX α = `roughness`². Each number is the
-    /// luminance of the texture's color.
+    /// Squares of numbers inside \[0, 1], such as GGX α = `roughness`².
     SquaredFraction,
-    /// Numbers of at least 0, such as heights: the luminance of the texture's colors.
+    /// Numbers of at least 0, such as heights.
     Height,
     /// RGB radiance of at least 0.
     Radiance,
     /// Tangent-space normals, stored as linear colors inside \[0, 1].
     Normal,
+}
+
+impl MitsubaTextureUse {
+    /// Returns the quantity that constant colors describe. It selects the conversion of spectra.
+    fn color_meaning(self) -> ColorMeaning {
+        match self {
+            Self::Color => ColorMeaning::Reflectance,
+            Self::Radiance => ColorMeaning::Emission,
+            Self::Fraction | Self::SquaredFraction | Self::Height | Self::Normal => ColorMeaning::Unbounded,
+        }
+    }
 }
 
 /// Result of converting a color parameter or texture: a constant, or a texture of the imported
@@ -67,7 +79,7 @@ impl MitsubaConvertedTexture {
         }
     }
 
-    /// Returns the constant or texture as a number parameter. A constant gives its first channel.
+    /// Returns the constant or texture as a number parameter. All channels of a constant are equal.
     pub fn into_number(self) -> TexturedValue<f64> {
         match self {
             Self::Constant(color) => TexturedValue::Constant(color.x),
@@ -109,20 +121,12 @@ impl MitsubaTextures {
         (texture_use, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
     ) -> ReadResult<MitsubaConvertedTexture> {
-        let meaning = match texture_use {
-            MitsubaTextureUse::Color => ColorMeaning::Reflectance,
-            MitsubaTextureUse::Radiance => ColorMeaning::Emission,
-            MitsubaTextureUse::Fraction
-            | MitsubaTextureUse::SquaredFraction
-            | MitsubaTextureUse::Height
-            | MitsubaTextureUse::Normal => ColorMeaning::Unbounded,
-        };
         if context.color_value(object, name)?.is_none()
             && let Some(texture) = context.named_child(object, ObjectClass::Texture, name)?
         {
             return self.convert_texture(context, &texture, (texture_use, convention), factor, 0);
         }
-        let color = factor * context.linear_rgb(object, name, meaning, default)?;
+        let color = factor * context.linear_rgb(object, name, texture_use.color_meaning(), default)?;
         Ok(MitsubaConvertedTexture::Constant(clamped_to_range(color, texture_use)))
     }
 
@@ -143,7 +147,7 @@ impl MitsubaTextures {
             return Err(texture.place.error("textures are nested too deep", "nest them less deep"));
         }
         if let Some(color) = context.spectrum_from_object(texture)? {
-            let color = color.to_rgb(ColorMeaning::Reflectance).max(DVec3::ZERO) * factor;
+            let color = color.to_rgb(texture_use.color_meaning()).max(DVec3::ZERO) * factor;
             return Ok(MitsubaConvertedTexture::Constant(clamped_to_range(color, texture_use)));
         }
         match texture.plugin.as_str() {
@@ -317,7 +321,7 @@ impl MitsubaTextures {
                     self.convert_texture(context, &inner, (texture_use, convention), factor, depth + 1)?.mean()
                 }
                 None => {
-                    let color = context.linear_rgb(texture, name, ColorMeaning::Reflectance, default)? * factor;
+                    let color = context.linear_rgb(texture, name, texture_use.color_meaning(), default)? * factor;
                     clamped_to_range(color, texture_use)
                 }
             };
@@ -366,10 +370,17 @@ fn scale_factor(texture: &MitsubaObject) -> f64 {
     texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0)
 }
 
-/// Returns `color` clamped to the range of the quantity `texture_use`.
+/// Converts a constant color to the quantity `texture_use`, clamped to its range.
 ///
-/// For [`MitsubaTextureUse::SquaredFraction`], squares each channel after clamping.
+/// If the quantity is a number, all channels of the result are the color's channel mean.
 fn clamped_to_range(color: DVec3, texture_use: MitsubaTextureUse) -> DVec3 {
+    let is_number = matches!(
+        texture_use,
+        MitsubaTextureUse::Fraction | MitsubaTextureUse::SquaredFraction | MitsubaTextureUse::Height
+    );
+    // The mean of three equal channels could have a rounding error.
+    let is_gray = color.x == color.y && color.y == color.z;
+    let color = if is_number && !is_gray { DVec3::splat(color.element_sum() / 3.0) } else { color };
     match texture_use {
         MitsubaTextureUse::Color | MitsubaTextureUse::Fraction | MitsubaTextureUse::Normal => {
             color.clamp(DVec3::ZERO, DVec3::ONE)

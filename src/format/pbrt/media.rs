@@ -142,7 +142,7 @@ impl PbrtMedia {
     ///
     /// In Caustica, only the density varies over cells: it is the mean of the channels of
     /// extinction. All cells share the density-weighted mean colors. A message is added if the
-    /// colors of cells differ, or if the medium emits.
+    /// colors of cells differ: their absorption, scattering or emission per density.
     fn rgb_grid_medium(
         &mut self,
         parameters: &Parameters,
@@ -159,13 +159,13 @@ impl PbrtMedia {
             count.ok_or_else(|| place.error("the medium has no coefficients", "give `sigma_a` or `sigma_s`"))?;
         let color_of = |values: Option<&[[f64; 3]]>, i: usize| values.map_or(DVec3::ONE, |v| DVec3::from_array(v[i]));
         let emitted = cell_values(parameters, "Le", size)?.filter(|_| absorption.is_some());
+        let emission_of = |i: usize| emitted.map_or(DVec3::ZERO, |emitted| DVec3::from_array(emitted[i]));
         let mut densities = Vec::with_capacity(count);
         let (mut weight, mut sums) = (0.0, [DVec3::ZERO; 3]);
         for i in 0..count {
             let (a, s) = (color_of(absorption, i), color_of(scattering, i));
             let density = (a + s).element_sum() / 3.0;
-            let light = emitted.map_or(DVec3::ZERO, |emitted| DVec3::from_array(emitted[i])) * a;
-            sums = [sums[0] + a, sums[1] + s, sums[2] + light];
+            sums = [sums[0] + a, sums[1] + s, sums[2] + emission_of(i) * a];
             weight += density;
             densities.push(density as f32);
         }
@@ -173,10 +173,12 @@ impl PbrtMedia {
         let deviates = (0..count).any(|i| {
             let (a, s) = (color_of(absorption, i), color_of(scattering, i));
             let density = (a + s).element_sum() / 3.0;
-            let deviation = (a - absorbed * density).abs().max((s - scattered * density).abs());
-            deviation.max_element() > MAX_RELATIVE_COLOR_DEVIATION * density
+            let deviation = (a - absorbed * density).abs().max((s - scattered * density).abs()).max_element();
+            let light_deviation = (emission_of(i) * a - light * density).abs().max_element();
+            deviation > MAX_RELATIVE_COLOR_DEVIATION * density
+                || light_deviation > MAX_RELATIVE_COLOR_DEVIATION * density * light.max_element()
         });
-        if deviates || light != DVec3::ZERO {
+        if deviates {
             notes.add_unsupported("colors of media that vary in space become their mean", place.position_text());
         }
         let scale = parameters.number_or("scale", 1.0);

@@ -195,6 +195,11 @@ impl Resolver<'_> {
             .find(|p| p.is_file())
             .inspect(|file| self.monitor.on_input_file_found(file));
         found.ok_or_else(|| {
+            if let Some(other) = candidate_file_paths(self.folder, written).find(|p| p.exists()) {
+                let file_type = if other.is_dir() { "a folder" } else { "a pipe or a device" };
+                let message = format!("the {kind} `{}` is {file_type}", path.value);
+                return self.file_error(path, &message, "name a regular file");
+            }
             let places: Vec<String> =
                 candidate_file_paths(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
             let message = format!("the {kind} `{}` does not exist", path.value);

@@ -48,3 +48,13 @@ fn slow_passes_end_by_time() {
     assert_eq!((expected.reason, expected.passes), (EndReason::Time, 5));
     assert!((expected.error / (0.3 / 10f64.sqrt()) - 1.0).abs() < 0.05, "{}", expected.error);
 }
+
+/// Without limits of passes and time, a bias above the target ends a render at any noise.
+#[test]
+fn unreachable_targets_end_renders_without_limits() {
+    let biased = NoisyIntegrator { sigma: 0.24, bias: 0.2, ..NOISY };
+    let limits = RenderLimits { target_error: Some(0.05), ..RenderLimits::default() };
+    let (expected, end) = expected_and_actual_end(limits, &biased, 1e-3);
+    assert_eq!((expected.reason, expected.passes), (EndReason::BiasFloor, 16));
+    assert_eq!(end, (EndReason::BiasFloor, 16));
+}

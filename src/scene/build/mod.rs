@@ -153,8 +153,8 @@ impl SceneBuilder {
     /// world.
     ///
     /// Without this call, the object has its own texture coordinates (see [`Shape::tex_coord`]),
-    /// and solid textures are evaluated in world space. Spheres, ellipsoids, discs, rectangles and
-    /// planes have no texture coordinates of their own.
+    /// and solid textures are evaluated in world space. Spheres, ellipsoids and planes have no
+    /// texture coordinates of their own.
     pub fn set_last_texture_mapping(&mut self, kind: TextureMappingKind, to_world: &Motion) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.mapping = Some((kind, to_world.clone()));

@@ -87,6 +87,23 @@ fn sampled_points_have_their_stated_pdf() {
     }
 }
 
+/// Texture coordinates of flat shapes depend only on the position. So an emission texture has equal
+/// values at a point that a ray hits, and at this point as a sample of the light.
+#[test]
+fn flat_shapes_derive_texture_coordinates_from_positions() {
+    for shape in one_shape_of_each_kind().iter().filter(|shape| matches!(shape, Shape::Disc(_) | Shape::Rectangle(_))) {
+        for i in 0..1000 {
+            let s =
+                shape.sample(Key::new(3).purpose_key(Purpose::Test).child_key(i).uniform_2d(Dimension::LightPosition));
+            let ShapeHit { shape_coords, .. } =
+                shape.intersect(&Ray::new(s.point.p + s.point.ng * 0.1, -s.point.ng)).expect("the ray hits the sample");
+            let coord = shape.tex_coord(s.point.p, s.shape_coords);
+            assert!((coord.uv - shape_coords.as_dvec2()).length() < 1e-5, "{shape:?} {coord:?}");
+            assert_eq!(shape.tex_coord(s.point.p, shape_coords), coord);
+        }
+    }
+}
+
 /// Rays from offset origins on a sphere do not hit the sphere at their origin.
 ///
 /// An outward ray misses the sphere, and an inward ray hits the far side.

@@ -94,9 +94,12 @@ fn two_unit_duration_text(small: f64, large_unit: &str, small_unit: &str) -> Str
 /// `1.23e-7`.
 #[must_use]
 pub fn three_digit_text(x: f64) -> String {
-    match x.abs() {
+    let scientific = format!("{x:.2e}");
+    // The rounded number selects the format: rounding may reach the next power of ten.
+    let rounded = scientific.parse().unwrap_or(x);
+    match rounded.abs() {
         0.0 => "0".to_owned(),
-        1000.0.. | ..0.001 => format!("{x:.2e}"),
+        1000.0.. | ..0.001 => scientific,
         ..0.01 => format!("{x:.5}"),
         ..0.1 => format!("{x:.4}"),
         ..1.0 => format!("{x:.3}"),
@@ -142,5 +145,7 @@ mod tests {
         assert_eq!([1.23e-3, -4e-5, -0.5].map(signed_milliseconds_text), ["+1.2", "0.0", "-500.0"]);
         let numbers = [0.0, 1.234e-7, 0.00123, 0.0123, 0.123, 1.234, 12.34, 123.4, 12340.0].map(three_digit_text);
         assert_eq!(numbers, ["0", "1.23e-7", "0.00123", "0.0123", "0.123", "1.23", "12.3", "123", "1.23e4"]);
+        let below_powers_of_ten = [9.996e-4, 0.9996, 9.996, -99.96, 999.6, f64::INFINITY].map(three_digit_text);
+        assert_eq!(below_powers_of_ten, ["0.00100", "1.00", "10.0", "-100", "1.00e3", "inf"]);
     }
 }

@@ -34,7 +34,7 @@ async function fetchFrame() {
   if (!isWish && newestSequence() <= after) return;
   isFetching = true;
   const bytes = await layerBytes(`layer/${layer}?after=${after}`);
-  if (bytes && layer === viewer.layer) showFrame(decodeFrame(bytes));
+  if (bytes && layer === viewer.layer) showFrame(decodeFrame(bytes, layer));
   isFetching = false;
   const shown = viewer.shown && viewer.shown.layer === viewer.layer ? viewer.shown.frame.sequence : 0;
   if (viewer.layer !== layer || (newestSequence() > shown && newestSequence() > after)) setTimeout(fetchFrame, 50);
@@ -48,7 +48,7 @@ async function fetchReference() {
   isFetchingReference = true;
   const bytes = await layerBytes("layer/reference");
   if (bytes) {
-    viewer.others.reference = makePicture(decodeFrame(bytes), "picture");
+    viewer.others.reference = makePicture(decodeFrame(bytes, "picture"), "picture");
     viewer.other = viewer.other || "reference";
     listOthers();
     paint();

@@ -1,4 +1,4 @@
-// Frames of half floats, and their conversion to display bytes.
+// Frames of half floats or numbers, and their conversion to display bytes.
 
 const HEADER_BYTES = 20;
 
@@ -17,19 +17,27 @@ const HALF_VALUES = (() => {
   return values;
 })();
 
-/** Decodes a layer from the bytes of the program. */
-function decodeFrame(buffer) {
+/** Layers with numbers of objects or materials. The program sends them as 32-bit floats. */
+const NUMBER_LAYERS = ["object", "material"];
+
+/**
+ * Decodes the frame of a layer from the bytes of the program. The values of `NUMBER_LAYERS` are numbers.
+ * The values of other layers are the bits of half floats.
+ */
+function decodeFrame(buffer, layer) {
   const head = new DataView(buffer, 0, HEADER_BYTES);
   const [sequence, width, height, channels] = [0, 4, 8, 12].map((at) => head.getUint32(at, true));
   const scale = head.getFloat32(16, true);
-  const values = new Uint16Array(buffer, HEADER_BYTES, width * height * channels);
+  const Values = NUMBER_LAYERS.includes(layer) ? Float32Array : Uint16Array;
+  const values = new Values(buffer, HEADER_BYTES, width * height * channels);
   return { sequence, width, height, channels, scale, values };
 }
 
 /** Returns the values of one pixel of a frame, one for each channel. */
 function pixelValues(frame, x, y) {
   const at = (y * frame.width + x) * frame.channels;
-  return Array.from(frame.values.subarray(at, at + frame.channels), (bits) => HALF_VALUES[bits] * frame.scale);
+  const values = Array.from(frame.values.subarray(at, at + frame.channels));
+  return frame.values instanceof Float32Array ? values : values.map((bits) => HALF_VALUES[bits] * frame.scale);
 }
 
 const srgb = (c) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
@@ -175,9 +183,9 @@ function drawFrame(canvas, frame, look) {
     }
   } else if (look.layer === "normal" || look.layer === "position") {
     drawVectors(bytes, frame, look.layer === "normal");
-  } else if (look.layer === "object" || look.layer === "material") {
+  } else if (NUMBER_LAYERS.includes(look.layer)) {
     for (let i = 0; i < values.length; i++) {
-      bytes.set([...numberColor(Math.round(HALF_VALUES[values[i]] * frame.scale)), 255], 4 * i);
+      bytes.set([...numberColor(values[i]), 255], 4 * i);
     }
   } else {
     const isSigned = look.layer === "bias";

@@ -202,7 +202,8 @@ function showValues() {
   const valuesOf = (picture) => {
     const { frame } = picture;
     const [x, y] = [Math.floor((px * frame.width) / width), Math.floor((py * frame.height) / height)];
-    return pixelValues(frame, x, y).map(digits).join("  ");
+    const text = NUMBER_LAYERS.includes(picture.layer) ? String : digits;
+    return pixelValues(frame, x, y).map((value) => text(value)).join("  ");
   };
   let text = `(${px}, ${py})  ${valuesOf(viewer.shown)}`;
   const other = otherPicture();
@@ -221,7 +222,7 @@ function showFrame(frame) {
 /** Keeps the shown picture for comparison. */
 function pinPicture() {
   if (!viewer.shown) return;
-  viewer.others.pinned = makePicture(viewer.shown.frame, viewer.layer);
+  viewer.others.pinned = makePicture(viewer.shown.frame, viewer.shown.layer);
   viewer.other = "pinned";
   listOthers();
   paint();

@@ -17,7 +17,7 @@ fn help_and_version_succeed() {
 fn unreadable_scene_exits_1() {
     let sandbox = CliSandbox::new();
     sandbox.render("none.txt", "-o a.png").expect(1, &["none.txt", "help: check the path"]);
-    sandbox.render(".", "-o a.png").expect(1, &["cannot read the scene `.`"]);
+    sandbox.render(".", "-o a.png").expect(1, &["cannot read `.`"]);
     sandbox.put("garbage.txt", [0x7f, b'E', b'L', b'F', 0, 0xff, 0xfe, 0x80, b'\n', 0]);
     sandbox
         .render("garbage.txt", "-o a.png")

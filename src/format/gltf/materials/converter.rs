@@ -403,8 +403,7 @@ impl GltfMaterialConverter<'_, '_> {
     /// Converts the normal map of a material; `None` without one, or if all its pixels are equal.
     fn normal_map(&mut self, material: &gltf::Material<'_>) -> ReadResult<Option<NormalPerturbationDescription>> {
         let Some(normal) = material.normal_texture() else { return Ok(None) };
-        let reference =
-            Some(TextureReference::from_normal_texture(&normal)).filter(TextureReference::has_valid_transform);
+        let reference = self.with_valid_transform(TextureReference::from_normal_texture(&normal));
         let scale = f64::from(normal.scale());
         let values = self
             .convert_texture(reference.as_ref(), GltfTextureUse::Normal(if scale.is_finite() { scale } else { 1.0 }))?;

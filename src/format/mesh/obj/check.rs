@@ -142,12 +142,15 @@ impl ObjLineCounts {
 
 /// Calls `visit` with the index, from 0, and the text of each line that may hold a statement.
 ///
-/// A line that ends with a backslash is joined with the next line. Lines that do not begin with
-/// `v`, `f`, `m` or `u` are skipped, because Caustica needs no other statements.
+/// A line that ends with a backslash is joined with the next line, unless the line is a comment.
+/// Statements that do not begin with `v`, `f`, `m` or `u` are skipped, because Caustica needs no
+/// others.
 fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Result<(), E>) -> Result<(), E> {
     let mut lines = text.lines().enumerate();
     while let Some((i, first)) = lines.next() {
-        if !first.trim_ascii_start().starts_with(['v', 'f', 'm', 'u']) {
+        let statement = first.trim_ascii_start();
+        let is_needed = statement.starts_with(['v', 'f', 'm', 'u']);
+        if !is_needed && (statement.starts_with('#') || !statement.trim_end().ends_with('\\')) {
             continue;
         }
         let mut line = Cow::from(first);
@@ -157,7 +160,9 @@ fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Resul
             line.push(' ');
             line.push_str(lines.next().map_or("", |(_, next)| next));
         }
-        visit(i, &line)?;
+        if is_needed {
+            visit(i, &line)?;
+        }
     }
     Ok(())
 }

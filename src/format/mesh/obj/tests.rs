@@ -43,6 +43,7 @@ fn a_byte_order_mark_is_skipped() {
 fn unsupported_obj_statements_are_skipped() {
     let odd = "mtllib none.mtl\n# C:\\\no \u{fffd}\ng a b\ns off\nl 1 2\np 1\ncurv 0 1 2\nvp 1\n";
     assert_eq!(read_mesh_text(&format!("{odd}f 1 2 3\n{odd}f 1 3 4")), read_mesh_text("f 1 2 3\nf 1 3 4"));
+    assert_eq!(read_mesh_text("g a \\\nf \\\nv 9 9 9\nf 1 2 3"), read_mesh_text("f 1 2 3"));
     // A weight and a colour.
     let coloured = "v 0 0 0 2\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3";
     assert_eq!(read_obj_text(coloured).unwrap(), read_obj_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap());

@@ -237,14 +237,17 @@ impl PlyElement {
 
     fn check_required_properties(&self) -> Result<(), HeaderError> {
         let header_error = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
+        let index_list_count = self.properties.iter().filter(|p| p.role == PlyPropertyRole::VertexIndices).count();
         match self.kind {
             PlyElementKind::Vertex if !(0..3).all(|slot| self.has_vertex_component(slot)) => {
                 header_error("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
-            PlyElementKind::Face if !self.properties.iter().any(|p| p.role == PlyPropertyRole::VertexIndices) => {
-                header_error("`face` has no list `vertex_indices`", "export it with the corners of its faces")
-            }
-            _ => Ok(()),
+            PlyElementKind::Face => match index_list_count {
+                0 => header_error("`face` has no list `vertex_indices`", "export it with the corners of its faces"),
+                1 => Ok(()),
+                _ => header_error("`face` has two lists of vertex indices", "export it with one of them"),
+            },
+            PlyElementKind::Vertex | PlyElementKind::Other => Ok(()),
         }
     }
 }

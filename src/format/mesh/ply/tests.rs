@@ -140,6 +140,7 @@ fn invalid_headers_are_reported_by_line() {
         ("element vertex 3\nproperty float x\nproperty float y", "a.ply:3: `vertex` lacks one of"),
         ("element face 3\nproperty float x", "a.ply:3: `face` has no list"),
         ("element face 3\nproperty int vertex_indices", "a.ply:3: `face` has no list"),
+        (&format!("element face 3\n{FACE}property list uchar int vertex_index"), "a.ply:3: `face` has two lists"),
         ("element vertex 3\nproperty half x", "a.ply:4: `half` is no type"),
         ("element vertex 3\nproperty list float int x", "a.ply:4: the length of the list `x`"),
         ("element face 3\nproperty list uchar float vertex_index", "a.ply:4: the indices `vertex_index`"),

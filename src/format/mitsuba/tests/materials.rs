@@ -1,9 +1,9 @@
 //! Tests of the conversion of BSDFs.
 
-use super::{assert_import_error, has_note, import_text, sphere_material};
+use super::{assert_import_error, has_note, import_text, placed_objects, sphere_material};
 use crate::format::description::{
-    DielectricDescription, MaterialKindDescription, NormalPerturbationDescription, PrincipledDescription,
-    RefractiveIndexDescription, TextureKindDescription, TexturedValue,
+    DielectricDescription, MaterialKindDescription, MixDescription, NormalPerturbationDescription, ObjectDescription,
+    PrincipledDescription, RefractiveIndexDescription, TextureKindDescription, TexturedValue,
 };
 use glam::DVec3;
 
@@ -36,6 +36,24 @@ fn principled_has_the_parameters_of_the_file() {
     assert!((principled.clearcoat_roughness - 0.001).abs() < 1e-12);
     let glass = sphere_material(r#"<bsdf type="principled"><float name="spec_trans" value="1"/></bsdf>"#).kind;
     assert!(matches!(glass, MaterialKindDescription::Dielectric(_)), "{glass:?}");
+}
+
+#[test]
+fn numbers_are_the_channel_mean_of_constant_colors() {
+    let opacity = r#"<rgb name="opacity" value="0.75 0 0"/>"#;
+    let masked = sphere_material(&format!("<bsdf type=\"mask\">{opacity}<bsdf type=\"diffuse\"/></bsdf>"));
+    let MaterialKindDescription::Mix(MixDescription { second_probability, .. }) = masked.kind else { panic!() };
+    assert_eq!(second_probability, TexturedValue::Constant(0.25));
+}
+
+#[test]
+fn spectra_in_scale_textures_keep_bright_radiance() {
+    let spectrum = r#"<texture type="regular"><string name="range" value="300, 900"/>
+        <string name="values" value="4, 4"/></texture>"#;
+    let radiance = format!("<texture type=\"scale\" name=\"radiance\">{spectrum}</texture>");
+    let scene = import_text(&format!("<shape type=\"sphere\"><emitter type=\"area\">{radiance}</emitter></shape>"));
+    let ObjectDescription::Shape { emission: Some(radiance), .. } = placed_objects(&scene)[0].1 else { panic!() };
+    assert!(radiance.min_element() > 2.0, "{radiance}");
 }
 
 #[test]

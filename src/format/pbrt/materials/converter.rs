@@ -26,7 +26,7 @@ const MAX_MIX_DEPTH: usize = 16;
 /// Least GGX α of a rough surface. pbrt treats a smaller α as smooth.
 const MIN_ROUGH_ALPHA: f64 = 1e-3;
 
-/// Refractive index of pbrt's materials if the file states none, and of `plastic` and `uber`.
+/// Refractive index of pbrt's materials if the file states none, and of `plastic`.
 const DEFAULT_REFRACTIVE_INDEX: f64 = 1.5;
 
 /// Thickness of the coat of `coateddiffuse` if the file states none.
@@ -49,6 +49,30 @@ pub(super) struct PbrtMaterialConverter<'m> {
     pub notes: &'m mut ImportNotes,
     /// Name of the medium inside the shape; `None` for vacuum.
     pub medium: Option<&'m str>,
+}
+
+/// Map from a roughness of pbrt to GGX α. It applies unless `remaproughness` is false.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum RoughnessMap {
+    /// Square root: the map of pbrt-v4.
+    SquareRoot,
+    /// Polynomial of pbrt-v3. Its least α is 0.047, at roughness 0.001 and below.
+    Polynomial,
+    /// Polynomial of pbrt-v3 for roughness above 0; roughness 0 is smooth. The map of `glass`.
+    PolynomialOrSmooth,
+}
+
+impl RoughnessMap {
+    fn ggx_alpha(self, roughness: f64) -> f64 {
+        match self {
+            Self::SquareRoot => roughness.max(0.0).sqrt(),
+            Self::PolynomialOrSmooth if roughness <= 0.0 => 0.0,
+            Self::Polynomial | Self::PolynomialOrSmooth => {
+                let x = libm::log(roughness.max(1e-3));
+                1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)))
+            }
+        }
+    }
 }
 
 /// GGX α of a surface, as a constant or a texture, and its mean.
@@ -163,7 +187,7 @@ impl PbrtMaterialConverter<'_> {
             }
             "coateddiffuse" => {
                 let index = self.refractive_index(p, &["eta"])?.clamp(1.0, f64::from(MAX_COAT_INDEX));
-                let roughness = self.roughness(p, 0.0, false)?;
+                let roughness = self.roughness(p, 0.0, RoughnessMap::SquareRoot)?;
                 if p.find("albedo").is_some_and(|albedo| albedo.numbers.iter().any(|a| *a != 0.0)) {
                     self.add_note("scattering inside coats (`albedo`) is left out: they absorb only", place);
                 }
@@ -188,26 +212,26 @@ impl PbrtMaterialConverter<'_> {
                     self.add_note("mirrors and transmission of `uber` (Kr, Kt) are left out", place);
                 }
                 let (_, gloss) = self.textured_color_and_mean(p, "Ks", default, &|c| c)?;
-                let f0 = if matches!(kind, "plastic" | "uber") {
-                    normal_reflectance(DEFAULT_REFRACTIVE_INDEX) * gloss
-                } else {
-                    gloss
+                let f0 = match kind {
+                    "plastic" => normal_reflectance(DEFAULT_REFRACTIVE_INDEX) * gloss,
+                    "uber" => normal_reflectance(self.refractive_index(p, &["eta", "index"])?) * gloss,
+                    _ => gloss,
                 };
                 let diffuse_share = DVec3::splat(1.0 - f0.max_element());
                 let (diffuse, _) = self.textured_color_and_mean(p, "Kd", default, &|c| c * diffuse_share)?;
-                let roughness = self.roughness(p, 0.1, true)?;
+                let roughness = self.roughness(p, 0.1, RoughnessMap::Polynomial)?;
                 MaterialKindDescription::Phong(PhongDescription::in_place_of_ggx(diffuse, f0, roughness.mean))
             }
             "mirror" => MaterialKindDescription::Mirror(MirrorDescription {
                 reflectance: self.textured_color_and_mean(p, "Kr", 0.9, &|c| c)?.0,
             }),
             "glass" | "dielectric" => {
-                let is_v3 = kind == "glass";
                 let is_one = |color: &Parameter| color.texts.is_empty() && color.numbers.iter().all(|c| *c == 1.0);
                 if ["Kr", "Kt"].iter().any(|name| p.find(name).is_some_and(|color| !is_one(color))) {
                     self.add_note("colors of glass (Kr, Kt) are ignored", place);
                 }
-                let roughness = self.roughness(p, 0.0, is_v3)?;
+                let map = if kind == "glass" { RoughnessMap::PolynomialOrSmooth } else { RoughnessMap::SquareRoot };
+                let roughness = self.roughness(p, 0.0, map)?;
                 MaterialKindDescription::Dielectric(DielectricDescription {
                     refraction: self.refractive_index_description(p)?,
                     absorption: DielectricAbsorption::None,
@@ -221,13 +245,17 @@ impl PbrtMaterialConverter<'_> {
                 transmittance: DVec3::ONE.into(),
             }),
             "conductor" | "metal" => {
-                let roughness = self.roughness(p, if kind == "metal" { 0.01 } else { 0.0 }, kind == "metal")?;
+                let (default, map) = match kind {
+                    "metal" => (0.01, RoughnessMap::Polynomial),
+                    _ => (0.0, RoughnessMap::SquareRoot),
+                };
+                let roughness = self.roughness(p, default, map)?;
                 self.conductor_description(p, ["reflectance", "eta", "k"], roughness.alpha)?
             }
             "coatedconductor" => {
                 self.add_note("coats of conductors are left out: the conductor is bare", place);
-                let alpha =
-                    self.roughness_from_names(p, ["conductor.uroughness", "conductor.vroughness"], 0.0, false)?.alpha;
+                let names = ["conductor.uroughness", "conductor.vroughness"];
+                let alpha = self.roughness_from_names(p, names, 0.0, RoughnessMap::SquareRoot)?.alpha;
                 self.conductor_description(p, ["reflectance", "conductor.eta", "conductor.k"], alpha)?
             }
             "diffusetransmission" => {
@@ -393,24 +421,22 @@ impl PbrtMaterialConverter<'_> {
 
     /// Returns GGX α from pbrt's parameters `roughness`, `uroughness` and `vroughness`.
     ///
-    /// `default` is the value of a missing parameter. `is_v3` selects pbrt-v3's map from roughness
-    /// to α.
-    fn roughness(&mut self, p: &Parameters, default: f64, is_v3: bool) -> ReadResult<Roughness> {
-        self.roughness_from_names(p, ["uroughness", "vroughness"], default, is_v3)
+    /// `default` is the value of a missing parameter. `map` is the map from roughness to α.
+    fn roughness(&mut self, p: &Parameters, default: f64, map: RoughnessMap) -> ReadResult<Roughness> {
+        self.roughness_from_names(p, ["uroughness", "vroughness"], default, map)
     }
 
     /// Returns GGX α from the roughness parameters called `u` and `v`. A missing one takes the
     /// value of the isotropic parameter, such as `roughness`.
     ///
     /// If the means along u and v differ, both `alpha` and `mean` are their geometric mean.
-    /// `default` is the value of a missing parameter. `is_v3` selects pbrt-v3's map from roughness
-    /// to α.
+    /// `default` is the value of a missing parameter. `map` is the map from roughness to α.
     fn roughness_from_names(
         &mut self,
         p: &Parameters,
         [u, v]: [&str; 2],
         default: f64,
-        is_v3: bool,
+        map: RoughnessMap,
     ) -> ReadResult<Roughness> {
         let place = &p.place;
         let prefix = u.strip_suffix("uroughness").unwrap_or_default();
@@ -421,19 +447,8 @@ impl PbrtMaterialConverter<'_> {
         };
         let (first, second) = (value(u)?, value(v)?);
         let remaps = p.flag("remaproughness") != Some(false);
-        // In pbrt-v3, roughness 0 counts as smooth, although the polynomial below gives more than
-        // 0.
-        let is_smooth = |r: f64| r <= 0.0 && (is_v3 || remaps);
         let alpha = move |r: f64| {
-            let alpha = match (remaps, is_v3) {
-                _ if is_smooth(r) => 0.0,
-                (false, _) => r,
-                (true, false) => r.max(0.0).sqrt(),
-                (true, true) => {
-                    let x = libm::log(r.max(1e-3));
-                    1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)))
-                }
-            };
+            let alpha = if remaps { map.ggx_alpha(r) } else { r };
             if alpha < MIN_ROUGH_ALPHA { 0.0 } else { alpha.min(1.0) }
         };
         let (textured, mean) = self.textured_scalar_and_mean(&first, &alpha)?;

@@ -1,8 +1,8 @@
 //! Tests of materials of pbrt: scopes of names, glass, mixes and errors.
 
 use crate::format::description::{
-    CoatedDiffuseDescription, DiffuseDescription, GroupItem, MaterialKindDescription, TexturedValue,
-    ThinDielectricDescription,
+    CoatedDiffuseDescription, ConductorDescription, DielectricDescription, DiffuseDescription, GroupItem,
+    MaterialKindDescription, PhongDescription, TexturedValue, ThinDielectricDescription,
 };
 use crate::format::import::ImportedScene;
 use crate::format::pbrt::tests::{import_text, note_messages, try_import_text};
@@ -130,4 +130,40 @@ fn too_deeply_nested_mixes_are_errors() {
     };
     assert!(try_import_text(&chain(8)).is_ok());
     assert!(try_import_text(&chain(9)).unwrap_err().to_string().contains("nest too deep"));
+}
+
+#[test]
+fn roughness_0_is_smooth_only_for_glass() {
+    let kind = |directive: &str| {
+        let text = format!("WorldBegin Material {directive} \"float roughness\" 0 Shape \"sphere\"");
+        import_text(&text).description.materials[0].kind.clone()
+    };
+    let MaterialKindDescription::Conductor(ConductorDescription { roughness, .. }) = kind("\"metal\"") else {
+        panic!()
+    };
+    let TexturedValue::Constant(alpha) = roughness else { panic!() };
+    assert!((alpha - 0.0473).abs() < 1e-4, "{alpha}");
+    let MaterialKindDescription::Dielectric(DielectricDescription { roughness, .. }) = kind("\"glass\"") else {
+        panic!()
+    };
+    assert_eq!(roughness, TexturedValue::Constant(0.0));
+    let MaterialKindDescription::Phong(PhongDescription { shininess, .. }) = kind("\"substrate\"") else { panic!() };
+    assert!((shininess + 2.0 - 2.0 / (alpha * alpha)).abs() < 1e-9 * shininess, "{shininess}");
+}
+
+#[test]
+fn gloss_of_uber_follows_its_index() {
+    let specular = |index: &str| {
+        let text = format!("WorldBegin Material \"uber\" {index} Shape \"sphere\"");
+        let MaterialKindDescription::Phong(phong) = import_text(&text).description.materials[0].kind.clone() else {
+            panic!()
+        };
+        let TexturedValue::Constant(specular) = phong.specular else { panic!() };
+        specular.x
+    };
+    // Normal reflectances are 0.04 for index 1.5, and 0.25 for index 3.
+    for name in ["index", "eta"] {
+        let ratio = specular(&format!("\"float {name}\" 3")) / specular("");
+        assert!((ratio - 0.25 / 0.04).abs() < 1e-9, "{name}: {ratio}");
+    }
 }

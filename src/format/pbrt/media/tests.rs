@@ -62,6 +62,18 @@ fn color_grids_keep_their_totals() {
 }
 
 #[test]
+fn only_unequal_emission_of_color_grids_is_noted() {
+    let has_note = |emission: &str| {
+        let scene = import_text(&format!(
+            "MakeNamedMedium \"m\" \"string type\" \"rgbgrid\" \"integer ny\" 2 \"rgb sigma_s\" [1 1 1 .3 .3 .3] \
+             \"rgb sigma_a\" [1 1 1 .3 .3 .3] \"rgb Le\" [{emission}] WorldBegin"
+        ));
+        note_messages(&scene).contains("colors of media")
+    };
+    assert!(has_note("1 2 3 1 2 4") && !has_note("1 2 3 1 2 3"));
+}
+
+#[test]
 fn homogeneous_media_emit_le_times_absorption() {
     let scene = import_text(
         "MakeNamedMedium \"m\" \"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [0 0 0] \"rgb Le\" [1 1 1] \"float Lescale\" 2 WorldBegin",

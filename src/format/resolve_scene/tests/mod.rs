@@ -242,7 +242,7 @@ fn unreadable_meshes_are_reported_at_their_path() {
     let absolute = error("/no/such.obj");
     assert!(!absolute.remedy().contains(" or "), "{}", absolute.remedy());
     std::fs::create_dir(folder.path().join("folder.obj")).unwrap();
-    assert!(error("folder.obj").message().contains("does not exist"));
+    assert!(error("folder.obj").message().contains("`folder.obj` is a folder"));
     std::fs::write(folder.path().join("bad.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
     let broken = error("bad.obj");
     assert_eq!((broken.line(), broken.offending_text()), (3, "bad.obj"));

@@ -46,6 +46,7 @@ fn invalid_oriented_lights_are_errors() {
         ("ProjectorLight { position 0 4 0 direction 0 -1 0 angle 40 file black.exr power 1 1 1 }", "black"),
         ("GoniometricLight { position 0 4 0 direction 0 -1 0 profile bad.txt power 1 1 1 }", "table of angles"),
         ("GoniometricLight { position 0 4 0 direction 0 -1 0 up 0 1 0 file white.exr power 1 1 1 }", "parallel"),
+        ("GoniometricLight { position 0 4 0 direction 0 -1 0 up 1e-15 1 0 file white.exr power 1 1 1 }", "parallel"),
     ] {
         let error = resolve_scene_with_light(light).unwrap_err();
         let said = [error.message(), error.remedy()];
