@@ -150,7 +150,8 @@ fn trace_round(
 
 /// Returns the transmittance along `ray` to the environment; 0 if a surface blocks it.
 ///
-/// Media attenuate only rays that cross null interfaces or thin sheets. For other rays the result is 0 or 1.
+/// Media attenuate only rays that cross null interfaces or thin sheets. For other rays the result
+/// is 0 or 1.
 fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key: Key) -> Rgb {
     if !scene.occluded(ray) {
         return Rgb::ONE;

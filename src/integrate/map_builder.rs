@@ -358,7 +358,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// without light tracing.
     fn light_tracer(&self, options: &MapBuildOptions) -> Option<LightTracer<'_>> {
         let shares = self.density_estimate_shares.as_deref().filter(|_| options.connects_to_camera);
-        shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)))
+        shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares.in_pass(options.pass))))
     }
 
     /// Traces the photon paths aimed at casters, such as mirrors and glass. Returns their photons

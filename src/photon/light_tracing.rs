@@ -23,29 +23,52 @@ use rayon::prelude::*;
 /// Number of caustic photons per pixel and pass at which density estimates and splats each get half
 /// of the caustic flux.
 ///
-/// In pixels with fewer photons, splats are noisier, so density estimates get more than half.
-const EQUAL_SHARE_PHOTON_COUNT: f64 = 10.0;
+/// It holds in the first pass. In pixels with fewer photons, splats are noisier, so density
+/// estimates get more than half.
+const EQUAL_SHARE_PHOTON_COUNT: f64 = 0.5;
+
+/// Effective number of splats of the pilot from which the photons per pixel are estimated: the
+/// square of pixels around a pixel grows until it holds so many.
+///
+/// Fewer splats would make the shares noisy. Density estimates blur this noise, and splats do not,
+/// so it would show in the picture.
+const ENOUGH_SPLATS: f64 = 16.0;
+
+/// Largest distance between the pixel and the columns and rows of its square \[pixels].
+const MAX_HALF_WIDTH: u32 = 8;
 
 /// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film. A
 /// splat by light tracing carries the remaining flux.
-#[derive(Clone, Debug, PartialEq, Eq)]
+///
+/// The fraction falls from pass to pass. The mean of n passes divides the variance of splats by n,
+/// but it divides the bias of density estimates only by about the cube root of n.
+#[derive(Clone, Debug, PartialEq)]
 pub struct DensityEstimateShares {
     width: u32,
     height: u32,
-    /// Fraction of caustic flux that density estimates use at each pixel, in units of
-    /// 1/[`SHARE_STEPS`], by rows from the top.
-    share_steps: Vec<u8>,
+    /// Flux of splats divided by flux of density estimates in the first pass, for each pixel, by
+    /// rows from the top. It is infinite where splats get all flux.
+    first_pass_ratios: Vec<f32>,
+}
+
+/// [`DensityEstimateShares`] of one pass.
+#[derive(Clone, Copy, Debug)]
+pub struct PassDensityEstimateShares<'a> {
+    shares: &'a DensityEstimateShares,
+    /// Flux of splats divided by flux of density estimates in this pass, over this ratio in the
+    /// first pass.
+    ratio_growth: f32,
 }
 
 impl DensityEstimateShares {
     /// Computes, for each pixel, the fraction of caustic flux that density estimates use, from the
     /// `splats` of a pilot simulation.
     ///
-    /// The fraction is 1/(1 + n²/10²), where n is the estimated number of caustic photons per pixel
-    /// and pass. The number n is the effective number of `splats` per pixel, measured over 3 × 3
-    /// pixels, times `ratio`. `ratio` is the number of photon paths of a pass, divided by the
-    /// number of photon paths of the pilot. The square reduces the fraction quickly at foci, where
-    /// density estimates have rare large errors.
+    /// In pass i, counted from 0, the fraction is 1/(1 + 4n²(i + 1)^⅔), where n is the estimated
+    /// number of caustic photons per pixel and pass. The number n is the effective number of
+    /// `splats` per pixel in a square around the pixel, times `ratio`. `ratio` is the number of
+    /// photon paths of a pass, divided by the number of photon paths of the pilot. The square of n
+    /// reduces the fraction quickly at foci, where density estimates have rare large errors.
     #[must_use]
     pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
@@ -57,34 +80,56 @@ impl DensityEstimateShares {
                 *sum = (sum.0 + value, sum.1 + value * value);
             }
         }
-        let share = |x: u32, y: u32| {
-            let (columns, rows) = (x.saturating_sub(1)..width.min(x + 2), y.saturating_sub(1)..height.min(y + 2));
+        // Effective number of splats in a square of pixels around (x, y), and the number of pixels.
+        let effective_count = |x: u32, y: u32, half_width: u32| {
+            let range = |at: u32, size: u32| at.saturating_sub(half_width)..size.min(at + half_width + 1);
+            let (columns, rows) = (range(x, width), range(y, height));
             let pixels = (columns.len() * rows.len()) as f64;
             let (sum, squares) = rows
                 .flat_map(|y| columns.clone().map(move |x| index(x, y)))
                 .fold((0.0, 0.0), |(sum, squares), i| (sum + sums[i].0, squares + sums[i].1));
-            let count = if squares > 0.0 { ratio * sum * sum / squares / pixels } else { 0.0 };
-            let relative = count / EQUAL_SHARE_PHOTON_COUNT;
-            let share = 1.0 / (1.0 + relative * relative);
-            (share * f64::from(SHARE_STEPS)).round() as u8
+            (if squares > 0.0 { sum * sum / squares } else { 0.0 }, pixels)
         };
-        let share_steps = (0..height).flat_map(|y| (0..width).map(move |x| share(x, y))).collect();
-        Self { width, height, share_steps }
+        let first_pass_ratio = |pixel: usize| {
+            let (x, y) = (pixel as u32 % width, pixel as u32 / width);
+            let mut half_width = 1;
+            let (mut count, mut pixels) = effective_count(x, y, half_width);
+            while count < ENOUGH_SPLATS && half_width < MAX_HALF_WIDTH {
+                half_width *= 2;
+                (count, pixels) = effective_count(x, y, half_width);
+            }
+            let relative = ratio * count / pixels / EQUAL_SHARE_PHOTON_COUNT;
+            (relative * relative) as f32
+        };
+        let first_pass_ratios = (0..sums.len()).into_par_iter().map(first_pass_ratio).collect();
+        Self { width, height, first_pass_ratios }
     }
 
-    /// Creates the fraction `steps`/[`SHARE_STEPS`] in all pixels of a film of the given width and
-    /// height \[pixels].
+    /// Creates shares with which splats get all caustic flux, in all pixels of a film of the given
+    /// width and height \[pixels].
     #[must_use]
-    pub fn with_uniform_share(steps: u8, (width, height): (u32, u32)) -> Self {
-        Self { width, height, share_steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
+    pub fn all_to_splats((width, height): (u32, u32)) -> Self {
+        Self { width, height, first_pass_ratios: vec![f32::INFINITY; width as usize * height as usize] }
     }
 
+    /// Returns the shares of pass `pass`, counted from 0.
+    #[must_use]
+    pub fn in_pass(&self, pass: u32) -> PassDensityEstimateShares<'_> {
+        let root = libm::cbrt(f64::from(pass) + 1.0);
+        PassDensityEstimateShares { shares: self, ratio_growth: (root * root) as f32 }
+    }
+}
+
+impl PassDensityEstimateShares<'_> {
     /// Returns the fraction of caustic flux that density estimates use at `film_position` \[pixels
     /// from the top left], in units of 1/[`SHARE_STEPS`]. Outside the film, the fraction is 1.
     #[inline]
     fn share_steps_at_film_position(&self, film_position: Vec2) -> u8 {
-        pixel_at_film_position(film_position, self.width, self.height)
-            .map_or(SHARE_STEPS, |(x, y)| self.share_steps[y as usize * self.width as usize + x as usize])
+        let DensityEstimateShares { width, height, first_pass_ratios } = self.shares;
+        pixel_at_film_position(film_position, *width, *height).map_or(SHARE_STEPS, |(x, y)| {
+            let ratio = self.ratio_growth * first_pass_ratios[y as usize * *width as usize + x as usize];
+            (f32::from(SHARE_STEPS) / (1.0 + ratio)).round() as u8
+        })
     }
 }
 
@@ -109,7 +154,7 @@ pub struct LightTracer<'a> {
     /// Fraction of a photon's flux that density estimates use, for each pixel; splats get the
     /// remaining flux. If it is `None`, as in a pilot, density estimates and splats each get the
     /// whole flux.
-    shares: Option<&'a DensityEstimateShares>,
+    shares: Option<PassDensityEstimateShares<'a>>,
 }
 
 impl<'a> LightTracer<'a> {
@@ -119,7 +164,7 @@ impl<'a> LightTracer<'a> {
     /// center. `shares` divides the flux of photons between density estimates and splats. If
     /// `shares` is `None`, density estimates and splats each get the whole flux.
     #[must_use]
-    pub fn new(scene: &'a Scene, samples_lens: bool, shares: Option<&'a DensityEstimateShares>) -> Self {
+    pub fn new(scene: &'a Scene, samples_lens: bool, shares: Option<PassDensityEstimateShares<'a>>) -> Self {
         let connections_cross_surfaces = scene.shadow_rays_cross_surfaces();
         Self { scene, camera: scene.camera(), samples_lens, connections_cross_surfaces, shares }
     }

@@ -29,7 +29,9 @@ pub use emit::PhotonSource;
 pub use estimate::{Bandwidth, NESTED_DISC_COUNT, NestedRadianceEstimate, PhotonSearchBuffers, RadianceEstimate};
 pub use guiding::{EmissionGuidingPilotSettings, EmissionGuidingReport};
 pub use kernel::{Kernel, UnknownKernel};
-pub use light_tracing::{DensityEstimateShares, LightTracer, add_splats, add_splats_across_seams};
+pub use light_tracing::{
+    DensityEstimateShares, LightTracer, PassDensityEstimateShares, add_splats, add_splats_across_seams,
+};
 pub use map::PhotonMap;
 pub use store_mask::{AFTER_CAUSTIC_THINNING, PhotonKind, StoreMask};
 pub use surface_photon::{Photon, PhotonAttributes};

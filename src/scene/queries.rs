@@ -253,8 +253,9 @@ impl Scene {
 
     /// Unbiased estimate of the transmittance along a shadow ray; 0 if a surface blocks the ray.
     ///
-    /// Shadow rays cross null interfaces and thin sheets. Of `effects`, [`Effect::Specular`](super::Effect::Specular) says
-    /// whether sheets transmit light, and the effects of textures apply to sheets and mixes.
+    /// Shadow rays cross null interfaces and, if `effects` has
+    /// [`Effect::Specular`](super::Effect::Specular), thin sheets. The effects of textures apply to
+    /// sheets and mixes.
     ///
     /// `interior` holds the dielectric bodies and media around the ray's origin, and `key` is the
     /// random key. If `ray.t_max` is finite, the direction of `ray` is the vector from its origin

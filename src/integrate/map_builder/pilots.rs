@@ -193,7 +193,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let Some(source) = self.aimed_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
         let shares = match self.policy.light_tracing {
             LightTracing::Off => return,
-            LightTracing::Full => DensityEstimateShares::with_uniform_share(0, size),
+            LightTracing::Full => DensityEstimateShares::all_to_splats(size),
             LightTracing::Weighted => {
                 let fraction = self.counts.aimed / SHARE_PILOT_PATH_DIVISOR;
                 let paths = fraction.clamp(MIN_SHARE_PILOT_PATHS, MAX_SHARE_PILOT_PATHS).min(self.counts.aimed);

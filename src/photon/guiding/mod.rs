@@ -16,11 +16,11 @@ use crate::scene::{Interior, with_interior_type};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
-/// Least number of rounds of photon paths in a pilot of emission guiding. The samples of all earlier
-/// rounds guide the emission of a round.
+/// Least number of rounds of photon paths in the pilot of emission guiding. Each round is guided by
+/// the samples of all earlier rounds.
 const MIN_ROUNDS: u32 = 2;
 
-/// Largest number of rounds of photon paths in a pilot of emission guiding.
+/// Largest number of rounds of photon paths in the pilot of emission guiding.
 const MAX_ROUNDS: u32 = 12;
 
 /// Number of contributing photon paths at which the pilot ends after [`MIN_ROUNDS`] rounds.
@@ -78,8 +78,8 @@ pub struct EmissionGuidingReport {
     /// Estimated factor by which guiding reduces the variance of the picture, for the same number
     /// of photon paths; 1 without guiding.
     ///
-    /// The estimate is the second moment of path contributions without guiding, divided by that with
-    /// guiding. Both come from the guided paths of the last round.
+    /// The estimate is the second moment of path contributions without guiding, divided by that
+    /// with guiding. Both come from the guided paths of the last round.
     #[serde(rename = "gain")]
     pub variance_gain: f64,
 }

@@ -161,7 +161,8 @@ fn squared_flux_on_corner(scene: &Scene, source: &PhotonSource<'_>) -> f64 {
     let squared_flux = |pass| {
         let traced = photon_tracer_of_source(scene, source).trace(pass_key(pass), 8192, &|_| {});
         let photons = traced.deposits.surface_photons.iter().filter(|photon| is_visible(photon.position));
-        photons.map(|photon| f64::from(color::channel_mean(photon.attributes.flux())).powi(2)).sum::<f64>()
+        let flux = photons.map(|photon| f64::from(color::channel_mean(photon.attributes.flux())));
+        flux.map(|flux| flux * flux).sum::<f64>()
     };
     (0..8).map(squared_flux).sum()
 }

@@ -65,8 +65,9 @@ fn panorama_splats_keep_their_light_at_seam_and_poles() {
     }
 }
 
-/// With ten photons per pixel, density estimates and splats each get half of the flux. With few
-/// photons, density estimates get all flux; with many, splats do.
+/// With half a photon per pixel, density estimates and splats each get half of the flux of the
+/// first pass. With fewer photons, density estimates get more; with more photons, or in later
+/// passes, splats do.
 #[test]
 fn density_estimate_share_falls_with_photon_count() {
     let splats = |count: u32| -> Vec<Splat> {
@@ -74,24 +75,19 @@ fn density_estimate_share_falls_with_photon_count() {
             .flat_map(|i| (0..count).map(move |_| splat_at((i % SIZE.0) as f32 + 0.5, (i / SIZE.0) as f32 + 0.5)))
             .collect()
     };
-    let step = |count: u32, ratio: f64| {
+    let step = |count: u32, ratio: f64, pass: u32| {
         let shares = DensityEstimateShares::from_splats(&splats(count), SIZE, ratio);
-        assert!(
-            shares.share_steps.iter().all(|step| *step == shares.share_steps[0]),
-            "uniform photons, uniform shares"
-        );
-        shares.share_steps_at_film_position(Vec2::new(6.0, 4.0))
+        let first = shares.first_pass_ratios[0];
+        assert!(shares.first_pass_ratios.iter().all(|ratio| *ratio == first), "uniform photons, uniform shares");
+        shares.in_pass(pass).share_steps_at_film_position(Vec2::new(6.0, 4.0))
     };
-    assert_eq!((step(0, 1.0), step(1, 1.0), step(200, 1.0)), (15, 15, 0));
-    assert_eq!((step(10, 1.0), step(5, 2.0), step(20, 0.5)), (8, 8, 8));
-    let shares = DensityEstimateShares::with_uniform_share(3, SIZE);
-    assert_eq!(
-        (
-            shares.share_steps_at_film_position(Vec2::new(11.9, 7.9)),
-            shares.share_steps_at_film_position(Vec2::new(12.0, 1.0))
-        ),
-        (3, 15)
-    );
+    assert_eq!((step(0, 1.0, 0), step(1, 0.05, 0), step(20, 1.0, 0)), (15, 15, 0));
+    assert_eq!((step(1, 0.5, 0), step(5, 0.1, 0), step(2, 0.25, 0)), (8, 8, 8));
+    // In the eighth pass, the ratio of fluxes is 8^(2/3) = 4 times as large as in the first.
+    assert_eq!((step(1, 0.25, 0), step(1, 0.25, 7)), (12, 8));
+    let shares = DensityEstimateShares::all_to_splats(SIZE);
+    let share = |x, y| shares.in_pass(3).share_steps_at_film_position(Vec2::new(x, y));
+    assert_eq!((share(11.9, 7.9), share(12.0, 1.0)), (0, 15));
 }
 
 /// A photon stores the fraction of its flux that density estimates use. Storing it changes the flux

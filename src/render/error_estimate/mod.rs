@@ -2,10 +2,10 @@
 //!
 //! - *Noise*: passes are independent, so the variance of the mean of n passes is s²/n, with the
 //!   sample variance s².
-//! - *Blur*: the density estimate L(r) with gather radius r has bias L(r) − L(0). The differences D₀
-//!   = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are the first terms of a series that sums to the
-//!   bias. The three estimates share their photons. Squares and products of differences combine two
-//!   different passes, so their noise has mean zero.
+//! - *Blur*: the density estimate L(r) with gather radius r has bias L(r) − L(0). The differences
+//!   D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are the first terms of a series that sums to
+//!   the bias. The three estimates share their photons. Squares and products of differences
+//!   combine two different passes, so their noise has mean zero.
 //! - *Shared-path error*: `ppm` uses the same camera paths in all passes. A few pixels are also
 //!   rendered with unshared camera paths. The mean difference of both is the error of the shared
 //!   paths.

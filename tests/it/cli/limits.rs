@@ -29,7 +29,7 @@ fn rendered(more: &str) -> (ProgramRun, Value) {
 #[test]
 fn default_render_ends_at_three_percent() {
     for integrator in ["hybrid", "path"] {
-        let (ended, stats) = rendered(&format!("--integrator {integrator}"));
+        let (ended, stats) = rendered(&format!("--integrator {integrator} --spp 1"));
         ended.expect(0, &["ended by error: at most 3.0 % with 90 % confidence", "repeats this picture bit for bit"]);
         let limits = serde_json::json!(
             { "default": true, "passes": null, "seconds": 300.0, "error": 0.03, "confidence": 0.9 }

@@ -18,8 +18,8 @@ use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor
 use caustica::photon::Photon;
 use caustica::render::{RenderResult, StopCriteria, render};
 use caustica::sampling::{Dimension, Key, Purpose};
-use caustica::scene::Scene;
-use caustica::shape::{Rectangle, Shape};
+use caustica::scene::{Material, Scene, SceneBuilder};
+use caustica::shape::{Cuboid, Rectangle, Shape};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
 
@@ -45,6 +45,17 @@ fn photon(position: Vec3, flux: f32) -> Photon {
 /// Returns a rectangle with center `center` and the given edge vectors.
 fn rectangle_around(center: DVec3, edge0: DVec3, edge1: DVec3) -> Shape {
     Shape::Rectangle(Rectangle::new(center - 0.5 * (edge0 + edge1), edge0, edge1))
+}
+
+/// Adds a slab of glass of the given width, .5 above the origin.
+///
+/// Its index is so near 1 that light crosses it straight on and without loss. But shadow rays do
+/// not cross it, so photons carry all light below it.
+fn add_invisible_slab(builder: &mut SceneBuilder, width: f64) {
+    let glass = builder.add_material(Material::dielectric(1.0 + 1e-6, Rgb::ZERO));
+    let corner = DVec3::new(0.5 * width, 0.01, 0.5 * width);
+    let slab = Cuboid::new(DVec3::Y * 0.51 - corner, DVec3::Y * 0.51 + corner).unwrap();
+    builder.add_shape(Shape::Cuboid(slab), glass, Rgb::ZERO);
 }
 
 /// Returns an orthographic camera with `size` × `size` pixels over a square of edge `width`.

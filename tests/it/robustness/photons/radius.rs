@@ -1,6 +1,8 @@
 //! Radii after very long renders, and radii below the rounding of positions.
 
-use super::{STORED_COLOR_ROUNDING, assert_finite, flat_camera, rectangle_around, rendered, settings};
+use super::{
+    STORED_COLOR_ROUNDING, add_invisible_slab, assert_finite, flat_camera, rectangle_around, rendered, settings,
+};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, DEFAULT_ALPHA, Settings, SilentMonitor, squared_radius_ratio};
 use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
@@ -22,16 +24,15 @@ fn radius_after_million_passes_matches_gamma_ratio() {
     assert!(error < 3e6 * f64::EPSILON / 2.0 + 1e-12, "{error:e}");
 }
 
-/// Builds a floor of 1 × 1 that is lit through an index-matched pane, so that all its light is a
+/// Builds a floor of 1 × 1 that is lit through an invisible slab, so that all its light is a
 /// caustic.
 ///
 /// The middle quarter of the floor is visible.
-fn behind_a_pane() -> Scene {
+fn behind_a_slab() -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
-    let pane = b.add_material(Material::thin_dielectric(1.0, Rgb::ONE));
     b.add_shape(rectangle_around(DVec3::ZERO, DVec3::Z, DVec3::X), white, Rgb::ZERO);
-    b.add_shape(rectangle_around(DVec3::Y * 0.5, DVec3::Z, DVec3::X), pane, Rgb::ZERO);
+    add_invisible_slab(&mut b, 1.0);
     b.add_delta_light(UnscaledDeltaLight::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
     b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.5, 4)).unwrap()
 }
@@ -46,7 +47,7 @@ fn behind_a_pane() -> Scene {
 /// photons that an image cannot test their mean.
 #[test]
 fn discs_after_million_passes_hold_photons() {
-    let scene = behind_a_pane();
+    let scene = behind_a_slab();
     for (radius, paths, law) in [(0.1f32, 250_000, true), (1e-9, 20_000, false)] {
         let settings = Settings { initial_gather_radius: Some(radius), gather_k: Some(0), ..settings(paths, 1000) };
         let method = Algorithm::Sppm.prepare(&scene, settings);
@@ -121,6 +122,6 @@ fn disc_radius_never_falls_below_position_rounding() {
 fn renders_with_tiny_radius_are_finite() {
     for radius in [1e-30f32, 1e-12, 1e-6] {
         let settings = Settings { initial_gather_radius: Some(radius), ..settings(20_000, 4) };
-        assert_finite("narrow", &rendered(&behind_a_pane(), Algorithm::Sppm, settings, 4));
+        assert_finite("narrow", &rendered(&behind_a_slab(), Algorithm::Sppm, settings, 4));
     }
 }

@@ -1,6 +1,6 @@
 //! Walls lit on one side.
 
-use super::{assert_finite, flat_camera, rectangle_around, rendered, settings};
+use super::{add_invisible_slab, assert_finite, flat_camera, rectangle_around, rendered, settings};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, DEFAULT_ALPHA, Settings, squared_radius_ratio};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, UnscaledDeltaLight};
@@ -14,15 +14,14 @@ const IRRADIANCE: f64 = 3.0;
 
 /// Builds a wall of two sheets of 2 × 2, seen from below.
 ///
-/// The upper sheet is lit through an index-matched pane, so all its light is a caustic. With
+/// The upper sheet is lit through an invisible slab, so all its light is a caustic. With
 /// `shelf`, the wall has no thickness, a shelf lies `thickness` below it, and the camera is between
 /// them.
 fn wall(thickness: f64, shelf: bool) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(REFLECTANCE as f32)));
-    let pane = b.add_material(Material::thin_dielectric(1.0, Rgb::ONE));
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-    b.add_shape(rectangle_around(y * 0.5, z * 6.0, x * 6.0), pane, Rgb::ZERO);
+    add_invisible_slab(&mut b, 6.0);
     b.add_shape(rectangle_around(DVec3::ZERO, z * 2.0, x * 2.0), white, Rgb::ZERO);
     if shelf || thickness > 0.0 {
         let under = if shelf {
