@@ -31,7 +31,7 @@ fn endless_files_are_refused_at_once() {
         (&render("zero.txt"), ["/dev/zero", "check that it is a file"]),
         (&render("pipe"), ["a pipe or a device", "check the path"]),
         (&render("/dev/zero"), ["a pipe or a device", "check the path"]),
-        (&render("mesh.txt"), ["pipe", "put the file"]),
+        (&render("mesh.txt"), ["a pipe or a device", "name a regular file"]),
         (&["mesh", "pipe"], ["pipe", "check that it is a file"]),
         (&["diff", "pipe", "/dev/zero"], ["pipe", "choose a regular file"]),
         (&["study", "plain.txt", "--methods", "raycast", "--truth", "pipe"], ["pipe", "choose a regular file"]),
