@@ -101,13 +101,14 @@ fn reflections_agree_from_camera_and_light() {
 #[test]
 #[ignore = "long: t-tests of adjoint transport"]
 fn refractions_agree_from_camera_and_light() {
-    for (name, material, object) in [
-        ("glass", "Dielectric m { indexOfRefraction 1.5  absorption .2 .6 1 }", BALL),
-        ("frosted glass", "Dielectric m { indexOfRefraction 1.5  roughness .15 }", BALL),
-        ("very frosted glass", "Dielectric m { indexOfRefraction 1.5  roughness .6 }", BALL),
-        ("pane", "Thin m { indexOfRefraction 1.5  transmittance .9 .5 .9 }", CEILING),
+    // Light that crosses a pane counts as direct, so its part by the object cannot be told.
+    for (name, material, object, least) in [
+        ("glass", "Dielectric m { indexOfRefraction 1.5  absorption .2 .6 1 }", BALL, 0.3),
+        ("frosted glass", "Dielectric m { indexOfRefraction 1.5  roughness .15 }", BALL, 0.3),
+        ("very frosted glass", "Dielectric m { indexOfRefraction 1.5  roughness .6 }", BALL, 0.3),
+        ("pane", "Thin m { indexOfRefraction 1.5  transmittance .9 .5 .9 }", CEILING, 0.0),
     ] {
-        check_adjoint(name, &furnished_room(DOWN, material, &format!("MaterialName m {object}")), 0.3);
+        check_adjoint(name, &furnished_room(DOWN, material, &format!("MaterialName m {object}")), least);
     }
 }
 
