@@ -28,14 +28,14 @@ pub struct BoxTree {
 const MAX_LEVELS: usize = 10;
 /// Bits of a stack entry that hold the index of a node in its level; the bits above hold the level.
 const NODE_INDEX_BITS: u32 = 28;
-/// Entries of the traversal stack: each level leaves up to seven nodes on it.
+/// Capacity of the traversal stack, on which each level leaves up to seven nodes.
 const MAX_STACK_ENTRIES: usize = (ARITY - 1) * MAX_LEVELS + 1;
 
 /// Padding of all boxes of a [`BoxTree`] on each side, relative to the largest coordinate.
 ///
-/// A ray along an axis has infinite reciprocals of direction components, which are clamped to the
-/// largest f32. The padding lets such a ray cross a flat box at distances up to 10¹⁹ times the
-/// largest coordinate.
+/// A ray along an axis has direction components of 0, whose infinite reciprocals are clamped to the
+/// largest f32. With the padding, such a ray still hits a flat box at distances up to 10¹⁹ times
+/// the largest coordinate.
 const RELATIVE_PADDING: f32 = 1.0 / (1u64 << 63) as f32;
 
 impl BoxTree {

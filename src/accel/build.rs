@@ -87,11 +87,11 @@ pub(super) struct BinaryNode {
     pub primitive_count: u32,
     /// Number of primitives in the left subtree; 0 for a single primitive.
     pub left_primitive_count: u32,
-    /// Number of child slots of a wide node that go to the left subtree, by the number of slots
-    /// that this subtree fills.
+    /// Division of the child slots of a wide node between the left and the right subtree of this
+    /// node.
     ///
-    /// If this subtree fills n slots (2 ≤ n ≤ [`ARITY`]), the left subtree gets `left_slots[n]` and
-    /// the right subtree gets the others. This division has the least traversal cost. If
+    /// If this subtree fills n slots (2 ≤ n ≤ [`ARITY`]), the left subtree gets `left_slots[n]` of
+    /// them, and the right subtree gets the others. This division has the least traversal cost. If
     /// `left_slots[n]` is 0, fewer than n slots cost less, and the entry of n − 1 applies.
     pub left_slots: [u8; ARITY + 1],
     /// True if all primitives of this node become one leaf.

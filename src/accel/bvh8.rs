@@ -12,7 +12,7 @@ use wide::f32x8;
 /// With [`OTHER_PRIMITIVE_BIT`], the child is another primitive. With neither bit, it is a node.
 const PACKET_BIT: u32 = 1 << 30;
 
-/// Child reference of the root.
+/// Child reference of the root: node index 0, without the bits that mark leaves.
 pub(super) const ROOT: u32 = 0;
 
 /// Padding of a primitive's box on each side, as a fraction of the box's longest edge.
@@ -37,8 +37,8 @@ pub(super) struct Boxes8([[f32x8; 2]; 3]);
 #[repr(C, align(64))]
 struct Node8 {
     boxes: Boxes8,
-    /// Child references: a node index, or a leaf marked by [`PACKET_BIT`] or
-    /// [`OTHER_PRIMITIVE_BIT`].
+    /// Child references, one number for each child: the index of a node, or the index of a leaf
+    /// with [`PACKET_BIT`] or [`OTHER_PRIMITIVE_BIT`] set.
     children: [u32; ARITY],
 }
 

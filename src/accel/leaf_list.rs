@@ -17,11 +17,12 @@ const MAX_STACK_ENTRIES: usize = 4 * ARITY;
 
 /// The leaves of a [`Bvh`](super::Bvh) whose boxes overlap one query box.
 ///
-/// A ray segment inside the query box can hit only primitives of these leaves. So many short rays
-/// can skip the traversal of the hierarchy.
+/// A ray segment inside the query box can hit only primitives of these leaves. If many short rays
+/// stay in one box, they test these leaves and skip the traversal of the hierarchy.
 #[derive(Clone, Copy, Debug)]
 pub struct LeafList {
-    /// Child references of the leaves; only the first `count` are valid.
+    /// Child references of the leaves: numbers that encode kind and index of a child of a BVH node.
+    /// Only the first `count` are valid.
     leaves: [u32; MAX_LEAVES],
     count: usize,
 }
@@ -74,7 +75,8 @@ impl LeafList {
         }
     }
 
-    /// Child references of the leaves in this list.
+    /// Child references of the leaves in this list: numbers that encode kind and index of a child
+    /// of a BVH node.
     #[inline]
     pub(super) fn leaves(&self) -> &[u32] {
         &self.leaves[..self.count]

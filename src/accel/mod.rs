@@ -218,8 +218,8 @@ impl Bvh {
         blocked.is_break()
     }
 
-    /// Calls `visit` with the child reference of each leaf whose box the ray enters before its
-    /// `t_max`, in no particular order.
+    /// Calls `visit` with each leaf whose box the ray enters before its `t_max`, in no particular
+    /// order. A leaf is given by its child reference, a number that encodes kind and index.
     ///
     /// The traversal ends early if `visit` returns [`ControlFlow::Break`].
     #[inline]
@@ -253,8 +253,8 @@ struct NearestHit {
 }
 
 impl NearestHit {
-    /// State at the start of a traversal. t is `t_max` and the code is 0, so a hit at `t_max` does
-    /// not replace it.
+    /// State at the start of a traversal: t is `t_max`, and the code is 0, the lowest one. A later
+    /// hit at exactly `t_max` therefore does not replace this state.
     #[inline]
     fn before_any_hit(precalc: &RayPrecalc) -> Self {
         Self { primitive_code: 0, hit: LeafHit { t: precalc.t_max, unnormalized_weights: [0.0; 2], weight_sum: 1.0 } }

@@ -29,7 +29,9 @@ pub(super) struct LeafHit {
     /// For a primitive other than a triangle: the shape coordinates that the caller's closure
     /// returned. The division by `weight_sum` is postponed, because most hits are discarded.
     pub unnormalized_weights: [f64; 2],
-    /// Sum of the weights of all three corners; 1 for a primitive other than a triangle.
+    /// Sum of the weights of all three corners, by which `unnormalized_weights` are divided at the
+    /// end. For a primitive other than a triangle, the sum is 1, so that its shape coordinates do
+    /// not change.
     pub weight_sum: f64,
 }
 

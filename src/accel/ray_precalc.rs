@@ -6,9 +6,10 @@ use glam::{Vec3, Vec3A};
 /// Constants of one ray that box tests and triangle tests use.
 ///
 /// The direction is scaled by a power of two, without rounding, so that its component of largest
-/// magnitude is in \[1, 2). Near the largest f32, it may be up to 4; if it is subnormal, below 1.
-/// Reciprocals and products then stay in the range of f32. In these tests, ray parameters refer to
-/// the scaled direction.
+/// magnitude is in \[1, 2). The power of two must be a normal f32, and so must its inverse. The
+/// scaled component may therefore reach 4 if the unscaled one is near the largest f32. If the
+/// unscaled one is subnormal, the scaled one is below 1. Reciprocals and products then stay in the
+/// range of f32. In box and triangle tests, ray parameters refer to the scaled direction.
 pub(super) struct RayPrecalc {
     /// Origin of the ray, in the caller's space.
     pub origin: [f32; 3],

@@ -5,8 +5,9 @@ use super::bvh8::EXIT_FACTOR;
 use arrayvec::ArrayVec;
 use wide::f32x8;
 
-/// Largest number of entries, reached in the deepest tree. Each level leaves all children except
-/// one, and one more node pushes all its children while they are sorted.
+/// Largest number of entries, reached in the deepest tree. At each level, the visited node leaves
+/// all its children except one on the stack. At the last level, all children are on the stack for a
+/// moment, until they are sorted and the nearest one is popped.
 const MAX_ENTRIES: usize = (ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY;
 
 /// Nodes and leaves that a ray enters and that a traversal has still to visit.

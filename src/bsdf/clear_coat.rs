@@ -166,8 +166,9 @@ impl ClearCoated {
         (1.0 - self.coat.albedo(wo, n).max(self.coat.albedo(wi, n))) * self.inverse_selection_probability
     }
 
-    /// Returns the clear coat, or the surface, or one layer of a coated surface, chosen at random
-    /// by `u` in \[0, 1); see [`Bsdf::select_layer`].
+    /// Returns one layer of the surface, chosen at random by `u` in \[0, 1): the clear coat, or the
+    /// surface under it. If that surface is itself split into coat and base, chooses between these
+    /// two as well; see [`Bsdf::select_layer`].
     pub(super) fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Bsdf {
         let coat_probability = self.coat.albedo(wo, ns);
         let base_probability = 1.0 - coat_probability;
@@ -211,7 +212,8 @@ impl ClearCoated {
         }
     }
 
-    /// Samples a direction if the surface stores photons; `None` if the path is absorbed.
+    /// Samples a direction if the surface stores photons. Returns `None` if the path is absorbed,
+    /// or if the surface is a bare dielectric coat, on which no photons are stored.
     ///
     /// `lobe` in \[0, 1) selects the lobe, and `u` in \[0, 1)² the direction. `n` is the shading
     /// normal on the side of `wo`.
@@ -234,7 +236,8 @@ impl ClearCoated {
         Some(NonSpecularSample { weight: sample.weight * self.coat_factor(wo, sample.wi, n), ..sample })
     }
 
-    /// Samples a direction if the surface stores no photons; `None` if the path is absorbed.
+    /// Samples a direction if the surface stores no photons. Returns `None` if the path is
+    /// absorbed, or if the surface is diffuse, with or without a coat.
     ///
     /// `ng` is the geometric normal. The other arguments are those of
     /// [`ClearCoated::sample_receiver`].

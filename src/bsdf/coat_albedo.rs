@@ -35,9 +35,9 @@ const HORIZON_COSINE: f64 = 1e-4;
 
 /// Lookup table of coat albedos, by refractive index, roughness and cosine of incidence.
 struct CoatAlbedoTable {
-    /// Albedo by index, α and cosine.
+    /// Albedo for each index, α and cosine.
     directional: Vec<[[f32; COSINE_COUNT]; ALPHA_COUNT]>,
-    /// Mean albedo over the hemisphere, weighted by the cosine, by index and α.
+    /// Cosine-weighted mean of the albedo over the hemisphere, for each index and α.
     mean: Vec<[f32; ALPHA_COUNT]>,
 }
 

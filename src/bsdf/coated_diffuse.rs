@@ -43,10 +43,10 @@ pub struct CoatedDiffuse {
     ///
     /// The factor is divided by p if [`Bsdf::select_layer`] chose the base with probability p.
     base_brdf_factor: Rgb,
-    /// Fraction of the light inside the coat that leaves it after reflection on the base, averaged
-    /// over the color channels.
+    /// Fraction of the light inside the coat that leaves the coat after reflection on the base,
+    /// averaged over the color channels.
     ///
-    /// Like `base_brdf_factor`, it is divided by p.
+    /// The fraction is divided by p if [`Bsdf::select_layer`] chose the base with probability p.
     entered_light_albedo: f32,
     /// Refractive index of the coat relative to the surroundings.
     eta: f32,

@@ -79,10 +79,11 @@ impl LossyCoat {
         self.entering_fraction * reflectance * self.leaving_fraction / (1.0 - reflectance * self.returning_fraction)
     }
 
-    /// Returns the reflectance of a base that has the same albedo under a lossless coat.
+    /// Returns the reflectance that a base under a lossless coat needs, to have the same albedo as
+    /// a base of `reflectance` in \[0, 1] under this coat.
     ///
-    /// A lossless coat of equal index and α gives it the albedo that
-    /// [`Self::base_albedo_through_coat`] returns for `reflectance` in \[0, 1].
+    /// Both coats have equal index and α. [`Self::base_albedo_through_coat`] returns the albedo of
+    /// both. Results outside \[0, 1] are clamped.
     #[must_use]
     pub fn equivalent_lossless_reflectance(&self, reflectance: f64) -> f64 {
         let albedo = self.base_albedo_through_coat(reflectance);

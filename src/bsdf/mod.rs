@@ -51,11 +51,11 @@ use std::f32::consts::FRAC_1_PI;
 /// delta lobes.
 pub const MIN_ROUGH_ALPHA: f32 = 1e-3;
 
-/// GGX roughness α of a conductor, or of a coat over a diffuse base, above which photons are
-/// stored on it.
+/// GGX roughness α of a conductor, or of a coat over a diffuse base, above which photons are stored
+/// on it.
 ///
-/// Photon estimates then include the light that it reflects. A smoother conductor or coat is a
-/// caster; [`Bsdf::select_layer`] splits such a coat from its base.
+/// Photon estimates then include the light that it reflects. A smoother conductor or coat casts
+/// caustics instead; [`Bsdf::select_layer`] splits such a coat from its base.
 pub const MIN_PHOTON_STORAGE_ALPHA: f32 = 0.3;
 
 /// Width of the refracted lobe \[radians] below which a rough dielectric counts as smooth.
@@ -489,8 +489,8 @@ impl Bsdf {
     /// Tangent of the angle by which scattering widens the ray cone of texture filtering; 0 for
     /// delta lobes.
     ///
-    /// The angle is about a fifth of the lobe's width, because many paths share the sampling of a
-    /// lobe.
+    /// The angle is only about a fifth of the lobe's width: many paths sample the lobe, so each
+    /// needs to filter only its part of the texture.
     #[inline]
     #[must_use]
     pub fn ray_cone_spread(&self) -> f32 {

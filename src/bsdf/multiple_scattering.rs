@@ -44,7 +44,8 @@ const FACET_LATTICE: (usize, usize) = (377, 144);
 /// Refractive index of an interface that reflects all light, the last node of the table.
 const REFLECTOR_INDEX: f64 = 1e9;
 
-/// Least cosine for which lost light is computed, divided by α. A cosine of 0 would lead to 0/0.
+/// Least cosine of incidence, divided by α, for which the table computes the fraction of lost
+/// light. A cosine of 0 would lead to 0/0.
 const HORIZON_COSINE_PER_ALPHA: f64 = 1e-3;
 
 /// Number of integration intervals between two neighboring cosine nodes, for means over the
@@ -107,8 +108,8 @@ impl LostLightEntry {
     }
 }
 
-/// Lost light at any refractive index and roughness, interpolated bilinearly between four table
-/// entries.
+/// Lost light at any refractive index and roughness: the fractions of light that meet a second
+/// microfacet. They are interpolated bilinearly between four table entries.
 #[derive(Clone, Copy, Debug)]
 struct LostLight {
     entries: [&'static LostLightEntry; 4],
@@ -117,8 +118,8 @@ struct LostLight {
 }
 
 impl LostLight {
-    /// Lost light at an interface of roughness `alpha` and refractive index `eta` ≥ 1, dense side
-    /// over rare side.
+    /// Lost light at an interface of roughness `alpha`. `eta` ≥ 1 is the refractive index of the
+    /// dense side, divided by the index of the rare side.
     #[inline]
     fn of_interface(eta: f64, alpha: f64) -> Self {
         Self::between_eta_nodes(node_and_fraction(((eta - 1.0) / (eta + 1.0)).sqrt(), ETA_COUNT), alpha)
@@ -149,8 +150,8 @@ impl LostLight {
         f64::from(self.entries.iter().zip(self.weights).map(|(entry, weight)| value(entry) * weight).sum::<f32>())
     }
 
-    /// Lost fraction of light that arrives on side `side` ([`RARE_SIDE`] or [`DENSE_SIDE`]) with
-    /// the cosine of incidence `cos`.
+    /// Fraction of light that meets a second microfacet, if it arrives on side `side`
+    /// ([`RARE_SIDE`] or [`DENSE_SIDE`]) with the cosine of incidence `cos`.
     #[inline]
     fn fraction(&self, side: usize, cos: f64) -> f64 {
         let (node, u) = node_and_fraction(cosine_grid_position(cos, self.alpha), COSINE_COUNT);
@@ -159,8 +160,8 @@ impl LostLight {
         })
     }
 
-    /// Lost fraction of diffuse light that arrives on side `side` ([`RARE_SIDE`] or
-    /// [`DENSE_SIDE`]), above 0.
+    /// Fraction of diffuse light that meets a second microfacet, if it arrives on side `side`
+    /// ([`RARE_SIDE`] or [`DENSE_SIDE`]). The result is above 0, so it can be a divisor.
     #[inline]
     fn mean_fraction(&self, side: usize) -> f64 {
         let root = self.interpolate(|entry| entry.mean_fraction_eighth_root[side]);
@@ -198,9 +199,9 @@ impl MultipleConductorScattering {
     /// Returns the factor on [`Self::evaluate`] for microfacets that reflect the fraction
     /// `reflectance`.
     ///
-    /// Let r be `reflectance` and b the lost fraction of diffuse light. Light that leaves after k +
-    /// 2 reflections contributes r²·(1 − b)·(r·b)ᵏ. The factor is the sum over k ≥ 0 (Kulla and
-    /// Conty 2017; Hill 2018).
+    /// Let r be `reflectance`, and b the fraction of diffuse light that meets another microfacet.
+    /// Light that leaves after k + 2 reflections contributes r²·(1 − b)·(r·b)ᵏ. The factor is the
+    /// sum over k ≥ 0 (Kulla and Conty 2017; Hill 2018).
     #[inline]
     pub(super) fn repeated_reflectance(&self, reflectance: f64) -> f64 {
         let lost = self.lost_light.mean_fraction(RARE_SIDE);
@@ -212,10 +213,11 @@ impl MultipleConductorScattering {
 /// for one direction `wo`.
 ///
 /// Suppose diffuse light arrives on both sides, with radiance proportional to the squared
-/// refractive index n². Let E be the irradiance on the side of lower index. The lost light is b·E
-/// on this side and b′·E on the other. In each direction, T·E crosses the interface, where T =
-/// t·min(b, b′), and t is the diffuse transmittance of a smooth interface. Equal T in both
-/// directions makes the BSDF reciprocal up to n².
+/// refractive index n². Let E be the irradiance on the side of lower index. Of the arriving light,
+/// b·E meets a second microfacet on this side, and b′·E on the other side. Of this light, T·E
+/// crosses the interface in each direction, where T = t·min(b, b′), and t is the diffuse
+/// transmittance of a smooth interface. Equal T in both directions makes the BSDF reciprocal up to
+/// n².
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MultipleDielectricScattering {
     lost_light: LostLight,
@@ -223,7 +225,7 @@ pub(super) struct MultipleDielectricScattering {
     near_side: usize,
     /// Refractive index of the far side, relative to the side of `wo`.
     eta: f64,
-    /// Fraction of the lost light that leaves on the side opposite to `wo`.
+    /// Fraction of the light with repeated scattering that leaves on the side opposite to `wo`.
     crossing_fraction: f64,
     /// Fraction of light from `wo` that meets a second microfacet. It is also the probability of
     /// sampling this BSDF.
@@ -251,8 +253,8 @@ impl MultipleDielectricScattering {
         }
     }
 
-    /// Returns the fraction of the lost light that leaves on the side of `wo`, or on the other side
-    /// if `is_transmitted` is true.
+    /// Returns the fraction of the light with repeated scattering that leaves on the side of `wo`.
+    /// If `is_transmitted` is true, returns the fraction that leaves on the other side.
     #[inline]
     pub(super) fn leaving_fraction(&self, is_transmitted: bool) -> f64 {
         if is_transmitted { self.crossing_fraction } else { 1.0 - self.crossing_fraction }
@@ -290,8 +292,8 @@ pub(super) fn sample_multiple_scattering_direction(alpha: f32, n: Vec3, u: Vec2)
 /// Solid-angle pdf \[1/sr] of [`sample_multiple_scattering_direction`] for a direction of cosine
 /// `cos` > 0.
 ///
-/// The pdf is proportional to cosθ/(cos²θ + α²), because the lost fraction is about α²/(cos²θ +
-/// α²).
+/// The pdf is proportional to cosθ/(cos²θ + α²), because the fraction of light that meets a second
+/// microfacet is about α²/(cos²θ + α²).
 #[inline]
 pub(super) fn multiple_scattering_direction_pdf(alpha: f32, cos: f64) -> f64 {
     let a2 = f64::from(alpha) * f64::from(alpha);
@@ -338,7 +340,8 @@ fn fourth_root(x: f64) -> f64 {
 /// Maps a cosine to its position in \[0, 1] on the cosine axis of the table: 0 is the first node, 1
 /// the last.
 ///
-/// Nodes are dense at cosines about α, where the lost fraction varies most.
+/// Nodes are dense at cosines about α, where the fraction of light that meets a second microfacet
+/// varies most.
 #[inline]
 fn cosine_grid_position(cos: f64, alpha: f64) -> f64 {
     0.5 * cos * (1.0 + (1.0 + alpha) / (cos + alpha))

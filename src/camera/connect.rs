@@ -118,8 +118,8 @@ impl Camera {
         turned(self).film_displacement(direction, &turned(later), direction)
     }
 
-    /// Calls `visit` with each other film position that has the same camera ray as `position`, at
-    /// most `margin` \[pixels] outside the film.
+    /// Calls `visit` with all film positions except `position` itself that have the same camera ray
+    /// as `position`, and lie on the film or at most `margin` \[pixels] outside.
     ///
     /// Only panoramas have such positions: the picture repeats across its left and right edges, and
     /// continues beyond a pole, mirrored and shifted by half a turn. `position` must lie on the

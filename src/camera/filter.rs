@@ -95,8 +95,8 @@ pub struct Filter {
     quantiles: [f32; QUANTILE_CELL_COUNT + 1],
     /// Offset \[pixels] beyond which the filter is negative; infinite for a non-negative filter.
     negative_beyond: f32,
-    /// Integral of the absolute filter value along one axis, divided by the integral of the filter
-    /// value.
+    /// Ratio ∫|f| / ∫f for the filter f along one axis. Samples are drawn by |f|, so this ratio,
+    /// with the sign of f, is the weight of a sample along the axis.
     absolute_over_signed_integral: f32,
     /// Distance from the pixel center beyond which the filter vanishes, along each axis \[pixels].
     radius: f32,

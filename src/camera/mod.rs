@@ -23,7 +23,8 @@ pub struct Camera {
     /// World-space vector of length `pixel_size` that points to the top of the picture.
     pixel_up: DVec3,
     /// Width of a pixel \[length]. For a perspective camera, it is measured in the plane at
-    /// distance 1; for an orthographic camera, in the image plane. It is 1 for a panorama.
+    /// distance 1; for an orthographic camera, in the image plane. A panorama's pixels have no such
+    /// width; the value 1 only makes `pixel_right` and `pixel_up` unit vectors.
     pixel_size: f64,
     projection: CameraProjection,
     width: u32,

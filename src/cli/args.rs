@@ -128,27 +128,28 @@ pub struct MethodArguments {
     #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
     pub final_gathering: FinalGathering,
 
-    /// Trace no prefix rays in hybrid. These extra camera rays end at the first diffuse surface,
-    /// and reduce the noise of highlights and caustics seen through glass
+    /// Turn off the prefix rays of hybrid: extra camera rays that end at the first diffuse surface,
+    /// and that reduce the noise of highlights and caustics seen through glass
     #[arg(long)]
     pub no_prefix_rays: bool,
 
-    /// Sample directions of shadow rays to an environment light by its brightness alone. By
-    /// default, a pilot also finds from which directions its light reaches each part of the scene
+    /// Sample an environment light by its brightness alone. By default, a pilot also finds from
+    /// which directions its light reaches each part of the scene
     #[arg(long)]
     pub no_environment_guiding: bool,
 
-    /// Choose the points in fog from which shadow rays start without a pilot. By default, a pilot
+    /// Use no pilot to choose the points in fog from which shadow rays start. By default, a pilot
     /// finds the lit parts of homogeneous media, and how many points a camera ray needs
     #[arg(long)]
     pub no_scatter_point_guiding: bool,
 
-    /// Light tracing of directly visible caustics by hybrid: off, weighted (against photon
-    /// estimates, per pixel) or full
+    /// Use of light tracing for directly visible caustics in hybrid: off (photon estimates alone),
+    /// weighted (a mix of both, set per pixel) or full (light tracing alone)
     #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]
     pub light_tracing: LightTracing,
 
-    /// Photon estimates of indirect light by hybrid: off, weighted (against camera paths) or full
+    /// Use of photon estimates for indirect light in hybrid: off (camera paths alone), weighted (a
+    /// mix of both) or full (photon estimates alone)
     #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]
     pub indirect_photons: IndirectPhotons,
 
@@ -193,7 +194,8 @@ pub struct RenderArguments {
     #[arg(short, long = "output", required_unless_present = "film", value_name = "FILE")]
     pub output: Vec<PathBuf>,
 
-    /// Film file, which stores the sums of all passes. If it exists, the render continues from it
+    /// Film file, which accumulates the samples of all passes. If the file exists, the render
+    /// continues from it
     #[arg(long, value_name = "FILE")]
     pub film: Option<PathBuf>,
 

@@ -25,7 +25,7 @@ pub struct ConvertArguments {
     #[arg(required_unless_present = "output_flag")]
     pub output: Option<PathBuf>,
 
-    /// Scene text to write, as a flag
+    /// Scene text to write; another way to give the output
     #[arg(short, long = "output", id = "output_flag", value_name = "FILE", conflicts_with = "output")]
     pub output_flag: Option<PathBuf>,
 

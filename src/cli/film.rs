@@ -223,8 +223,8 @@ fn film_layers(header: &FilmHeader) -> LayerSelection {
 }
 
 /// Returns the header of the film of a render. `size` is the width and height of the film, and
-/// `whole` that of the picture without `--crop` \[pixels]. `scene` is the scene file, and `inputs`
-/// are the files that it names.
+/// `whole` is the width and height that the picture has without `--crop` \[pixels]. `scene` is the
+/// scene file, and `inputs` are the files that it names.
 ///
 /// Call this function right after loading. It returns a failure if a file changed since it was
 /// read.
@@ -253,8 +253,8 @@ pub(super) fn make_film_header(
 }
 
 impl<'a> LockedFilmFile<'a> {
-    /// Locks the film file at `path`. Returns it with the render that it holds; the render is
-    /// `None` if the file does not exist.
+    /// Locks the film file at `path`. Returns the locked file, and the passes that the file already
+    /// holds; `None` in place of the passes if the file does not exist.
     ///
     /// Returns a failure if another process uses the file, or if its film belongs to another render
     /// than `header`. `interval` is the smallest time between two saves while the render goes on.

@@ -31,7 +31,7 @@ impl<'a> PictureUpdater<'a> {
         Self { paths, options, interval, next_update: None, failed: false }
     }
 
-    /// Writes the mean of `film` if an update is due.
+    /// Writes the picture of `film`, the mean of its passes, if an update is due.
     ///
     /// An error ends the updates with a warning. The render goes on, because the file may be
     /// writable at its end.
@@ -48,7 +48,7 @@ impl<'a> PictureUpdater<'a> {
         self.next_update = Some(now + self.interval.max((now - start) * MIN_INTERVAL_UPDATE_RATIO));
     }
 
-    /// Writes the mean of `film` to all paths.
+    /// Writes the picture of `film`, the mean of its passes, to all paths.
     fn write(&self, film: &Film) -> Result<(), Box<dyn Error>> {
         let (width, height) = film.size();
         let picture = Image::from_pixels(width, height, film.mean_picture())?;

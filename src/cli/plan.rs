@@ -72,8 +72,8 @@ pub(super) fn finds_caustics_only_by_chance(integrator: &dyn Integrator) -> bool
     integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none()
 }
 
-/// Returns lines that describe the work of a pass: its numbers of rays and photons, the share of
-/// indirect light that photon estimates carry, and the guiding of shadow rays.
+/// Returns lines that describe the work of a pass: its numbers of rays and photons, the fraction of
+/// indirect light that comes from photon estimates, and the gain by guided shadow rays.
 pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
     let counts = integrator.ray_photon_balance().map(|balance| pass_counts_line(&balance));
     let prefix_rays = prefix_rays_line(integrator.prefix_rays_per_pixel());
@@ -111,8 +111,8 @@ fn prefix_rays_line(mean: f64) -> Option<String> {
     (mean > 0.0).then(|| format!("and {mean:.2} rays per pixel up to the first diffuse surface, {reason}"))
 }
 
-/// Returns a line with the shares of indirect light that photon estimates carry in pass 1 and in
-/// pass 100. Returns `None` if camera paths carry all indirect light in pass 1.
+/// Returns a line with the fraction of indirect light that comes from photon estimates, in pass 1
+/// and in pass 100. Returns `None` if all indirect light of pass 1 comes from camera paths.
 fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
     let percent = |pass| (100.0 * integrator.interreflection_photon_weight(pass)).round();
     let (first, later) = (percent(0), percent(99));
@@ -120,8 +120,8 @@ fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
     (integrator.interreflection_photon_weight(0) > 0.0).then_some(text)
 }
 
-/// Returns a line about the benefit of guiding shadow rays to the environment; `None` if passes do
-/// not guide them.
+/// Returns a line that says how much guiding lowers the variance of shadow rays to the environment
+/// light; `None` if passes do not guide these rays.
 fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.environment_guiding_report().filter(|report| report.used)?;
     let percent = percent_text(report.contributing_fraction);
@@ -132,8 +132,8 @@ fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     ))
 }
 
-/// Returns a line about the benefit of guiding shadow rays from fog to its lit parts; `None` if
-/// passes do not guide them.
+/// Returns a line that says how much variance falls because shadow rays from fog start in lit parts
+/// of the fog; `None` if passes do not guide these rays.
 fn scatter_point_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.scatter_point_guiding_report().filter(|report| report.used)?;
     Some(format!(
@@ -169,7 +169,8 @@ fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &Expected
     text
 }
 
-/// Returns counts of rays and gathered photons as text, such as `+1.9 M rays, +3.0 M gathered`.
+/// Returns counts of rays, and of photons summed in density estimates, as text, such as
+/// `+1.9 M rays, +3.0 M gathered`.
 ///
 /// The callback `number` formats a count.
 fn work_counts_text(work: WorkCounts, number: fn(f64) -> String) -> String {
@@ -195,16 +196,17 @@ struct PlanCommandReport {
     /// Expected number of photons that the first pass sums in density estimates.
     gathered_photons: i64,
     balance: Option<RayPhotonBalance>,
-    /// Mean number of prefix rays per pixel: extra camera rays that end at the first surface or
-    /// medium that stores photons.
+    /// Mean number of prefix rays per pixel of a pass. Prefix rays are extra camera rays that end
+    /// at the first surface or medium that stores photons.
     prefix_rays_per_pixel: f64,
-    /// Share in \[0, 1] of the indirect light that photon estimates carry in the first pass.
+    /// Fraction in \[0, 1] of indirect light that comes from photon estimates in the first pass.
+    /// The rest comes from camera paths.
     indirect_photon_share: f64,
     /// Report of the pilot that guides shadow rays to the environment; `None` if there was no such
     /// pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
-    /// Report of the pilot that guides the points of media from which shadow rays start; `None` if
-    /// there was no such pilot.
+    /// Report of the pilot that finds where in media shadow rays should start; `None` if there was
+    /// no such pilot.
     scatter_point_guiding: Option<ScatterPointGuidingReport>,
     effects: Vec<EffectCostReport>,
 }
@@ -214,7 +216,7 @@ struct PlanCommandReport {
 struct EffectCostReport {
     #[serde(flatten)]
     decision: EffectDecisionReport,
-    /// Expected number of rays that the effect adds to the first pass; `None` if it is off.
+    /// Expected number of rays that the effect adds to the first pass; `None` if the effect is off.
     rays: Option<i64>,
     /// Expected number of photons that the effect adds to the density estimates of the first pass;
     /// `None` if the effect is off.

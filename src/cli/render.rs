@@ -124,8 +124,8 @@ pub(super) fn check_raycast_flags(
     Ok(())
 }
 
-/// Returns the size (width, height) of the picture to render \[pixels]: that of the window `crop`
-/// of a `whole` picture, or that of the whole picture.
+/// Returns the size (width, height) of the picture to render \[pixels]. This is the size of the
+/// window `crop`, or `whole`, the size of the whole picture, if `crop` is `None`.
 pub(super) fn rendered_picture_size(crop: Option<CropWindow>, whole: (u32, u32)) -> Result<(u32, u32), CommandFailure> {
     match crop {
         Some(window) if window.fits_into(whole) => Ok(window.size()),
@@ -176,9 +176,9 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
 
 /// Renders `scene`, and writes all outputs.
 ///
-/// `film_header` is the header of the film of `--film`; `None` without this flag. `--time` counts
-/// from `start`: the start of loading, or of this picture if there are several. `live` publishes
-/// the render on the live page.
+/// `film_header` is the header of the film of `--film`; `None` without this flag. The limit of
+/// `--time` counts from `start`: the time at which loading began, or at which this picture began if
+/// there are several. `live` publishes the render on the live page.
 fn render_scene(
     arguments: &RenderArguments,
     scene: &Scene,
@@ -305,8 +305,8 @@ fn requested_layers(arguments: &RenderArguments, estimates_error: bool) -> Layer
     }
 }
 
-/// Returns the indices (from 0) of the passes of `--shard`, and `stop` with their number as its
-/// limit of passes.
+/// Returns two values for `--shard`: the indices (from 0) of the passes of the shard, and a copy of
+/// `stop` that ends the render after these passes.
 ///
 /// Without `--shard`, returns all indices and an unchanged `stop`.
 fn shard_passes_and_stop<'a>(

@@ -127,8 +127,8 @@ impl EstimatedErrorReport {
 pub(super) struct GatherRadiiReport {
     /// Largest gather radius of the indirect map in the first pass \[length].
     ///
-    /// The indirect map holds all indirect light. In `hybrid`, it holds only light that a receiver
-    /// reflects or scatters after a caustic.
+    /// The indirect map holds photons of all indirect light. In `hybrid`, the map holds only light
+    /// of caustics that a surface or medium has reflected or scattered further.
     #[serde(rename = "global")]
     pub indirect: f32,
     /// Largest gather radius of the caustic map in the first pass \[length].
@@ -149,7 +149,7 @@ pub(super) struct PhotonReports {
 /// Wall times of a render \[s].
 #[derive(Debug, Serialize)]
 pub(super) struct RenderTimes {
-    /// Time of loading and pilots; see [`RenderSetup::setup_seconds`].
+    /// Time before the first pass; see [`RenderSetup::setup_seconds`].
     pub setup: f64,
     /// Times of the stages of all passes.
     #[serde(flatten)]
@@ -183,8 +183,8 @@ pub(super) struct RenderSetup {
     pub scatter_point_guiding: Option<ScatterPointGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
-    /// Time of loading and pilots \[s]. Loading does not count if there are several pictures
-    /// (`--frames`, `--stereo`).
+    /// Time before the first pass \[s]: loading the scene and preparing the algorithm. Loading does
+    /// not count if there are several pictures (`--frames`, `--stereo`).
     pub setup_seconds: f64,
 }
 

@@ -89,8 +89,8 @@ pub(super) fn read_resized_scene_file(
     Ok(file)
 }
 
-/// Resolves the scene that `file` describes: loads the files that it names and builds the scene,
-/// within the memory limit of the command line.
+/// Resolves the scene that `file` describes: loads meshes, pictures and other files that the scene
+/// names, and builds the scene, within the memory limit of the command line.
 pub(super) fn resolve_scene_file(
     file: &SceneFile,
     arguments: &SceneArguments,
@@ -100,7 +100,7 @@ pub(super) fn resolve_scene_file(
 }
 
 /// Builds the scene that `file` describes, within the memory limit of the command line. Unchanged
-/// meshes and hierarchies are shared with the `earlier` version of the scene.
+/// meshes and bounding volume hierarchies are shared with the `earlier` version of the scene.
 pub(super) fn resolve_scene_file_incrementally(
     earlier: Option<&ResolvedScene>,
     file: &SceneFile,

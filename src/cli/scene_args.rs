@@ -9,7 +9,8 @@ use std::path::PathBuf;
 /// Flags for reading scenes of other programs.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ImportArguments {
-    /// Format of the scene, by its file extension; `None` for that of the file.
+    /// File extension that names the format of the scene, such as `gltf`; `None` to use the
+    /// extension of the scene file.
     #[arg(long, help = scene_format_help(), value_parser = parse_scene_format, value_name = "EXTENSION")]
     pub format: Option<String>,
 

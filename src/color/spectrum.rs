@@ -28,7 +28,7 @@ const WIEN_CONSTANT: f64 = 2.897_771_955e-3;
 /// Bounds to which [`conductor_refractive_index`] clamps the reflectance at normal incidence.
 const CONDUCTOR_REFLECTANCE_BOUNDS: [f64; 2] = [1e-4, 0.9999];
 
-/// Least η that [`conductor_refractive_index`] returns.
+/// Least η (real part of the refractive index) that [`conductor_refractive_index`] returns.
 const LEAST_ETA: f64 = 1e-4;
 
 /// Components S₀ (the mean), S₁ and S₂ of CIE daylight spectra, from 380 nm in steps of 10 nm (CIE
@@ -229,9 +229,9 @@ fn reflectance_rgb(reflectance: impl Fn(f64) -> f64) -> DVec3 {
 
 /// Returns the RGB refractive index (η, k) of a conductor from the spectra of η and k.
 ///
-/// The result has the color of the spectral reflectance at normal incidence, clamped to
-/// \[10⁻⁴, 0.9999]. η is the mean of `eta` by [`Spectrum::channel_means`], clamped so that a k
-/// exists for this color. k follows from the color and η.
+/// At normal incidence, the result reflects the RGB color of the spectral reflectance, with each
+/// channel clamped to \[10⁻⁴, 0.9999]. η is the mean of `eta` by [`Spectrum::channel_means`],
+/// clamped to the range in which some k gives this color. k follows from the color and η.
 #[must_use]
 pub fn conductor_refractive_index(eta: &Spectrum, k: &Spectrum) -> (DVec3, DVec3) {
     let reflectance = reflectance_rgb(|nm| {

@@ -21,7 +21,7 @@ const RESPONSE_INTERVAL_COUNT: usize = 255;
 /// Width of a wavelength interval of constant response \[nm].
 const RESPONSE_INTERVAL_NM: f32 = (Wavelength::LONGEST_NM - Wavelength::SHORTEST_NM) / RESPONSE_INTERVAL_COUNT as f32;
 /// Least distance of a sampled wavelength from the ends of its interval, as a fraction of the
-/// interval's width.
+/// interval's width. Rounding to f32 then cannot move the wavelength into a neighboring interval.
 const MIN_RELATIVE_EDGE_DISTANCE: f32 = 1.0 / 4096.0;
 
 /// A sampled wavelength in \[380, 720] nm.
@@ -93,7 +93,8 @@ impl Wavelength {
     }
 }
 
-/// Table for sampling wavelengths by the responses of the RGB channels, constant in each interval.
+/// Table for sampling wavelengths by the responses of the RGB channels. The responses are constant
+/// in each wavelength interval.
 struct SpectralResponseTable {
     /// Cumulative probability at the start of each interval; the last entry is 1.
     cumulative_probabilities: [f64; RESPONSE_INTERVAL_COUNT + 1],

@@ -6,8 +6,8 @@ use crate::image::Image;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Meshes, pictures and grids that a scene file itself contains, with the paths by which its
-/// description names them.
+/// Meshes, pictures and grids that a scene file itself contains. Each map's key is the path by
+/// which the scene description names the item.
 ///
 /// A path that is listed here is not looked up in the file system.
 #[derive(Clone, Debug, Default)]

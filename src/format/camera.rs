@@ -379,9 +379,9 @@ const MAX_CORNER_TANGENT: f64 = 65_536.0;
 /// Fails if the field of view of a perspective picture is too narrow or too wide for single
 /// precision.
 ///
-/// It is too narrow if a pixel spans less than [`MAX_DIRECTION_ERROR`]. It is too wide if the
-/// tangent at a corner exceeds [`MAX_CORNER_TANGENT`].
-/// `angle` is the vertical field of view in degrees. `width` and `height` are in pixels.
+/// The field of view is too narrow if the angle of a pixel is below [`MAX_DIRECTION_ERROR`]. The
+/// field of view is too wide if the tangent at a corner exceeds [`MAX_CORNER_TANGENT`]. `angle` is
+/// the vertical field of view in degrees. `width` and `height` are in pixels.
 fn check_field_of_view(angle: f64, (width, height): (u32, u32)) -> Result<(), MessageAndRemedy> {
     let (width, height) = (f64::from(width), f64::from(height));
     let pixel = 2.0 * libm::tan(0.5 * angle.to_radians()) / height;

@@ -41,8 +41,8 @@ impl SourceText {
         &self.text
     }
 
-    /// Returns a one-line warning with file, line and column of `span`; only the file if the text
-    /// is empty.
+    /// Returns a one-line warning: file name, line and column of `span`, then `message`. Line and
+    /// column are left out if the text of the scene file is empty.
     pub(super) fn warning_at_span(&self, span: Span, message: &str) -> String {
         if self.text.is_empty() {
             return format!("{}: warning: {message}", self.file_name);

@@ -43,8 +43,8 @@ impl SceneFile {
     /// Reads the scene file at `path` with the importer for `options.format_extension`, or else for
     /// the extension of `path`.
     ///
-    /// Refuses a scene that would exceed the memory of `options`. `monitor` receives the paths of
-    /// other files that the importer opens.
+    /// Refuses a scene that would exceed the memory limit in `options`. `monitor` receives the
+    /// paths of other files that the importer opens.
     ///
     /// # Errors
     /// [`SceneReadError`].

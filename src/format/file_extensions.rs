@@ -25,8 +25,9 @@ pub(super) fn is_unsupported_mesh_format(extension: &str) -> bool {
         || UNSUPPORTED_MESH_EXTENSIONS.contains(&extension)
 }
 
-/// Returns advice to a user who gives a file with this extension as scene text; `None` if the file
-/// may be scene text.
+/// Returns advice to a user who names a file with this extension as the scene file, although the
+/// extension is that of a mesh or of an unsupported scene format. `None` for other extensions,
+/// which may belong to scene text.
 ///
 /// `extension` must not be one that an importer reads.
 pub(super) fn remedy_for_foreign_scene(extension: &str) -> Option<&'static str> {

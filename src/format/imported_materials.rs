@@ -14,7 +14,8 @@ use std::collections::{HashMap, HashSet};
 pub(super) enum MixDefect {
     /// One of the materials is a mix with the greatest allowed nesting depth.
     TooDeep,
-    /// Each material is a dielectric body or a mix with one, and the two bodies differ.
+    /// Each of the two materials bounds a dielectric body, or is a mix with such a material, and
+    /// the bodies are not the same.
     TwoDielectrics,
 }
 
@@ -56,7 +57,8 @@ impl ImportedMixLimits {
 pub(super) struct ImportedMaterials {
     /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
-    /// Names in use. Each maps to the next number to try for a material that wants the same name.
+    /// Names in use. Each maps to the number that [`unique_name`](Self::unique_name) tries first
+    /// when another material wants this name.
     next_numbers: HashMap<String, u32>,
     mix_limits: ImportedMixLimits,
     transparent_material_name: Option<String>,
@@ -104,7 +106,8 @@ impl ImportedMaterials {
         self.mix_limits.mix_defect(first, second)
     }
 
-    /// Returns the name of a material that transmits all light unchanged. Adds it at its first use.
+    /// Returns the name of a material that transmits all light unchanged. The first call adds this
+    /// material.
     pub fn transparent_material_name(&mut self) -> String {
         if let Some(name) = &self.transparent_material_name {
             return name.clone();

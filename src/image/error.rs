@@ -154,11 +154,11 @@ impl DecodeFailure {
     }
 }
 
-/// Fails if a file of `file` bytes cannot hold `uncompressed` bytes of pixels, as its header
-/// claims.
+/// Fails if a file of `file` bytes is too short for `uncompressed` bytes of pixels, the amount that
+/// its header claims.
 ///
-/// DEFLATE compresses at most 1032 bytes into one (zlib technical details). The check prevents huge
-/// allocations for a damaged header.
+/// The check prevents huge allocations for a damaged header. DEFLATE compresses at most 1032 bytes
+/// into one (zlib technical details).
 pub(super) fn check_compression_ratio(uncompressed: u64, file: usize) -> Result<(), DecodeFailure> {
     if uncompressed > 1032 * file as u64 {
         return Err(DecodeFailure::Reason("the file is too short for the size that it states".into()));
@@ -169,9 +169,9 @@ pub(super) fn check_compression_ratio(uncompressed: u64, file: usize) -> Result<
 /// Peak memory while a picture is read and turned into a texture or an environment light
 /// \[bytes/pixel].
 ///
-/// The peak occurs while an OpenEXR file is read: four channels twice in single precision (32
-/// bytes), RGB (12 bytes) and a reserve (4 bytes). Later, a picture with its MIP pyramid takes 28
-/// bytes, and one with the tables of light sampling 36 bytes.
+/// The peak occurs while an OpenEXR file is read: two buffers of four single-precision channels (32
+/// bytes), a copy in RGB (12 bytes) and a reserve (4 bytes). Later, a picture with its MIP pyramid
+/// takes 28 bytes, and one with the tables of light sampling 36 bytes.
 const PEAK_BYTES_PER_PIXEL: u64 = 48;
 
 /// Fails if reading a picture of `pixels` pixels needs more than `free` bytes of memory; `None`

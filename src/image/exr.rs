@@ -81,8 +81,8 @@ pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes
     attributes
 }
 
-/// Largest display window of an OpenEXR file that is accepted without a check of the file's length
-/// \[pixels].
+/// Largest number of pixels in the display window of an OpenEXR file for which the file's length is
+/// not checked.
 ///
 /// The limit exceeds 3840 × 2160. If the display window is larger, the file must be long enough to
 /// hold data for all its pixels.

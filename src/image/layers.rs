@@ -22,7 +22,7 @@ pub struct ExrLayer {
     pub name: String,
     /// Channels of the layer, as pairs of a name and one value per pixel, in rows from the top.
     ///
-    /// The unnamed layer should have channels `R`, `G` and `B`.
+    /// The unnamed layer should have channels `R`, `G` and `B`, because picture viewers show it.
     pub channels: Vec<(String, Vec<f32>)>,
 }
 

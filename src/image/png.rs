@@ -83,7 +83,8 @@ struct DecodedPng {
     samples: Vec<u8>,
     /// True if samples have 16 bits.
     sixteen: bool,
-    /// Value of the gAMA chunk; `None` if the file has no such chunk, or if it has an sRGB chunk.
+    /// Value of the gAMA chunk; `None` if the file has no such chunk, or if it has an sRGB chunk,
+    /// which has priority.
     encoding_gamma: Option<f64>,
 }
 
@@ -138,8 +139,9 @@ fn decode_png_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, Deco
 
 /// Decodes a PNG file as linear radiance.
 ///
-/// The sRGB transfer function is undone; in a file with a gAMA chunk and no sRGB chunk, the gamma
-/// of that chunk. `free` is the memory limit \[bytes]; `None` means no limit.
+/// Samples are linearized by the sRGB transfer function. If the file has a gAMA chunk and no sRGB
+/// chunk, the gamma of that chunk is used instead. `free` is the memory limit \[bytes]; `None`
+/// means no limit.
 pub(super) fn decode(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let decoded = decode_png_samples(file, free)?;
     match decoded.encoding_gamma {

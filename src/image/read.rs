@@ -91,7 +91,7 @@ pub enum PixelMeaning {
 /// means no limit.
 ///
 /// # Errors
-/// [`ReadError`], see [`read`]; also if reading needs more memory.
+/// [`ReadError`], see [`read`]; also if reading needs more than `free` bytes.
 pub fn read_with_memory_limit(path: &Path, meaning: PixelMeaning, free: Option<u64>) -> Result<Image, ReadError> {
     let file = read_file_bytes(path, free)?;
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)

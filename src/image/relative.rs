@@ -16,21 +16,22 @@ const MIN_PIXELS_PER_TASK: usize = 2048;
 /// For the error e, the relative squared error is the mean of e² / (L² + m²) over pixels and
 /// channels. L is the mean radiance of the pixel's 5 × 5 neighborhood in the reference, over all
 /// channels. m is the median of L over pixels with L > 0. So errors in bright regions are relative
-/// to the local radiance, and errors in dark regions to the median. For a black reference, the
-/// divisor is 1.
+/// to the local radiance, and errors in dark regions are relative to m. In a black reference, no
+/// pixel has L > 0; m is then 1.
 ///
 /// The relative squared error of each pixel is clamped to \[−1, 1], so that fireflies do not
 /// dominate. The value can be negative if e² is estimated by the product of two independent errors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RelativeErrorWeights {
-    /// 1 / (3 (L² + m²)) of each pixel, in rows from the top.
+    /// Weight 1 / (3 (L² + m²)) of each pixel, in rows from the top. [`RelativeErrorWeights`]
+    /// defines L and m.
     weights: Vec<f64>,
 }
 
 impl RelativeErrorWeights {
     /// Makes the weights for errors against the reference `picture`.
     ///
-    /// Pixels that are not finite do not count in neighborhoods.
+    /// Pixels that are not finite are left out of the neighborhood means L.
     #[must_use]
     pub fn from_image(picture: &Image) -> Self {
         Self::from_pixels((picture.width(), picture.height()), picture.pixels())
@@ -76,6 +77,7 @@ impl RelativeErrorWeights {
     }
 
     /// Returns the weight 1 / (3 (L² + m²)) of each pixel, in rows from the top.
+    /// [`RelativeErrorWeights`] defines L and m.
     ///
     /// A weight times the squared error, summed over channels, is the relative squared error of the
     /// pixel before clamping.
@@ -86,7 +88,8 @@ impl RelativeErrorWeights {
 
     /// Returns the relative squared error of pixel number `i`, clamped to \[−1, 1].
     ///
-    /// `product` is the sum over channels of the squared error, or of the product of two errors.
+    /// `product` is the squared error of the pixel, summed over channels. Alternatively, it is the
+    /// product of the errors against two independent references, summed over channels.
     #[must_use]
     pub fn clamped_relative_squared_error(&self, i: usize, product: f64) -> f64 {
         (self.weights[i] * product).clamp(-1.0, 1.0)

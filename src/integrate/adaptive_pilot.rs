@@ -21,7 +21,8 @@ use std::sync::Arc;
 /// measures the noise of each pixel.
 const PILOT_PICTURES: u32 = 4;
 
-/// Number of photon paths of a pass, divided by the number in the adaptive-sampling pilot.
+/// Divisor of the number of photon paths of a pass: the adaptive-sampling pilot traces 1/16 of
+/// them.
 const PHOTON_PATH_DIVISOR: u32 = 16;
 
 /// Smallest number of camera rays of a pixel, divided by the mean over all pixels.

@@ -14,14 +14,16 @@ enum_with_all! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Algorithm {
         /// Path tracing with next-event estimation. Photons carry caustics and the light that
-        /// surfaces reflect after a caustic. By default, they also carry a share of the other
+        /// surfaces reflect after a caustic. By default, photons also carry a part of the other
         /// indirect light.
         Hybrid,
-        /// Path tracing.
+        /// Path tracing with next-event estimation, without photons.
         Path,
-        /// Stochastic progressive photon mapping.
+        /// Stochastic progressive photon mapping (Hachisuka and Jensen 2009). Gather radii shrink
+        /// from pass to pass, and each pass traces other camera paths.
         Sppm,
-        /// Progressive photon mapping. All passes trace the same camera paths.
+        /// Progressive photon mapping (Hachisuka, Ogaki and Jensen 2008). Gather radii shrink from
+        /// pass to pass, and all passes trace the same camera paths.
         Ppm,
         /// Photon mapping with an indirect map (Jensen's global map) and a caustic map. Gather
         /// radii stay fixed over the passes.
@@ -60,8 +62,8 @@ impl Algorithm {
         }
     }
 
-    /// Returns the default number of passes of a render. It applies if the error is not estimated,
-    /// and if neither the passes nor the time are limited.
+    /// Returns the default number of passes of a render. This default applies if the error is not
+    /// estimated, and if neither the passes nor the time are limited.
     #[must_use]
     pub fn default_passes(self) -> u32 {
         match self {

@@ -39,19 +39,21 @@ const CAMERA_RAY_WORK: f64 = 2.0;
 /// Work of storing and indexing one photon, in units of tracing one photon ray.
 const STORED_PHOTON_WORK: f64 = 1.5;
 
-/// Work of one photon in a density estimate, in units of tracing one photon ray.
+/// Work that each photon adds to a density estimate that uses it, in units of tracing one photon
+/// ray.
 pub(super) const GATHERED_PHOTON_WORK: f64 = 0.2;
 
-/// Work of one density estimate without the work for its photons, in units of tracing one photon
-/// ray.
+/// Fixed work of one density estimate, in units of tracing one photon ray. Each photon that the
+/// estimate uses adds [`GATHERED_PHOTON_WORK`].
 pub(super) const LOOKUP_WORK: f64 = 20.0;
 
 /// One source of noise in a pass: the camera rays, the photon paths that start in all directions,
 /// or the photon paths aimed at casters such as glass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseSource {
-    /// Relative variance of the picture of a pass due to this source, if the source had only one
-    /// sample: one camera ray per pixel, or one photon path.
+    /// Relative variance that this source would cause in the picture of a pass with a single
+    /// sample: one camera ray per pixel, or one photon path. With n samples, the variance is 1/n of
+    /// this value.
     pub single_sample_variance: f64,
     /// Work of one sample, in units of tracing one photon ray.
     pub work_per_sample: f64,
@@ -72,7 +74,7 @@ impl NoiseSource {
 /// Returns the sample counts of all sources that give a pass the least noise at the same total
 /// work.
 ///
-/// A sample is one camera ray per pixel, or one photon path. No count changes by more than a factor
+/// A sample is one camera ray per pixel, or one photon path. Each count changes at most by a factor
 /// of [`MAX_CHANGE`]. A source without noise keeps its count, and its work is ignored.
 pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
@@ -108,8 +110,8 @@ pub(super) fn camera_path_work(counters: &Counters) -> f64 {
     CAMERA_RAY_WORK * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
-/// Returns the work of the photons in the density estimates that `counters` count, without the work
-/// of each search, in units of tracing one photon ray.
+/// Returns the work of the photons that density estimates used, according to `counters`, in units
+/// of tracing one photon ray. The fixed work of each estimate, [`LOOKUP_WORK`], is not included.
 pub(super) fn gathering_work(counters: &Counters) -> f64 {
     GATHERED_PHOTON_WORK * counters.gathered_photons as f64
 }
@@ -123,8 +125,8 @@ pub(super) fn photon_storage_work(photons: u64) -> f64 {
 /// points are black.
 ///
 /// `one` and `other` are two independent estimates at the same points. `light` is the mean radiance
-/// at each point. At each point, half the squared difference is divided by the squared radiance
-/// there plus the squared median of the positive radiances. Values that are not finite count as 0.
+/// L at each point, and M the median of all positive L. The relative variance at a point is (`one`
+/// − `other`)²/2 / (L² + M²). Values that are not finite count as 0.
 pub(super) fn relative_variance(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
     let Some(median) = positive_median(light.iter().copied()) else { return 0.0 };
     let square = |((a, b), light): ((&Rgb, &Rgb), &f64)| {

@@ -82,9 +82,10 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Factor by which the next vertex multiplies the throughput. It is 1, except just after the
-    /// first receiver (surface or medium that stores photons). There it is the factor of continued
-    /// camera paths for indirect light; photon estimates carry the rest.
+    /// Factor by which the next vertex multiplies the throughput. On the ray that leaves the path's
+    /// first receiver (surface or medium that stores photons), the factor is
+    /// [`IndirectWeights::continued_path_factor`], because photon estimates may carry a part of the
+    /// indirect light. On all other rays, the factor is 1.
     ///
     /// Emission at the next vertex is direct light of the receiver, so the path adds that emission
     /// before it applies the factor.
@@ -348,7 +349,8 @@ fn continue_path<I: Interior>(
 }
 
 /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from photon
-/// maps \[W/(m² sr)]. Also adds the radiance, times the throughput, to the sums of `task`.
+/// maps \[W/(m² sr)]. Also adds the radiance, times the throughput, to the light that `task`
+/// records.
 ///
 /// If only a few paths of a pixel read the maps, the radiance is scaled up to stand for the pixel's
 /// other paths. Returns 0 if the policy reads no map at `vertex`. With
@@ -410,12 +412,13 @@ fn is_path_continued(weights: IndirectWeights, sampler: Sampler) -> bool {
     weights.continues_at_receiver(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverBranch))
 }
 
-/// Returns `light` times its weight, and adds the weighted light to the sums of `task`. `light` is
-/// a contribution to the pixel that `path` found: emission that it hit, or direct light at a glossy
-/// surface such as rough glass.
+/// Returns `light` times its weight, and adds the weighted light to the light that `task` records.
+/// `light` is a contribution to the pixel that `path` found: emission that it hit, or direct light
+/// at a glossy surface such as rough glass.
 ///
-/// Up to the first receiver (surface or medium that stores photons), the pixel's extra prefix rays
-/// find the same light. So the light has the weight of [`PrefixWeights`] there, and 1 later.
+/// Before the first receiver (surface or medium that stores photons), `light` has a weight of
+/// [`PrefixWeights`], because extra camera paths of the pixel find the same light. Later, its
+/// weight is 1.
 #[inline]
 fn weigh_and_record_light<I>(light: Rgb, path: &PathState<I>, weights: &PathWeights, task: &mut PathTask) -> Rgb {
     if path.history.receivers > 0 {
@@ -562,8 +565,8 @@ impl<I: Interior> PathState<I> {
         }
     }
 
-    /// If `crossed_hidden_boundary` is true, counts the boundary as one of
-    /// `history.casters_since_receiver`, and clears `prev_nee_vertex`.
+    /// Counts a crossed boundary as one of `history.casters_since_receiver`, and clears
+    /// `prev_nee_vertex`. Does nothing if `crossed_hidden_boundary` is false.
     ///
     /// A hidden boundary blocks shadow rays, but not camera rays. So next-event estimation could
     /// not have sampled the light beyond it.

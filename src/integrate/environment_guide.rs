@@ -12,28 +12,30 @@ use crate::light::{DirectLightSample, EnvironmentLight, ShadowTarget};
 use crate::sampling::SquareGridDistribution;
 use glam::{Vec2, Vec3};
 
-/// Number of bins of shadow-ray directions along each side of the unit square, in each cell of the
-/// grid over the scene. The environment light turns points of the square into directions.
+/// Number of histogram bins along each side of the unit square. Each cell of the grid over the
+/// scene has such a histogram of shadow-ray directions: the environment light turns points of the
+/// unit square into directions.
 const BINS_PER_SIDE: usize = 32;
 
 /// Number of bins of shadow-ray directions in each cell of the grid over the scene.
 const BINS_PER_CELL: usize = BINS_PER_SIDE * BINS_PER_SIDE;
 
-/// Number of refinement levels of the grid over the scene when the guide is fitted. Each refinement
-/// splits each cell into eight.
+/// Number of times that the grid over the scene is refined when [`EnvironmentGuide`] is fitted.
+/// Each refinement splits each cell into eight.
 const REFINEMENTS: u32 = 3;
 
 /// Number of cells of the finest grid along each axis of the scene.
 const CELLS_PER_AXIS: u32 = 1 << REFINEMENTS;
 
-/// Fraction of shadow-ray directions that are sampled without the guide, uniformly over the unit
-/// square (defensive sampling).
+/// Fraction of shadow-ray directions that are sampled uniformly over the unit square, instead of
+/// from the learned distribution (defensive sampling).
 ///
-/// A guided ray has at most 5 times the weight of the same ray without guiding.
+/// This bounds the weight of a guided ray: at most 1/0.2 = 5 times its weight without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
-/// Weight of the parent bin's mean in the estimate of a bin's mean (shrinkage estimator), as a
-/// number of rays. The parent is the larger bin of the next coarser level that contains the bin.
+/// Weight of the parent bin's mean in the estimate of a bin's mean (shrinkage estimator): the
+/// parent's mean counts as much as 2 rays. The parent is the larger bin of the next coarser level
+/// that contains the bin.
 const PARENT_WEIGHT: f64 = 2.0;
 
 /// Learned distributions of the directions from which the environment light reaches each cell of a
@@ -56,7 +58,7 @@ pub(super) struct EnvironmentGuideFitter {
 
 impl EnvironmentGuide {
     /// Samples the direct light of the environment `light` that arrives at `p`, by `u` in \[0, 1)².
-    /// Directions follow the guide.
+    /// Directions follow the distribution learned for the cell of `p`.
     ///
     /// Returns `None` if `light` is black or the pdf is 0.
     #[inline]
@@ -78,9 +80,9 @@ impl EnvironmentGuide {
         light.pdf(wi) * light.inverse_sample(wi).map_or(0.0, |u| cell.pdf(u))
     }
 
-    /// Samples a point of the unit square by the guide, for a shadow ray from `p`. Returns the
-    /// point and its pdf. The environment light then turns the point into a direction. `u` is
-    /// uniform in \[0, 1)².
+    /// Samples a point of the unit square from the distribution learned for the cell of `p`.
+    /// Returns the point and its pdf. The environment light then turns the point into the direction
+    /// of a shadow ray from `p`. `u` is uniform in \[0, 1)².
     #[inline]
     pub fn sample_unit_square(&self, p: Vec3, u: Vec2) -> (Vec2, f32) {
         self.cells[self.grid.cell_index(p)].sample(u)
@@ -88,15 +90,15 @@ impl EnvironmentGuide {
 }
 
 impl EnvironmentGuideFitter {
-    /// Makes a fitter without data. Its grid has 8 cells along each axis, each with the same number
-    /// of the positions `points`.
+    /// Makes a fitter without data. Its grid divides the scene into 8 layers along each axis, such
+    /// that each layer holds the same number of the positions `points`.
     pub fn new(points: &[Vec3]) -> Self {
         let bins = (CELLS_PER_AXIS * CELLS_PER_AXIS * CELLS_PER_AXIS) as usize * BINS_PER_CELL;
         Self { grid: SceneCellGrid::new(points), counts: vec![0.0; bins], squared_contribution_sums: vec![0.0; bins] }
     }
 
-    /// Adds one shadow ray of the pilot from `p`. The environment light turned the point `u` in
-    /// \[0, 1)² into its direction.
+    /// Adds one shadow ray of the pilot. The ray started at `p`. The environment light turned the
+    /// point `u` in \[0, 1)² into the direction of the ray.
     ///
     /// `square` is the square of the contribution to the picture that the ray would make without
     /// guiding.

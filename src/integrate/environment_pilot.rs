@@ -16,32 +16,36 @@ use crate::scene::{Effects, Scene, with_interior_type};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Smallest and largest number of camera paths that find points for shadow rays of the
-/// environment-guiding pilot. Between these limits, there is one path per pixel.
+/// Smallest and largest number of camera paths of the environment-guiding pilot. The pilot's shadow
+/// rays start at the surface points that these paths hit. Between the limits, there is one path per
+/// pixel.
 const PATH_COUNT_RANGE: (u32, u32) = (4000, 8000);
 
-/// Largest number of bounces of the camera paths that find points for shadow rays of the
-/// environment-guiding pilot.
+/// Largest number of bounces of the environment-guiding pilot's camera paths. The pilot's shadow
+/// rays start at the surface points that these paths hit.
 const MAX_BOUNCES: u32 = 2;
 
 /// Number of rounds of shadow rays of the environment-guiding pilot. Each round is guided by the
 /// rays of all earlier rounds.
 const ROUNDS: u32 = 4;
 
-/// Number of shadow rays of the environment-guiding pilot from each point in each round.
+/// Number of shadow rays that the environment-guiding pilot traces from each recorded surface point
+/// in each round.
 const RAYS_PER_POINT: u32 = 6;
 
-/// Least ratio of unguided to guided variance at which passes use guided shadow rays.
+/// Variance gain above which passes use guided shadow rays: the variance of unguided rays, divided
+/// by that of guided rays.
 ///
-/// It exceeds 1, because guided rays take longer to sample, and because camera paths that sample
-/// the BSDF find a widely visible environment without shadow rays.
+/// The value exceeds 1, because guided rays take longer to sample, and because camera paths that
+/// sample the BSDF find a widely visible environment without shadow rays.
 const MIN_GAIN: f64 = 1.5;
 
-/// Largest fraction of unguided shadow rays that reach the environment and contribute to the
-/// picture, at which the environment-guiding pilot continues.
+/// Fraction of contributing rays above which the environment-guiding pilot ends after its first
+/// round, without guiding. A ray contributes if it reaches the environment and adds light to the
+/// picture.
 ///
-/// Above it, the pilot ends after the first round without a guide: camera paths that sample the
-/// BSDF find such a widely visible sky well.
+/// The rays of the first round are unguided. If many of them contribute, the sky is widely visible,
+/// and camera paths that sample the BSDF find it well.
 const MAX_CONTRIBUTING_FRACTION: f64 = 0.25;
 
 /// Work and estimated benefit of the pilot (small simulation before the first pass) that guides
@@ -56,8 +60,9 @@ pub struct EnvironmentGuidingReport {
     #[serde(rename = "unoccluded")]
     pub contributing_fraction: f64,
     /// Gain of guiding: the second moment of the contributions of unguided shadow rays to the
-    /// picture, divided by the second moment for guided rays. It is 1 if no ray contributes, or if
-    /// the pilot ends after the first round.
+    /// picture, divided by the second moment for guided rays. The gain is set to 1 (no gain) if no
+    /// ray contributes. It is also set to 1 if the pilot ends after the first round, before it
+    /// measures the gain.
     #[serde(rename = "gain")]
     pub variance_gain: f64,
     /// True if the render guides shadow rays to the environment light.
@@ -72,13 +77,14 @@ struct PilotRay {
     u: Vec2,
     /// Pdf of `u` over the unit square.
     u_pdf: f32,
-    /// Contribution that the ray would make to the picture if it had been sampled without the
-    /// guide; 0 if occluded.
+    /// Contribution that the ray would make to the picture if it had the pdf of unguided sampling;
+    /// 0 if occluded.
     unguided_contribution: f64,
 }
 
-/// Runs the environment-guiding pilot. Returns a guide of shadow rays to the environment `light` of
-/// `scene`, and a report. The guide is `None` if it would not reduce the noise enough.
+/// Runs the environment-guiding pilot. Returns learned distributions of shadow-ray directions to
+/// the environment `light` of `scene`, and a report. The distributions are `None` if they would not
+/// reduce the noise enough.
 ///
 /// The result depends only on the scene, `effects` and `seed`.
 pub(super) fn guide_environment_light(
@@ -169,8 +175,8 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
 }
 
 /// Returns the gain of guiding: the second moment of the contributions of unguided shadow rays to
-/// the picture, divided by the second moment for guided rays. Both are estimated from guided
-/// `rays`. The gain is 1 if no ray contributes.
+/// the picture, divided by the second moment for guided rays. Both moments are estimated from the
+/// guided `rays`. Returns 1 (no gain) if no ray contributes.
 fn guiding_variance_gain(rays: &[PilotRay]) -> f64 {
     let (mut unguided, mut guided) = (0.0, 0.0);
     for ray in rays {

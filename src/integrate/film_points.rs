@@ -52,7 +52,7 @@ pub(super) fn trace_paths_through_film_points(
 /// \[W/(m² sr)] and the task that traced it.
 ///
 /// Returns the values of `result`, and the ray counts of all paths. If `repeats_in_nested_discs` is
-/// true, each photon estimate is also made with smaller nested discs.
+/// true, each photon estimate is repeated with smaller discs, to measure its bias.
 pub(super) fn map_paths_through_film_points<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],

@@ -31,8 +31,8 @@ pub(super) struct FilmSampling<'a> {
     pub groups_light: bool,
     /// Window of pixels to render.
     pub window: CropWindow,
-    /// Upper bound \[W/(m² sr)] on the largest channel of the light of one camera path, without its
-    /// photon estimates; `None` for no bound.
+    /// Upper bound on the light that one camera path finds, except its photon estimates \[W/(m²
+    /// sr)]. Light with a larger RGB channel is scaled down; `None` for no bound.
     pub clamp: Option<f32>,
     /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
     /// through `camera`.
@@ -76,8 +76,8 @@ pub(super) struct PixelRays<'a> {
     /// If some rays of the pixel are aimed at images of lamps (film regions where camera rays meet
     /// a lamp), each ray has a weight `up_to_receiver` of its own.
     prefix_weights: PrefixWeights,
-    /// Images of lamps at which some rays of the pixel are aimed, and the numbers of all rays that
-    /// share their light; `None` if no ray of the pixel is aimed.
+    /// Images of lamps at which some rays of the pixel are aimed, and the numbers of the pixel's
+    /// aimed and other rays, from which MIS weights follow; `None` if no ray of the pixel is aimed.
     lamp_images: Option<(&'a [PixelLampImage], LampImageRayCounts)>,
     /// True if the film points of these rays are aimed at images of lamps; false if the pixel
     /// filter distributes them.
@@ -219,16 +219,16 @@ impl FilmSampling<'_> {
         }
     }
 
-    /// Returns the lens point of the ray of `sampler` \[length right and up from the lens center];
+    /// Samples the lens point of a ray with `sampler` \[length right and up from the lens center];
     /// 0 if rays do not sample the lens.
     fn lens_point(&self, sampler: Sampler) -> Vec2 {
         if self.samples_lens { self.camera.sample_lens(sampler.get_2d(Dimension::Lens)).as_vec2() } else { Vec2::ZERO }
     }
 
-    /// Returns the MIS weight of the light that the ray of `sampler` finds up to its first receiver
-    /// (surface or medium that stores photons). The ray goes through the pixel whose upper left
-    /// corner is `corner`. Other rays of the pixel are aimed at `images`, the film regions where
-    /// camera rays meet a lamp.
+    /// Returns the MIS weight of the light that a camera ray finds up to its first receiver
+    /// (surface or medium that stores photons). `sampler` generates the ray, through the pixel
+    /// whose upper left corner is `corner`. Other rays of the pixel are aimed at `images`, the film
+    /// regions where camera rays meet a lamp.
     pub fn up_to_receiver_weight(
         &self,
         images: &[PixelLampImage],
@@ -255,8 +255,8 @@ impl FilmSampling<'_> {
         weights.up_to_receiver_weight(filter_pdf, aimed_pdf(images, film, on_lens))
     }
 
-    /// Makes the camera ray of `sampler` through the pixel whose upper left corner is `corner`, in
-    /// slice `slice` of the shutter interval. Returns the ray and its filter weight.
+    /// Generates a camera ray with `sampler`, through the pixel whose upper left corner is
+    /// `corner`, in slice `slice` of the shutter interval. Returns the ray and its filter weight.
     #[inline]
     pub fn generate_ray(&self, slice: usize, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
         let (film, weight) = self.sample_film_position(corner, sampler);

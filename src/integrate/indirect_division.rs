@@ -36,7 +36,8 @@ use glam::Vec2;
 
 /// Weights of camera paths and of photon estimates for the indirect light of one pixel in one pass.
 ///
-/// The light is that at a path's first *receiver*: the first surface or medium that stores photons.
+/// Both find the indirect light at a path's first *receiver*: the first surface or medium that
+/// stores photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct IndirectWeights {
     /// Weight of the photon estimate in \[0, 1]. Camera paths have the rest, except in a pilot that
@@ -62,8 +63,8 @@ pub(super) struct RelativeIndirectErrors {
     /// Relative variance of the indirect light that one camera path finds beyond its first receiver
     /// (surface or medium that stores photons).
     pub single_path_variance: f32,
-    /// Relative variance of the photon estimate in the first pass, times the number of photon
-    /// paths. Divided by a number of photon paths, it gives the variance for that number.
+    /// Relative variance that the photon estimate would have in the first pass with a single photon
+    /// path. With n photon paths, the variance is 1/n of this value.
     pub single_photon_path_variance: f32,
     /// Relative mean squared bias of the photon estimate in the first pass.
     pub squared_bias: f32,
@@ -113,7 +114,7 @@ pub(super) enum IndirectTechnique<'a> {
         division: &'a IndirectDivision,
         /// Number of passes up to and including this one.
         pass_count: f32,
-        /// Area of gather discs in the pass, divided by that in the first pass.
+        /// Area of gather discs in this pass, divided by the area in the first pass.
         relative_disc_area: f32,
     },
 }

@@ -34,8 +34,8 @@ const CELLS_ALONG_LONGER_SIDE: u32 = 24;
 /// two trials.
 const CELL_POINTS: u32 = 16;
 
-/// Least number of photon paths of a pass, divided by the number in a trial: each of the
-/// indirect-light pilot's two trials traces at most 1/8 of the paths.
+/// Smallest divisor of the number of photon paths of a pass: each of the indirect-light pilot's two
+/// trials traces at most 1/8 of them.
 const MIN_PHOTON_PATH_DIVISOR: u32 = 8;
 
 /// Largest number of photon paths in each of the indirect-light pilot's two trials.
@@ -48,8 +48,8 @@ const TYPICAL_PASS_COUNT: u32 = 4;
 /// Largest number of passes in which photon estimates carry a part of the indirect light.
 const MAX_PASSES_WITH_PHOTONS: u32 = 1 << 16;
 
-/// Largest relative cost at which passes use photon estimates of indirect light: error times work
-/// with them, divided by error times work of camera paths alone.
+/// Cost ratio up to which passes use photon estimates of indirect light: error times work with
+/// photon estimates, divided by error times work of camera paths alone.
 const MAX_RELATIVE_COST: f64 = 0.8;
 
 /// Candidate numbers of photon paths per pass, divided by the number in the settings. The
@@ -63,8 +63,8 @@ const WORK_STEP: usize = 8;
 /// Number of iterations of the search for [`IndirectDivision::path_price`].
 const SEARCH_STEPS: u32 = 12;
 
-/// Work of one photon in a density estimate, including its search. The unit is the work of tracing
-/// one photon ray.
+/// Work per photon that a density estimate gathers, including the search for it, in units of
+/// tracing one photon ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
 /// Largest fraction of a cell's indirect light that photon estimates of the indirect-light pilot
@@ -78,8 +78,8 @@ const MAX_MISSED_FRACTION: f64 = 0.9;
 /// In thick media, photons near the camera may be rare, but each then carries great flux.
 const ASSUMED_VARIANCE_IN_MEDIA: f64 = 1e4;
 
-/// Ratio of the bias of a density estimate to its difference from an estimate with half the disc
-/// area. It is 2, because the bias is proportional to the area.
+/// Factor from a difference of two density estimates to the bias: bias = 2 (E(A) − E(A/2)), where
+/// E(A) is the estimate with disc area A. This holds because the bias is proportional to A.
 const BIAS_FACTOR: f64 = 2.0;
 
 /// Light that one camera path of a trial finds, averaged over RGB \[W/(m² sr)]. Its indirect light
@@ -117,7 +117,7 @@ struct PassCost {
     continuation_work: f64,
     /// Work per pixel of tracing, storing and gathering the photons.
     photon_work: f64,
-    /// Work of one photon estimate, without the work for its photons.
+    /// Fixed work of one photon estimate; each photon that the estimate uses costs more work.
     lookup_work: f64,
 }
 
@@ -265,8 +265,8 @@ impl<'a> PilotTrial<'a> {
 }
 
 impl TrialPathLight {
-    /// Splits the `radiance` of a camera path into its parts, by the sums of light in `task`.
-    /// Resets these sums.
+    /// Splits the `radiance` of a camera path into the parts of [`TrialPathLight`]. Takes the parts
+    /// that `task` has recorded along the path, and resets these records.
     fn from_path_sums(radiance: Rgb, task: &mut PathTask) -> Self {
         let LightByPart {
             up_to_receiver,
@@ -297,7 +297,8 @@ impl TrialPathLight {
 ///
 /// `first_trial` and `second_trial` hold the light of the paths of both trials. `paths` is the
 /// number of photon paths of a trial. `assumed_variance` replaces the variance of photon estimates
-/// that found almost no light; its unit is the squared light that camera paths found.
+/// in cells where they found almost no light. It is relative to the squared indirect light that
+/// camera paths found there.
 fn cell_errors(
     first_trial: &[TrialPathLight],
     second_trial: &[TrialPathLight],
@@ -367,8 +368,9 @@ fn cell_errors(
 /// [`IndirectDivision::path_price`] for least error times work. Returns a copy of `division` with
 /// these values; `None` if camera paths alone are about as good.
 ///
-/// `path_fractions` are the candidate numbers of photon paths, divided by the number of `division`.
-/// `area` returns the disc area of a pass, counted from 0, divided by the area in the first pass.
+/// `path_fractions` are the candidate numbers of photon paths, divided by the number in `division`.
+/// `area` takes the number of a pass, counted from 0. It returns the disc area of that pass,
+/// divided by the area in the first pass.
 fn least_cost_division(
     division: &IndirectDivision,
     path_fractions: &[f64],

@@ -98,7 +98,7 @@ pub trait Integrator: Send + Sync {
     }
 
     /// Returns the work and benefit of the pilot (small simulation before the first pass) that
-    /// guides the points of media from which shadow rays start; `None` if no such pilot ran.
+    /// learns in which parts of media shadow rays find light; `None` if no such pilot ran.
     fn scatter_point_guiding_report(&self) -> Option<ScatterPointGuidingReport> {
         None
     }

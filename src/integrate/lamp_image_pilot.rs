@@ -21,11 +21,11 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// Largest number of camera rays per pixel that search images of lamps: film regions where camera
-/// rays meet a lamp, directly or over specular surfaces.
+/// Largest number of camera rays per pixel that search for images of lamps: film regions where
+/// camera rays meet a lamp, directly or over specular surfaces.
 const MAX_RAYS_PER_PIXEL: u32 = 16;
 
-/// Largest number of lamps whose images are searched.
+/// Largest number of lamps for whose images the pilot searches.
 const MAX_LAMPS: usize = 64;
 
 /// Number of search rays through every pixel. The other rays, up to [`MAX_RAYS_PER_PIXEL`], go only
@@ -35,9 +35,9 @@ const MIN_RAYS_PER_PIXEL: u32 = 2;
 /// Largest fraction of the predicted noise that the pilot may leave to images of lamps that it does
 /// not search.
 ///
-/// Half of it is for the choice in each tile, and half for the choice among all tiles. Most images
-/// have little noise: without this limit, nine of ten searches would be for a thousandth of the
-/// noise.
+/// Half of the fraction applies to the choice in each tile, and half to the choice among all tiles.
+/// Most images have little noise: without this limit, nine of ten searches would be for a
+/// thousandth of the noise.
 const MAX_OMITTED_NOISE_FRACTION: f64 = 1e-3;
 
 /// Throughput, as a mean over RGB, below which a chain of specular vertices is not followed.
@@ -50,8 +50,8 @@ const MIN_THROUGHPUT: f32 = 0.02;
 /// image of a lamp \[pixels]. The pilot searches no image farther away.
 const MAX_FILM_DISTANCE: f64 = 1.0;
 
-/// Largest area of the image of a lamp on the film at which rays are aimed \[pixels²]. Ordinary
-/// rays find larger images often enough.
+/// Largest area of a lamp's image on the film for which rays are aimed at the image \[pixels²].
+/// Ordinary rays find larger images often enough.
 const MAX_AREA: f64 = 1.0;
 
 /// Edge length of the square tiles in which images of lamps are searched together \[pixels].
@@ -81,8 +81,8 @@ const MAX_IMAGE_HALF_EXTENT: f32 = 12.0;
 /// parts of an image.
 const TARGET_RELATIVE_MISS: f64 = 0.5;
 
-/// Distance of a ray from the lamp's center below which the search for an image ends, relative to
-/// the lamp's radius.
+/// Threshold at which the search for the image of a lamp has converged: the ray passes the lamp's
+/// center at a distance of at most 0.75 lamp radii.
 const CONVERGED_RELATIVE_MISS: f64 = 0.75;
 
 /// Image of a lamp that the pilot has found.
@@ -238,7 +238,7 @@ impl ImageSearch<'_> {
         search_starts
     }
 
-    /// Moves from `search_starts` to the images near them, and from found images to their other
+    /// Searches for images from each of `search_starts`, and from found images for their other
     /// parts. Makes at most `searches` searches, in descending order of predicted noise. Returns
     /// the distinct images.
     fn search_images<I: Interior>(
@@ -437,8 +437,9 @@ impl ImageSet {
         Self { images: Vec::new(), lens_radius, by_pixel: HashMap::new() }
     }
 
-    /// Adds `image` and returns true. Returns false if an image of the same lamp over the same
-    /// chain already covers the point at which `image` was found.
+    /// Adds `image` and returns true. Returns false if the set already has an image of the same
+    /// lamp, over the same chain of specular vertices, that covers the point at which `image` was
+    /// found.
     fn insert(&mut self, image: FoundLampImage) -> bool {
         let FoundLampImage { point, light, chain, .. } = image;
         if self.covers(point.film, point.lens_point(), light, chain) {
@@ -455,8 +456,8 @@ impl ImageSet {
         true
     }
 
-    /// True if an image of light `light` over `chain` covers film point `film` \[pixels], for rays
-    /// through the point `on_lens` of the lens.
+    /// True if an image of light `light` over the specular vertices `chain` covers film point
+    /// `film` \[pixels], for rays through the point `on_lens` of the lens.
     fn covers(&self, film: Vec2, on_lens: Vec2, light: u32, chain: SpecularChain) -> bool {
         let pixel = film.floor().as_ivec2();
         let images = self.by_pixel.get(&(pixel.x, pixel.y)).into_iter().flatten().map(|i| &self.images[*i as usize]);

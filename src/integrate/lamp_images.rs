@@ -11,18 +11,19 @@ use glam::{Mat2, Vec2};
 use std::f32::consts::{FRAC_1_PI, TAU};
 use std::sync::Arc;
 
-/// Radius of the disc into which most aimed rays fall, in film coordinates in which the image of
-/// the lamp is the unit disc.
+/// Radius of the disc into which most rays aimed at the image of a lamp fall, in film coordinates
+/// in which the image is the unit disc.
 ///
-/// It exceeds 1, because images are only approximately ellipses.
+/// The radius exceeds 1, because images are only approximately ellipses.
 const CORE_RADIUS: f32 = 1.25;
 
 /// Probability that a ray that is aimed at the image of a lamp falls into the disc of
 /// [`CORE_RADIUS`]. Other aimed rays follow a distribution with a heavy tail.
 const CORE_SHARE: f32 = 0.75;
 
-/// Radius within which half of the aimed rays of the heavy tail fall, in film coordinates in which
-/// the image of the lamp is the unit disc.
+/// Radius within which half of the rays of the heavy tail fall, in film coordinates in which the
+/// image of the lamp is the unit disc. The heavy tail consists of the aimed rays that do not fall
+/// into the disc of [`CORE_RADIUS`].
 const TAIL_RADIUS: f32 = 2.0;
 
 /// Image of a lamp on the film, as an ellipse: the part of the film at which camera rays meet the
@@ -97,7 +98,8 @@ impl LampImage {
     }
 }
 
-/// Image of a lamp in a pixel, with the share of the pixel's rays that are aimed at it.
+/// Image of a lamp in a pixel, and the probability with which an aimed ray of the pixel chooses
+/// this image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PixelLampImage {
     pub image: LampImage,

@@ -71,7 +71,7 @@ pub(super) struct GroupedLight {
 }
 
 impl GroupedLight {
-    /// Returns empty sums. If `is_wanted` is false, they stay empty.
+    /// Returns light that is 0 in all groups. If `is_wanted` is false, it stays 0.
     pub fn new(is_wanted: bool) -> Self {
         Self { is_wanted, ..Self::default() }
     }
@@ -89,7 +89,7 @@ impl GroupedLight {
         self.sums.iter_mut().for_each(|sum| *sum *= factor);
     }
 
-    /// Returns the sums in the order of [`LightGroup::ALL`], and resets them.
+    /// Returns the light of each group in the order of [`LightGroup::ALL`], and resets it to 0.
     pub fn take_sums(&mut self) -> [Rgb; LightGroup::ALL.len()] {
         std::mem::take(&mut self.sums)
     }

@@ -28,15 +28,15 @@ use std::time::Instant;
 /// Default limit k on the number of photons of a density estimate in the caustic map.
 pub const DEFAULT_CAUSTIC_K: u32 = 50;
 
-/// Number of photon paths that fill the indirect map of a pass, divided by the number of photon
-/// paths that guide final-gathering rays.
+/// Divisor of the number of photon paths that fill the indirect map of a pass: 1/16 as many photon
+/// paths are traced to guide final-gathering rays.
 const GUIDE_PHOTON_DIVISOR: u32 = 16;
 
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
 const WAVELENGTH_KERNEL_HALF_WIDTH: f32 = 20.0;
 
-/// Lower bound on the photon limit k of density estimates, which shrinks from pass to pass. If k is
-/// below the bound in the first pass already, it stays as it is.
+/// Smallest value to which the photon limit k of density estimates shrinks from pass to pass. A k
+/// that is smaller already in the first pass does not shrink.
 const MIN_K: f64 = 8.0;
 
 /// Photon paths to trace for one map: their source, number and random key, and the kinds of photons
@@ -136,8 +136,8 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// Lower bound on gather radii in the first pass \[length].
     min_radius: f32,
     pub emission_guiding_reports: EmissionGuidingReports,
-    /// Share of a caustic photon's flux that density estimates use, for each pixel; light tracing
-    /// (photons connected to the camera) carries the rest. `None` without light tracing.
+    /// For each pixel, the fraction of a caustic photon's flux that density estimates use; light
+    /// tracing (photons connected to the camera) carries the rest. `None` without light tracing.
     density_estimate_shares: Option<Arc<DensityEstimateShares>>,
 }
 

@@ -19,9 +19,9 @@ use std::sync::Arc;
 /// Sample of the unit square that maps to the center of a light.
 const CENTER: Vec2 = Vec2::splat(0.5);
 
-/// Largest number of lights to all of which a vertex sends a shadow ray, in algorithms with one
-/// shadow ray per vertex. It applies up to a path's first receiver (surface or medium that stores
-/// photons).
+/// Number of lights up to which a vertex sends a shadow ray to every light, in algorithms with one
+/// shadow ray per vertex. With more lights, and beyond a path's first receiver (surface or medium
+/// that stores photons), the shadow ray goes to a randomly chosen light.
 const FEW_LIGHTS: usize = 4;
 
 /// Number of shadow rays that a vertex sends, and the lights to which it sends them.
@@ -34,32 +34,35 @@ enum ShadowRayScheme {
     RandomLights(u32),
 }
 
-/// Guides of shadow rays that pilots have learned: one for their directions to the environment, one
-/// for their start points in media.
+/// Distributions that pilots have learned for shadow rays: one for directions to the environment,
+/// one for start points in media.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ShadowRayGuides {
-    /// Guide of shadow rays to the environment light; `None` samples directions from the light's
-    /// own distribution.
+    /// Learned distribution of directions to the environment light; `None` samples directions from
+    /// the light's own distribution.
     pub environment: Option<Arc<EnvironmentGuide>>,
-    /// Method that chooses the points of homogeneous media from which shadow rays start.
+    /// Method that chooses where in homogeneous media shadow rays start.
     pub scatter_points: ScatterPointSampling,
 }
 
-/// Method that chooses the points of a homogeneous medium from which shadow rays start, on the
-/// segments of camera paths before the first surface that stores photons.
+/// Method that chooses where in a homogeneous medium shadow rays start. It applies to the segments
+/// of camera paths before the first surface that stores photons.
 #[derive(Clone, Debug, Default)]
 pub(super) enum ScatterPointSampling {
-    /// Points that are sampled without a guide: as many as a surface point would send shadow rays.
+    /// Start points follow no learned distribution. A segment has as many of them as a surface
+    /// point would send shadow rays.
     #[default]
     Unguided,
-    /// Many points, sampled without a guide. A pilot records the light that their shadow rays find.
+    /// Start points follow no learned distribution. A segment has many of them, and a pilot records
+    /// the light that their shadow rays find.
     Recorded,
-    /// Points sampled by a guide, which has learned the lit parts of the media.
+    /// Start points follow a distribution that a pilot has learned: most lie in the lit parts of
+    /// the media.
     Guided {
         guide: Arc<ScatterPointGuide>,
-        /// Expected number of points on a segment, divided by two numbers. One is the number of
-        /// shadow rays that a surface point would send to the light. The other is the radiance that
-        /// the segment adds to the pixel according to the guide \[m² sr/W].
+        /// Factor c \[m² sr/W] in the expected number c·n·L of start points on a segment. Here n is
+        /// the number of shadow rays that a surface point would send to the light. L is the
+        /// radiance that the segment adds to the pixel, predicted from `guide`.
         points_per_radiance: f32,
     },
 }
@@ -86,8 +89,8 @@ pub(super) struct NextEventEstimator<'a> {
 }
 
 impl<'a> NextEventEstimator<'a> {
-    /// Makes an estimator of the direct light that `policy` simulates. `guides` improve the
-    /// directions and the start points of its shadow rays.
+    /// Makes an estimator of the direct light that `policy` simulates. Its shadow rays follow the
+    /// learned distributions in `guides`.
     pub fn new(scene: &'a Scene, policy: &PathPolicy, mut guides: ShadowRayGuides) -> Self {
         let PathPolicy { effects, light_sampling, directions, .. } = *policy;
         // A light that is sampled only at its center needs its mean radiance there.

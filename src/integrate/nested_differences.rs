@@ -82,7 +82,7 @@ pub(super) struct PixelNestedDifferenceSum {
 }
 
 impl PixelNestedDifferenceSum {
-    /// Returns empty sums. If `is_wanted` is false, they stay empty.
+    /// Returns sums for a new pixel, all 0. If `is_wanted` is false, they stay 0.
     pub fn new(is_wanted: bool) -> Self {
         Self { is_wanted, ..Self::default() }
     }
@@ -99,8 +99,8 @@ impl PixelNestedDifferenceSum {
         self.last_difference = radiance[0] - radiance[1];
     }
 
-    /// Ends a camera ray: adds its sums, times its filter weight `weight`, to the sums of the
-    /// pixel, and resets them.
+    /// Ends a camera ray: adds its differences, times its filter weight `weight`, to the sums of
+    /// the pixel. Resets the sums of the ray.
     ///
     /// A weight of `None`, or a sum that is not finite, drops the ray.
     #[inline]

@@ -108,8 +108,8 @@ pub struct PassResult {
     ///
     /// Empty unless [`CameraPathSettings::clamp`](super::CameraPathSettings::clamp) is set.
     pub removed_by_clamp: Vec<Rgb>,
-    /// Radiance of some pixels by camera paths that no other pass traces, as pairs of the index in
-    /// `image` and the radiance \[W/(m² sr)].
+    /// Some pixels rendered with camera paths that only this pass traces, as pairs of the pixel's
+    /// index in `image` and its radiance \[W/(m² sr)].
     ///
     /// Empty unless all passes share the camera paths of `image` and the error is estimated.
     pub unshared_path_pixels: Vec<(u32, Rgb)>,

@@ -35,8 +35,8 @@ pub(super) struct PassRenderer<'a> {
     /// Number of camera rays of each pixel, divided by `samples_per_pixel`; `None` gives each pixel
     /// `samples_per_pixel` rays.
     pub relative_ray_counts: Option<Arc<[f32]>>,
-    /// Number and expected work of the [prefix rays](super::prefix_rays) of each pixel, extra
-    /// camera paths that end at the first surface that stores photons; `None` traces none.
+    /// Number and expected work of each pixel's [prefix rays](super::prefix_rays); `None` traces
+    /// none. Prefix rays are extra camera paths that end at the first surface that stores photons.
     pub prefix_rays: Option<PrefixRayAllocation>,
 }
 
@@ -83,23 +83,26 @@ impl<'a> PassRenderer<'a> {
         Self { policy, nee, map_builder, ..self.for_scene_at_time(self.scene) }
     }
 
-    /// Returns the guides of shadow rays.
+    /// Returns the learned distributions of shadow rays: directions to the environment, and start
+    /// points in media.
     pub fn guides(&self) -> &ShadowRayGuides {
         &self.guides
     }
 
-    /// Sets the guides of shadow rays.
+    /// Sets the learned distributions of shadow rays: directions to the environment, and start
+    /// points in media.
     pub fn set_guides(&mut self, guides: ShadowRayGuides) {
         self.nee = NextEventEstimator::new(self.scene, &self.policy, guides.clone());
         self.guides = guides;
     }
 
-    /// Runs the pilot that guides shadow rays to the environment light. Returns the guides of this
-    /// renderer, with a new guide for the environment if it would reduce the noise enough, and a
-    /// report.
+    /// Runs the pilot that learns from which directions the environment lights the scene. Returns
+    /// the guides of this renderer (learned distributions of shadow rays), and a report. The guide
+    /// for the environment is what the pilot learned; `None` if it would not reduce the noise
+    /// enough.
     ///
     /// The report is `None` if the settings forbid the pilot, or if there is no environment light
-    /// to which a guide could improve shadow rays.
+    /// to which shadow rays could be guided.
     pub fn find_environment_guide(&self) -> (ShadowRayGuides, Option<EnvironmentGuidingReport>) {
         let light = self.nee.guidable_environment_light().filter(|_| self.settings.allows_environment_guiding);
         let Some(light) = light.filter(|_| self.policy.uses_nee) else { return (self.guides.clone(), None) };
@@ -108,7 +111,9 @@ impl<'a> PassRenderer<'a> {
         (ShadowRayGuides { environment: guide.map(Arc::new), ..self.guides.clone() }, Some(report))
     }
 
-    /// Returns a copy of this renderer with one camera ray per pixel and no prefix rays.
+    /// Returns a copy of this renderer with one camera ray per pixel, and without [prefix
+    /// rays](super::prefix_rays), the extra camera paths that end at the first surface that stores
+    /// photons.
     pub fn with_one_sample(&self) -> Self {
         Self {
             samples_per_pixel: 1,

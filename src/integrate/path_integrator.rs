@@ -42,10 +42,10 @@ pub(super) struct PathIntegrator<'a> {
     /// Function that makes the algorithm's path policy for a set of effects.
     make_policy: PolicyFn,
     /// Report of the pilot (small simulation before the first pass) that guides shadow rays to the
-    /// environment light; `None` without pilot.
+    /// environment light; `None` if no such pilot ran.
     environment_guiding: Option<EnvironmentGuidingReport>,
-    /// Report of the pilot that learns from which points of media shadow rays should start. `None`
-    /// without pilot.
+    /// Report of the pilot that learns in which parts of media shadow rays find light; `None` if no
+    /// such pilot ran.
     scatter_point_guiding: Option<ScatterPointGuidingReport>,
     balance: Option<RayPhotonBalance>,
     /// Number of slices of the shutter interval in each pass. Each slice has its own photons and

@@ -41,10 +41,10 @@ pub(super) struct PixelLight {
 /// Passes write only `light`, and do not read it.
 #[derive(Debug, Default)]
 pub(super) struct PilotRecords {
-    /// Sums of light since the pilot last took them, by the part of the camera path, or the
-    /// technique, that found the light.
+    /// Light of the camera paths since the pilot last took it, summed by the part of the path, or
+    /// the technique, that found it.
     pub light: LightByPart,
-    /// Light that each shadow ray from a point of a medium found, for all camera paths of the task.
+    /// Light found by each shadow ray that started in a medium, for all camera paths of the task.
     pub in_scattering_samples: Vec<InScatteringSample>,
     /// Points that the camera paths of the task reached on receivers, the surfaces that store
     /// photons.
@@ -82,7 +82,7 @@ pub(super) struct LightByPart {
 pub(super) struct ScratchBuffers {
     /// Buffers of photon searches in each map.
     pub searches: MapSearchBuffers,
-    /// Distribution of final-gathering directions at the last surface on the path that stores
+    /// Learned distribution of final-gathering directions at the path's last surface that stores
     /// photons.
     pub gather_guide: GatherGuide,
     /// Transmittance along the medium segment that the path is crossing.

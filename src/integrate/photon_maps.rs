@@ -25,9 +25,9 @@ pub(super) struct PhotonDensityEstimator<'a> {
     pub kernel: Kernel,
     /// Photon beams and photon points in media.
     pub volume: BeamAndPointMaps,
-    /// True if each photon stores a share of its flux in \[0, 1]. Density estimates at surfaces
-    /// that the camera sees directly use only this share; light tracing (photons connected to the
-    /// camera) carries the rest.
+    /// True if each photon stores a fraction in \[0, 1] of its flux. Density estimates at surfaces
+    /// that the camera sees directly use only this fraction; light tracing (photons connected to
+    /// the camera) carries the rest.
     pub has_density_estimate_shares: bool,
 }
 
@@ -178,8 +178,9 @@ impl PhotonDensityEstimator<'_> {
     /// Estimates the radiance that `vertex` scatters towards the previous vertex, from the photons
     /// of this map \[W/(m² sr)]. If the surface transmits, photons on both of its sides count.
     ///
-    /// `scratch` returns the search buffers and sums of the task for this map. `lookup_scale` (see
-    /// [`PhotonMaps::radiance`]) multiplies only the nested estimates in `task`, not the result.
+    /// `scratch` returns the task's search buffers and gather-disc sums for this map.
+    /// `lookup_scale` (see [`PhotonMaps::radiance`]) multiplies only the nested estimates in
+    /// `task`, not the result.
     #[inline]
     fn radiance<I: Interior>(
         &self,
@@ -197,8 +198,8 @@ impl PhotonDensityEstimator<'_> {
 
     /// Estimates the radiance that `vertex` scatters towards the previous vertex \[W/(m² sr)].
     ///
-    /// If `HAS_SHARES` is true, the estimate uses only a share of each photon's flux; light tracing
-    /// carries the rest.
+    /// If `HAS_SHARES` is true, the estimate uses only a fraction of each photon's flux; light
+    /// tracing (photons connected to the camera) carries the rest.
     #[inline]
     fn radiance_weighted_by_share<I: Interior, const HAS_SHARES: bool>(
         &self,
@@ -228,7 +229,8 @@ impl PhotonDensityEstimator<'_> {
     /// on the side of the unit geometric `normal` \[W/(m² sr)].
     ///
     /// `TRANSMITS` is true if the BSDF transmits. If `HAS_SHARES` is true, the estimate uses only a
-    /// share of each photon's flux; light tracing carries the rest.
+    /// fraction of each photon's flux; light tracing (photons connected to the camera) carries the
+    /// rest.
     #[inline]
     fn radiance_from_side<I: Interior, const HAS_SHARES: bool, const TRANSMITS: bool>(
         &self,

@@ -46,8 +46,8 @@ pub(super) struct PathPolicy {
     pub shrinking_radii: bool,
     /// Division of directly visible caustics between photon estimates and light tracing.
     pub light_tracing: LightTracing,
-    /// Division of indirect light between camera paths and photon estimates, at the first surface
-    /// or medium on a camera path that stores photons.
+    /// Division of indirect light between camera paths and photon estimates, at a camera path's
+    /// first receiver (surface or medium that stores photons).
     pub indirect_photons: IndirectPhotons,
 }
 
@@ -112,8 +112,8 @@ pub(super) enum PhotonLookups {
     /// Each path reads the caustic map at the start of a final-gathering ray, and the caustic map
     /// and the indirect map at its end.
     GatherRays,
-    /// Camera paths read no photon maps. They record each surface point that they reach and that
-    /// stores photons as a visible point, for a pilot (small simulation before the first pass).
+    /// Camera paths read no photon maps. For a pilot (small simulation before the first pass), they
+    /// record each point that they reach on a surface that stores photons.
     RecordVisible,
 }
 

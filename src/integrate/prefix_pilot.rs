@@ -50,8 +50,8 @@ const PREFIX_PICTURES: u32 = 4;
 /// so only in the pixels that [`find_lookup_candidates`] selects.
 const LOOKUP_PICTURES: u32 = 2;
 
-/// Least number of photon paths of a pass, divided by the number in the prefix-ray pilot: the pilot
-/// traces at most a quarter of the paths.
+/// Smallest divisor of the number of photon paths of a pass: the prefix-ray pilot traces at most
+/// 1/4 of them.
 const MIN_PHOTON_PATH_DIVISOR: u32 = 4;
 
 /// Largest number of photon paths that the prefix-ray pilot traces for one photon map.
@@ -71,12 +71,12 @@ const MAX_RELATIVE_WORK: f64 = 0.3;
 /// photons) per pixel below which a pass traces none at all.
 const MIN_MEAN_COUNT: f64 = 1e-3;
 
-/// Least relative noise of a pixel's photon estimate for which the prefix-ray pilot measures photon
-/// estimates at prefix rays of that pixel.
+/// Threshold on v·n²/V above which the prefix-ray pilot measures photon estimates at prefix rays of
+/// a pixel.
 ///
-/// Let v be the variance of the estimate, and n the number of camera paths per pixel. Let V be the
-/// mean variance of one camera path over all pixels. The pilot compares v·n²/V with this threshold.
-/// In passes, more estimates pay only if v·n²/V is about eight times larger.
+/// Here v is the variance of the pixel's photon estimate, and n the number of camera paths per
+/// pixel. V is the mean variance of one camera path over all pixels. In passes, more estimates pay
+/// only if v·n²/V is about eight times larger than this threshold.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
 
 /// Largest number of images of lamps at which the rays of one pixel are aimed. The image of a lamp
@@ -87,8 +87,8 @@ const MAX_PIXEL_IMAGES: usize = 16;
 /// rays meet a lamp.
 const MAX_AIMED_RAYS: f64 = 64.0;
 
-/// Number of rays per pixel aimed at images of lamps that the prefix-ray pilot assumes while it
-/// measures variances. It applies to pixels that have such images.
+/// Number of aimed rays that the prefix-ray pilot assumes in each pixel with images of lamps, while
+/// it measures variances. These images are the film regions where camera rays meet a lamp.
 const ASSUMED_AIMED_RAYS: u8 = 8;
 
 /// Running mean and sum of squared differences from it (Welford 1962).
@@ -134,7 +134,7 @@ struct PixelLightStatistics {
 }
 
 /// Variances of the light that one ray of a pixel finds, divided by L̃·(L + L̃). L is the light of
-/// the pixel, and L̃ its median over the picture.
+/// the pixel, and L̃ the median of L over the picture.
 ///
 /// *Receiver*: a surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -270,8 +270,8 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 /// Groups `found`, the images of lamps sorted by pixel, into one list for each of the picture's
 /// `pixels` pixels.
 ///
-/// Each image gets a share of the rays that a pixel aims at images, in proportion to its light in
-/// the pixel. Of many images, the [`MAX_PIXEL_IMAGES`] with most light remain.
+/// The rays that a pixel aims at images are divided among its images in proportion to their light
+/// in the pixel. Of many images, the [`MAX_PIXEL_IMAGES`] with most light remain.
 fn images_of_pixels(found: &[LampImageContribution], pixels: usize) -> LampImages {
     let mut images = vec![Vec::new(); pixels];
     for in_pixel in found.chunk_by(|a, b| a.pixel == b.pixel) {
@@ -370,9 +370,9 @@ fn render_light_parts(
 ///
 /// `light` holds the statistics of the pilot's pictures. These contain little light of `images`,
 /// the images of lamps, so the function adds that light. `size` is the picture's (width, height).
-/// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its median over
-/// the picture. This measure lies between the absolute error, which neglects dark pixels, and the
-/// relative error, which neglects bright ones.
+/// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ the median of L
+/// over the picture. This measure lies between the absolute error, which neglects dark pixels, and
+/// the relative error, which neglects bright ones.
 fn pixel_variances(
     light: &[PixelLightStatistics],
     images: &[LampImageContribution],

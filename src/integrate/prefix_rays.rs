@@ -5,14 +5,14 @@ use super::lamp_images::LampImages;
 use crate::stats::Counters;
 use std::sync::Arc;
 
-/// Weights of the light that a camera path or prefix ray finds up to its first *receiver*: the
-/// first surface or medium that stores photons.
+/// Weights of the light that a camera path or *prefix ray* finds up to its first *receiver*, the
+/// first surface or medium that stores photons. A prefix ray is an extra camera path that ends
+/// there.
 ///
-/// The *prefix* of a camera path is its part up to the first receiver, and a *prefix ray* is an
-/// extra camera path that ends there. A pixel's n camera paths and m prefix rays find the same
-/// emission, so they share it by weights. One camera path and l prefix rays share the photon
-/// estimate at the first receiver. If the pass has slices of the shutter interval, one camera path
-/// of each slice reads photon maps.
+/// A pixel's camera paths and prefix rays find the same emission, so the weights keep it from
+/// counting twice. Only a few of these rays evaluate the photon estimate at the first receiver: one
+/// camera path, and some of the prefix rays. If the pass has slices of the shutter interval, one
+/// camera path of each slice evaluates it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrefixWeights {
     /// Weight n/(n + m) of light that camera paths and prefix rays both find: emission, environment
@@ -26,9 +26,9 @@ pub(super) struct PrefixWeights {
     pub lookup_count: u32,
     /// Weight of a photon estimate: 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
     ///
-    /// The pixel has n camera paths, of which k read photon maps, and m prefix rays, of which l do.
-    /// The `lookup_scale` of an estimate is this weight times n for camera paths, and times m for
-    /// prefix rays.
+    /// The pixel has n camera paths, and k of them read photon maps. It also has m prefix rays, and
+    /// l of them read photon maps. The factor `lookup_scale` on an estimate is this weight times n
+    /// for camera paths, and this weight times m for prefix rays.
     pub lookup_weight: f32,
     /// True for prefix rays, which end at their first receiver (surface or medium that stores
     /// photons); false for camera paths.
@@ -126,7 +126,8 @@ impl LampImageRayCounts {
 }
 
 /// Result of the prefix-ray pilot: the number of prefix rays of each pixel, the images of lamps at
-/// which some are aimed, and the expected work of all.
+/// which some of these rays are aimed, and the expected work of all prefix rays. Prefix rays are
+/// extra camera paths that end at the first surface that stores photons.
 #[derive(Clone, Debug)]
 pub(super) struct PrefixRayAllocation {
     /// Number of prefix rays (extra camera rays that stop at the first surface that stores photons)
@@ -152,10 +153,9 @@ impl PrefixRayAllocation {
 mod tests {
     use super::*;
 
-    /// All rays of a pixel together count the light at a film point once.
-    ///
-    /// Their densities times the weight, divided by the number of camera paths, add up to the pdf
-    /// of the filter.
+    /// All rays of a pixel together count the light at a film point once: the sum of their
+    /// densities there, times the weight, divided by the number of camera paths, is the pdf of the
+    /// filter.
     #[test]
     fn aimed_and_other_rays_count_light_once() {
         let prefix = PixelPrefixRayCounts { unaimed: 3, lookups: 0, aimed: 5 };

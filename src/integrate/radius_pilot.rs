@@ -19,8 +19,8 @@ pub(super) const MAX_PATHS: u32 = 1 << 16;
 /// slowly.
 pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
-/// Number of photon paths of a pilot (small photon simulation) that finds gather radii, divided by
-/// the number of paths of a pass. [`MIN_PATHS`] and [`MAX_PATHS`] bound the number of paths.
+/// Factor on the number of photon paths of a pass: a pilot (small photon simulation) that finds
+/// gather radii traces 4 times as many, but at least [`MIN_PATHS`] and at most [`MAX_PATHS`].
 const PILOT_PATH_FACTOR: u32 = 4;
 
 /// Smallest number of photon paths of a pilot (small photon simulation) that finds gather radii,
@@ -31,8 +31,8 @@ const MIN_PATHS: u32 = 1 << 14;
 /// photon. The gather radius is a quantile of these distances.
 const RADIUS_SAMPLES: usize = 512;
 
-/// Quantile of the distances from photons to their k-th nearest photon that becomes the gather
-/// radius.
+/// Quantile that becomes the gather radius, among the distances from stored photons to their k-th
+/// nearest photon.
 const RADIUS_QUANTILE: f64 = 0.75;
 
 /// Largest gather radius, divided by the scene's radius. A larger radius would blur the whole

@@ -104,8 +104,8 @@ fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, 
 /// Returns c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L, for one light of color c.
 ///
 /// V is `surface.wo`, N the shading normal, and L the unit direction to the light. `appearance`
-/// holds kd, ks and the exponent s. By the course's definition, surfaces that face away from the
-/// light keep their highlight. Normals are not flipped towards the viewer, and 0⁰ is 1.
+/// holds kd, ks and the exponent s. As defined in MIT course 6.837, surfaces that face away from
+/// the light keep their highlight. Normals are not flipped towards the viewer, and 0⁰ is 1.
 fn phong_shading_of_light(surface: &SurfaceInteraction<'_>, appearance: &PhongAppearance, light: &Mit6837Light) -> Rgb {
     let (to_light, color) = match light {
         Mit6837Light::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),

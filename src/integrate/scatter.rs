@@ -17,8 +17,9 @@ use std::cell::RefCell;
 /// at which such a ray reads the indirect map.
 const RELATIVE_GUIDE_RADIUS: f32 = 4.0;
 
-/// Fills the task's gather guide with the directions from which photons near `vertex` arrived. The
-/// guide then samples directions of final-gathering rays.
+/// Collects the directions from which photons near `vertex` arrived, in the task's
+/// [`GatherGuide`](super::gather_guide::GatherGuide). Final-gathering rays from `vertex` then
+/// sample these directions.
 pub(super) fn collect_gather_directions<I: Interior>(
     maps: &PhotonMaps<'_>,
     min_gather_distance: f32,
@@ -69,9 +70,10 @@ pub(super) fn pdf<I: Interior>(
     task.scratch.gather_guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
 }
 
-/// True if directions at `vertex` are sampled from the BSDF and from the gather guide.
+/// True if directions at `vertex` are sampled both from the BSDF and from the directions of nearby
+/// photons.
 ///
-/// False at casters, such as glass: the guide holds directions of photons at the last surface that
+/// False at casters, such as glass: the photon directions were collected at the last surface that
 /// stores photons.
 #[inline]
 fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {
@@ -81,8 +83,8 @@ fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool
     }
 }
 
-/// Samples a direction from the BSDF or from the gather guide, with equal probability. Returns
-/// `None` if the sample carries no light.
+/// Samples a direction from the BSDF or from the directions of nearby photons, with equal
+/// probability. Returns `None` if the sample carries no light.
 fn sample_bsdf_or_guide<I: Interior>(vertex: &PathVertex<'_, I>, task: &PathTask) -> Option<BsdfSample> {
     let surface = vertex.surface;
     let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));

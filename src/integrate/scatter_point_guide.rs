@@ -13,8 +13,8 @@ use glam::{UVec3, Vec3};
 /// Largest number of cells of the grid over the visible media.
 const MAX_CELLS: f32 = 24_000.0;
 
-/// Weight of the mean of the surrounding cells in the estimate of a cell (shrinkage estimator), as
-/// a number of shadow rays.
+/// Weight of the mean of the surrounding cells in the estimate of a cell (shrinkage estimator):
+/// this mean counts as much as one shadow ray.
 const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 
 /// Learned strength of the light that arrives from each light in each cell of a grid over the
@@ -43,9 +43,10 @@ pub(super) struct InScatteringSample {
     pub light: usize,
     /// Point of the medium where the light scatters and the shadow ray starts, in world space.
     pub p: Vec3,
-    /// Irradiance that arrives from the light, times the phase function, divided by n \[W/(m² sr)].
-    /// Here n is the number of shadow rays that a surface point sends to the light. Times n and the
-    /// scattering coefficient, it is the radiance that the medium scatters per unit of length.
+    /// Value E·f/n \[W/(m² sr)]. E is the irradiance that arrives from the light, f the phase
+    /// function, and n the number of shadow rays that a surface point sends to the light. Times n
+    /// and the scattering coefficient, the value is the radiance that the medium scatters per unit
+    /// of length.
     pub scattered_radiance: f64,
     /// Contribution of the ray to the radiance of its camera path \[W/(m² sr)].
     pub contribution: f64,

@@ -28,36 +28,36 @@ const PATH_COUNT_RANGE: (u32, u32) = (2000, 6000);
 /// compares their noise and work.
 const TRIAL_POINTS_PER_PATH: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 
-/// Tolerance on noise times work: the scatter-point pilot takes the smallest number of points whose
-/// product is at most this factor times the best product.
+/// Factor by which noise times work may exceed its lowest value. Among the numbers of points within
+/// this factor, the scatter-point pilot takes the smallest.
 ///
-/// It exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a camera
-/// path.
+/// The factor exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a
+/// camera path.
 const NEGLIGIBLE_LOSS: f64 = 1.15;
 
-/// Least gain at which passes use the guide of scattering points: noise times work without the
-/// guide, divided by noise times work with it.
+/// Efficiency gain above which passes guide shadow rays in media: noise times work of unguided
+/// sampling, divided by noise times work of guided sampling.
 ///
-/// It exceeds 1, because the work counts rays only, and guided points take longer to sample.
+/// The value exceeds 1, because the work counts rays only, and guided points take longer to sample.
 const MIN_GAIN: f64 = 1.3;
 
-/// Work and estimated benefit of the pilot (small simulation before the first pass) that learns
-/// from which points of media shadow rays should start.
+/// Work and estimated benefit of the pilot (small simulation before the first pass) that learns in
+/// which parts of media shadow rays find light. Guided shadow rays start mostly there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ScatterPointGuidingReport {
     /// Number of shadow rays that the pilot traced to learn the lit parts of media.
     #[serde(rename = "rays")]
     pub shadow_rays: u64,
-    /// Gain in efficiency: variance times work of camera paths without the guide, divided by the
-    /// same product with the guide.
+    /// Gain in efficiency: variance times work of camera paths with unguided shadow rays in media,
+    /// divided by variance times work with guided ones.
     #[serde(rename = "gain")]
     pub efficiency_gain: f64,
-    /// True if the render guides the points of media from which shadow rays start.
+    /// True if the render guides shadow rays in media, so that most start where they find light.
     pub used: bool,
 }
 
-/// Runs the scatter-point pilot. Returns the method by which the passes of `renderer` choose the
-/// points of homogeneous media from which shadow rays start, and a report.
+/// Runs the scatter-point pilot. Returns the method by which passes of `renderer` choose where in
+/// homogeneous media shadow rays start, and a report.
 ///
 /// The result depends only on the scene, the policy and the settings. The report is `None` if one
 /// of these conditions holds:
@@ -87,8 +87,8 @@ pub(super) fn guide_scatter_points(
     (sampling, Some(ScatterPointGuidingReport { shadow_rays, efficiency_gain, used }))
 }
 
-/// Guide that the scatter-point pilot learned, with the mean radiance and the number of the shadow
-/// rays from which it learned.
+/// Distribution of the start points of shadow rays that the scatter-point pilot learned, with the
+/// mean radiance and the number of the pilot's shadow rays.
 struct LearnedGuide {
     guide: Arc<ScatterPointGuide>,
     /// Mean radiance that media scatter to a camera path, straight from lights \[W/(m² sr)].
@@ -96,8 +96,9 @@ struct LearnedGuide {
     shadow_rays: u64,
 }
 
-/// Learns a guide for `lights` lights from camera paths that send shadow rays from many points of
-/// media. Returns `None` if no ray finds light.
+/// Learns in which parts of media shadow rays to each of the `lights` lights find light. Traces
+/// camera paths that send shadow rays from many points of media. Returns `None` if no ray finds
+/// light.
 fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<LearnedGuide> {
     let (width, height) = renderer.scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
@@ -119,8 +120,9 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
 }
 
 /// Returns the guided sampling with the number of points that has little noise for its work. Also
-/// returns the gain: noise times work without the guide, divided by the same product with the
-/// guide. Returns unguided sampling and 1 if the estimates have no noise.
+/// returns the efficiency gain: noise times work of unguided sampling, divided by noise times work
+/// of that guided sampling. If the estimates have no noise, returns unguided sampling and 1 (no
+/// gain).
 fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGuide) -> (ScatterPointSampling, f64) {
     let LearnedGuide { guide, mean_radiance, .. } = learned;
     let guided = TRIAL_POINTS_PER_PATH.map(|points| ScatterPointSampling::Guided {
@@ -155,8 +157,8 @@ fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGui
     }
 }
 
-/// Calls `trace` with a context for camera paths of `policy` that read no photons. Their shadow
-/// rays in media start from the points of `sampling`.
+/// Calls `trace` with a context for camera paths of `policy` that read no photons. `sampling`
+/// chooses where in media their shadow rays start.
 fn with_path_context<T>(
     renderer: &PassRenderer<'_>,
     policy: &PathPolicy,

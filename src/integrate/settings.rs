@@ -33,9 +33,9 @@ pub struct CameraPathSettings {
     /// Window of pixels that passes render; `None` for the whole picture. The pixels of the window
     /// are bit-identical to the same pixels of the whole picture.
     pub crop: Option<CropWindow>,
-    /// Upper bound \[W/(m² sr)] on the largest RGB channel of the radiance of one camera path,
-    /// without its photon estimates; `None` for no bound. It suppresses fireflies, but biases the
-    /// picture.
+    /// Upper bound on the light that one camera path finds, except its photon estimates \[W/(m²
+    /// sr)]. Light with a larger RGB channel is scaled down. This suppresses fireflies, but biases
+    /// the picture. `None` for no bound.
     pub clamp: Option<f32>,
     /// Effects of light that are forced on or off, whatever the plan decides.
     pub effects: EffectOverrides,
@@ -117,8 +117,8 @@ pub struct Settings {
     /// True if a pilot may guide shadow rays to the environment light: it learns the directions
     /// from which this light reaches each part of the scene.
     pub allows_environment_guiding: bool,
-    /// True if a pilot may guide next-event estimation in homogeneous media: it learns from which
-    /// points of a medium, and from how many, shadow rays should start.
+    /// True if a pilot may guide next-event estimation in homogeneous media: it learns where in a
+    /// medium shadow rays should start, and how many.
     pub allows_scatter_point_guiding: bool,
     /// Division of directly visible caustics between photon estimates and light tracing, in
     /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
@@ -147,8 +147,8 @@ pub enum FinalGathering {
     Importance,
 }
 
-/// Division of indirect light between camera paths and photon estimates, at the first surface or
-/// medium on a camera path that stores photons.
+/// Division of indirect light between camera paths and photon estimates, at a camera path's first
+/// receiver (surface or medium that stores photons).
 ///
 /// The indirect light of caustics is not divided: in
 /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid), photon estimates always carry it.
@@ -156,8 +156,8 @@ pub enum FinalGathering {
 pub enum IndirectPhotons {
     /// Camera paths carry all indirect light.
     Off,
-    /// Camera paths and photon estimates each carry a share, which a pilot (small simulation before
-    /// the first pass) finds.
+    /// Camera paths and photon estimates each carry a part of the indirect light. A pilot (small
+    /// simulation before the first pass) finds these parts.
     #[default]
     Weighted,
     /// Photon estimates carry all indirect light.
@@ -170,8 +170,8 @@ pub enum IndirectPhotons {
 pub enum LightTracing {
     /// Photon estimates carry all light of directly visible caustics.
     Off,
-    /// Photon estimates and light tracing each carry a share at each pixel, which a pilot (small
-    /// simulation before the first pass) finds.
+    /// Photon estimates and light tracing each carry a part of the light at each pixel. A pilot
+    /// (small simulation before the first pass) finds these parts.
     #[default]
     Weighted,
     /// Light tracing carries all light of directly visible caustics.

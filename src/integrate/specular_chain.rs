@@ -10,14 +10,15 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Effects, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
 use glam::{DMat2, DVec2, DVec3, Vec2, Vec3};
 
-/// Distance on the film between a ray of a bundle and its neighbours \[pixels].
+/// Distance on the film between the camera ray of a [`RayBundle`] and its neighbours \[pixels].
 const FILM_STEP: f32 = 0.02;
 
-/// Distance on the lens between a ray of a bundle and its neighbours, relative to the radius of the
-/// lens.
+/// Distance on the lens between the camera ray of a [`RayBundle`] and its neighbours, relative to
+/// the radius of the lens.
 const RELATIVE_LENS_STEP: f64 = 0.02;
 
-/// Number of rays of a bundle: a camera ray, two neighbours on the film, and two on the lens.
+/// Number of rays of a [`RayBundle`]: a camera ray, two neighbours on the film, and two on the
+/// lens.
 const BUNDLE_RAYS: usize = 5;
 
 /// Largest number of vertices of a chain of specular vertices.

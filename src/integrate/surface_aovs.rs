@@ -205,8 +205,8 @@ pub fn render_surface_aovs(
     })
 }
 
-/// Follows a camera ray of `at_time`, over specular surfaces if its option asks for that. Returns
-/// the AOVs of the surface that the ray reaches.
+/// Follows a camera ray of `at_time`, over specular surfaces if `at_time.follows_specular` is true.
+/// Returns the AOVs of the surface that the ray reaches.
 fn trace_ray<I: Interior>(at_time: &SceneAtTime<'_>, path_ray: PathRay<I>, sampler: Sampler) -> RayAovs {
     let SceneAtTime { scene, effects, follows_specular, .. } = *at_time;
     let mut found = RayAovs::default();
@@ -251,7 +251,8 @@ fn trace_ray<I: Interior>(at_time: &SceneAtTime<'_>, path_ray: PathRay<I>, sampl
 
 impl SceneAtTime<'_> {
     /// Returns the motion on the film of `surface` at the end of `path_ray` \[pixels to the right
-    /// and down]; 0 if unknown.
+    /// and down]. Returns 0 if nothing moves, or if the surface is behind the camera when the
+    /// shutter opens or closes.
     fn motion_of_surface<I>(&self, path_ray: &PathRay<I>, surface: &SurfaceInteraction<'_>) -> Vec2 {
         let Some(motion) = self.motion else { return Vec2::ZERO };
         let hit = self.scene.intersect(&path_ray.ray);
@@ -260,7 +261,8 @@ impl SceneAtTime<'_> {
     }
 
     /// Returns the motion on the film of the surroundings in unit `direction` \[pixels to the right
-    /// and down]; 0 if unknown.
+    /// and down]. Returns 0 if nothing moves, if the camera is orthographic, or if `direction` is
+    /// behind the camera when the shutter opens or closes.
     fn motion_of_direction(&self, direction: Vec3) -> Vec2 {
         self.motion.and_then(|motion| motion.displacement_at_infinity(direction)).unwrap_or(Vec2::ZERO)
     }

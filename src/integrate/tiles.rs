@@ -358,7 +358,8 @@ struct FilteredSum {
     values: CompensatedSum,
     /// Sum of radiance values, each times its filter weight.
     weighted: CompensatedSum,
-    /// Sum of (filter weight − 1) over the samples.
+    /// Sum of (filter weight − 1) over the samples: how far the sum of all weights is above the
+    /// number of samples.
     weight_excess: f64,
     count: u32,
 }

@@ -328,7 +328,7 @@ fn divide_by_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
 ///
 /// `path_wavelength` is the wavelength of the camera path, and `photon_code` the wavelength code of
 /// the photon. If both are set, the factor replaces the photon's spectral weight by a box kernel of
-/// half width `band` \[nm]. Otherwise it is 1.
+/// half width `band` \[nm]. Otherwise the factor is 1.
 pub(super) fn wavelength_kernel_weight(path_wavelength: Option<Wavelength>, photon_code: u8, band: f32) -> Rgb {
     let (Some(path), Some(photon)) = (path_wavelength, Wavelength::from_byte_code(photon_code)) else {
         return Rgb::ONE;

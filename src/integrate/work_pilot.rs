@@ -12,7 +12,8 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use crate::stats::Counters;
 
-/// Number of photon paths of a pass, divided by the number in the ray-photon-balance pilot.
+/// Divisor of the number of photon paths of a pass: the ray-photon-balance pilot traces 1/16 of
+/// them.
 const PHOTON_PATH_DIVISOR: u32 = 16;
 
 /// Radiance at each film point of the ray-photon-balance pilot, and counts of the rays and photons

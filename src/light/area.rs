@@ -87,7 +87,8 @@ impl LightSurface {
 
     /// Samples a point of the surface by `u` in \[0, 1)².
     ///
-    /// The sample holds its pdf per area, which is not constant for all shapes.
+    /// The sample holds its pdf per area \[1/length²]. On some shapes, this pdf varies from point
+    /// to point.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
@@ -221,8 +222,8 @@ impl AreaLight {
         }
     }
 
-    /// Samples a point of the surface like [`LightSurface::sample`]. Returns it with its pdf per
-    /// solid angle at `p` \[1/sr], and its parametric coordinates.
+    /// Samples a point of the surface like [`LightSurface::sample`]. Returns the point with its pdf
+    /// per solid angle at `p` \[1/sr], and its parametric coordinates.
     ///
     /// Returns `None` if `p` is behind the surface at the sampled point, or equal to this point.
     #[inline]

@@ -65,11 +65,12 @@ impl LightSource for DirectionalLight {
     }
 }
 
-/// Samples a ray along unit `direction` that enters the sphere `domain`, by `u` in \[0, 1)².
-/// Returns the ray, and the area of the disc over which its origin is uniform \[length²].
+/// Samples a ray along unit `direction` that enters the sphere `domain`, by `u` in \[0, 1)². The
+/// origin of the ray is uniformly distributed over a disc. Returns the ray and the area of this
+/// disc \[length²].
 ///
 /// The disc has the radius of the sphere, is perpendicular to `direction` and touches the sphere.
-/// Returns `None` if its area is zero.
+/// Returns `None` if the area of the disc is zero.
 pub(super) fn sample_ray_across_sphere(domain: BoundingSphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
     let frame = Frame::from_normal(direction);
     let d = warp::square_to_uniform_disc(u) * domain.radius;

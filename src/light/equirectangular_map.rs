@@ -20,7 +20,8 @@ pub enum EmissionPictureError {
         /// Value of the invalid pixel after scaling.
         value: Rgb,
     },
-    /// The picture has no pixels, too many, or a number that does not match its sides.
+    /// The picture has no pixels or too many pixels, or the number of its pixels is not width ×
+    /// height.
     #[error(transparent)]
     InvalidSize(#[from] PictureSizeError),
 }
@@ -165,8 +166,8 @@ impl EquirectangularMap {
     }
 }
 
-/// Integral over cos θ of the weight of row `row` in vertical interpolation, for a map of `rows`
-/// rows.
+/// Integral ∫ w d(cos θ) over the map, where w is the weight of row `row` in vertical
+/// interpolation. The map has `rows` rows.
 ///
 /// θ is the angle to the upper pole of the map. The weight is a hat function of θ. Above the center
 /// of the first row, and below the center of the last row, the weight is 1.

@@ -14,9 +14,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub(super) struct LightBounds {
     /// Box around the positions of the lights, in world space.
     pub space: Bounds,
-    /// Cone that contains the outer normals of all emitting surfaces. For a light at a point, it
-    /// contains the emission axes instead: each emitted direction lies within `spread` of one of
-    /// them.
+    /// Cone that contains the outer normals of all emitting surfaces. A light at a point has no
+    /// normals: for such a light, the cone contains the axes of emission instead. Each emitted
+    /// direction lies within the angle `spread` of one of these axes.
     normal_cone: DirectionCone,
     /// Largest angle \[radians] between an emitted direction and the nearest direction in
     /// `normal_cone`, at most π/2.
@@ -114,11 +114,12 @@ impl LightBounds {
     }
 }
 
-/// Lower bound of the squared distance d² in the importance of lights, as a multiple of the squared
-/// radius r² of their bounding sphere. It keeps the importance finite for points among the lights.
+/// Lower bound of d²/r² in the importance of a group of lights. Here, d is the distance from the
+/// lit point to the center of the lights' bounding sphere, and r is the radius of this sphere. The
+/// bound keeps the importance finite for points among the lights.
 ///
-/// The bound makes 1/d² about its mean over a cube inside the sphere. This mean is about the mean
-/// over a ball of equal volume, whose radius R has R² ≈ r²/2. There, it is 3/R² ≈ 6/r².
+/// The bound limits 1/d² to 6/r², which is about the mean of 1/d² over a ball with the volume of
+/// the cube inscribed in the sphere. For a ball of radius R, the mean is 3/R²; here, R² ≈ r²/2.
 const MIN_RELATIVE_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
 /// Bounds of one or more lights, stored so that their importance at a point is computed fast.
@@ -184,8 +185,8 @@ impl From<LightBounds> for CompactLightBounds {
 impl CompactLightBounds {
     /// Importance of the lights for light sampling at `p`: their approximate irradiance \[W/m²].
     ///
-    /// If a unit normal `n` is given, only light that arrives on the side of `n` counts. The result
-    /// is 0 only if no light can arrive.
+    /// If the unit normal `n` of a surface at `p` is given, only light that arrives on the side to
+    /// which `n` points counts. The result is 0 only if no light can arrive.
     #[inline]
     pub fn importance_at(&self, p: Vec3, n: Option<Vec3>) -> f64 {
         let to = p.as_dvec3() - self.center.as_dvec3();

@@ -126,9 +126,10 @@ impl LightBvhSampler {
     /// Samples a light for the point `p` by `u` in \[0, 1).
     ///
     /// Returns the index of the light, its probability, and a uniform number in \[0, 1) made from
-    /// the unused part of `u`. If a unit normal `n` is given, lights of the tree that cannot
-    /// illuminate the side of `n` are not sampled. Returns `None` if the descent reaches a node
-    /// whose lights cannot illuminate `p`, or if the probability rounds to 0.
+    /// the unused part of `u`. If the unit normal `n` of a surface at `p` is given, lights of the
+    /// tree that cannot illuminate the side to which `n` points are not sampled. Returns `None` if
+    /// the descent reaches a node whose lights cannot illuminate `p`, or if the probability rounds
+    /// to 0.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
@@ -207,10 +208,11 @@ impl LightBvhSampler {
 
 /// Splits two or more lights into two non-empty groups, for the children of a light BVH node.
 ///
-/// The split is at the bucket boundary of least cost. The cost is the sum of
-/// [`LightBounds::bvh_node_cost`] over both groups, times the largest extent over the extent along
-/// the split axis. From depth [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights,
-/// the split is at the median along the axis of largest extent.
+/// The split is at the bucket boundary of least cost: the sum of [`LightBounds::bvh_node_cost`]
+/// over both groups, times a ratio of extents. The ratio is the largest extent of the box around
+/// the light centers, divided by the extent of this box along the split axis. From depth
+/// [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights, the split is at the median
+/// along the axis of largest extent.
 fn split_lights_by_cost(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
     let centers = Bounds::from_points(lights.iter().map(center));

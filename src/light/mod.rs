@@ -236,10 +236,11 @@ impl Light {
         dispatch!(self, light => light.may_illuminate(BoundingSphere { radius: sphere.radius + margin, ..sphere }))
     }
 
-    /// True if the light emits no ray within the plane through `p` with unit normal `n`, up to
+    /// True if no ray of the light lies within the plane through `p` with unit normal `n`, up to
     /// rounding. Always false for area and environment lights.
     ///
-    /// Rounding decides whether an object in the plane occludes a ray within the plane.
+    /// A ray within the plane grazes each flat object in this plane. Rounding then decides whether
+    /// the object occludes the ray.
     #[must_use]
     pub fn emits_no_ray_within_plane(&self, p: Vec3, n: Vec3) -> bool {
         match self.geometry() {
@@ -404,8 +405,10 @@ impl UnscaledDeltaLight {
     }
 
     /// Returns the factor \[1/sr] that converts the flux of the light \[W] to the intensity \[W/sr]
-    /// that [`Self::to_light`] takes as `strength`. It is 1 for a directional light, whose strength
-    /// is an irradiance.
+    /// that [`Self::to_light`] takes as `strength`.
+    ///
+    /// A directional light has no intensity: its strength is an irradiance \[W/m²]. The factor is
+    /// then 1, so that a number given as power counts as irradiance.
     #[must_use]
     pub fn intensity_per_watt(&self) -> f32 {
         match self {
@@ -440,6 +443,6 @@ impl UnscaledDeltaLight {
     }
 }
 
-/// Upper bound of the rounding error of an f32 position, divided by its distance from the origin or
-/// from another position.
+/// Upper bound of the relative rounding error of f32 positions. The bound times a distance is a
+/// margin for positions \[length]; the bound itself is a margin for angles \[radians].
 const RELATIVE_POSITION_ERROR: f32 = 1e-5;

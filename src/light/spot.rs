@@ -17,7 +17,8 @@ pub struct SpotLight {
     pub position: Vec3,
     /// Unit axis of both cones.
     pub axis: Vec3,
-    /// 1 − cosine of the inner cone's half angle. This form keeps its digits for narrow cones.
+    /// 1 − cosine of the inner cone's half angle. In narrow cones, this number is more precise than
+    /// the cosine itself, which is close to 1.
     pub inner_one_minus_cos: f32,
     /// 1 − cosine of the outer cone's half angle.
     pub outer_one_minus_cos: f32,

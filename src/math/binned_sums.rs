@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Binary logarithm of the ratio [`QUANTUM_RATIO`] between the two quanta of a pixel.
+/// Binary logarithm of [`QUANTUM_RATIO`], the ratio between the units of the two integer sums of a
+/// pixel.
 const QUANTUM_RATIO_LOG2: i32 = 31;
 
 /// Ratio between the upper and the lower quantum of a pixel: 2³¹.
@@ -14,7 +15,8 @@ const QUANTUM_RATIO: f64 = (1u64 << QUANTUM_RATIO_LOG2) as f64;
 
 /// Number of levels. The level of a pixel selects its two quanta, the units of its integer sums.
 ///
-/// The sum of three squares of f32 values is below the limit of the last level.
+/// With this number, even the sum of three squares of f32 values is below the limit of the last
+/// level, beyond which values count as infinite.
 const LEVELS: usize = 18;
 
 /// Binary exponent of the upper quantum of level 0: the unit of the upper integer sum is 2⁻²⁹⁴.
@@ -26,42 +28,42 @@ const FIRST_EXPONENT: i32 = -294;
 /// Upper quantum of each level: the unit of the upper integer sum.
 const UPPER_QUANTA: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT, QUANTUM_RATIO_LOG2);
 
-/// Inverse of the upper quantum of each level.
+/// Inverses of the [`UPPER_QUANTA`], one for each level.
 const INVERSE_UPPER_QUANTA: [f64; LEVELS] = powers_of_two(-FIRST_EXPONENT, -QUANTUM_RATIO_LOG2);
 
-/// Limit of each level: half the upper quantum of the next level. Absolute values of a pixel are
-/// below the limit of its level.
+/// Limit of each level: half the upper quantum of the next level. All absolute values of a pixel
+/// are below the limit of its level; a value at or above this limit raises the level.
 const LEVEL_LIMITS: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT + QUANTUM_RATIO_LOG2 - 1, QUANTUM_RATIO_LOG2);
 
 /// The number 1.5·2⁵². Adding it to a small f64 rounds this f64 to an integer, which the low bits
 /// of the sum then hold.
 const ROUNDER: f64 = (3u64 << 51) as f64;
 
-/// Number of low bits of a pixel's tag that hold its level. The bits above are two per channel,
-/// which mark sums of +∞, −∞ or NaN.
+/// Number of low bits of a pixel's tag that hold its level. The tag's next higher bits, two for
+/// each channel, mark sums of +∞, −∞ or NaN.
 const LEVEL_BITS: u16 = 5;
 
 /// Smallest number of pixels that one Rayon task handles.
 const MIN_PIXELS_PER_TASK: usize = 2048;
 
-/// Sums of N channels for each pixel of a picture, whose bits do not depend on the order of the
-/// values.
+/// Sums of values in N channels, for each pixel of a picture. The bits of a sum do not depend on
+/// the order in which the values were added.
 ///
 /// Each sum is two integers. The upper integer sums the values, rounded to multiples of an *upper
 /// quantum*. The lower integer sums the remainders, rounded to multiples of a *lower quantum*,
-/// which is 2⁻³¹ times the upper one. The largest absolute value of a pixel selects the quanta: it
-/// lies between 2⁻¹ and 2³⁰ upper quanta. So the error of a value is at most 2⁻³¹ of the pixel's
-/// largest value. When a larger value arrives, the upper integers become the lower ones, and the
-/// old lower ones are dropped. So the integers depend only on the set of values (Ahrens, Demmel and
-/// Nguyen 2020, with integers as bins).
+/// which is 2⁻³¹ upper quanta. The quanta are chosen so that the largest absolute value of the
+/// pixel is between 2⁻¹ and 2³⁰ upper quanta. So the error of a value is at most 2⁻³¹ of the
+/// pixel's largest value. When a larger value arrives, the upper integers become the lower ones,
+/// and the old lower ones are dropped. So the integers depend only on the set of values (Ahrens,
+/// Demmel and Nguyen 2020, with integers as bins).
 ///
 /// A pixel holds at most 2³² − 1 values. Absolute values of 2²⁶³ and more count as infinite.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BinnedSums<const N: usize> {
     /// Upper integers, then lower integers, of the sums of each pixel.
     bins: Vec<[[i64; N]; 2]>,
-    /// Tag of each pixel: its level in the low [`LEVEL_BITS`] bits, and flags for sums of +∞, −∞ or
-    /// NaN above them.
+    /// Tag of each pixel. Its low [`LEVEL_BITS`] bits hold the level of the pixel, and its higher
+    /// bits mark sums of +∞, −∞ or NaN.
     tags: Vec<u16>,
 }
 
@@ -172,7 +174,8 @@ impl<const N: usize> Serialize for BinnedSums<N> {
 }
 
 impl<'de, const N: usize> Deserialize<'de> for BinnedSums<N> {
-    /// Fails if the numbers of bins and tags do not fit, or if a tag is invalid.
+    /// Reads the sums. Fails if the list of bins does not have 2N numbers for each tag, or if a tag
+    /// is invalid.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let StoredSums { bins, tags } = StoredSums::deserialize(deserializer)?;
         let is_valid = |tag: &u16| level_of(*tag) < LEVELS && usize::from(*tag) >> LEVEL_BITS < 1 << (2 * N);

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 /// Compensated sum of vectors: it also sums the rounding error of each addition.
 ///
-/// Method: Sum2 of Ogita, Rump and Oishi 2005. The error is at most 2⁻⁵³ of the sum, plus n²·2⁻¹⁰⁶
-/// of the sum of absolute values, for n values in any order. A sum that overflows is infinite.
+/// Method: Sum2 of Ogita, Rump and Oishi 2005. For n values x in any order, the error in each
+/// component is at most 2⁻⁵³·|Σx| + n²·2⁻¹⁰⁶·Σ|x|. A sum that overflows is infinite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CompensatedSum {
     /// Sum of the values, rounded after each addition.

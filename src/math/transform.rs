@@ -35,9 +35,10 @@ impl Transform {
     ///
     /// # Errors
     ///
-    /// [`SingularTransformError`] if an entry of `forward` or of the inverse is not finite. Also if
-    /// the columns, scaled to about unit length, have an inverse with entries above 10¹⁴. The
-    /// lengths of the columns are not limited otherwise.
+    /// [`SingularTransformError`] if an entry of `forward` or of the inverse is not finite, or if
+    /// the columns are too close to coplanar. For this test, the columns are scaled to about unit
+    /// length; entries of their inverse above 10¹⁴ are an error. So very long or short columns are
+    /// allowed.
     pub fn new(forward: DAffine3) -> Result<Self, SingularTransformError> {
         let m = forward.matrix3;
         let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|v| floor_power_of_two(overflow_safe_length(v)));

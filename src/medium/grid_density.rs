@@ -211,7 +211,8 @@ impl GridRay<'_> {
         )
     }
 
-    /// Density at distance `t` \[scene length] along the ray, a point that must be inside the grid.
+    /// Density at distance `t` \[scene length] along the ray. The point there must be inside the
+    /// grid.
     pub(super) fn density(&self, t: f64) -> f64 {
         f64::from(self.grid.interpolate_density(self.origin + self.direction * t))
     }

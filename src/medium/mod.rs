@@ -250,7 +250,7 @@ impl Medium {
 }
 
 /// Returns the probabilities with which distance sampling chooses the RGB channels, proportional to
-/// `throughput`. They are equal if the throughput is zero or its sum is infinite.
+/// `throughput`. The probabilities are ⅓ each if the throughput is zero or its sum is infinite.
 fn channel_probabilities(throughput: Rgb) -> DVec3 {
     // `max` turns NaN into 0.
     let part = throughput.to_array().map(|x| f64::from(x.max(0.0)));
@@ -259,8 +259,8 @@ fn channel_probabilities(throughput: Rgb) -> DVec3 {
     if sum > 0.0 && sum.is_finite() { part / sum } else { DVec3::splat(1.0 / 3.0) }
 }
 
-/// Converts the weight `w` of a distance sample to f32, at most `f32::MAX`. Sets it to 0 in
-/// channels whose sampling probability is 0.
+/// Converts the RGB weight `w` of a distance sample to f32, with each channel at most `f32::MAX`.
+/// The result is 0 in channels whose sampling probability is 0.
 fn zero_unsampled_channels(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
     DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()

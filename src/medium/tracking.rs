@@ -14,8 +14,8 @@ use rand::{Rng, RngExt};
 /// Path weight below which Russian roulette may end the tracking of collisions.
 const ROULETTE_THRESHOLD: f64 = 0.1;
 
-/// Interval of tentative collisions at which Russian roulette ends tracking with probability ½, at
-/// any path weight.
+/// Number of tentative collisions from one unconditional roulette to the next. This Russian
+/// roulette ends tracking with probability ½, at any path weight.
 ///
 /// The roulette bounds the mean time of tracking at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
@@ -53,8 +53,8 @@ enum TrackingDecision {
 ///
 /// Returns true if tracking reached the end of the line, and false if `visit` stopped it.
 ///
-/// The mean number of tentative collisions per length is `rate` \[1/length] times the majorant
-/// density of the block.
+/// The mean number of tentative collisions per length is `rate` \[1/length] times the majorant: the
+/// upper bound of the density in the grid block that `line` crosses at this point.
 fn track_collisions<R: Rng>(
     line: &GridRay,
     rate: f64,

@@ -31,10 +31,10 @@ pub struct PhotonBeam {
 }
 
 impl PhotonBeam {
-    /// Creates a beam from its fields; `None` if they are invalid.
+    /// Creates a beam from its fields; `None` if a field is invalid.
     ///
-    /// They are invalid if start, end or flux is not finite, if a channel of the flux is negative,
-    /// or if `length` is not positive. Zero flux and a zero direction are invalid too.
+    /// Start, end and flux must be finite. No channel of the flux may be negative, and one must be
+    /// positive. `length` must be positive, and `direction` must not be zero.
     #[must_use]
     pub fn new(start: Vec3, direction: Vec3, length: f32, flux: Rgb, medium: u32, wavelength_code: u8) -> Option<Self> {
         let beam = Self { start, direction, length, flux, medium, wavelength_code };
@@ -75,8 +75,8 @@ pub struct BeamIntersection {
     pub squared_relative_distance: f32,
 }
 
-/// Largest sine of the angle between a ray and a photon beam at which they count as parallel. It is
-/// twice the rounding error of a normalised direction.
+/// Largest sine of the angle between a ray and a photon beam at which the two count as parallel.
+/// The sine is twice the rounding error of a normalised direction.
 const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
 impl BeamIntersection {

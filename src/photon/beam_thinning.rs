@@ -5,9 +5,9 @@ use super::PhotonBeam;
 /// Keeps about the fraction `kept_fraction` of `beams`, chosen at random. The flux of the kept
 /// beams is raised, so that the expected flux of each beam stays the same.
 ///
-/// Systematic sampling (Kitagawa 1996) draws each beam a number of times. The mean number of draws
-/// is proportional to the flux of the beam. Beams that are not drawn are left out. The flux of a
-/// drawn beam is multiplied by its number of draws, and divided by the mean of this number.
+/// Systematic sampling (Kitagawa 1996) draws each beam a number of times. The expected number of
+/// draws is proportional to the flux of the beam. Beams that are not drawn are left out. A drawn
+/// beam gets the flux: old flux · number of draws / expected number of draws.
 ///
 /// `random_offset` in \[0, 1) is the only random number. Beams keep their order. A `kept_fraction`
 /// that is not between 0 and 1 keeps all beams unchanged.

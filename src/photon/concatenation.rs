@@ -28,19 +28,19 @@ pub(super) fn concatenate<T: Copy + Send + Sync>(parts: &[&[T]]) -> Vec<T> {
 /// Unlike `flatten`, it knows its length, so its items are collected without another copy.
 struct Concatenation<'a, T> {
     parts: &'a [&'a [T]],
-    /// Index in the concatenation of the first item of each part.
+    /// Start of each part: the index that the part's first item has in the concatenation.
     starts: &'a [usize],
-    /// Indices in the concatenation of the items of this iterator.
+    /// Range of indices into the concatenation over which this iterator runs.
     range: Range<usize>,
 }
 
 /// Iterator over the items of a [`Concatenation`].
 struct ConcatenationIter<'a, T> {
-    /// Rest of the first part that holds items.
+    /// Remaining items of the first part.
     front: slice::Iter<'a, T>,
     /// Whole parts between `front` and `back`.
     middle: slice::Iter<'a, &'a [T]>,
-    /// Rest of the last part that holds items.
+    /// Remaining items of the last part; empty if all remaining items lie in one part.
     back: slice::Iter<'a, T>,
 }
 

@@ -12,22 +12,22 @@ use glam::Vec3;
 /// disc that is surface.
 const PROBES: u32 = 16;
 
-/// Lower bound of the coverage, the fraction of a density estimate's kernel that lies on surfaces
-/// or is visible.
+/// Lower bound of the coverage by which density estimates are divided. The division brightens an
+/// estimate at most 20 times.
 ///
-/// Density estimates are divided by the coverage, so the correction brightens them at most 20
-/// times.
+/// On a surface, the coverage is the fraction of the kernel's disc that is surface. In a medium, it
+/// is the fraction of the kernel that is visible from its center.
 pub(super) const MIN_COVERAGE: f32 = 0.05;
 
-/// Largest height of a probe hit above or below the plane of the disc that counts as zero, divided
-/// by the radius.
+/// Limit below which the height of a probe hit counts as zero. The height is the distance of the
+/// hit from the plane of the disc, divided by the disc's radius.
 ///
-/// Hits on a flat surface lie in this plane up to rounding errors, so that their height must count
+/// On a flat surface, all hits lie in this plane. Their heights are rounding errors, and must count
 /// as zero.
 const MAX_FLAT_RISE: f32 = 1e-3;
 
-/// Bound on the rounding error of a probe ray's origin, divided by the largest coordinate of the
-/// disc's center.
+/// Upper bound of a relative rounding error: the error of a probe ray's origin \[length], divided
+/// by the largest coordinate of the disc's center.
 ///
 /// A further error, about 10⁻⁷ of the radius, is far below [`MAX_FLAT_RISE`].
 const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
@@ -37,10 +37,10 @@ const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
 ///
 /// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface. If
 /// the surface ends, bends or is occluded, the estimate is too dark (boundary bias, Jensen 2001,
-/// section 7.2.3). Division by the coverage corrects this bias. Probe rays along −`normal`, at
-/// random positions from `key`, measure the coverage, unless one flat shape contains the disc. Hits
-/// on surfaces tilted by more than 60° do not count. The coverage is at least 0.05, exactly 1 on a
-/// flat surface, and may exceed 1 on a slope.
+/// section 7.2.3). Division by the coverage corrects this bias. The coverage is measured by probe
+/// rays along −`normal`, at random positions from `key`. If one flat shape contains the disc, no
+/// rays are needed, and the coverage is 1. Hits on surfaces tilted by more than 60° do not count.
+/// The coverage is at least 0.05, exactly 1 on a flat surface, and may exceed 1 on a slope.
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));

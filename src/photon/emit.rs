@@ -15,11 +15,12 @@ use glam::Vec2;
 /// that cast caustics.
 const POWER_SAMPLES: u32 = 256;
 
-/// Weight of a light's total power in the probability of sampling the light (defensive sampling).
-/// It applies to photon paths aimed at casters, the surfaces that cast caustics.
+/// Fraction of the probability of sampling a light that is proportional to the light's total power
+/// (defensive sampling), for photon paths aimed at casters, the surfaces that cast caustics.
 ///
-/// The other 90 % of the weight is on the light's estimated power towards the casters. So a light
-/// that can reach a caster keeps a probability above zero even if this estimate is zero.
+/// The other 90 % of the probability is proportional to the light's estimated power towards the
+/// casters. So a light that can reach a caster keeps a probability above zero even if this estimate
+/// is zero.
 const DEFENSIVE_FRACTION: f64 = 0.1;
 
 /// Source of photon paths: samples a light of the scene, and the ray that leaves it.
@@ -31,8 +32,8 @@ pub struct PhotonSource<'a> {
     /// Bounding spheres of the [casters](super::PhotonKind), such as glass and mirrors, towards
     /// which photons are emitted. `None` emits in all directions.
     aim: Option<PhotonAim>,
-    /// Guided distribution of the emitted positions and directions, for each light; `None` for an
-    /// unguided light. The list is empty without emission guiding.
+    /// Guided distribution of the emitted positions and directions, for each light; `None` for a
+    /// light that emits by its unguided distribution. The list is empty without emission guiding.
     pub(super) guiding: Vec<Option<EmissionGuidingDistribution>>,
     /// Parts of light transport that photon paths simulate, such as textures or media.
     effects: Effects,

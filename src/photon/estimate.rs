@@ -64,12 +64,13 @@ impl PhotonSearchBuffers {
     }
 }
 
-/// Lower bound of a disc's radius, divided by the distance of the query point from the origin. It
-/// is about 100 rounding errors of a position.
+/// Factor for the smallest radius of a density estimate's disc: the radius is at least this factor
+/// times the distance of the query point from the origin. This is about 100 rounding errors of a
+/// position.
 const MIN_RADIUS_PER_DISTANCE: f32 = 1e-5;
 
-/// Lower bound of the disc's radius in a k-nearest-neighbour estimate, divided by
-/// [`Bandwidth::radius`]. It keeps radiance finite if photons coincide.
+/// Lower bound of the disc's radius in a k-nearest-neighbour estimate, as a fraction of
+/// [`Bandwidth::radius`]. The bound keeps the radiance finite if photons coincide.
 const MIN_KNN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
 /// Number of photons that are summed in f32 before their sum is added to a total in f64.
@@ -91,11 +92,11 @@ impl PhotonMap {
     /// photon flux ΔΦ and kernel K (Jensen 2001, section 7.2).
     ///
     /// `brdf` returns f \[1/sr] for a photon's incident direction. `normal` is the unit geometric
-    /// normal on the viewer's side. Photons of other surfaces are left out. Their normal differs
-    /// from `normal` by more than 60°, or their tangent plane is farther from `p` than a quarter of
-    /// [`Bandwidth::radius`]. `scratch` keeps the found photons and the start radius for the next
-    /// search. The estimate is not divided by the coverage, which is the fraction of the disc that
-    /// is surface.
+    /// normal on the viewer's side. Photons of other surfaces are left out: those whose normal
+    /// differs from `normal` by more than 60°, or whose tangent plane is farther from `p` than a
+    /// quarter of [`Bandwidth::radius`]. `scratch` keeps the found photons and the start radius for
+    /// the next search. The estimate is not divided by the coverage, which is the fraction of the
+    /// disc that is surface.
     pub fn estimate_radiance(
         &self,
         p: Vec3,
@@ -247,7 +248,7 @@ impl PhotonMap {
 /// Kernel-weighted sums of BRDF · flux over N nested discs.
 struct KernelSums<const N: usize> {
     kernel: Kernel,
-    /// Squared radius of the largest disc.
+    /// Squared radius of the largest disc \[length²].
     r2: f32,
     inverse_r2: f32,
     /// Partial sums in f32 since the last flush, over fewer than [`PHOTONS_PER_BLOCK`] photons; one
@@ -274,8 +275,9 @@ impl<const N: usize> KernelSums<N> {
     /// Adds the kernel-weighted `reflected` = BRDF · flux of a photon at squared distance `d2` from
     /// the query point.
     ///
-    /// `height` is the distance between the query point and the photon's tangent plane, divided by
-    /// its limit for the largest disc.
+    /// `height` is the distance between the query point and the photon's tangent plane, as a
+    /// fraction of the largest allowed distance for the largest disc. Smaller discs allow only
+    /// smaller distances, and leave out photons beyond them.
     #[inline]
     fn add(&mut self, d2: f32, height: f32, reflected: Rgb) {
         let x = d2 * self.inverse_r2;

@@ -21,20 +21,21 @@ use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
 /// Number of caustic photons per pixel and pass at which density estimates and splats each get half
-/// of the caustic flux.
+/// of the caustic flux, in the first pass.
 ///
-/// It holds in the first pass. In pixels with fewer photons, splats are noisier, so density
-/// estimates get more than half.
+/// In pixels with fewer photons, splats are noisier, so density estimates get more than half.
 const EQUAL_SHARE_PHOTON_COUNT: f64 = 0.5;
 
-/// Effective number of splats of the pilot from which the photons per pixel are estimated: the
-/// square of pixels around a pixel grows until it holds so many.
+/// Effective number of pilot splats that is enough to estimate the number of caustic photons per
+/// pixel. Splats are counted in a square of pixels around the pixel, which grows until it holds
+/// this number or has its largest size. For splats of values v, the effective number is (Σv)²/Σv².
 ///
-/// Fewer splats would make the shares noisy. Density estimates blur this noise, and splats do not,
-/// so it would show in the picture.
+/// With fewer splats, the division of caustic flux between density estimates and splats would be
+/// noisy from pixel to pixel, and the noise would show in the picture.
 const ENOUGH_SPLATS: f64 = 16.0;
 
-/// Largest distance between the pixel and the columns and rows of its square \[pixels].
+/// Largest half width \[pixels] of the square around a pixel in which pilot splats are counted. The
+/// largest square has 2·8 + 1 columns and rows.
 const MAX_HALF_WIDTH: u32 = 8;
 
 /// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film. A
@@ -51,12 +52,13 @@ pub struct DensityEstimateShares {
     first_pass_ratios: Vec<f32>,
 }
 
-/// [`DensityEstimateShares`] of one pass.
+/// Fraction of a caustic photon's flux that density estimates use in one pass, for each pixel of
+/// the film: [`DensityEstimateShares`] for a fixed pass.
 #[derive(Clone, Copy, Debug)]
 pub struct PassDensityEstimateShares<'a> {
     shares: &'a DensityEstimateShares,
-    /// Flux of splats divided by flux of density estimates in this pass, over this ratio in the
-    /// first pass.
+    /// Factor by which a ratio of fluxes has grown since the first pass: the flux of splats divided
+    /// by the flux of density estimates. In pass i, counted from 0, the factor is (i + 1)^⅔.
     ratio_growth: f32,
 }
 
@@ -105,14 +107,15 @@ impl DensityEstimateShares {
         Self { width, height, first_pass_ratios }
     }
 
-    /// Creates shares with which splats get all caustic flux, in all pixels of a film of the given
+    /// Creates shares that give all caustic flux to splats, in all pixels of a film of the given
     /// width and height \[pixels].
     #[must_use]
     pub fn all_to_splats((width, height): (u32, u32)) -> Self {
         Self { width, height, first_pass_ratios: vec![f32::INFINITY; width as usize * height as usize] }
     }
 
-    /// Returns the shares of pass `pass`, counted from 0.
+    /// Returns the fractions of caustic flux that density estimates use in pass `pass`, counted
+    /// from 0.
     #[must_use]
     pub fn in_pass(&self, pass: u32) -> PassDensityEstimateShares<'_> {
         let root = libm::cbrt(f64::from(pass) + 1.0);
@@ -149,7 +152,8 @@ pub struct LightTracer<'a> {
     camera: &'a Camera,
     /// True if camera rays start at random points of the lens; false if at its center.
     samples_lens: bool,
-    /// True if connections cross some surfaces: null interfaces and thin sheets.
+    /// True if the scene has surfaces that a connection from a photon to the camera can pass
+    /// through: null interfaces or thin sheets.
     connections_cross_surfaces: bool,
     /// Fraction of a photon's flux that density estimates use, for each pixel; splats get the
     /// remaining flux. If it is `None`, as in a pilot, density estimates and splats each get the
@@ -268,8 +272,8 @@ impl<'a> LightTracer<'a> {
 /// Copies each splat of a panorama to the other film positions of the same camera ray, if `filter`
 /// reaches the film from there.
 ///
-/// Pixels at the seam and at the poles also filter light from beyond the edge of the film. There,
-/// density estimates give only their share of caustic flux, so splats must give the rest.
+/// Pixels at the seam and at the poles also filter light from beyond the edge of the film. Density
+/// estimates of that light are only a part of the caustic flux, so copied splats must add the rest.
 pub fn add_splats_across_seams(splats: &mut Vec<Splat>, camera: &Camera, filter: &Filter) {
     // The centers of the outermost pixels lie half a pixel inside the film.
     let margin = filter.radius() - 0.5;

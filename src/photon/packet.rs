@@ -8,7 +8,7 @@ use crate::math::{Ray, rounding_error_bound};
 use glam::Vec3;
 use wide::f32x8;
 
-/// Number of points or beam pieces in a packet.
+/// Number of points or beam pieces in a packet, which SIMD instructions process at once.
 pub(super) const LANES: usize = 8;
 
 /// Eight 3D vectors, one in each SIMD lane: the x, y and z components.

@@ -89,8 +89,10 @@ impl StoreMask {
         kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
-    /// True if a path whose next photon has kind `kind` may still store a photon, this one or a
-    /// later one. Always true for [`PhotonKind::Direct`].
+    /// True if a path may still store a photon. `kind` is the kind that its next photon has; later
+    /// photons may be of other kinds.
+    ///
+    /// Always true for [`PhotonKind::Direct`], because such a path can still reach all kinds.
     pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
@@ -107,16 +109,16 @@ pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
     /// Returns the kind of the photons that a path stores after it crossed the boundary of a caster
-    /// without scattering there. `self` is its kind before.
+    /// without scattering there. `self` is the kind before the crossing.
     pub(super) fn kind_after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// Returns the kind of the photons that a path stores after it scattered. `self` is its kind
-    /// before.
+    /// Returns the kind of the photons that a path stores after it scattered. `self` is the kind
+    /// before this scattering event.
     ///
-    /// `is_receiver` is true if it scattered at a receiver, such as a diffuse surface or a medium;
-    /// false if at a caster, such as glass.
+    /// `is_receiver` is true if the path scattered at a receiver, such as a diffuse surface or a
+    /// medium; false if at a caster, such as glass.
     pub(super) fn kind_after_scattering(self, is_receiver: bool) -> Self {
         match (is_receiver, self) {
             (false, Self::Direct) => Self::Caustic,

@@ -6,9 +6,9 @@ use glam::{Vec2, Vec3};
 /// RGB flux \[W] in 8 bytes: the sum of the channels in f32, and the fractions of red and green in
 /// 16 bits each.
 ///
-/// Between 10⁻³⁷ and 10³⁸ W, the sum has relative precision 2⁻²⁴. It has precision 2⁻¹⁹ if its
-/// lowest bits also store the fraction of the flux that density estimates use. Each channel is
-/// precise to 1.5·10⁻⁵ of the sum.
+/// Between 10⁻³⁷ and 10³⁸ W, the sum has relative precision 2⁻²⁴. The precision falls to 2⁻¹⁹ if
+/// the lowest four bits of the sum store another number: the fraction of the flux that density
+/// estimates use. Each channel is precise to 1.5·10⁻⁵ of the sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(super) struct PackedFlux {
     channel_sum: f32,
@@ -123,7 +123,8 @@ const NORMAL_SCALE: f32 = 127.0;
 /// compared with the quantized normals of photons.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentPlane {
-    /// Query point, divided by [`NORMAL_SCALE`].
+    /// Query point, divided by [`NORMAL_SCALE`]. Its dot product with the stored normal of a photon
+    /// is the component of the query point along that normal \[length].
     scaled_point: Vec3,
     /// Unit normal, divided by [`NORMAL_SCALE`]. Its dot product with the stored normal of a photon
     /// is a cosine.

@@ -31,17 +31,17 @@ pub struct VisiblePointMap {
     /// Visible points, stored as photons whose flux is the squared weight.
     points: PhotonMap,
     bandwidth: Bandwidth,
-    /// Expected distance \[length] of the 16th nearest visible point: the tenth percentile of this
-    /// distance over the visible points. A search begins with 1.25 times this distance.
+    /// Distance \[length] at which a search expects the 16th nearest visible point. It is the tenth
+    /// percentile of the distance from a visible point to its 16th nearest neighbour. A search
+    /// begins with 1.25 times this distance.
     expected_kth_distance: f32,
 }
 
-/// Number of visible points nearest to a photon from which the importance of the photon is
-/// estimated.
+/// Number of nearest visible points from which the importance of a photon is estimated.
 const NEIGHBOURS: u32 = 16;
 
-/// Largest number of visible points at which the distance to the 16th neighbour is measured. The
-/// distances determine the search radii.
+/// Largest number of visible points for which the distance to the 16th nearest neighbour is
+/// measured. These distances determine the search radii.
 const MAX_RADIUS_SAMPLES: usize = 256;
 
 impl VisiblePointMap {

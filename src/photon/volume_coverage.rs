@@ -23,8 +23,8 @@ pub struct KernelProbes {
 }
 
 impl KernelProbes {
-    /// Traces probe rays of length `radius` \[length] from the kernel's center, the origin of
-    /// `towards`. The first probe ray has the direction of `towards`.
+    /// Traces probe rays of length `radius` \[length] from the kernel's center, which is the origin
+    /// of `towards`. The first probe ray has the direction of `towards`.
     ///
     /// A kernel in `dimensions` dimensions has these probe rays:
     /// - One: two rays in opposite directions; `axis` is not used.

@@ -56,7 +56,7 @@ pub enum EffectReason {
     AmbientMedium,
     /// No glass is dispersive.
     NoDispersion,
-    /// The effect requires another effect, which the scene does not need. Holds that effect.
+    /// The effect requires another effect, which the scene does not need. Holds that other effect.
     RequiredEffectUnneeded(Effect),
 }
 

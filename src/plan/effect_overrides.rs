@@ -45,7 +45,7 @@ impl EffectOverrides {
     }
 }
 
-/// Error for a word in the text form of [`EffectOverrides`] that is unknown.
+/// Error: a word in the text form of [`EffectOverrides`] is unknown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{word}` is no effect override: write auto, all, none, or effects with a sign such as +caustics or -shadows, \

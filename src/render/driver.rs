@@ -23,16 +23,17 @@ pub struct StopCriteria<'a> {
     /// The render ends after the pass whose end is nearest to the limit. The next pass is expected
     /// to take the mean time of the passes so far.
     pub time_limit: Option<Duration>,
-    /// Wall time before the first pass that counts towards `time_limit`: loading and pilots.
+    /// Wall time spent before the first pass, on loading and on pilots (short trial renders). This
+    /// time counts towards `time_limit`.
     pub time_before_passes: Duration,
     /// Error target at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
-    /// True to end the render if bias alone keeps the error above `target`, once the noise is at
-    /// most `target`.
+    /// True to end the render when its noise is at most `target`, but bias alone keeps the error
+    /// above `target`.
     ///
-    /// Independently of this flag, a render without limits of passes and time ends at such a bias,
-    /// even with more noise. In both cases, at least 16 passes are made, and 0.8 times the bias
-    /// must exceed the target.
+    /// A render that has neither a limit of passes nor of time ends at such a bias even if this
+    /// flag is false, and with any noise. In both cases, at least 16 passes are made, and 0.8 times
+    /// the bias must exceed the target.
     pub ends_at_bias_floor: bool,
     /// Flag that another thread sets to end the render after the current pass.
     pub interrupted: &'a AtomicBool,
@@ -103,8 +104,8 @@ pub struct RenderResult {
     pub unaimed: PhotonReport,
     /// Counts and flux of aimed photon paths, which start towards caustic casters.
     pub aimed: PhotonReport,
-    /// Wall time of all passes, without loading and pilots. The times of continued and merged
-    /// renders add up.
+    /// Wall time of all passes, without loading and without pilots (short trial renders). The times
+    /// of continued and merged renders add up.
     pub wall_time: Duration,
 }
 
@@ -147,8 +148,8 @@ pub(super) const MIN_PASSES_BEFORE_GIVING_UP: u32 = 16;
 /// A render gives up its error target only if this factor times the bias exceeds the target.
 pub(super) const GIVE_UP_BIAS_FACTOR: f64 = 0.8;
 
-/// The render loop: renders the passes with numbers in `numbers` that `rendered` lacks, in
-/// ascending order, and returns `rendered` with them.
+/// The render loop: adds passes to `rendered` and returns it. The passes have the numbers in
+/// `numbers` that `rendered` does not hold yet, in ascending order.
 ///
 /// The loop ends when a criterion of `stop` holds or no pass is left.
 ///

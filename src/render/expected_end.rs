@@ -19,7 +19,7 @@ impl StopCriteria<'_> {
     /// Returns the expected end of a render whose passes take `pass_seconds` \[s] each; `None` if
     /// no criterion is expected to hold.
     ///
-    /// `forecast` extrapolates the error of a short pilot of this render.
+    /// `forecast` extrapolates the error of a pilot, which is a short trial of this render.
     #[must_use]
     pub fn expected_end(&self, forecast: &ErrorForecast, pass_seconds: f64) -> Option<ExpectedEnd> {
         // The render ends after the pass whose end is nearest to the limit, as in `end_reason`.

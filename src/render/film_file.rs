@@ -18,10 +18,12 @@ const MAGIC: &[u8; 16] = b"CAUSTICA FILM 2\n";
 /// Largest uncompressed content of a block of a film file \[bytes].
 const MAX_BLOCK_BYTES: usize = 1 << 20;
 
-/// Largest uncompressed size of a film file without the sums of its pixels \[bytes].
+/// Largest uncompressed size \[bytes] of a film file's blocks, apart from the numbers that are
+/// stored for each pixel.
 const MAX_FIXED_BYTES: u64 = 1 << 20;
 
-/// Largest uncompressed size of the sums in a film file, per pixel \[bytes].
+/// Largest uncompressed size \[bytes per pixel] of the numbers that a film file stores for each
+/// pixel, such as sums over passes.
 ///
 /// The format of the crate `postcard` stores a 64-bit integer in at most 10 bytes.
 const MAX_BYTES_PER_PIXEL: u64 = 1024;
@@ -59,8 +61,8 @@ pub struct FilmHeader {
     pub settings: Vec<String>,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Number of passes of the whole render, if this film is for a share of them (`--shard`); else
-    /// `None`.
+    /// Number of passes of the whole render, if this film holds only a part of them, as with
+    /// `--shard`; else `None`.
     pub planned_passes: Option<u32>,
 }
 
@@ -69,7 +71,7 @@ pub struct FilmHeader {
 pub struct FilmFile {
     /// Scene, settings and version, on which the passes depend.
     pub header: FilmHeader,
-    /// Passes, sums, error estimator and statistics.
+    /// The render so far: film, error estimator, pass numbers and statistics.
     pub rendered: RenderResult,
 }
 
@@ -94,8 +96,8 @@ pub enum FilmFileError {
 }
 
 impl FilmHeader {
-    /// Returns the differences for which the passes of the two renders must not be added, one line
-    /// each; empty if they can be added.
+    /// Returns the differences between two headers that forbid adding the passes of both renders,
+    /// one line each. The result is empty if the passes can be added.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let mut lines = Vec::new();
@@ -175,7 +177,7 @@ impl FilmFile {
     }
 }
 
-/// Returns the header of a film file, without reading the sums.
+/// Returns the header of a film file, without reading the pixels.
 ///
 /// # Errors
 /// [`FilmFileError`] if `input` does not begin as a film file of this version.
@@ -183,7 +185,7 @@ pub fn read_film_header(mut input: impl Read) -> Result<FilmHeader, FilmFileErro
     read_header(&mut input)
 }
 
-/// Returns the numbers of the passes whose sums a film file holds, without reading the sums.
+/// Returns the numbers of the passes that a film file holds, without reading the pixels.
 ///
 /// # Errors
 /// [`FilmFileError`] if `input` does not begin as a film file of this version.

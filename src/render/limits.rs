@@ -17,10 +17,10 @@ pub const DEFAULT_TIME_LIMIT: Duration = Duration::from_secs(5 * 60);
 
 /// Limits of a render. The render ends at the first limit that it reaches.
 ///
-/// Without `max_passes`, `time_limit` and `target_error`, the render ends at
-/// [`DEFAULT_TARGET_ERROR`] or after [`DEFAULT_TIME_LIMIT`]. A preview then ends at
-/// [`PREVIEW_TARGET_ERROR`] instead. The render also ends once its noise is at most this error, if
-/// bias keeps the total error above it.
+/// Without `max_passes`, `time_limit` and `target_error`, the render ends after
+/// [`DEFAULT_TIME_LIMIT`], or when its error has fallen to [`DEFAULT_TARGET_ERROR`] (a preview:
+/// [`PREVIEW_TARGET_ERROR`]). If bias alone keeps the error above this default target, the render
+/// ends once its noise is at most the target.
 ///
 /// A render without error estimates ignores `target_error` and `preview`. Without `max_passes` and
 /// `time_limit`, it makes [`Algorithm::default_passes`] passes. Ray casting makes this number even

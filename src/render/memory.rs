@@ -22,7 +22,7 @@ const ERROR_BYTES_PER_PIXEL: u64 = 382;
 /// Memory per pixel that light groups need, in addition to [`BASE_BYTES_PER_PIXEL`] \[bytes].
 ///
 /// The films of the three groups take 150 bytes, and those of the current pass 36; 24 bytes are a
-/// reserve. Layers to write reuse the memory of the pass.
+/// reserve. The layers of the written file reuse the memory of the pass.
 const GROUP_BYTES_PER_PIXEL: u64 = 210;
 
 /// Memory per pixel for the light that clamping removes, in addition to [`BASE_BYTES_PER_PIXEL`]
@@ -41,14 +41,15 @@ const TEV_BYTES_PER_PIXEL: u64 = 120;
 /// Memory per pixel that surface AOVs need after the last pass, in addition to
 /// [`BASE_BYTES_PER_PIXEL`] \[bytes].
 ///
-/// The AOVs take 56 bytes. All layers of the picture and their copy in the file take the rest:
-/// 303 bytes were measured without motion, which takes 24 in all.
+/// 303 bytes were measured without the AOV of motion: for the AOVs, for all layers of the picture,
+/// and for the copy of the layers in the file. Motion takes 24 bytes; 37 bytes are a reserve.
 const AOV_BYTES_PER_PIXEL: u64 = 364;
 
 /// Memory of each stored photon while the photon map is built \[bytes].
 ///
-/// A photon takes 32 bytes, its sorted copy 32 and its splat 20. The sort key takes 16, and the
-/// tree that replaces it 33. The rest is unused capacity of growing lists.
+/// A photon takes 32 bytes and its sorted copy 32. Its splat, the light that light tracing adds to
+/// the film, takes 20. The sort key takes 16, and the tree that replaces the key 33. The rest is
+/// unused capacity of growing lists.
 const BYTES_PER_PHOTON: u64 = 120;
 
 /// Reason why a render does not fit into memory.
@@ -243,8 +244,8 @@ fn check_pixel_memory(
 
 /// Checks that the photons of a pass fit into memory and that 32-bit indices can address them.
 ///
-/// `free` is the free memory \[bytes]; `None` if unknown. `picture_bytes` of it are reserved
-/// for pictures.
+/// `free` is the free memory \[bytes]; `None` if unknown. `picture_bytes` of the free bytes are
+/// reserved for pictures.
 ///
 /// # Errors
 /// [`MemoryError`] if there are too many photons.

@@ -42,7 +42,8 @@ impl PassSet {
         other.ranges.iter().for_each(|range| self.insert(range.clone()));
     }
 
-    /// Returns the lowest pass number of `range` that is not in the set; `None` if all are.
+    /// Returns the lowest pass number of `range` that is not in the set; `None` if all are in the
+    /// set.
     #[must_use]
     pub fn first_missing(&self, range: Range<u32>) -> Option<u32> {
         let next = self.ranges.iter().find(|own| own.contains(&range.start)).map_or(range.start, |own| own.end);

@@ -68,7 +68,8 @@ pub enum Purpose {
     VisiblePoints,
     /// Pilot simulation that trains the guiding of photon emission.
     EmissionGuiding,
-    /// Photon paths of each pass whose photons guide the directions of final gather rays.
+    /// Photon paths that each pass traces only to guide its final gather rays: the stored photons
+    /// show from which directions indirect light arrives.
     GatherRayGuides,
     /// Pilot simulation that divides the work of a pass between camera rays and photons.
     RayPhotonBalance,
@@ -82,7 +83,8 @@ pub enum Purpose {
     PrefixRays,
     /// Pilot simulation that divides indirect light between camera paths and photons.
     IndirectDivision,
-    /// Random choice of the photon beams that a pass keeps; it drops the others to save time.
+    /// Random choice of the photon beams that a pass keeps. The pass drops the other beams to save
+    /// time.
     BeamThinning,
     /// Pilot simulation that finds the directions from which the environment light reaches each
     /// part of a scene.
@@ -95,7 +97,8 @@ pub enum Purpose {
     /// Pilot simulation that finds where small lamps appear on the film, directly or over specular
     /// surfaces.
     LampImages,
-    /// Prefix rays through the film positions where small lamps appear.
+    /// Prefix rays that are aimed at the images of small lamps on the film. Prefix rays are extra
+    /// camera paths that end at the first surface that stores photons.
     AimedPrefixRays,
 }
 
@@ -155,16 +158,20 @@ pub enum Dimension {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(u64);
 
-/// Bit that distinguishes keys of medium tracking from keys of path vertices and shadow rays.
+/// Bit in the number from which [`Key::medium_tracking_key`] makes a key. The bit distinguishes
+/// keys for distance sampling in media from keys of path vertices and shadow rays.
 const MEDIUM_TRACKING_BIT: u64 = 1 << 63;
 
-/// Bit that distinguishes keys of coincident faces from keys of path vertices and shadow rays.
+/// Bit in the number from which [`Key::coincident_face_key`] makes a key. The bit distinguishes
+/// keys of coincident faces from keys of path vertices and shadow rays.
 const COINCIDENT_FACE_BIT: u64 = 1 << 62;
 
-/// Bit that distinguishes keys of mix choices from keys of path vertices and shadow rays.
+/// Bit in the number from which [`Key::nth_mix_choice_key`] makes a key. The bit distinguishes keys
+/// of choices in mix materials from keys of path vertices and shadow rays.
 const MIX_CHOICE_BIT: u64 = 1 << 61;
 
-/// Bit that distinguishes keys of shutter slices from keys of photon paths.
+/// Bit in the number from which [`Key::shutter_slice_key`] makes a key. The bit distinguishes keys
+/// of slices of the shutter interval from keys of photon paths.
 const SHUTTER_SLICE_BIT: u64 = 1 << 32;
 
 impl Key {
@@ -254,19 +261,19 @@ impl Key {
         self.child_key(MEDIUM_TRACKING_BIT | u64::from(pass))
     }
 
-    /// Key of the choice number `n` of a mix material's component, along the path segment that ends
-    /// at a vertex.
+    /// Key of the random numbers that choose a component of a mix material, at choice number `n`
+    /// along a path segment.
     ///
-    /// `self` is the key of this vertex, and is also the key of choice 0. The path makes further
-    /// choices if it crosses mixes that do not scatter it.
+    /// `self` is the key of the vertex at the end of the segment, and is also the key of choice 0.
+    /// The path makes further choices if it crosses mixes that do not scatter it.
     #[inline]
     #[must_use]
     pub fn nth_mix_choice_key(self, n: u32) -> Self {
         if n == 0 { self } else { self.child_key(MIX_CHOICE_BIT | u64::from(n)) }
     }
 
-    /// Key of the choice of a mix material's component for faces that coincide with a boundary that
-    /// the path crosses.
+    /// Key of the random numbers that choose a component of a mix material for coincident faces:
+    /// faces that coincide with a boundary that a path segment crosses.
     ///
     /// `self` is the key of the path vertex that ends the segment. `boundary` is the number of
     /// boundaries that the path has crossed since its last vertex. All faces with the same number

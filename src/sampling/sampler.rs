@@ -58,8 +58,8 @@ impl Sampler {
         self.child_sampler(u64::from(pass) << 32)
     }
 
-    /// Sampler for one of several shadow rays of this vertex. `index` is the index of the ray or of
-    /// the light.
+    /// Sampler for one of several shadow rays of this vertex. `index` is the index of the light if
+    /// each light gets shadow rays, and of the ray if lights are chosen at random.
     #[inline]
     #[must_use]
     pub fn nth_shadow_ray_sampler(self, index: usize) -> Self {

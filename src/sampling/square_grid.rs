@@ -4,9 +4,10 @@ use glam::Vec2;
 
 /// Probability distribution on \[0, 1)² with a constant pdf in each of `side` × `side` cells.
 ///
-/// It samples the row by inversion, then the column in the row. Stratified points stay stratified,
+/// The row is sampled by inversion, then the column in the row. Stratified points stay stratified,
 /// since inversion is monotonic. Probabilities of rows, and of columns in a row, are multiples of
-/// 2⁻²⁴. Uniform numbers have the same spacing, so even the smallest probabilities are exact.
+/// 2⁻²⁴. Uniform random numbers are multiples of 2⁻²⁴, too, so even the smallest probabilities are
+/// exact.
 #[derive(Clone, Debug)]
 pub struct SquareGridDistribution {
     side: usize,
@@ -54,7 +55,8 @@ impl SquareGridDistribution {
         Some(Self { side, row_cdf: rows, column_cdfs: columns, first_candidates })
     }
 
-    /// Samples a point in \[0, 1)² by the uniform point `u` in \[0, 1)²; returns it and its pdf.
+    /// Samples a point in \[0, 1)² by the uniform point `u` in \[0, 1)²; returns the sampled point
+    /// and its pdf.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {

@@ -21,8 +21,9 @@ pub(super) const MID_SHUTTER: f64 = 0.5;
 /// The moving shapes, planes, lights, camera, texture mappings and media of a scene, each with its
 /// motion.
 ///
-/// Each part is stored before its motion is applied, except media. At each time, the motion gives
-/// the transform from the stored part to coordinates relative to [`Scene::origin`].
+/// Each part is stored in its place before its motion is applied. The motion maps the stored part
+/// to its place at each time, in coordinates relative to [`Scene::origin`]. Media alone are stored
+/// in their place at time 0, with the motion applied.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.

@@ -10,8 +10,9 @@ macro_rules! caster_description {
     };
 }
 
-/// List of all kinds of casters in English, for messages about a scene.
-/// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics) has the definition.
+/// List of all kinds of casters in English, for messages about a scene. Casters are materials that
+/// focus light into caustics; [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics) has the
+/// definition.
 pub const CASTER_DESCRIPTION: &str = caster_description!();
 
 /// Alias of the name of [`Effect::Specular`].

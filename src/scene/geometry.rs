@@ -97,8 +97,8 @@ impl CoincidenceGroup {
 ///
 /// A ray query searches one [`Bvh`] over triangles and shapes at rest, a second one over moving
 /// shapes, and all planes in turn. It then keeps the nearest hit. A `Bvh` intersects its triangles
-/// itself. Of shapes it stores the bounding boxes, and it intersects them by a function of the
-/// caller.
+/// itself. Of a shape it stores only the bounding box, and the caller passes a function that
+/// intersects the shape.
 ///
 /// Objects are numbered in this order: shapes at rest, moving shapes, meshes, planes at rest,
 /// moving planes.
@@ -123,7 +123,7 @@ pub(super) struct Geometry {
 }
 
 /// Builds the hierarchy over the triangles of `mesh`, and over shapes at rest with these `boxes`.
-/// Returns it with the bounds of all of them.
+/// Returns the hierarchy, and the bounds of all triangles and boxes.
 fn build_static_hierarchy(mesh: &Mesh, boxes: &[Bounds]) -> (Arc<Bvh>, Bounds) {
     let corners: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
     let bounds = boxes.iter().copied().fold(Bounds::from_points(corners.iter().flatten().copied()), Bounds::union);

@@ -114,8 +114,8 @@ impl Scene {
     /// Returns a copy of the scene with another camera, given in the coordinates of the scene
     /// description (not relative to [`Scene::origin`]).
     ///
-    /// This camera does not move while the shutter is open. The copy shares geometry, hierarchies
-    /// and textures with this scene, and keeps its origin.
+    /// This camera does not move while the shutter is open. The copy has the same [`Scene::origin`]
+    /// as this scene, and shares geometry, hierarchies and textures with it.
     #[must_use]
     pub fn with_camera(&self, camera: &Camera) -> Self {
         let mut scene = self.clone();
@@ -173,8 +173,8 @@ impl Scene {
         if self.mean_emission_lights.is_empty() { &self.lights } else { &self.mean_emission_lights }
     }
 
-    /// The lights as algorithm `raycast` shades with them, without falloff, as in MIT course 6.837.
-    /// The order is that of [`Scene::lights`], without the environment light.
+    /// The lights that algorithm `raycast` uses. Their light does not fall off with distance, as in
+    /// MIT course 6.837. The order is that of [`Scene::lights`], without the environment light.
     #[must_use]
     pub fn mit_6837_lights(&self) -> &[Mit6837Light] {
         &self.mit_6837_lights
@@ -184,7 +184,7 @@ impl Scene {
     /// `light`; 0 for area lights and lights at infinity.
     ///
     /// A light that touches a surface illuminates both sides of the surface. Positions are rounded
-    /// to 2⁻²⁴ of their coordinates, so the true side of the light is unknown.
+    /// to 2⁻²⁴ of their coordinates, so it is unknown on which side of the surface the light lies.
     #[inline]
     #[must_use]
     pub fn light_contact_distance(&self, light: usize) -> f32 {

@@ -24,7 +24,8 @@ struct MotionLengthMeter {
     cameras: Vec<Camera>,
     /// Width and height of the film \[pixels].
     size: Vec2,
-    /// Width of a pixel at the center of the photon domain \[length].
+    /// Width of a pixel's footprint \[length] at the center of the
+    /// [photon domain](Scene::photon_domain), a ball around all bounded objects.
     pixel_width: f64,
 }
 
@@ -65,7 +66,7 @@ impl MotionLengthMeter {
     }
 
     /// Returns the length of the path of a moving point through the scene, divided by the width of
-    /// a pixel at the center of the photon domain.
+    /// a pixel's footprint at the center of the [photon domain](Scene::photon_domain).
     ///
     /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
     /// This measure is for objects outside the picture: their shadows and caustics may fall into
@@ -104,8 +105,8 @@ fn trajectory_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) ->
 /// - A light is measured by points around it, through the scene.
 /// - A plane or the camera is measured by points that the camera sees, on the film.
 ///
-/// A length through the scene is divided by the width of a pixel at the center of the photon
-/// domain.
+/// A length through the scene is divided by the width of a pixel's footprint at the center of the
+/// [photon domain](Scene::photon_domain), a ball around all bounded objects.
 #[must_use]
 pub fn max_motion_in_pixels(scene: &Scene) -> f32 {
     let Some(animation) = &scene.animation else { return 0.0 };

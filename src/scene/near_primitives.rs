@@ -12,11 +12,11 @@ use glam::Vec3;
 /// bit for bit.
 pub struct NearPrimitives<'a> {
     geometry: &'a Geometry,
-    /// Leaves near the box in the hierarchy over triangles and shapes at rest. `None` if there are
-    /// too many for a list; rays then search the whole hierarchies.
+    /// Leaves that overlap the box, from the hierarchy over triangles and shapes at rest. `None` if
+    /// there are too many for a list; rays then search the whole hierarchies.
     resting: Option<LeafList>,
-    /// Leaves near the box in the hierarchy over moving shapes. `None` if there are too many for a
-    /// list, or if the scene has no moving shapes.
+    /// Leaves that overlap the box, from the hierarchy over moving shapes. `None` if there are too
+    /// many for a list, or if the scene has no moving shapes.
     moving: Option<LeafList>,
 }
 

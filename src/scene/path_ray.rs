@@ -39,9 +39,9 @@ pub struct MediumSegment<'a, I> {
     /// Transmittance due to absorption in dielectric bodies, from the last path vertex to the
     /// origin of `ray`.
     pub absorption_transmittance_before: Rgb,
-    /// True if, before the start of `ray`, the path segment crosses a
-    /// [hidden boundary](super::BoundaryEvent::Hidden): one inside a body of higher priority. It
-    /// would block a shadow ray.
+    /// True if the path segment, before the start of `ray`, crosses a
+    /// [hidden boundary](super::BoundaryEvent::Hidden), which lies inside a body of higher
+    /// priority. Such a boundary would block a shadow ray.
     pub crossed_hidden_boundary: bool,
 }
 
@@ -56,14 +56,14 @@ pub enum PathEvent<'a> {
         /// Transmittance of the path segment due to absorption in dielectric bodies; media are not
         /// included.
         absorption_transmittance: Rgb,
-        /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden): one
-        /// inside a body of higher priority. It would block a shadow ray.
+        /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden),
+        /// which lies inside a body of higher priority. Such a boundary would block a shadow ray.
         crossed_hidden_boundary: bool,
     },
     /// The ray leaves the scene without hitting a surface or scattering.
     Escaped {
-        /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden): one
-        /// inside a body of higher priority. It would block a shadow ray.
+        /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden),
+        /// which lies inside a body of higher priority. Such a boundary would block a shadow ray.
         crossed_hidden_boundary: bool,
     },
 }
@@ -78,8 +78,8 @@ pub struct SurfaceVertex<'a> {
     pub absorption_and_wavelength_weight: Rgb,
     /// Length of the path segment \[length].
     pub distance: f32,
-    /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden): one
-    /// inside a body of higher priority. It would block a shadow ray.
+    /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden), which
+    /// lies inside a body of higher priority. Such a boundary would block a shadow ray.
     pub crossed_hidden_boundary: bool,
 }
 
@@ -255,7 +255,8 @@ pub(super) fn shadow_transmittance<I: Interior>(
     }
 }
 
-/// Estimates the transmittance of `ray` without surfaces: see [`Scene::interior_transmittance`].
+/// Estimates the transmittance of `ray` through bodies and media, ignoring surfaces: see
+/// [`Scene::interior_transmittance`].
 #[inline]
 pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, interior: &I, key: Key) -> Rgb {
     let bodies = interior.absorption_transmittance(scene, finite_or_zero(ray.t_max));

@@ -11,8 +11,8 @@ use crate::medium::Medium;
 use crate::sampling::Key;
 use glam::Vec3;
 
-/// Summary of one object of the scene (a shape, mesh or plane), from which plans are made and
-/// photons are aimed.
+/// Summary of one object of the scene (a shape, mesh or plane), for aiming photons and for planning
+/// how to render the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
     /// Bounding sphere; `None` for unbounded planes. It is tight for spheres.
@@ -59,8 +59,9 @@ impl Scene {
         self.animation.is_some()
     }
 
-    /// Number of moving shapes, and of all planes, lights and texture mappings. It measures the
-    /// cost of a copy by [`Scene::at_time`], which shares other large parts.
+    /// Number of moving shapes, and of all planes, lights and texture mappings. These parts are
+    /// copied by each call of [`Scene::at_time`], while other large parts are shared. The number
+    /// thus measures the cost of a call.
     #[must_use]
     pub fn parts_copied_per_time(&self) -> usize {
         let Self { geometry, lights, mappings, .. } = self;

@@ -16,7 +16,7 @@ pub struct SurfaceInteraction<'a> {
     pub point: SurfacePoint,
     /// Unit direction from the surface towards the origin of the ray that hit it.
     pub wo: Vec3,
-    /// The material; for a mix, the leaf material that was selected.
+    /// The material; for a mix, the selected component, which is not a mix itself.
     pub material: &'a Material,
     /// Index of the material `material` in the scene.
     pub(super) material_index: u32,
@@ -27,8 +27,8 @@ pub struct SurfaceInteraction<'a> {
     pub(super) other_choice_stores_photons: bool,
     /// Roughness α of a dielectric body's boundary; 0 for other materials.
     pub(super) boundary_roughness: f32,
-    /// Coincidence group of the object; `None` if no boundary of another object can coincide with
-    /// the surface here.
+    /// Coincidence group of the object: the objects whose boundaries count as one boundary if they
+    /// coincide. `None` if no boundary of another object can coincide with the surface here.
     pub(super) coincidence_group: Option<CoincidenceGroup>,
     /// Boundaries of other dielectric bodies that coincide with the surface here; empty until
     /// `Interior::resolve_boundary` finds them.
@@ -66,9 +66,9 @@ impl SurfaceInteraction<'_> {
     /// random choice at this hit could have given.
     ///
     /// Camera paths and photon paths choose their BSDFs independently. Suppose a mix gives a
-    /// diffuse BSDF with probability p. A camera path that chose it needs all photons of this
-    /// point. If only photons that chose it too were stored, the estimate would be too small by the
-    /// factor p.
+    /// diffuse BSDF with probability p. A camera path that chose the diffuse BSDF needs all photons
+    /// of this point. If photons were stored only by photon paths that chose the diffuse BSDF too,
+    /// the estimate would be too small by the factor p.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {

@@ -46,7 +46,7 @@ impl Cuboid {
     /// Returns the object-space point `p` projected to face number `face`, and moved away from the
     /// edges.
     ///
-    /// [`EDGE_MARGIN`] explains why it keeps away from edges.
+    /// [`EDGE_MARGIN`] explains why surface points keep away from edges.
     #[inline]
     fn project_to_face_interior(&self, p: DVec3, face: usize) -> DVec3 {
         let largest = self.to_world.transform_point(p).abs().max_element();
@@ -71,7 +71,7 @@ impl Cuboid {
     }
 }
 
-/// World-space vectors of half the edges: the columns of the linear map.
+/// Half of each edge vector, in world space: the columns of the linear part of the map.
 fn half_edges(to_world: &Transform) -> [DVec3; 3] {
     let m = to_world.forward().matrix3;
     [m.x_axis, m.y_axis, m.z_axis]

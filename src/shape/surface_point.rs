@@ -66,9 +66,9 @@ pub struct SolidAngleSample {
 /// Result of sampling a shape by solid angle.
 #[derive(Clone, Copy, Debug)]
 pub enum SolidAngleSampleResult {
-    /// A sampled point whose outer side faces the given point.
+    /// A sampled point on a part of the outer side that faces the viewpoint.
     Sampled(SolidAngleSample),
-    /// No part of the outer side faces the given point.
+    /// No part of the outer side faces the viewpoint.
     Invisible,
     /// The shape must be sampled by area instead.
     Unsupported,

@@ -58,7 +58,8 @@ impl ClockKind {
 /// Time and work of rendering one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PictureCost {
-    /// Time to prepare the integrator, with its pilot passes \[s].
+    /// Time to prepare the integrator, including pilots (small simulations before the first pass)
+    /// \[s].
     pub setup_seconds: f64,
     /// Time of each pass, in order \[s].
     pub pass_seconds: Vec<f64>,
@@ -158,7 +159,8 @@ pub struct EffectStudyResult {
 ///
 /// All pictures share the seed and the numbers of rays and photons. Each random decision has a
 /// random number of its own, so leaving out an effect does not change the other decisions. Each
-/// picture has its own pilots, so photon aim and gather radii may differ.
+/// picture has its own pilots (small simulations before the first pass), so the aim of photons and
+/// the gather radii may differ between pictures.
 pub struct EffectStudy<'a> {
     size: (u32, u32),
     clock: ClockKind,
@@ -197,7 +199,7 @@ impl<'a> EffectStudy<'a> {
         Self { size, clock, runs }
     }
 
-    /// Returns the plan of the picture with all effects.
+    /// Returns the plan of the picture with all effects: which effects are simulated, and why.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         self.runs[0].integrator.plan()
@@ -209,8 +211,8 @@ impl<'a> EffectStudy<'a> {
         self.runs.len()
     }
 
-    /// Returns the expected photon counts of a pass, each as its maximum over all pictures of the
-    /// study.
+    /// Returns the expected photon counts of a pass. Each count is its maximum over all pictures of
+    /// the study.
     #[must_use]
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         let all = self.runs.iter().map(|run| run.integrator.expected_photons());
@@ -287,10 +289,12 @@ impl<'a> EffectStudy<'a> {
     }
 }
 
-/// Returns `settings` with fixed numbers of rays and photons, which all pictures of the study use.
-/// A pilot chooses the numbers for the picture with all effects.
+/// Returns `settings` with fixed numbers of rays and photons, so that all pictures of the study use
+/// the same numbers.
 ///
-/// If `settings` forbid the pilot or `algorithm` has none, the numbers of `settings` stay.
+/// A pilot (small simulation before the first pass) chooses the numbers for the picture with all
+/// effects. If `settings` forbid this pilot or `algorithm` has none, the numbers of `settings`
+/// stay.
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
     let mut fixed = Settings { allows_ray_photon_balance: false, ..settings.clone() };
     if settings.allows_ray_photon_balance

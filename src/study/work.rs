@@ -24,17 +24,19 @@ pub struct ExpectedWork {
 }
 
 impl ExpectedWork {
-    /// Returns the work that `effect` adds to a pass; `None` if the plan does not simulate it.
+    /// Returns the work that `effect` adds to a pass; `None` if the plan does not simulate the
+    /// effect.
     #[must_use]
     pub fn work_of_effect(&self, effect: Effect) -> Option<WorkCounts> {
         self.effects.iter().find(|(e, _)| *e == effect).map(|(_, work)| *work)
     }
 }
 
-/// Returns the expected work of the first pass, without the work of pilots.
+/// Returns the expected work of the first pass. Pilots (small simulations before the first pass)
+/// are not counted.
 ///
-/// The estimate comes from camera paths through about a thousand film points. For ray casting, the
-/// number of rays is exact.
+/// The estimate comes from camera paths through about a thousand points of the film. For ray
+/// casting, the number of rays is exact.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     let effects = integrator.plan().simulated_effects();

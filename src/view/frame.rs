@@ -41,13 +41,13 @@ enum_with_all! {
         Bias,
         /// Mean gather radius of density estimates from the caustic map \[length].
         CausticRadius,
-        /// Mean gather radius \[length] of density estimates from the indirect map, and from the
-        /// interreflection map of `hybrid`.
+        /// Mean gather radius \[length] of photon density estimates of all light except caustics.
+        /// They come from the indirect map and, in `hybrid`, from the interreflection map.
         IndirectRadius,
         /// Mean number of photons in density estimates from the caustic map.
         CausticPhotons,
-        /// Mean number of photons in density estimates from the indirect map, and from the
-        /// interreflection map of `hybrid`.
+        /// Mean number of photons in density estimates of all light except caustics. They come from
+        /// the indirect map and, in `hybrid`, from the interreflection map.
         IndirectPhotons,
         /// Albedo of the surface that the camera sees, in \[0, 1].
         Albedo,
@@ -70,17 +70,17 @@ enum_with_all! {
 /// Group of layers that are published together, as one [`LiveFrame`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FrameKind {
-    /// The picture and its light groups.
+    /// The picture and its light groups: direct, indirect and caustic light.
     Picture,
-    /// Maps of the estimated error.
+    /// Maps of the estimated error: noise, bias, gather radii and photon counts.
     ErrorMaps,
-    /// Surface AOVs.
+    /// Surface AOVs (data of the surface that each pixel shows), such as albedo, normal and depth.
     SurfaceAovs,
 }
 
 impl LayerKind {
-    /// Returns the name of the layer in the URL of its pixels. Layers other than the picture have
-    /// the names of `--aov` in EXR files, such as `radius.caustic`.
+    /// Returns the name of the layer in the URL of its pixels: `picture`, or the name that the
+    /// layer has in an EXR file with `--aov`, such as `radius.caustic`.
     #[must_use]
     pub fn url_name(self) -> &'static str {
         match self {
@@ -160,8 +160,8 @@ pub struct Layer {
     encoded: OnceLock<Bytes>,
 }
 
-/// Layers of equal size that are published together: the picture of a render with its light groups,
-/// maps of its estimated error, or surface AOVs.
+/// Layers of equal size that are published together: the picture of a render with its light groups
+/// (direct, indirect and caustic light), maps of its estimated error, or surface AOVs.
 #[derive(Debug)]
 pub struct LiveFrame {
     /// Sequence number of the page update that delivered the frame. Later frames have larger
@@ -309,11 +309,11 @@ impl LiveFrame {
     }
 }
 
-/// Returns a scale, a power of two. `values` are divided by this scale before they become half
-/// floats. The scale is 1 if all values are 0 or subnormal.
+/// Returns the scale, a power of two, by which `values` are divided before they become half floats.
 ///
-/// The largest finite absolute value, divided by the scale, is in \[2¹⁴, 2¹⁵), or below for tiny
-/// values. So values down to 2⁻²⁸ of the largest one keep all 11 bits of a half float.
+/// The largest finite absolute value becomes a number in \[2¹⁴, 2¹⁵), or a smaller one if all
+/// values are tiny. So values down to 2⁻²⁸ of the largest one keep all 11 bits of a half float. The
+/// scale is 1 if all values are 0 or subnormal.
 fn layer_scale(values: &[f32]) -> f32 {
     let largest = values.iter().filter(|value| value.is_finite()).fold(0.0_f32, |largest, v| largest.max(v.abs()));
     if largest < f32::MIN_POSITIVE {

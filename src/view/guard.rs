@@ -46,8 +46,8 @@ pub(super) fn random_token() -> std::io::Result<String> {
 /// page. Returns the reason for refusal otherwise.
 ///
 /// Other sites cannot know the token, which is the first part of the path. A site whose name
-/// resolves to this machine (DNS rebinding) sends its name as `Host`, so only IP addresses and
-/// `localhost` are accepted there.
+/// resolves to this machine (DNS rebinding) sends its name in the header `Host`. So this header
+/// must hold an IP address or `localhost`.
 pub(super) fn check_request(path: &str, headers: &HeaderMap, token: &str, port: u16) -> Result<(), RequestRefusal> {
     let host = single_header(headers, HOST.as_str()).ok_or(RequestRefusal::Host)?;
     if !is_own_host(host, port) {

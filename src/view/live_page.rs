@@ -81,8 +81,8 @@ impl LivePage {
         }
     }
 
-    /// Begins another render and returns its number. Later publications of earlier renders are
-    /// ignored.
+    /// Begins another render and returns its number. From then on, publications of earlier renders
+    /// are ignored.
     ///
     /// The page keeps the old picture until this render publishes one.
     pub fn begin_render(&self) -> u32 {

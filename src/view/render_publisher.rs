@@ -10,8 +10,8 @@ use glam::Vec3;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Largest number of points in the error curve of a render. Few renders reach it, because estimates
-/// become rarer as passes go on.
+/// Largest number of points in the error curve of a render. Few curves get so long, because error
+/// estimates become rarer as passes go on.
 const MAX_CURVE_POINTS: usize = 400;
 
 /// Publisher of one render on a live page. The render's thread calls it when the render begins,
@@ -165,8 +165,8 @@ impl<'a> RenderPublisher<'a> {
     }
 }
 
-/// Appends `point` to `curve`. If the curve has [`MAX_CURVE_POINTS`] points, first removes each
-/// second one.
+/// Appends `point` to `curve`. If the curve already has [`MAX_CURVE_POINTS`] points, every second
+/// point is removed first.
 fn push_curve_point(curve: &mut Vec<ErrorCurvePoint>, point: ErrorCurvePoint) {
     if curve.len() >= MAX_CURVE_POINTS {
         *curve = curve.iter().copied().step_by(2).collect();

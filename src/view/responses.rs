@@ -87,8 +87,8 @@ pub(super) fn busy_response() -> Response {
     response
 }
 
-/// Encoded pixels or picture file that is being sent to a browser. The permit is released when all
-/// bytes are sent: it limits the number of simultaneous responses with pixels.
+/// Encoded pixels or picture file that is being sent to a browser. The permit limits the number of
+/// simultaneous responses with pixels. It is released when all bytes are sent.
 struct BytesInProgress {
     bytes: Bytes,
     _permit: OwnedSemaphorePermit,

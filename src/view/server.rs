@@ -39,8 +39,8 @@ const FINAL_FETCH_DELAY: Duration = Duration::from_millis(500);
 /// Time that open connections have to finish after the server has ended. Then they are closed.
 const CONNECTION_CUT_DELAY: Duration = Duration::from_millis(500);
 
-/// Function that handles each [`Request`] of a browser, such as stopping the render. It returns
-/// false if it refuses the request. It must not block.
+/// Function that handles each [`Request`] of a browser, such as stopping the render. The function
+/// returns false if it refuses the request. It must not block.
 pub type RequestHandler = Box<dyn Fn(Request) -> bool + Send + Sync>;
 
 /// Web server of the live page. Dropping it ends the server.

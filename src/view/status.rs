@@ -26,7 +26,8 @@ pub enum RenderStage {
     Failed,
     /// A preview of reduced size is being rendered.
     Preview,
-    /// Pilots (small simulations before the first pass) find gather radii and the division of work.
+    /// Pilots (small simulations before the first pass) find gather radii, and how to divide the
+    /// work between camera rays and photons.
     Pilots,
     /// Passes are being rendered.
     Passes,
@@ -66,11 +67,11 @@ pub struct ForecastReport {
     /// error.
     #[serde(rename = "ends_render")]
     pub is_render_target: bool,
-    /// Predicted number of passes at which a render with the target `target_error` ends: 10 %
+    /// Predicted number of passes at which a render with the error target `target_error` ends: 10 %
     /// quantile, median and 90 % quantile.
     ///
-    /// Each is `None` if it is too far to predict, or if the target is never reached. If the median
-    /// is too far, the first is a lower bound.
+    /// All are `None` if the target is never reached. Median and 90 % quantile are `None` if they
+    /// are too far to predict. If the median is `None`, the first value is only a lower bound.
     #[serde(rename = "passes")]
     pub passes_to_target: [Option<u32>; 3],
     /// Relative bias, which keeps the error above `target_error` after any number of passes; `None`
@@ -78,7 +79,7 @@ pub struct ForecastReport {
     #[serde(rename = "floor")]
     pub bias_floor: Option<f64>,
     /// Probability that the number of passes lies between the first and last value of
-    /// `passes_to_target`.
+    /// `passes_to_target`: 0.8, since these are the 10 % and 90 % quantiles.
     #[serde(rename = "probability")]
     pub range_probability: f64,
     /// Predicted error curve: pairs of a number of passes and a relative error.
@@ -105,8 +106,8 @@ pub struct EffectReport {
     /// True if the user forced the effect on although the scene does not need it, or off although
     /// it does.
     pub forced: bool,
-    /// Why the scene needs the effect or does not need it, or that the algorithm cannot simulate
-    /// it.
+    /// Reason why the scene needs the effect or does not need it, or the statement that the
+    /// algorithm cannot simulate it.
     pub reason: String,
     /// Visible flaw of a picture without the effect; `None` unless the scene needs the effect and
     /// the render leaves it out.
@@ -209,24 +210,26 @@ pub struct LiveStatus {
     pub first_pixels_seconds: Option<f64>,
     /// Largest number of passes of the render; `None` for no limit.
     pub pass_limit: Option<u32>,
-    /// Time limit of the render \[s]; `None` for no limit. The limit counts pilots, and in
-    /// `caustica render` loading too; `seconds` counts neither.
+    /// Time limit of the render \[s]; `None` for no limit. The limited time includes pilots (small
+    /// simulations before the first pass) and, in `caustica render`, loading. `seconds` includes
+    /// neither.
     #[serde(rename = "time_limit")]
     pub time_limit_seconds: Option<f64>,
     /// Relative error at which the render ends; `None` for no error target.
     pub error_limit: Option<f64>,
-    /// Confidence of the intervals from `low` to `high` in the points of `error_curve`; `None`
-    /// without an error target.
+    /// Confidence level of the error interval from `low` to `high` in each point of `error_curve`;
+    /// `None` without an error target.
     #[serde(rename = "confidence")]
     pub interval_confidence: Option<Confidence>,
-    /// Curve of the estimated error so far: one point for each error estimate, in the order of
-    /// passes.
+    /// Curve of the estimated error so far, in the order of passes: one point for each error
+    /// estimate. Long curves are thinned out.
     #[serde(rename = "curve")]
     pub error_curve: Arc<Vec<ErrorCurvePoint>>,
     /// Forecast of the error from the last point of `error_curve`; `None` before the first
     /// estimate.
     pub forecast: Option<Arc<ForecastReport>>,
-    /// Plan of the render; `None` before pilots have ended.
+    /// Plan of the render; `None` until the pilots (small simulations before the first pass) have
+    /// ended.
     pub plan: Option<Arc<PlanReport>>,
     /// Counts of rays and density estimates in all passes so far.
     pub counters: Counters,
@@ -253,8 +256,8 @@ impl ErrorCurvePoint {
 }
 
 impl ForecastReport {
-    /// Forecasts how the error falls from `estimate` to the error target of `stop`; without a
-    /// target, to half of its present value.
+    /// Forecasts how the error falls from `estimate` to the error target of `stop`. If `stop` has
+    /// no target, the forecast ends at half of the present error.
     #[must_use]
     pub fn new(estimate: &ErrorEstimate, forecast: &ErrorForecast, stop: &StopCriteria<'_>) -> Self {
         let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };

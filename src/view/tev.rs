@@ -24,11 +24,12 @@ const CREATE_IMAGE: u8 = 4;
 /// stride.
 const UPDATE_IMAGE: u8 = 6;
 
-/// Largest number of values in a packet of pixels, except that a packet has at least one row.
+/// Largest number of pixel values in a packet. A single row may exceed the limit, because a packet
+/// holds whole rows.
 const MAX_VALUES: usize = 1 << 18;
 
-/// Longest time to wait for a connection, for a viewer that has stopped reading, and for the last
-/// images at the end.
+/// Longest time to wait for a connection. Also the longest time to wait for a viewer that has
+/// stopped reading, and for the last images to be sent at the end.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Address of the viewer tev: a host and a port.
@@ -126,7 +127,7 @@ impl SenderState {
 pub struct TevClient {
     shared: Arc<SenderState>,
     throttle: PublicationThrottle,
-    /// Receiver whose sender is dropped when the sending thread ends.
+    /// Channel without messages. It closes when the sending thread ends.
     ended: Receiver<()>,
 }
 
@@ -151,7 +152,8 @@ impl TevClient {
     /// Queues the layers that `layers` returns, as image `name` of `size` (width, height) pixels.
     /// If an image was queued too recently, does nothing and does not call `layers`.
     ///
-    /// So making the layers takes at most 1 % of the time of the render.
+    /// The pause between images is so long that `layers` takes at most 1 % of the time of the
+    /// render.
     pub fn queue_image_if_due(&mut self, name: &str, size: (u32, u32), layers: impl FnOnce() -> Vec<ExrLayer>) {
         let start = Instant::now();
         if self.throttle.is_due(start) {
@@ -171,8 +173,8 @@ impl TevClient {
         });
     }
 
-    /// Waits until all images are sent, but at most a few seconds. Returns false if the viewer does
-    /// not read them in time; true also after an error of the connection.
+    /// Waits until all images are sent, but at most five seconds. Returns false if the time is over
+    /// before that. Returns true if all images are sent, or if the connection has failed.
     #[must_use]
     pub fn finish(self) -> bool {
         self.shared.change_waiting(|waiting| waiting.is_closed = true);

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 pub enum ErrorMapKind {
     /// FLIP, from 0 to 1
     Flip,
-    /// Error divided by √(L² + m²): radiance L of the reference around the pixel, m of a typical
-    /// pixel
+    /// Error divided by √(L² + m²), where L is the radiance of the reference around the pixel, and
+    /// m the radiance of a typical pixel
     Relative,
     /// A minus B
     Signed,

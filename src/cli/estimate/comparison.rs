@@ -45,7 +45,7 @@ impl CostComparison {
         Self { report, compared: Vec::new() }
     }
 
-    /// True if there is no report by `algorithm`.
+    /// True if no report describes the cost of `algorithm`.
     pub(super) fn has_no_report_of(&self, algorithm: Algorithm) -> bool {
         self.reports().all(|report| report.integrator != algorithm.name())
     }
@@ -58,8 +58,8 @@ impl CostComparison {
         std::iter::once(&self.report).chain(&self.compared)
     }
 
-    /// Returns a table of costs for each algorithm. If there are several, a last table compares
-    /// their times.
+    /// Returns one table of costs per algorithm. If there are several algorithms, a last table
+    /// compares their times.
     pub(super) fn text(&self) -> String {
         let mut text: String = self.reports().map(CostEstimateReport::text_table).collect();
         if self.compared.is_empty() {

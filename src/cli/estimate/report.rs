@@ -39,7 +39,7 @@ pub(super) struct CostEstimateReport {
     /// Estimated error of the pilot's picture.
     #[serde(rename = "pilot")]
     pilot_error: ErrorEstimate,
-    /// Time of loading and pilots \[s].
+    /// Time before the first pass \[s]: loading the scene and preparing the algorithm.
     setup_seconds: f64,
     /// Time of each pass after the first \[s].
     pass_seconds: f64,
@@ -67,7 +67,7 @@ struct ExpectedEndReport {
     #[serde(rename = "ended")]
     end_reason: EndReason,
     passes: u32,
-    /// Expected time of the render, including loading and pilots \[s].
+    /// Expected time of the render, including loading and preparation \[s].
     seconds: f64,
     /// Expected relative error of the picture at the end.
     error: f64,
@@ -81,7 +81,7 @@ pub(super) struct CostEstimate {
     /// Predicted number of passes, the median of the forecast; `None` if it is unknown, or if no
     /// number of passes reaches the target error.
     passes: Option<u32>,
-    /// Expected time of the render, including loading and pilots \[s]; `None` if `passes` is
+    /// Expected time of the render, including loading and preparation \[s]; `None` if `passes` is
     /// `None`.
     pub(super) seconds: Option<f64>,
     /// Lower end of the range of likely times of the render \[s]; a lower bound if `seconds` is
@@ -106,9 +106,10 @@ impl CostEstimateReport {
     /// Creates the report of a pilot by the algorithm of `method`.
     ///
     /// `misses_caustics` is true if that algorithm finds caustics of the scene only by chance.
-    /// `setup` is the time of loading and pilots \[s]. `pass_seconds` is the time of each pass
-    /// after the first \[s]. `default` holds the stop criteria of a render without limits on the
-    /// command line, and `preview` the criteria with `--preview` alone.
+    /// `setup` is the time before the first pass \[s]: loading the scene and preparing the
+    /// algorithm. `pass_seconds` is the time of each later pass \[s]. `default` holds the stop
+    /// criteria of a render without limits on the command line, and `preview` the criteria with
+    /// `--preview` alone.
     ///
     /// Returns an error if the pilot made too few passes to estimate its error.
     pub(super) fn new(

@@ -25,7 +25,7 @@ pub struct FarmArguments {
 /// Batch system that runs the jobs of a farm, with its arguments.
 #[derive(Debug, Subcommand)]
 pub enum FarmEngine {
-    /// Render by job arrays of Slurm (version 22 or later) and follow them to the picture
+    /// Render by job arrays of Slurm (version 22 or later), and wait for them to write the picture
     Slurm(Box<SlurmArguments>),
 }
 

@@ -65,7 +65,8 @@ struct CancelledJobsError {
     folder: PathBuf,
 }
 
-/// End of a round: jobs were submitted for all incomplete shards and for the merge, and have ended.
+/// Outcome of a round. A round submits jobs for all incomplete shards, and one job that merges
+/// them, and waits until all have ended.
 enum RoundEnd {
     /// All shards are complete and merged.
     Complete,
@@ -433,7 +434,7 @@ fn sleep_was_interrupted(time: Duration) -> bool {
     }
 }
 
-/// Returns the tasks of the jobs that an earlier command submitted; none without such jobs.
+/// Returns the tasks of `jobs`, which an earlier command submitted. Empty if there are no jobs.
 fn tasks_of_earlier_jobs(jobs: &[String]) -> Result<Vec<SlurmTaskStatus>, CommandFailure> {
     if jobs.is_empty() { Ok(Vec::new()) } else { slurm::query_tasks(jobs).map_err(slurm_failure) }
 }

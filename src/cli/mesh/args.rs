@@ -25,7 +25,7 @@ pub struct MeshArguments {
     #[arg(long)]
     pub repair: bool,
 
-    /// Merge vertices whose distance is at most this after --scale, in units of the written mesh
+    /// Merge vertices at most this far apart, measured after --scale, in units of the written mesh
     /// [default with --repair: 1e-9 of the diagonal]
     #[arg(long, value_parser = parse_nonnegative_length, value_name = "LENGTH")]
     pub weld: Option<f64>,

@@ -66,9 +66,9 @@ pub(super) fn render_passes(
 /// unknown.
 ///
 /// The time is unknown if there is an error target, and the last pass did not estimate the error.
-/// `passes` is the number of passes so far. `elapsed` is the time since this run's first pass
-/// began, and `pass_seconds` the mean time of its passes \[s]. `forecast` predicts the passes until
-/// the error target of `stop`; it is ignored if `stop` has no target.
+/// `passes` is the number of passes so far. `elapsed` is the time since the first pass of this run
+/// began. `pass_seconds` is the mean time of a pass of this run \[s]. `forecast` predicts the
+/// number of passes that reach the error target; ignored if `stop` has no target.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
     passes: u32,

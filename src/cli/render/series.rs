@@ -45,8 +45,8 @@ pub(super) fn render_series<T>(
 mod tests {
     use super::*;
 
-    /// Runs a series whose renders end in the given ways. Returns how the series ends, and the
-    /// number of its renders.
+    /// Runs a series of renders, the i-th of which returns `ends[i]`. Returns the result of the
+    /// series, and the number of renders that were started.
     fn series_outcome(ends: &[Result<Exit, Exit>]) -> (Result<Exit, (Exit, usize)>, usize) {
         let mut count = 0;
         let end = render_series(ends, |end| {

@@ -72,7 +72,7 @@ pub(super) fn print_render_summary(
 }
 
 /// Returns a line that says which default limit ended a render: error, time or bias. Returns `None`
-/// if the number of passes or the user ended it, or if `stop` lacks a target or a time limit.
+/// if the user or a limit of passes ended the render, or if `stop` lacks a target or a time limit.
 fn default_end_line(stop: &StopCriteria<'_>, end_reason: EndReason) -> Option<String> {
     let (target, time) = (stop.target?, stop.time_limit?);
     let error = percent_text(target.error);

@@ -38,8 +38,8 @@ pub(super) fn render_frames(
     })
 }
 
-/// Returns the arguments of one frame of `--frames`, with its own output files. It also has its own
-/// seed, so that the noise differs from frame to frame.
+/// Returns the arguments of one frame of `--frames`. Each frame has its own output files, and its
+/// own seed, so that the noise differs from frame to frame.
 pub(super) fn frame_arguments(arguments: &RenderArguments, frame: u32) -> Result<RenderArguments, FrameNameError> {
     let mut of_frame = arguments.clone();
     of_frame.method.seed = arguments.method.seed.wrapping_add(frame.into());

@@ -25,7 +25,8 @@ pub struct StudyModeArguments {
     pub effects: bool,
 
     /// Measure how the error of these methods falls with time, such as path,sppm  [default, without
-    /// --variant and --knobs: those of path, pm, ppm, sppm and hybrid that differ in the scene]
+    /// --variant and --knobs: those of path, pm, ppm, sppm and hybrid whose pictures of the scene
+    /// differ]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
     pub methods: Vec<Algorithm>,
 
@@ -115,8 +116,8 @@ pub struct StudyArguments {
     #[arg(long, visible_alias = "wish", allow_hyphen_values = true, value_name = "EFFECTS", default_value = "auto")]
     pub simulate: EffectOverrides,
 
-    /// Number of passes of each picture, or largest number of each method  [default: 4 with
-    /// --effects, else limited by --budget]
+    /// Number of passes of each picture of --effects, or largest number of passes of each method
+    /// [default: 4 with --effects, else limited by --budget]
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub passes: Option<u32>,
 

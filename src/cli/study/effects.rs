@@ -205,7 +205,8 @@ struct EffectResultReport<'f> {
     /// Time and counters of the picture without the effect; `None` if the effect is off.
     #[serde(rename = "without")]
     cost_without_effect: Option<PictureCostReport<'f>>,
-    /// Time and rays that the effect adds to a pass; `None` if the effect is off.
+    /// Cost of the effect: time and rays of the picture with all effects, minus those without this
+    /// effect. `None` if the effect is off.
     cost: Option<AddedCost>,
     /// Light that the effect adds to and removes from the picture; `None` if the effect is off.
     #[serde(rename = "gain")]

@@ -25,7 +25,7 @@ const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 /// chose.
 const CAMERA_RAY_FACTORS: [f64; 2] = [0.5, 2.0];
 
-/// Settings that pilot passes chose for a method.
+/// Settings that pilots (short simulations before the first pass) chose for a method.
 struct PilotChosenSettings {
     samples_per_pixel: u32,
     unaimed_paths: u32,
@@ -70,8 +70,8 @@ pub(super) fn knob_study_variants(
 
 /// Returns the method `plain`, and variants of it with one setting changed.
 ///
-/// Each has the numbers of rays and photons of `pilot`, unless the variant changes them. Changed
-/// radii and numbers are multiples of the values of `pilot`.
+/// All variants have the numbers of rays and photons in `pilot`, except a variant that changes one
+/// of these numbers. Changed numbers and radii are multiples of the values in `pilot`.
 fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) -> Vec<VariantArguments> {
     let VariantArguments { label: name, mut method } = plain;
     let algorithm = method.integrator;

@@ -41,8 +41,8 @@ impl VariantArguments {
         Self { label: algorithm.name().to_owned(), method }
     }
 
-    /// Parses a method and its own flags, such as `sppm --gather-k 20`. They override the `shared`
-    /// flags.
+    /// Parses a method with its own flags, such as `sppm --gather-k 20`. These flags override the
+    /// `shared` flags.
     ///
     /// # Errors
     /// [`VariantParseError`] if there is no such method, or if a flag is unknown or in

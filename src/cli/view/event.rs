@@ -16,7 +16,7 @@ pub(super) enum Event {
     Request(Request),
     /// A job has read the scene file, with or without errors.
     SceneRead {
-        /// Number of the job's render on the page, see
+        /// Number by which the live page identifies the render of the job, see
         /// [`RenderPublisher::render_number`](crate::view::RenderPublisher::render_number).
         render: u32,
         /// The scene file and the files that it names, with their modification times and lengths

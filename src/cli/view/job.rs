@@ -23,8 +23,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time without a camera movement after which a job begins its pilots. While the user drags the
-/// camera, jobs only render previews.
+/// Time without a camera movement after which a job begins the full render. While the user drags
+/// the camera, jobs only render previews.
 const SETTLING_TIME: Duration = Duration::from_millis(300);
 
 /// Time between two checks for requested surface AOVs while a render is paused.
@@ -66,7 +66,8 @@ impl JobHandle {
         let _ = self.resume_sender.try_send(());
     }
 
-    /// Ends the job. Its thread drops the current pass, but finishes pilots.
+    /// Ends the job. Its thread drops the current pass, but finishes pilots (simulations before the
+    /// first pass), which cannot be cancelled.
     pub fn cancel(self) {
         self.control.cancelled.store(true, Ordering::Relaxed);
         self.control.pause_requested.store(true, Ordering::Relaxed);
@@ -99,8 +100,8 @@ pub(super) struct JobContext<'a> {
     pub arguments: &'a ViewArguments,
     pub pool: &'a ThreadPool,
     pub events: &'a EventQueue,
-    /// Lock that a job holds while it runs pilots and passes, so that two renders never use memory
-    /// at the same time.
+    /// Lock that a job holds while it prepares the algorithm and renders passes, so that two
+    /// renders never use memory at the same time.
     pub render_lock: &'a Mutex<()>,
 }
 
@@ -178,7 +179,8 @@ impl<'a> Job<'a> {
         });
     }
 
-    /// Renders a preview of `scene`, then runs pilots and renders the picture pass by pass.
+    /// Renders a preview of `scene`, then prepares the algorithm and renders the picture pass by
+    /// pass.
     fn render(&mut self, scene: &Scene) {
         let JobContext { arguments, pool, render_lock, .. } = self.context;
         let (algorithm, size) = (arguments.method.integrator, scene.camera().size());
@@ -242,12 +244,12 @@ impl<'a> Job<'a> {
         });
     }
 
-    /// Renders passes until the job is cancelled. The render pauses when it reaches its limits. If
-    /// the user resumes it then, it has no limits any more. `start` is the time at which
-    /// `algorithm` began its pilots.
+    /// Renders passes until the job is cancelled. The render pauses when it reaches a limit. If the
+    /// user then resumes the render, it continues without limits. `start` is the time at which the
+    /// preparation of `algorithm` began.
     ///
-    /// If the user stops the render before it reaches its limits, it keeps them. Its time limit
-    /// then counts from the moment at which the user resumes it.
+    /// If the user stops the render before a limit, the limits stay. The time limit then counts
+    /// from the moment at which the user resumes the render.
     fn render_passes(
         &mut self,
         scene: &Scene,

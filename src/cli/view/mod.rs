@@ -31,7 +31,8 @@ pub struct ViewArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
 
-    /// Address and port of the live page. By default, only this machine can open it, at a free port
+    /// Address and port of the live page. The default is a free port that only this machine can
+    /// open
     #[arg(long, value_name = "ADDR:PORT", default_value = "127.0.0.1:0")]
     pub listen: ListenAddress,
 

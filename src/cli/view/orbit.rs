@@ -6,8 +6,8 @@ use crate::scene::Scene;
 use crate::view::Orbit;
 use glam::DVec3;
 
-/// Smallest angle that a pitch may leave between the view direction and the up axis, or its
-/// opposite \[radians]. A scene camera that is closer to the axis stays there.
+/// Smallest angle between the view direction and the up or down axis to which the user can pitch
+/// the camera \[radians]. If the scene's own camera is closer to an axis, its angle is the limit.
 const MIN_POLE_ANGLE: f64 = 0.05;
 
 /// Largest absolute value of the zoom [`Orbit::log_distance`].

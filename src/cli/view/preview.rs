@@ -4,7 +4,8 @@ use crate::color::Rgb;
 use crate::integrate::{Algorithm, ProgressMonitor, Settings};
 use crate::scene::Scene;
 
-/// Largest number of pixels of a preview. Rounding of its width and height may exceed it slightly.
+/// Largest number of pixels of a preview. A preview may have slightly more, because its width and
+/// height are rounded.
 const MAX_PIXELS: f64 = 20_000.0;
 
 /// Number of camera paths per pixel of a preview.
@@ -26,7 +27,8 @@ fn preview_size((width, height): (u32, u32)) -> (u32, u32) {
 /// its pixels \[W/(m² sr)].
 ///
 /// The preview lacks caustics that only photons find. `settings` are the settings of the full
-/// render. The preview replaces their number of samples, and runs no pilots.
+/// render. The preview uses them with its own number of samples per pixel, and without simulations
+/// before the first pass.
 pub(super) fn render_preview(
     scene: &Scene,
     settings: &Settings,

@@ -42,8 +42,9 @@ pub(super) struct SceneReadResult {
 
 /// Reads and builds the scene that the command line names.
 ///
-/// Unchanged parts are shared with the `previous` scene: everything but the camera if only the
-/// camera differs (see [`scene_with_new_camera`]), else meshes and hierarchies.
+/// Unchanged parts are shared with the `previous` scene. If only the camera differs, everything
+/// else is shared (see [`scene_with_new_camera`]); otherwise unchanged meshes and bounding volume
+/// hierarchies are.
 pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScene>) -> SceneReadResult {
     let path = &arguments.scene.scene;
     let name = path.display().to_string();

@@ -30,7 +30,8 @@ pub(super) struct Session<'a> {
 /// Mutable state of a session of `caustica view`: the current render job, and data for later jobs.
 struct SessionState {
     job: JobHandle,
-    /// Number of the current job's render on the page, as [`Session::start_job`] returned it.
+    /// Number by which the page identifies the render of the current job, as [`Session::start_job`]
+    /// returned it.
     render_number: u32,
     /// True while the current job reads the scene file.
     reading: bool,
@@ -45,8 +46,8 @@ struct SessionState {
 }
 
 impl<'a> Session<'a> {
-    /// Makes a session whose renders run in `pool` and appear on `page`. Its jobs report to
-    /// `queue`.
+    /// Makes a session whose renders run in `pool` and appear on `page`. The jobs of the session
+    /// report to `queue`.
     pub fn new(arguments: &'a ViewArguments, page: &'a LivePage, pool: &'a ThreadPool, queue: EventQueue) -> Self {
         Self { arguments, page, pool, queue, render_lock: Mutex::new(()) }
     }
@@ -93,8 +94,8 @@ impl<'a> Session<'a> {
         });
     }
 
-    /// Starts a thread that renders `scene` as another job. Returns the number of its render on the
-    /// page, and the handle of the job.
+    /// Starts a thread that renders `scene` as another job. Returns the number by which the page
+    /// identifies this render, and the handle of the job.
     fn start_job<'scope>(
         &'scope self,
         scope: &'scope Scope<'scope, '_>,

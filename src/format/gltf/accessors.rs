@@ -9,7 +9,8 @@ use std::rc::Rc;
 /// Buffers of a glTF file. Each buffer is read when it is first needed.
 pub(super) struct GltfBuffers<'a> {
     context: &'a FileContext<'a>,
-    /// Binary chunk of a `.glb` file, until the buffer that it holds is read; `None` afterwards.
+    /// Binary chunk of a `.glb` file; `None` if there is none. The first use of the buffer in this
+    /// chunk moves the chunk to `buffers`, and leaves `None` here.
     blob: RefCell<Option<Vec<u8>>>,
     /// Bytes of each buffer; empty until the buffer is read.
     buffers: Vec<OnceCell<Rc<[u8]>>>,

@@ -27,9 +27,10 @@ pub(super) struct FileContext<'a> {
 }
 
 impl FileContext<'_> {
-    /// Returns the name of the glTF file as source of errors, with an empty text.
+    /// Returns the source text to which errors of the imported scene refer: the name of the glTF
+    /// file, with an empty text.
     ///
-    /// Errors of an imported glTF scene have no positions in a text.
+    /// The text is empty because these errors state no line or column of the file.
     pub fn source(&self) -> SourceText {
         SourceText::new(&self.path.display().to_string(), "")
     }

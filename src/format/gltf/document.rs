@@ -7,7 +7,8 @@ use gltf::json::{Image, Path as JsonPath, Root};
 use gltf::{Document, Semantic};
 use serde_json::Value;
 
-/// Estimated memory of each JSON object \[bytes]: its generic value and its typed record.
+/// Estimated memory of each JSON object \[bytes]: its generic value (crate `serde_json`) and the
+/// glTF record that is made of this value (crate `gltf`).
 const MEMORY_PER_JSON_OBJECT: u64 = 1_200;
 
 /// Estimated memory of each element of a JSON array and each member of a JSON object \[bytes].
@@ -41,8 +42,8 @@ pub(super) const IGNORED_MATERIAL_EXTENSIONS: [(&str, &str); 4] = [
     ("KHR_materials_subsurface", "subsurface scattering is ignored"),
 ];
 
-/// Extensions without effect on materials that a file may require although the importer ignores
-/// them. They add animations or metadata.
+/// Extensions that do not change materials and that the importer ignores. A file may still list
+/// them as required, because they only add animations or metadata.
 const OTHER_IGNORED_EXTENSIONS: [&str; 2] = ["KHR_animation_pointer", "KHR_xmp_json_ld"];
 
 /// Greatest number of defects that one error message describes.

@@ -19,12 +19,12 @@ use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-/// Luminous efficacy of radiation at 555 nm \[lm/W]. Intensities of the file in candela and lux
-/// are divided by it, which gives W/sr and W/m².
+/// Luminous efficacy of radiation at 555 nm \[lm/W]. Intensities of the file in candela and lux are
+/// divided by this constant, which gives W/sr and W/m².
 const LUMENS_PER_WATT: f64 = 683.0;
 
-/// Estimated memory of each instance of a primitive \[bytes]: its description and its share of the
-/// built scene.
+/// Estimated memory of each instance of a primitive \[bytes], in the scene description and in the
+/// built scene together.
 const MEMORY_PER_INSTANCE: u64 = 1_500;
 
 /// Objects, lights and camera that the nodes of a scene contain.
@@ -190,10 +190,11 @@ impl NodeWalker<'_, '_> {
         Ok(())
     }
 
-    /// Returns the transforms of a node's instances to the space of the node, from the extension
-    /// EXT_mesh_gpu_instancing.
+    /// Returns the transform of each instance of a node, from the space of the instance to the
+    /// space of the node.
     ///
-    /// Without the extension, returns one identity.
+    /// The extension EXT_mesh_gpu_instancing states the instances. A node without it has one
+    /// instance, with the identity as transform.
     fn instance_transforms(&mut self, node: &gltf::Node<'_>) -> ReadResult<Vec<DAffine3>> {
         let extension = node.extension_value("EXT_mesh_gpu_instancing");
         let Some(attributes) = extension.and_then(|value| value.get("attributes")) else {

@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Reference of a material to a texture: the texture, its texture coordinates and their transform.
 #[derive(Clone)]
 pub(super) struct TextureReference<'a> {
-    /// The texture.
+    /// Texture in the glTF file: an image and its sampler.
     pub texture: gltf::Texture<'a>,
     /// Index of the texture coordinates that the texture uses (`TEXCOORD_0`, …).
     pub texcoord_set: u32,
@@ -68,11 +68,11 @@ pub(super) struct GltfTextures<'a> {
     buffers: &'a GltfBuffers<'a>,
     /// Decoded pictures by image index; `None` for an image in an unsupported format.
     decoded_pictures: HashMap<usize, Option<Rc<QuantizedRgba>>>,
-    /// Converted images by image index and use. A `Texture` here holds the path of an embedded
-    /// picture.
+    /// Converted images. A key holds the image index and the [`GltfTextureUse`] as text. A value
+    /// `Texture` holds the path of an embedded picture instead of a texture's name.
     converted_pictures: HashMap<(usize, String), GltfConvertedTexture>,
-    /// Names of the imported scene's textures. A key is a text of picture path, wrap mode and
-    /// transform, so equal textures become one.
+    /// Names of the imported scene's textures. A key is a text that states picture path, wrap mode
+    /// and transform, so that equal textures become one.
     texture_names_by_content: HashMap<String, Spanned<String>>,
     /// Textures of the imported scene.
     pub textures: Vec<Spanned<TextureDescription>>,

@@ -20,7 +20,8 @@ pub enum CurveBasis {
     /// One Bézier curve of degree n − 1 for n control points.
     #[default]
     Bezier,
-    /// A uniform, unclamped cubic B-spline of n control points with knots i/(n + 3).
+    /// A uniform, unclamped cubic B-spline of n control points. Its n + 4 knots are i/(n + 3) for i
+    /// from 0 to n + 3.
     Bspline,
 }
 

@@ -14,8 +14,8 @@ use crate::format::span::Spanned;
 ///
 /// [`field_table!`] implements it from a table.
 pub(in crate::format) trait BlockCodec: Sized {
-    /// Fields of the table, in the order of its entries. Empty for a type without a table; the
-    /// block's schema then lists the fields.
+    /// Fields that the type's [`field_table!`] declares, in its order. Empty for a type without a
+    /// field table, whose fields the block's schema lists instead.
     const FIELDS: &'static [FieldList] = &[];
 
     /// Converts the parsed fields of a block to a description.
@@ -24,9 +24,9 @@ pub(in crate::format) trait BlockCodec: Sized {
     /// Writes the fields of the block.
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result;
 
-    /// Returns the names of the textures that fields of the table hold instead of numbers.
+    /// Returns the names of textures in fields that accept a number or a texture.
     ///
-    /// The list is empty for a type without a table.
+    /// The list is empty for a type without a [`field_table!`].
     fn field_textures(&self) -> Vec<&Spanned<String>> {
         Vec::new()
     }

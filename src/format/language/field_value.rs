@@ -176,7 +176,8 @@ impl<T: FieldValue> FieldValue for Option<T> {
     }
 }
 
-/// Steps of a transform. An absent field means no steps, and no steps are written as no field.
+/// Steps of a transform. An absent field means an empty list of steps, and an empty list is not
+/// written.
 impl FieldValue for Vec<TransformStep> {
     fn from_parsed_value(value: &Spanned<ParsedFieldValue>) -> Self {
         value.steps.clone()

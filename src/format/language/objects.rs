@@ -76,8 +76,8 @@ fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Ve
 
 /// Records `error`, and skips the rest of the group's entry that has this error.
 ///
-/// `mark` is the block nesting before the entry. Returns `error` instead if the text ended inside a
-/// block or the list of errors is full.
+/// `mark` is the block nesting before the entry. If the text ended inside a block or the list of
+/// errors is full, records nothing and returns `Err(error)`.
 #[inline(never)]
 fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: SavedBlockNesting) -> Result<(), SceneError> {
     parser.record_error(error)?;

@@ -129,8 +129,8 @@ pub(in crate::format) struct BlockSchema {
     pub keyword: &'static str,
     /// Further keywords that the parser accepts for the block.
     pub aliases: &'static [&'static str],
-    /// Field lists that `field_table!` declares, which also
-    /// generates their reading and writing.
+    /// Field lists that the macro `field_table!` declares. The macro also generates the code that
+    /// reads and writes these fields.
     pub table_fields: &'static [FieldList],
     /// Fields that only this kind of block has, and that `table_fields` does not contain.
     pub own_fields: &'static [FieldSchema],
@@ -384,7 +384,7 @@ impl BlockSchema {
         self
     }
 
-    /// Sets the fields that only this kind of block has, and that its table does not contain.
+    /// Sets the fields that only this kind of block has, and that no `field_table!` declares.
     pub const fn with_own_fields(mut self, fields: &'static [FieldSchema]) -> Self {
         self.own_fields = fields;
         self

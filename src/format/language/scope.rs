@@ -35,7 +35,7 @@ pub(in crate::format) struct DefinedMaterial {
     pub name: Option<String>,
     /// True if the material is a null interface.
     pub is_null_interface: bool,
-    /// Limits of its use in a mix.
+    /// Properties that limit the material's use in a mix.
     pub mix_constraints: MixConstraints,
 }
 

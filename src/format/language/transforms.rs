@@ -17,8 +17,8 @@ use crate::math::Transform;
 const STEP_KEYWORDS: [&str; 9] =
     ["Scale", "UniformScale", "Translate", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f", "Matrix"];
 
-/// Function that parses an object, light or camera, after its keyword, which is the second
-/// argument.
+/// Function that parses an object, light or camera whose keyword is already read. The second
+/// argument is this keyword.
 type ParseObject<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError>;
 
 /// Parses a `Transform` block: transform steps, then one object. Returns the steps and the object.

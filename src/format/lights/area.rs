@@ -149,7 +149,7 @@ impl LightBlock for RectangleLightDescription {
     }
 }
 
-/// Adds a light-emitting shape that reflects nothing. Its `motion` rotates and scales it about
+/// Adds a light-emitting shape that reflects nothing. `motion` rotates and scales the shape about
 /// `center`.
 fn add_area_light(
     r: &mut Resolver<'_>,

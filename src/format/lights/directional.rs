@@ -26,7 +26,8 @@ pub struct DirectionalLightDescription {
 /// Strength of a directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionalLightStrength {
-    /// Color in the shading model of MIT course 6.837.
+    /// Color c in the shading model of MIT course 6.837: irradiance π·c on a surface that faces the
+    /// light.
     Mit6837Color(DVec3),
     /// Irradiance in W/m² of a surface perpendicular to the light.
     Irradiance(DVec3),

@@ -25,8 +25,8 @@ pub struct GoniometricLightDescription {
     pub pose: LightPose,
     /// Intensity in each direction, relative to `strength`.
     pub distribution: IntensityDistribution,
-    /// Intensity where the distribution is 1, or flux. [`PointLightStrength::Mit6837Color`] is not
-    /// allowed.
+    /// Total flux, or the intensity in directions where the distribution has the value 1.
+    /// [`PointLightStrength::Mit6837Color`] is not allowed.
     pub strength: PointLightStrength,
 }
 
@@ -107,8 +107,9 @@ impl LightBlock for GoniometricLightDescription {
 
 /// Largest memory that reading a profile takes \[bytes per byte of its file].
 ///
-/// The text takes 1. A pair takes 16 bytes in the list, and at least 4 bytes in the file. Growth of
-/// the list triples this ratio of 4, because old and doubled list exist at the same time.
+/// The text takes 1. A pair takes 16 bytes in the list, and at least 4 bytes in the file: 4 bytes
+/// per byte. When the list grows, the old list and one of twice its length exist at the same time,
+/// which triples these 4.
 const PROFILE_MEMORY_PER_BYTE: u64 = 1 + 3 * 4;
 
 /// Returns the intensity map of the profile in the file `path`.

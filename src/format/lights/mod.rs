@@ -47,8 +47,9 @@ trait LightBlock: BlockCodec {
     /// True if lights of this kind are infinitely far away.
     const IS_INFINITE: bool;
 
-    /// Adds the light to the scene. Its `motion` rotates and scales it about its own position. An
-    /// environment light ignores `motion`. `span` is the position of the block, for errors.
+    /// Adds the light to the scene. `motion` rotates and scales the light about the light's own
+    /// position; an environment light ignores `motion`. `span` is the position of the block in the
+    /// scene text, for errors.
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError>;
 
     /// Returns the path of the file that the light reads; `None` if it reads none.
@@ -58,8 +59,9 @@ trait LightBlock: BlockCodec {
 /// Function that converts the parsed fields of a light block to a light.
 type ParseLight = fn(&BlockFields<'_>) -> Result<LightDescription, SceneError>;
 
-/// Defines [`LightDescription`] and [`LIGHT_BLOCK_PARSERS`] from the list of kinds: variant, and
-/// type that implements [`LightBlock`]. The order of the list is that of the language reference.
+/// Defines [`LightDescription`] and [`LIGHT_BLOCK_PARSERS`] from a list of all kinds of lights.
+/// Each entry states the enum variant and the type that implements [`LightBlock`]. The language
+/// reference has the same order as the list.
 macro_rules! light_kinds {
     ($($(#[$doc:meta])* $kind:ident($description:ident),)*) => {
         /// A light as the scene file describes it.
@@ -125,8 +127,8 @@ macro_rules! light_kinds {
             out.end_block()
         }
 
-        /// Adds a described light to the scene. Its `motion` rotates and scales it about its own
-        /// position.
+        /// Adds a described light to the scene. `motion` rotates and scales the light about the
+        /// light's own position.
         pub(super) fn add_light(
             r: &mut Resolver<'_>,
             light: &Spanned<LightDescription>,

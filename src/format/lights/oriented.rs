@@ -13,8 +13,9 @@ use std::fmt;
 pub struct LightPose {
     /// Position of the light.
     pub position: DVec3,
-    /// Axis of the light. A projector casts the center of its picture along the axis. An intensity
-    /// map has its center there. An intensity profile counts its angles from the axis.
+    /// Axis of the light. A projector casts the center of its picture along the axis. The center of
+    /// an intensity map lies in the direction of the axis. An intensity profile counts its angles
+    /// from the axis.
     pub aim: DirectionOrTarget,
     /// Direction toward the top of the light's picture or map, of any length. `None` for +y, or for
     /// −z if the axis is nearly parallel to y.

@@ -26,8 +26,8 @@ pub struct ProjectorLightDescription {
     pub vertical_fov_degrees: f64,
     /// Path of the picture as the text writes it: not empty, without line breaks.
     pub path: Spanned<String>,
-    /// Intensity where the picture is 1, or flux. [`PointLightStrength::Mit6837Color`] is not
-    /// allowed.
+    /// Total flux, or the intensity in directions where the picture has the value 1.
+    /// [`PointLightStrength::Mit6837Color`] is not allowed.
     pub strength: PointLightStrength,
 }
 

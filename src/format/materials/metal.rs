@@ -17,8 +17,8 @@ use crate::scene::ConductorIndex;
 use glam::DVec3;
 use std::fmt;
 
-/// Complex index of refraction of a conductor: by the name of a metal, by numbers, or by the
-/// reflectance that it gives.
+/// Complex index of refraction of a conductor. The scene states the name of a metal, the numbers η
+/// and k, or the reflectance at normal incidence.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetalDescription {
     /// Name of a metal with a known complex index.

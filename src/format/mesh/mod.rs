@@ -82,8 +82,8 @@ impl TriangleMesh {
 
     /// Numbers the distinct vertex positions from 0, in order of their first vertex.
     ///
-    /// Returns the number of each vertex's position, and the count of distinct positions.
-    /// Coordinates −0 and 0 are equal here.
+    /// Returns a list with the index of each vertex's position, and the count of distinct
+    /// positions. Coordinates −0 and 0 are equal here.
     #[must_use]
     pub fn distinct_position_indices(&self) -> (Vec<u32>, usize) {
         merge::distinct_position_indices(self)
@@ -223,7 +223,7 @@ impl LoadedMesh {
 }
 
 /// Receiver of progress reports while a scene's files are read. The implementation for `()` ignores
-/// them.
+/// the reports.
 pub trait MeshReadMonitor: Sync {
     /// Called with the path of each file besides the scene file itself, before the file is read.
     fn on_input_file_found(&self, _path: &Path) {}

@@ -71,7 +71,8 @@ pub struct MeshReport {
     /// Euler characteristic: number of positions − edges + triangles. Triangles with two equal
     /// positions do not count.
     pub euler_characteristic: i64,
-    /// Sum of the genera of all components; `None` unless closed, manifold and orientable.
+    /// Sum of the genera of all components; `None` if the mesh is open, not manifold or not
+    /// orientable.
     pub genus: Option<i64>,
 }
 

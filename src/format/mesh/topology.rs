@@ -30,7 +30,8 @@ impl HalfEdge {
 /// Distinct positions and edges of a mesh.
 #[derive(Debug)]
 pub(super) struct MeshTopology {
-    /// Number of each vertex's position. Vertices at equal positions have equal numbers.
+    /// Index, from 0, of each vertex's position among the distinct positions. Vertices at equal
+    /// positions have equal indices.
     pub vertex_position_indices: Vec<u32>,
     /// Number of distinct positions.
     pub position_count: usize,

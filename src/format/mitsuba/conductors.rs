@@ -12,7 +12,7 @@ use crate::format::description::{
 };
 use glam::DVec3;
 
-/// Names of metals in Mitsuba, each with the name in the scene language.
+/// Names of metals in Mitsuba, each with the metal's name in Caustica's scene language.
 const METAL_NAMES: [(&str, &str); 14] = [
     ("Ag", "silver"),
     ("Al", "aluminium"),

@@ -69,7 +69,8 @@ impl ImportContext<'_> {
         self.add_note(message, object);
     }
 
-    /// Returns the objects of class `class` directly inside `object`, each with its name there.
+    /// Returns the objects of class `class` directly inside `object`. Each comes with the name
+    /// under which `object` holds it; the name is empty if the file gives none.
     ///
     /// References are replaced by the objects to which they refer.
     ///

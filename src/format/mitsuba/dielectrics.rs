@@ -31,7 +31,8 @@ const REFRACTIVE_INDICES_BY_NAME: [(&str, f64); 23] = [
     ("water ice", 1.31),
 ];
 
-/// Greatest outer refractive index that counts as air or another gas.
+/// Greatest refractive index of the surroundings of a dielectric that counts as air or another gas.
+/// A higher index may mean that the dielectric is nested in another one.
 const MAX_GAS_INDEX: f64 = 1.001;
 
 /// Returns the refractive index of a dielectric, relative to its surroundings: inner index over

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct MitsubaSourceLocation {
     /// Name and text of the file.
     pub source: SourceText,
-    /// Span in the text that errors mark: the `<` and the name of the element.
+    /// Part of the text at which errors point: the `<` and the name of the element.
     pub span: Span,
     /// Line of the element, from 1.
     pub line: u32,

@@ -24,13 +24,14 @@ pub(super) enum TexcoordConvention {
     FlippedV,
 }
 
-/// Distance between a mesh and its shrunken copy, relative to the diagonal of the mesh's bounds.
+/// Distance between a mesh and the smaller copy that bounds the medium inside it, relative to the
+/// diagonal of the mesh's bounds.
 const RELATIVE_INNER_DISTANCE: f64 = 1e-4;
 
 /// Estimated memory of a triangle that shares no vertices with others \[bytes].
 const MEMORY_PER_SPLIT_TRIANGLE: u64 = 3 * 64;
 
-/// Mesh that was read from a file of a shape, or the part of this mesh with one BSDF.
+/// Mesh from the file of a shape, or a part of such a mesh: all faces of one BSDF.
 pub(super) struct MitsubaFileMesh {
     /// Vertices and triangles, before parameters of the shape, such as `flip_normals`, apply.
     triangles: TriangleMesh,
@@ -48,7 +49,8 @@ struct FileMeshKey {
     index: usize,
     /// Flags for flat faces and reversed orientation: see [`orientation_flags`].
     flags: [bool; 2],
-    /// Convention for texture coordinates that the importer adds; `None` if the mesh needs none.
+    /// Convention for the texture coordinates that the importer adds; `None` if the material of the
+    /// shape needs no texture coordinates.
     texcoords: Option<TexcoordConvention>,
 }
 
@@ -60,9 +62,10 @@ struct FileMeshKey {
 pub(super) struct MitsubaMeshes {
     /// Embedded meshes by path.
     pub embedded: BTreeMap<String, Arc<TriangleMesh>>,
-    /// Paths of the embedded meshes of files.
+    /// Paths under which meshes from files are embedded.
     file_mesh_paths: HashMap<FileMeshKey, String>,
-    /// Paths of shrunken copies, by the path of the original mesh.
+    /// Paths of the smaller copies that bound media inside thin panes, by the path of the original
+    /// mesh.
     shrunken_copy_paths: HashMap<String, String>,
     cube_path: Option<String>,
     inward_sphere_path: Option<String>,
@@ -72,8 +75,8 @@ impl MitsubaMeshes {
     /// Returns the path of the embedded mesh of a shape's file. Reads and embeds it at its first
     /// use.
     ///
-    /// `texcoords` is the convention of a shape that needs texture coordinates; `None` for a shape
-    /// that needs none.
+    /// `texcoords` is the convention for texture coordinates that are added to a mesh without any;
+    /// `None` if the material of the shape needs none.
     pub fn embed_mesh_file(
         &mut self,
         context: &ImportContext<'_>,
@@ -101,7 +104,8 @@ impl MitsubaMeshes {
     /// path.
     ///
     /// A mesh without normals gets smooth ones, unless its faces are flat or it repeats vertices. A
-    /// mesh without texture coordinates gets Mitsuba's default, if `texcoords` is a convention.
+    /// mesh without texture coordinates gets Mitsuba's default coordinates, unless `texcoords` is
+    /// `None`.
     pub fn embed_mesh_part(
         &mut self,
         context: &ImportContext<'_>,
@@ -345,7 +349,8 @@ fn add_barycentric_texcoords(mesh: &mut TriangleMesh, convention: TexcoordConven
     mesh.merge_equal_vertices();
 }
 
-/// Converts an error in a mesh file to an error at `shape`, which names the file.
+/// Converts `error`, a defect of a mesh file, to a scene error at the position of `shape`, the
+/// object that names the file.
 fn mesh_error(shape: &MitsubaObject, error: &mesh::MeshError) -> SceneReadError {
     let help = "repair the mesh or name another";
     let place = &shape.place;

@@ -16,7 +16,8 @@ use glam::{DAffine3, DMat4, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Estimated memory of each object: its description and its share of the built scene \[bytes].
+/// Estimated memory of each object \[bytes], in the scene description and in the built scene
+/// together.
 const MEMORY_PER_OBJECT: u64 = 1_500;
 
 /// Greatest nesting depth of shapes.
@@ -60,7 +61,7 @@ struct PlacedShape {
 enum ShapeMesh {
     /// The whole mesh of the shape's file.
     File,
-    /// The part of this mesh with one BSDF.
+    /// A part of the file's mesh: all faces of one BSDF, or all faces without a BSDF.
     Part(MitsubaFileMesh),
 }
 
@@ -100,7 +101,7 @@ impl MitsubaShapes {
         Ok(())
     }
 
-    /// Converts a shape, an instance or a shape group to one or more shapes with transforms.
+    /// Converts a shape, an instance or a shape group to a list of shapes with transforms.
     fn placed_shapes(
         &mut self,
         context: &ImportContext<'_>,
@@ -171,8 +172,8 @@ impl MitsubaShapes {
         self.convert_surface(context, textures, shape, bsdfs.first().map(|(_, bsdf)| bsdf), mesh)
     }
 
-    /// Converts an OBJ shape with several BSDFs, each for the faces of the OBJ material of its
-    /// name.
+    /// Converts an OBJ shape with several BSDFs. Each BSDF applies to the faces of the OBJ material
+    /// that has the name of the BSDF.
     fn convert_obj_parts(
         &mut self,
         context: &ImportContext<'_>,
@@ -196,7 +197,8 @@ impl MitsubaShapes {
         Ok(placed)
     }
 
-    /// Converts a shape with at most one BSDF. `mesh` is the mesh of a shape from a file.
+    /// Converts a shape with at most one BSDF. `mesh` is the mesh of the shape's file; `None` for a
+    /// built-in shape, such as a sphere.
     ///
     /// A thin pane around a medium becomes two shapes: the pane, and a null interface inside it.
     /// The list is empty if the kind of shape is not supported, or if a null interface neither
@@ -288,8 +290,9 @@ impl MitsubaShapes {
 
     /// Returns the geometry and transform of a shape; `None` if its kind is not supported.
     ///
-    /// `mesh` is the path of the embedded mesh of a shape from a file. `is_textured` is true if the
-    /// material may have textures, and `boundary` is the boundary that it makes.
+    /// `mesh` is the path of the embedded mesh of the shape's file; `None` for a built-in shape.
+    /// `is_textured` is true if the material may have textures. `boundary` is the kind of boundary
+    /// that the material makes.
     fn shape_geometry(
         &mut self,
         context: &ImportContext<'_>,

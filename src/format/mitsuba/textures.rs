@@ -24,7 +24,8 @@ const MAX_TEXTURE_DEPTH: u32 = 8;
 
 /// Quantity that a texture describes. It selects the conversion of pixel values and their range.
 ///
-/// A number is the luminance of a picture's color, and the channel mean of a constant color.
+/// Some quantities are numbers. The number of a pixel is its luminance, and the number of a
+/// constant color is the mean of its channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum MitsubaTextureUse {
     /// Colors inside \[0, 1].
@@ -98,9 +99,11 @@ pub(super) struct MitsubaTextures {
     /// Decoded picture files. A key holds the path, and a flag: true for raw values, false for
     /// values decoded from sRGB.
     decoded_pictures: HashMap<(PathBuf, bool), Rc<Image>>,
-    /// Converted picture files. A `Texture` here holds the path of an embedded picture.
+    /// Converted picture files. A value `Texture` holds the path of an embedded picture instead of
+    /// a texture's name.
     ///
-    /// A key holds the file, a flag for raw values, the use, and the bits of the factor.
+    /// A key holds the path of the file, a flag (true for raw values), the [`MitsubaTextureUse`],
+    /// and the bits of the factor that multiplies the values.
     converted_pictures: HashMap<(PathBuf, bool, MitsubaTextureUse, u64), MitsubaConvertedTexture>,
     /// Names of the imported textures. A key is the content of a texture as text, so equal textures
     /// become one.
@@ -108,8 +111,8 @@ pub(super) struct MitsubaTextures {
 }
 
 impl MitsubaTextures {
-    /// Converts the parameter `name` of an object, a color or a texture; a missing one is gray of
-    /// value `default`.
+    /// Converts the color or texture that the parameter `name` of `object` states. A missing
+    /// parameter counts as gray of value `default`.
     ///
     /// Values are multiplied by `factor`, and clamped to the range of `texture_use`, the quantity
     /// that they describe. `convention` relates the shape's texture coordinates to Mitsuba's.
@@ -348,6 +351,9 @@ impl MitsubaTextures {
 }
 
 /// Returns the sign of the total factor of nested `scale` textures: −1 if it is negative, else 1.
+///
+/// The height of a bump map takes over this sign, because converted texture values are never
+/// negative.
 pub(super) fn sign_of_scales(context: &ImportContext<'_>, texture: &Rc<MitsubaObject>) -> ReadResult<f64> {
     let (mut sign, mut texture) = (1.0, Rc::clone(texture));
     for _ in 0..=MAX_TEXTURE_DEPTH {

@@ -64,7 +64,7 @@ pub(super) fn mtl_file_paths(mesh: &Path, libraries: &[String]) -> Vec<PathBuf> 
 /// Returns the materials of all MTL files of a mesh, in the order of `libraries`.
 ///
 /// `mesh` is the path of the mesh file, and `libraries` holds the arguments of its `mtllib` lines.
-/// An argument is one path, or a list of paths separated by spaces if no file has that path. If a
+/// An argument that is not the path of a file is a list of paths, separated by spaces. If a
 /// material is defined repeatedly, the last definition counts. Fails if reading or parsing a file
 /// would take more than `free` bytes; `None` sets no limit.
 ///

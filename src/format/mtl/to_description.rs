@@ -16,7 +16,7 @@ impl MtlMaterial {
     /// Returns the closest material of the scene language.
     ///
     /// - Dielectric with index `Ni`, if the opacity `d` is below 1. Also if the illumination model
-    ///   is 4, 6, 7 or 9 (glass or refraction). Its tint at distance 1 is `Tf`; it has none if `Tf`
+    ///   is 4, 6, 7 or 9 (glass or refraction). The tint at distance 1 is `Tf`; no tint if `Tf`
     ///   is white or a component is outside (0, 1].
     /// - Otherwise mirror with reflectance `Ks`, clamped to 1, if the model is 3, 5 or 8
     ///   (reflection), `Kd` is black, and there is no picture.

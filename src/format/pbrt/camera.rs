@@ -105,9 +105,10 @@ fn crop_size(parameters: &Parameters, whole: [f64; 2]) -> Option<[f64; 2]> {
 /// Returns the camera, and the map from pbrt's world to the imported scene: a reflection along z,
 /// or the identity.
 ///
-/// pbrt's camera space is left-handed, and Caustica's is right-handed. So the scene is mirrored,
-/// unless the transform of the camera already mirrors. For a spherical camera, both cases are
-/// exchanged. `to_world` maps camera space to pbrt's world.
+/// `to_world` maps camera space to pbrt's world. pbrt's camera space is left-handed, and Caustica's
+/// is right-handed. So the scene is mirrored, unless `to_world` already mirrors. For a spherical
+/// camera, the scene is mirrored only if `to_world` mirrors, because pictures of such cameras have
+/// equal handedness in pbrt and Caustica.
 pub(super) fn read_camera(
     name: &str,
     parameters: &Parameters,

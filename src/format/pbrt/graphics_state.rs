@@ -71,7 +71,8 @@ pub(super) struct ObjectMotion {
     pub steps: Vec<TransformStep>,
     /// True if the object's scale, shear or handedness also changes.
     ///
-    /// `steps` leave out this change. They have no rotation if shear or handedness changes.
+    /// `steps` leave out this change. If shear or handedness changes, `steps` leave out the
+    /// rotation too.
     pub omits_deformation: bool,
 }
 
@@ -123,8 +124,8 @@ pub(super) enum MaterialReference {
 pub(super) struct GraphicsState {
     /// Current transform from object to world space.
     pub transform: MovingTransform,
-    /// Flags for the start and the end transform: true if transform directives change it
-    /// (`ActiveTransform`).
+    /// Two flags, one for the start transform and one for the end transform: true if transform
+    /// directives change this transform (`ActiveTransform`).
     pub is_transform_active: [bool; 2],
     /// True if the shapes that follow are turned inside out (`ReverseOrientation`).
     pub is_reversed: bool,
@@ -134,9 +135,10 @@ pub(super) struct GraphicsState {
     pub area_light: Option<AreaLightDirective>,
     /// Names of the media inside and outside of the shapes that follow; empty for vacuum.
     pub medium_interface: [Rc<str>; 2],
-    /// Number of named materials that were defined before the block for which this state was saved.
+    /// Number of definitions of named materials before the block at whose start this state was
+    /// saved; 0 in pbrt-v4.
     ///
-    /// The end of the block removes the later names, as in pbrt-v3.
+    /// In pbrt-v3, the end of an attribute block or object block undoes all later definitions.
     pub named_definition_count: usize,
 }
 
@@ -156,7 +158,8 @@ impl GraphicsState {
 
     /// Replaces the current transform T by T · `map`, so that `map` applies to points first.
     ///
-    /// Changes only the active ones of the start and the end transform.
+    /// Changes the start transform and the end transform, each only if its flag in
+    /// `is_transform_active` is true.
     pub fn concatenate(&mut self, map: DAffine3, place: &PbrtSourceLocation) -> ReadResult<()> {
         for i in 0..2 {
             if self.is_transform_active[i] {
@@ -172,7 +175,8 @@ impl GraphicsState {
 
     /// Replaces the current transform by `transform`.
     ///
-    /// Changes only the active ones of the start and the end transform.
+    /// Changes the start transform and the end transform, each only if its flag in
+    /// `is_transform_active` is true.
     pub fn set_transform(&mut self, transform: MovingTransform) {
         for i in 0..2 {
             if self.is_transform_active[i] {

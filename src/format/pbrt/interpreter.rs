@@ -60,7 +60,8 @@ pub(super) struct Interpreter<'a> {
     state: GraphicsState,
     /// Graphics states of the open attribute, transform and object blocks, the innermost last.
     saved: Vec<GraphicsState>,
-    /// Transforms that `CoordinateSystem` stored, by name, with `world` and `camera`.
+    /// Coordinate systems by name: those of `CoordinateSystem` directives, and pbrt's predefined
+    /// `world` and `camera`.
     coordinate_systems: HashMap<String, MovingTransform>,
     content: PbrtSceneContent,
     lights: PbrtLights,
@@ -70,8 +71,8 @@ pub(super) struct Interpreter<'a> {
     camera: Option<CameraDescription>,
     /// Name of the medium around the camera; empty for vacuum.
     ambient_medium: Rc<str>,
-    /// Map from pbrt's left-handed world to the right-handed imported scene: a reflection along z,
-    /// or the identity if the camera's transform already mirrors the scene.
+    /// Map from pbrt's world to the imported scene: a reflection along z or the identity, so that
+    /// the camera shows pbrt's picture and not its mirror image.
     mirror: DAffine3,
     /// Parameters, kind and camera-to-world transform of a `Camera` directive, until `WorldBegin`
     /// makes the camera; `None` afterwards.

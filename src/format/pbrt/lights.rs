@@ -164,9 +164,10 @@ impl PbrtLights {
 
     /// Adds the radiance of an infinite light, constant or from a picture.
     ///
-    /// `axes` is the linear part of the light's transform to world space. `scale` is the factor of
-    /// a picture of pbrt-v4. `constant` is the parameter `L` times `scale`: the radiance of a light
-    /// without a picture, or the factor of a picture of pbrt-v3.
+    /// `axes` is the linear part of the light's transform to world space. `constant` is the
+    /// parameter `L` times `scale`. A light without a picture has the radiance `constant`, times
+    /// illuminance / π if the file states an illuminance. The pixels of a picture are multiplied by
+    /// `scale` in pbrt-v4, and by `constant` in pbrt-v3.
     fn add_infinite_light(
         &mut self,
         parameters: &Parameters,
@@ -231,8 +232,8 @@ impl PbrtLights {
     }
 }
 
-/// Reads the picture of directions that `parameter` names: an environment map, or the map of a
-/// goniometric light. Returns the picture and its layout.
+/// Reads the picture that `parameter` names: an environment map, or the map of a goniometric light.
+/// Returns the picture and its layout, the mapping of directions to pixels.
 ///
 /// A square map of pbrt-v4 is octahedral. Any other map is by latitude and longitude.
 fn read_spherical_map(
@@ -258,8 +259,8 @@ fn read_spherical_map(
 /// Returns the intensity map of a goniometric light as an equirectangular map in world space;
 /// `None` if the light has no picture.
 ///
-/// The map shows −z at its left edge. Maps of pbrt-v4 become gray. `axes` maps the light's space to
-/// world space.
+/// The map shows −z at its left edge. Maps of pbrt-v4 become gray, because pbrt-v4 uses only the
+/// mean of their channels. `axes` maps the light's space to world space.
 fn goniometric_map(
     parameters: &Parameters,
     axes: DMat3,
@@ -355,7 +356,7 @@ fn light_scale(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResul
 /// Emission of a shape, from the directive `AreaLightSource`: its strength and its sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PbrtShapeEmission {
-    /// Radiance or flux.
+    /// Radiance or flux, as the file states it.
     strength: EmissionStrength,
     /// True if both sides of the surface emit.
     pub is_two_sided: bool,

@@ -13,12 +13,15 @@ use glam::{DAffine3, DMat4, DVec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Memory of each cell of a grid \[bytes]: its density, and its share of the majorant grid.
+/// Memory per cell of a density grid \[bytes]: 4 for the density, and the rest for the majorant
+/// grid that the renderer builds.
 const MEMORY_PER_CELL: u64 = 8;
 
-/// Tolerance for cells of different color in a grid medium, relative to the density of the cell.
+/// Tolerance for colors that vary over the cells of a grid medium, relative to the density.
 ///
-/// A message is added if σa or σs of a cell deviates further from the mean color times its density.
+/// A message is added if a cell of density d has |σ − c · d| > tolerance · d for σ = σa or σs,
+/// where c is the mean color: the sum of σ over all cells, divided by the sum of d. Emission is
+/// tested likewise.
 const MAX_RELATIVE_COLOR_DEVIATION: f64 = 1e-3;
 
 /// Converted properties of a medium: scattering coefficients, emission and density.

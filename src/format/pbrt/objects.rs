@@ -14,7 +14,8 @@ use std::rc::Rc;
 /// Greatest nesting depth of object instances in object definitions.
 const MAX_INSTANCE_DEPTH: usize = 64;
 
-/// Estimated memory of each object: its description and its share of the built scene \[bytes].
+/// Estimated memory of each object \[bytes], in the scene description and in the built scene
+/// together.
 pub(super) const MEMORY_PER_OBJECT: u64 = 2_000;
 
 /// Objects of the imported scene, and the object definitions that instances copy.
@@ -35,7 +36,8 @@ struct ObjectDefinition {
     group: ObjectGroup,
     /// Number of shapes in the definition, including the shapes of nested instances.
     shape_count: u64,
-    /// Nesting depth of instances: 0 without any, 1 for instances of plain definitions.
+    /// Nesting depth of instances: 0 if the definition contains no instances, 1 if it contains only
+    /// instances of definitions of depth 0.
     instance_depth: usize,
 }
 

@@ -109,8 +109,8 @@ pub(super) fn world_area(
     }
 }
 
-/// Returns the number of separate lamps that pbrt makes of an emitting shape of type `kind`: one
-/// for each triangle or bilinear patch of a mesh, and 1 for other shapes.
+/// Returns the number of lamps (separate area lights) that pbrt makes of an emitting shape of type
+/// `kind`: one for each triangle or bilinear patch of a mesh, and 1 for other shapes.
 pub(super) fn lamp_count(
     (kind, parameters): (&str, &Parameters),
     shape: &ShapeDescription,
@@ -125,11 +125,11 @@ pub(super) fn lamp_count(
     }
 }
 
-/// True if all lamps that pbrt makes of a shape of type `kind` have equal areas after the transform
-/// `to_world`.
+/// True if all lamps (separate area lights) that pbrt makes of a shape of type `kind` have equal
+/// areas after the transform `to_world`.
 ///
-/// The lamps are the triangles of a mesh. The result is false for any mesh of bilinear patches, and
-/// true for shapes that are no mesh.
+/// For a mesh of triangles, each triangle is a lamp. The result is false for any mesh of bilinear
+/// patches, and true for shapes that are no mesh.
 pub(super) fn lamps_have_equal_areas(
     kind: &str,
     shape: &ShapeDescription,

@@ -32,7 +32,8 @@ const PATCH_SEGMENTS: u32 = 16;
 ///
 /// `kind` is the shape's type in pbrt. A mesh is embedded under the path `name`. If `is_reversed`
 /// is true, the shape is turned inside out. If `needs_texcoords` is true, the result is a mesh with
-/// pbrt's texture coordinates, except for whole spheres.
+/// pbrt's texture coordinates. But a whole sphere that is not reversed stays a sphere, because the
+/// caller can rotate it to these coordinates.
 pub(super) fn read_shape(
     (kind, name): (&str, &str),
     parameters: &Parameters,

@@ -4,7 +4,8 @@ use crate::format::mesh::TriangleMesh;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Sums over the neighbors of a vertex, from which subdivision computes its new position.
+/// Neighbors of a mesh vertex: their number, and the sums of their positions. Loop subdivision
+/// computes the vertex's new position from them.
 #[derive(Clone, Debug, Default)]
 struct Neighborhood {
     /// Number of edges at the vertex.
@@ -80,7 +81,7 @@ fn edges_of_triangles(triangles: &[[u32; 3]]) -> EdgeTable {
     edges
 }
 
-/// Returns the sums over neighbors for each vertex, in the order of `positions`.
+/// Returns the [`Neighborhood`] of each vertex, in the order of `positions`.
 fn neighborhoods(positions: &[DVec3], edges: &EdgeTable) -> Vec<Neighborhood> {
     let mut neighbors = vec![Neighborhood::default(); positions.len()];
     // Sort the edges: a hash map has no fixed order, and rounding depends on the order of a sum.

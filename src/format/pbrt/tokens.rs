@@ -18,7 +18,7 @@ pub(super) struct PbrtToken<'t> {
 pub(super) enum TokenKind<'t> {
     /// A word without quotes: a directive, a number or a truth value.
     Unquoted(&'t str),
-    /// A text in quotes, without them.
+    /// Content of a text in quotes, without the quotes.
     Quoted(Cow<'t, str>),
     /// An opening bracket.
     OpenBracket,
@@ -31,7 +31,7 @@ pub(super) struct Tokenizer<'t> {
     text: &'t str,
     /// Position in `text` of the next byte to read.
     byte_offset: usize,
-    /// Line of this byte, from 1.
+    /// Line of the byte at `byte_offset`, from 1.
     line: u32,
     file: Rc<str>,
     /// Token that was read ahead by `peek_token`.

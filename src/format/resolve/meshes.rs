@@ -19,7 +19,8 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Smallest number of triangles that instancing must save, before meshes at rest become instances.
+/// Smallest number of triangles that instancing must save. If instancing saves fewer, meshes at
+/// rest do not become instances.
 const MIN_TRIANGLES_INSTANCING_SAVES: usize = 50_000;
 
 const MESH_REMEDY: &str = "repair the mesh or name another";
@@ -160,8 +161,8 @@ fn load_mesh_parts(
     Ok(parts)
 }
 
-/// Returns the mesh in `file`, which the description names as `path`. Shares it with the earlier
-/// version of the scene if it has not changed.
+/// Returns the mesh in `file`, which the description names as `path`. A mesh that has not changed
+/// is shared with the earlier version of the scene.
 fn prepare_mesh(
     r: &Resolver<'_>,
     path: &Spanned<String>,

@@ -30,14 +30,14 @@ pub(super) const SINGULAR_REMEDY: &str = "no scale may be zero, and no axis of a
 
 pub(super) const MEMORY_REMEDY: &str = "use a smaller file, or let the scene have more memory (--memory)";
 
-/// Component materials of composed materials such as `Principled`. The description lists only the
-/// composed material.
+/// Component materials of composed materials such as `Principled`: metal, glass and coated base,
+/// for example. The scene description lists only the composed material.
 ///
-/// They are added to the scene after all materials of the description.
+/// The components are added to the scene after all materials of the description.
 #[derive(Debug, Default)]
 pub(super) struct MaterialParts {
     pub list: Vec<Material>,
-    /// Index in the scene of the first part.
+    /// Material index that the first component of `list` will have in the scene.
     pub first_index: u32,
 }
 
@@ -79,10 +79,10 @@ pub(super) struct Resolver<'a> {
     pub picture_textures: HashMap<(PathBuf, bool), AddedTexture>,
     /// Media of the description with their indices in the scene, by name.
     pub media: HashMap<&'a str, (u32, Medium)>,
-    /// Properties that objects need of their materials, by material index. Materials beyond its end
-    /// have the default properties.
+    /// Properties that objects need of their materials, by material index. A material whose index
+    /// is beyond the end of the list has the default properties.
     pub materials: Vec<AddedMaterial>,
-    /// Parts of composed materials, until they are added to the scene.
+    /// Component materials of composed materials such as `Principled`, not yet added to the scene.
     pub material_parts: MaterialParts,
     pub monitor: &'a dyn MeshReadMonitor,
     pub memory: MemoryLimit,
@@ -108,7 +108,8 @@ pub(super) struct Resolver<'a> {
 /// Properties of a material that was added to the scene, for the objects that have it.
 #[derive(Clone, Default)]
 pub(super) struct AddedMaterial {
-    /// Name in the scene text; `None` without one, and for materials of mesh files.
+    /// Name in the scene text; `None` for a material without a name, and for materials of mesh
+    /// files.
     pub name: Option<String>,
     /// Emission of objects that have none of their own.
     pub emission: MaterialEmission,
@@ -134,7 +135,8 @@ impl Resolver<'_> {
         self.materials.get(self.current_material_index as usize)
     }
 
-    /// Keeps the error of `result`, if any, and returns `Ok`, so that building can continue.
+    /// Adds the error of `result`, if any, to `errors` and returns `Ok`, so that building can
+    /// continue.
     ///
     /// Returns the error instead if memory is exhausted, or if `MAX_REPORTED_ERRORS` is reached.
     pub fn record_error(&mut self, result: Result<(), SceneError>) -> Result<(), SceneError> {
@@ -234,8 +236,8 @@ impl Resolver<'_> {
 
 /// Returns the paths at which the file `path` of a scene is looked up.
 ///
-/// An absolute path is the only candidate. A relative one is looked up in the scene's `folder`,
-/// then in its parent folder.
+/// An absolute path is the only candidate. A relative path is looked up in the scene's `folder`,
+/// then in the parent of `folder`.
 pub(super) fn candidate_file_paths<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
     let above = if folder.as_os_str().is_empty() { Path::new("..").to_owned() } else { folder.join("..") };
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })

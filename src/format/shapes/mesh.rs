@@ -19,7 +19,7 @@ use std::fmt;
 pub struct MeshDescription {
     /// Path of the mesh file as the text writes it: not empty, without line breaks.
     pub path: Spanned<String>,
-    /// Choice of the triangles' materials and normals.
+    /// Options that select which materials and which normals the triangles get.
     pub options: MeshOptions,
 }
 

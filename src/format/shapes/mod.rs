@@ -65,8 +65,9 @@ trait ShapeBlock: BlockCodec {
 /// Function that converts the parsed fields of a shape block to a shape.
 type ParseShape = fn(&BlockFields<'_>) -> Result<ShapeDescription, SceneError>;
 
-/// Defines [`ShapeDescription`] and [`SHAPE_BLOCK_PARSERS`] from the list of kinds: variant, and
-/// type that implements [`ShapeBlock`]. The order of the list is that of the language reference.
+/// Defines [`ShapeDescription`] and [`SHAPE_BLOCK_PARSERS`] from a list of all kinds of shapes.
+/// Each entry states the enum variant and the type that implements [`ShapeBlock`]. The language
+/// reference has the same order as the list.
 macro_rules! shape_kinds {
     ($($(#[$doc:meta])* $kind:ident($description:ident),)*) => {
         /// Geometry of a surface, in object space.
@@ -115,8 +116,9 @@ macro_rules! shape_kinds {
             out.end_block()
         }
 
-        /// Adds a shape of the description, with the current material of `r` and `emission`. Fails
-        /// if its transform to world space is singular when the shutter opens.
+        /// Adds a shape of the description, with the current material of `r` and the given
+        /// `emission`. Fails if the shape's transform to world space is singular when the shutter
+        /// opens.
         // Not inlined: its callers recurse, and their stack frames must stay small.
         #[inline(never)]
         pub(super) fn add_shape(

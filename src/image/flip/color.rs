@@ -16,14 +16,16 @@ const XYZ: DMat3 = DMat3::from_cols_array(&[
     70_074_185.0 / 73_733_382.0,
 ]);
 
-/// Matrix from linear RGB to XYZ divided by the XYZ of white, and its inverse.
+/// Two matrices: from linear RGB to relative XYZ, and back. In relative XYZ, each coordinate is
+/// divided by that of white.
 static RELATIVE_XYZ: LazyLock<(DMat3, DMat3)> = LazyLock::new(|| {
     let white = XYZ * DVec3::ONE;
     let to = DMat3::from_diagonal(white.recip()) * XYZ;
     (to, to.inverse())
 });
 
-/// Exponent q_c of the HyAB distance in color differences (Andersson et al. 2020).
+/// Exponent q_c of Andersson et al. 2020: the difference of two colors is their HyAB distance to
+/// this power.
 const COLOR_EXPONENT: f64 = 0.7;
 /// Knee of the map from color difference to ꟻLIP error: p_c and p_t of Andersson et al. 2020.
 ///
@@ -76,10 +78,11 @@ static MAX_COLOR_DIFFERENCE: LazyLock<f64> = LazyLock::new(|| {
     libm::pow(hyab_distance(hunt_lab_from_rgb(DVec3::Y), hunt_lab_from_rgb(DVec3::Z)), COLOR_EXPONENT)
 });
 
-/// Returns the ꟻLIP error between the colors `a` and `b`, from 0 to 1; both are Hunt-adjusted
-/// CIELAB.
+/// Returns the ꟻLIP error, from 0 to 1, between the colors `a` and `b` in Hunt-adjusted CIELAB.
 ///
-/// The error is a power of the HyAB distance, compressed above [`COLOR_ERROR_KNEE`].
+/// The HyAB distance to the power [`COLOR_EXPONENT`] is mapped to an error by two straight segments
+/// that meet at [`COLOR_ERROR_KNEE`]. The second segment is flatter, so large differences are
+/// compressed.
 pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
     let error = libm::pow(hyab_distance(a, b), COLOR_EXPONENT);
     let (fraction, at_knee) = COLOR_ERROR_KNEE;

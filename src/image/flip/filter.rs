@@ -105,8 +105,8 @@ fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
 
 /// Results of all filters for one row of a picture, with the buffers to compute them.
 pub(super) struct FlipRowFilter {
-    /// Buffer for one row after vertical filtering, with its first and last pixel repeated
-    /// outwards.
+    /// Buffer for one row after vertical filtering. Beyond both ends of the row, the end pixels are
+    /// repeated.
     padded: Vec<f32>,
     /// Blurred channels Y, Cx and Cz. The fourth row is a buffer: Cz, blurred by its second
     /// Gaussian.

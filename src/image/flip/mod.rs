@@ -23,7 +23,8 @@ pub const DEFAULT_PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0
 
 /// Accepted numbers of pixels per degree of visual angle.
 ///
-/// Below this range, filters would be narrower than a pixel; above it, wider than most pictures.
+/// Below this range, filters would be narrower than a pixel. Above this range, filters would be
+/// wider than most pictures.
 pub const PIXELS_PER_DEGREE_RANGE: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
 /// Variant of ꟻLIP: the tone mapping of the pictures before they are compared.
@@ -36,7 +37,7 @@ pub enum FlipMetricMode {
     /// HDR-ꟻLIP: the error of a pixel is its largest LDR error over exposures about one stop apart.
     ///
     /// The first exposure maps the brightest pixel of the reference close to white. The last
-    /// exposure maps the median of its non-black pixels close to white.
+    /// exposure maps the median of the reference, without black pixels, close to white.
     Hdr,
 }
 
@@ -132,8 +133,8 @@ impl OpponentColorImage {
     }
 }
 
-/// Computes the ꟻLIP error of each pixel between two pictures, and raises the value of `map` to
-/// this error if the error is larger.
+/// Computes the ꟻLIP error of each pixel between `reference` and `test`. If the error is larger
+/// than the pixel's value in `map`, the error replaces this value.
 fn accumulate_max_error(
     reference: &OpponentColorImage,
     test: &OpponentColorImage,

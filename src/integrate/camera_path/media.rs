@@ -104,7 +104,7 @@ fn cross_medium<I: Interior>(
 
 /// Returns the radiance that a medium segment scatters to its start, estimated from photon maps
 /// \[W/(m² sr)]; 0 if the policy reads no map on this segment. Also adds the radiance, times the
-/// throughput, to the sums of `task`.
+/// throughput, to the light that `task` records.
 ///
 /// If only one path of a pixel reads the maps, the radiance is multiplied by the number of the
 /// pixel's paths. `weights` are the weights of indirect light at the path's first receiver (surface

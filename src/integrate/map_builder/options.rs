@@ -41,8 +41,8 @@ pub(in crate::integrate) struct MapBuildOptions {
     pub key: Key,
     /// Number of the pass, counted from 0.
     pub pass: u32,
-    /// Number of photon paths of a pass, divided by the number of paths to trace: 1 for a whole
-    /// pass, more for a pilot and for a slice of the shutter interval.
+    /// Divisor d of the number of photon paths: 1/d of a pass's photon paths are traced. It is 1
+    /// for a whole pass, and more for a pilot or for a slice of the shutter interval.
     pub photon_path_divisor: u32,
     /// Slice of the shutter interval in which photons are traced.
     pub slice: ShutterSlice,

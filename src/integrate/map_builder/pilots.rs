@@ -17,8 +17,8 @@ use crate::sampling::{Key, Purpose};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Number of photon paths of a pass that are aimed at casters such as glass, divided by the number
-/// of a pilot. The pilot divides caustics between photon estimates and light tracing.
+/// Divisor of the number of photon paths of a pass that are aimed at casters such as glass. The
+/// pilot that divides caustics between photon estimates and light tracing traces 1/4 of them.
 const SHARE_PILOT_PATH_DIVISOR: u32 = 4;
 
 /// Least number of photon paths of the pilot that divides caustics between photon estimates and
@@ -29,21 +29,22 @@ const MIN_SHARE_PILOT_PATHS: u32 = 1 << 15;
 /// light tracing.
 const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 
-/// Number of photons that three of four gather discs of the indirect map should hold. In `hybrid`,
-/// it applies instead to the interreflection map, which holds the indirect light that does not come
-/// from caustics.
+/// Target number of photons in a gather disc of the indirect map: a pilot chooses the gather radius
+/// with which three of four discs hold at least this many. In `hybrid`, the target applies instead
+/// to the interreflection map, which holds the indirect light that does not come from caustics.
 const DEFAULT_INDIRECT_K: u32 = 100;
 
-/// Number of photons that three of four gather discs of the indirect map of `hybrid` should hold.
-/// That map holds the indirect light of caustics.
+/// Target number of photons in a gather disc of the indirect map of `hybrid`, which holds the
+/// indirect light of caustics. A pilot chooses the gather radius with which three of four discs
+/// hold at least this many.
 const DEFAULT_AFTER_CAUSTIC_K: u32 = 50;
 
 /// Largest distance from a photon to a point that the camera sees, divided by the scene radius.
 /// Photons within this distance count as visible.
 const VISIBLE_RELATIVE_RADIUS: f32 = 0.01;
 
-/// Gather radius, divided by the scene radius, that is used if a pilot stores no photon from which
-/// it could find a radius.
+/// Gather radius, divided by the scene radius, for the case that a pilot stores no photons and so
+/// cannot find a radius.
 const DEFAULT_RELATIVE_RADIUS: f32 = 0.01;
 
 /// Largest number of photon paths of the pilot that guides emission for the interreflection map of
@@ -183,10 +184,10 @@ impl<'a> PhotonMapBuilder<'a> {
         VolumeKernelRadiiPerMap { caustic, indirect, interreflection }
     }
 
-    /// Sets the share of caustic flux that photon estimates carry at each pixel. Light tracing
+    /// Sets the fraction of caustic flux that photon estimates carry at each pixel. Light tracing
     /// (photons connected to the camera) carries the rest.
     ///
-    /// The shares depend on the number of photon paths aimed at casters such as glass, so this
+    /// The fractions depend on the number of photon paths aimed at casters such as glass, so this
     /// number must be final. Without light tracing or caustic photons, the function does nothing.
     pub fn set_density_estimate_shares(&mut self) {
         let size = self.scene.camera().size();

@@ -13,22 +13,21 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Effect, Interior, MediumSegment};
 use glam::{Vec2, Vec3};
 
-/// Fraction of the scattering points on a medium segment that are sampled without the guide
-/// (defensive sampling).
+/// Fraction of the scattering points on a medium segment that are sampled without the learned
+/// distribution (defensive sampling).
 ///
-/// A guided point has at most 4 times the weight of the same point without guiding.
+/// This bounds the weight of a guided point: at most 1/0.25 = 4 times its weight without guiding.
 const DEFENSIVE_FRACTION: f32 = 0.25;
 
-/// Smallest expected number of guided scattering points on a medium segment, divided by the number
-/// of shadow rays that a surface point would send. Below 1, Russian roulette decides whether a
-/// segment gets points.
+/// Smallest expected number of guided scattering points on a medium segment, per shadow ray that a
+/// surface point would send. Below 1, Russian roulette decides whether a segment gets points.
 const MIN_RELATIVE_POINT_COUNT: f32 = 0.125;
-/// Largest expected number of guided scattering points on a medium segment, divided by the number
-/// of shadow rays that a surface point would send.
+/// Largest expected number of guided scattering points on a medium segment, per shadow ray that a
+/// surface point would send.
 const MAX_RELATIVE_POINT_COUNT: f32 = 16.0;
 
-/// Number of scattering points on a medium segment, divided by the number of shadow rays that a
-/// surface point would send, while a pilot records the light that shadow rays find.
+/// Number of scattering points on a medium segment while a pilot records the light that shadow rays
+/// find, per shadow ray that a surface point would send.
 const RECORDED_RELATIVE_POINT_COUNT: f32 = 12.0;
 
 /// Sampled scattering point on a segment of a camera path through a medium.
@@ -191,8 +190,8 @@ impl NextEventEstimator<'_> {
     }
 
     /// Returns the radiance \[W/(m² sr)] that one shadow ray from `point` to the light with index
-    /// `light` adds at the start of the segment. It includes the MIS weight if the path
-    /// `continues`.
+    /// `light` adds at the start of the segment. If the path `continues`, the radiance includes the
+    /// MIS weight.
     ///
     /// `rays` is the expected number of shadow rays to that light, by which the radiance is
     /// divided.
@@ -244,9 +243,8 @@ impl NextEventEstimator<'_> {
     }
 }
 
-/// Samples the point on a segment in a homogeneous medium from which a shadow ray to one light
-/// starts. `pivot` is a point that stands for the position of the light, such as a point light's
-/// position.
+/// Samples a point on a segment in a homogeneous medium, at which a shadow ray to one light starts.
+/// `pivot` stands for the position of that light; for a point light, it is the position itself.
 ///
 /// Returns `None` if the sampled distance is beyond the segment.
 fn sample_scatter_point_near<I: Interior>(
@@ -258,18 +256,18 @@ fn sample_scatter_point_near<I: Interior>(
     ScatterPointDistribution { path_segment, angles, guided: None }.sample(sampler)
 }
 
-/// Distribution of the points on a segment in a homogeneous medium from which shadow rays to one
-/// light start.
+/// Distribution of the points at which shadow rays to one light start, on a segment in a
+/// homogeneous medium.
 ///
-/// Without a guide, half of the points are sampled by transmittance. The other half are
-/// equiangular: uniform in the angle seen from the light (Kulla and Fajardo 2012, "Importance
-/// Sampling Techniques for Path Tracing in Participating Media"). For a light at infinity, all
-/// points are sampled by transmittance. With a guide, three of four points follow it.
+/// Half of the points are sampled by transmittance. The other half are equiangular: uniform in the
+/// angle seen from the light (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path
+/// Tracing in Participating Media"). For a light at infinity, all points are sampled by
+/// transmittance. If a pilot has learned a distribution, three of four points follow it instead.
 struct ScatterPointDistribution<'a, I> {
     path_segment: &'a MediumPathSegment<'a, I>,
     angles: Option<EquiangularDistribution>,
-    /// Guide's distribution of distances along the ray; `None` without a guide, or if the guide
-    /// found no light on the ray.
+    /// Distribution of distances along the ray that a pilot has learned; `None` without such a
+    /// pilot, or if the pilot found no light on the ray.
     guided: Option<&'a GuidedDistanceDistribution>,
 }
 

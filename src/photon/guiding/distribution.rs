@@ -5,8 +5,9 @@ use crate::light::{EmissionDimensions, Light};
 use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
-/// One photon path of a pilot simulation: the primary sample that determines its emission, and its
-/// squared contribution to the picture.
+/// One photon path of the pilot of emission guiding, a small simulation before the render. Holds
+/// the random numbers (primary samples) that determine the path's emission, and its squared
+/// contribution to the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmissionGuidingSample {
     /// Index of the light that emits the path.
@@ -19,21 +20,22 @@ pub(super) struct EmissionGuidingSample {
     pub inverse_primary_pdf: f64,
     /// Sum of the squared contributions of the path's photons to the picture.
     ///
-    /// The path starts with the emitted flux, not divided by the pdf, the probability of the light
-    /// or the number of paths.
+    /// In this sum, the path starts with the emitted flux alone: no division by the pdf, the
+    /// probability of the light or the number of paths has been made.
     pub squared_contribution: f64,
 }
 
-/// Smallest mean number of pilot samples per cell of a guiding grid. A grid is not refined if the
-/// finer grid would have fewer samples per cell.
+/// Smallest mean number of pilot samples per cell in the grid of a light's guided pdf, which is
+/// constant in each cell. The grid is not refined if the finer grid would have fewer samples per
+/// cell.
 const MIN_SAMPLES_PER_CELL: usize = 4;
 
-/// Largest number of subdivisions of the guiding grid of one light. Each subdivision splits each
-/// cell into four, so the grid has at most 4096 cells.
+/// Largest number of times that the grid of a light's guided pdf is subdivided. Each subdivision
+/// splits each cell into four, so the grid has at most 4096 cells.
 const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Number of samples that the mean of the parent cell counts as, in the estimated mean of a cell
-/// (shrinkage estimator).
+/// Weight of the parent cell's mean in the estimated mean of a cell (shrinkage estimator). A sample
+/// in the cell itself has weight 1.
 ///
 /// The parent is the cell of the next coarser grid that contains the cell.
 const PARENT_WEIGHT: f64 = 8.0;
@@ -93,8 +95,8 @@ impl EmissionGuidingCells {
     /// Returns the mean over all cells of √(mean squared contribution of a photon path to the
     /// picture).
     ///
-    /// The square of the result is the second moment of a path's contribution if the pdf is ideally
-    /// guided.
+    /// The ideally guided pdf is proportional to this square root. With that pdf, the second moment
+    /// of a path's contribution is the square of the result.
     fn guided_root_mean_square(&self) -> f64 {
         self.mean_squared_contributions.iter().map(|s| s.sqrt()).sum::<f64>()
             / self.mean_squared_contributions.len() as f64

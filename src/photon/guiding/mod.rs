@@ -16,14 +16,17 @@ use crate::scene::{Interior, with_interior_type};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
-/// Least number of rounds of photon paths in the pilot of emission guiding. Each round is guided by
-/// the samples of all earlier rounds.
+/// Least number of rounds of photon paths in the pilot of emission guiding, a small photon pass
+/// before the render. Each round is guided by the samples of all earlier rounds.
 const MIN_ROUNDS: u32 = 2;
 
-/// Largest number of rounds of photon paths in the pilot of emission guiding.
+/// Largest number of rounds of photon paths in the pilot of emission guiding, a small photon pass
+/// before the render.
 const MAX_ROUNDS: u32 = 12;
 
-/// Number of contributing photon paths at which the pilot ends after [`MIN_ROUNDS`] rounds.
+/// Number of photon paths with a contribution to the picture that is enough for the pilot of
+/// emission guiding. The pilot ends when it has found so many, after at least [`MIN_ROUNDS`]
+/// rounds.
 ///
 /// If light enters through a small window, few paths of the first round contribute. Each round
 /// sends more paths through the window.
@@ -49,9 +52,9 @@ pub struct EmissionGuidingPilotSettings<'a> {
     pub max_bounces: u32,
     /// Surface points that the camera sees. Their density gives the importance of a photon.
     pub visible_points: &'a VisiblePointMap,
-    /// Number of photon paths of the first two rounds of the pilot.
-    /// [`EmissionGuidingPilotSettings::DEFAULT_PATHS`] suffices for most scenes. More rounds follow
-    /// if few paths contribute to the picture.
+    /// Number of photon paths of the first two rounds of the pilot together.
+    /// [`EmissionGuidingPilotSettings::DEFAULT_PATHS`] suffices for most scenes. More rounds, each
+    /// of half this number, follow if few paths contribute to the picture.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,
@@ -90,9 +93,9 @@ impl PhotonSource<'_> {
     ///
     /// The guided pdf of lights, positions and directions is a mixture. Its main part is
     /// proportional to the root mean squared contribution of a path to the picture, which minimises
-    /// the variance. The unguided pdf bounds the weights. If no pilot photon reaches a visible
-    /// point, the source stays unguided. The result depends only on the scene, this source and
-    /// `pilot`.
+    /// the variance. The other part is the unguided pdf, so that no path gets a very small pdf and
+    /// a very large flux. If no pilot photon reaches a visible point, the source stays unguided.
+    /// The result depends only on the scene, this source and `pilot`.
     #[must_use]
     pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilotSettings<'_>) -> (Self, EmissionGuidingReport) {
         let unguided = self.light_distribution.clone();

@@ -62,8 +62,8 @@ pub(super) struct NestedDifferenceMoments {
     /// Relative variance of the squared noise of D₀, the difference of density estimates with the
     /// gather radii r and r/√2.
     ///
-    /// The value is 2 / effective sample count: the number of independent values whose mean varies
-    /// as much as the noise.
+    /// The value is 2/N. N is the effective sample count: the squared noise varies like the mean
+    /// square of N independent Gaussian values.
     pub squared_noise_relative_variance: f64,
 }
 
@@ -71,10 +71,11 @@ impl NestedDifferenceMoments {
     /// Returns the variance of an estimate of ‖D₀‖² from `passes` passes. D₀ = L(r) − L(r/√2), for
     /// the density estimate L(r) with gather radius r.
     ///
-    /// `d0_squared` is ‖D₀‖² and `variance` the variance of D₀ in one pass.
-    /// `squared_noise_relative_variance` is the relative variance of the squared noise of D₀. The
-    /// first term of the result is the noise of products of two passes. The second term is the
-    /// noise of products of noise and the expected D₀.
+    /// `d0_squared` is ‖D₀‖², `variance` the variance of D₀ in one pass, and
+    /// `squared_noise_relative_variance` the relative variance of the squared noise of D₀. ‖D₀‖² is
+    /// estimated by products of two passes. The first term of the result is due to the noise of one
+    /// pass times the noise of the other. The second term is due to the noise of one pass times the
+    /// expected D₀ of the other.
     pub fn d0_squared_variance(
         d0_squared: f64,
         variance: f64,

@@ -29,8 +29,8 @@ pub struct ErrorEstimate {
     pub bias: f64,
     /// Relative bias of photon density estimates, which blur light over their gather discs.
     pub blur: f64,
-    /// Relative error due to camera paths that all passes share (`ppm`); 0 if each pass has its own
-    /// paths.
+    /// Relative error due to camera paths that all passes share, as in the integrator `ppm`; 0 if
+    /// each pass has its own paths.
     pub shared_paths: f64,
     /// Relative bias due to the light that clamping removes from camera paths; 0 without clamping.
     pub clamping: f64,

@@ -74,11 +74,12 @@ struct NestedDifferenceSums {
     differences: [BinnedSums<3>; 2],
     /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
     products: BinnedSums<3>,
-    /// Sums over passes of gather radius and photon count of each pixel: first for the caustic map,
-    /// then for the indirect map and the interreflection map of `hybrid` together.
+    /// Sums over passes of gather radius and photon count, as two entries for each pixel. The first
+    /// entry is for the caustic map. The second is for the indirect map, and in the integrator
+    /// `hybrid` also for the interreflection map.
     discs: Vec<[GatherDiscTotals; 2]>,
-    /// D₀ of each pixel in the passes with the lowest numbers, for the effective sample count of
-    /// D₀.
+    /// D₀ of each pixel in the passes with the lowest numbers. The effective sample count of the
+    /// noise of D₀ is measured from these pictures.
     leading_pictures: LeadingPassPictures,
 }
 
@@ -103,8 +104,8 @@ pub struct ErrorMaps {
     pub blur: Vec<Vec3>,
     /// Mean radius and photon count of each pixel's density estimates from the caustic map.
     pub caustic_discs: Vec<MeanGatherDisc>,
-    /// Mean radius and photon count of each pixel's density estimates from the indirect map, and
-    /// from the interreflection map of `hybrid`.
+    /// Mean radius and photon count of each pixel's density estimates from the indirect map. In the
+    /// integrator `hybrid`, the mean includes estimates from the interreflection map.
     pub indirect_discs: Vec<MeanGatherDisc>,
 }
 
@@ -317,7 +318,7 @@ impl ErrorEstimator {
         RelativeErrorWeights::from_pixels(film.size(), &pixels)
     }
 
-    /// Returns the forecast of the error after more passes than those of `estimate`; `None` before
+    /// Returns a forecast of the error after more passes, starting from `estimate`; `None` before
     /// [`MIN_ERROR_ESTIMATE_PASSES`] passes.
     #[must_use]
     pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<ErrorForecast> {

@@ -34,9 +34,9 @@ pub struct ErrorForecast {
 impl ErrorForecast {
     /// Creates the forecast from an error estimate.
     ///
-    /// `law` is (α of the radius law,
-    /// [`Kernel::nested_difference_variance_ratio`](crate::photon::Kernel) of the kernel); `None`
-    /// without photon estimates.
+    /// `law` is a pair: the parameter α of the radius law, and
+    /// [`Kernel::nested_difference_variance_ratio`](crate::photon::Kernel) of the density kernel.
+    /// `law` is `None` without photon estimates.
     pub(super) fn new(estimate: ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
         let fireflies = n * estimate.fireflies.squared_error_of_fireflies();

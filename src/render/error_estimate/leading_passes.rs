@@ -24,15 +24,16 @@ pub(super) struct LeadingPassPictures {
 /// Largest number of leading passes, the passes with the lowest numbers, that are stored.
 const MAX_LEADING_PASSES: usize = 8;
 
-/// Scalar products of the deviations of two leading passes from their mean, by the indices of both.
+/// Scalar products of pass deviations: entry \[a]\[b] is for the leading passes with the indices a
+/// and b. The deviation of a pass is its difference from the mean of all leading passes.
 type DeviationProducts = [[f64; MAX_LEADING_PASSES]; MAX_LEADING_PASSES];
 
-/// Prior of the effective sample count of the noise: the number of independent values whose mean
-/// varies as much as the noise.
+/// Effective sample count N that is assumed before passes measure it: the squared noise varies like
+/// the mean square of N independent Gaussian values.
 const PRIOR_EFFECTIVE_SAMPLE_COUNT: f64 = 100.0;
 
-/// Weight of [`PRIOR_EFFECTIVE_SAMPLE_COUNT`], as the number of measured scalar products of pass
-/// differences with the same weight.
+/// Weight of [`PRIOR_EFFECTIVE_SAMPLE_COUNT`] in the weighted mean with the measured value: the
+/// assumed count weighs as much as two measured scalar products of pass differences.
 const PRIOR_WEIGHT_IN_PRODUCTS: f64 = 2.0;
 
 impl LeadingPassPictures {
@@ -61,10 +62,11 @@ impl LeadingPassPictures {
         ordered && self.pictures.len() <= most && self.pictures.iter().all(|(_, picture)| picture.len() == pixels)
     }
 
-    /// Returns the relative variance of the squared error of a picture: 2 / effective sample count,
-    /// the number of independent values whose mean varies as much as the noise.
+    /// Returns the relative variance 2/N of the squared error of a picture. N is the effective
+    /// sample count: the squared noise varies like the mean square of N independent Gaussian
+    /// values.
     ///
-    /// Few passes measure the count badly, so the result is a weighted mean with
+    /// Few passes measure 1/N badly, so the result is a weighted mean with the value for
     /// [`PRIOR_EFFECTIVE_SAMPLE_COUNT`]. The formula holds for Gaussian noise. `weights` holds a
     /// factor for each pixel, on the square of its deviation from the mean of the leading passes.
     /// The weighted square is clamped to `max`.

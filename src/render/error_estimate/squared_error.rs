@@ -7,8 +7,9 @@
 pub(super) struct SquaredErrorParts {
     /// Squared relative noise of the picture: the variance of the mean of the passes.
     pub noise: f64,
-    /// Relative variance of the squared noise of one picture about its expectation: 2 / effective
-    /// sample count, the number of independent values whose mean varies as much as the noise.
+    /// Relative variance 2/N of the squared noise of one picture about its expectation. N is the
+    /// effective sample count: the squared noise varies like the mean square of N independent
+    /// Gaussian values.
     pub realised_noise_relative_variance: f64,
     /// Relative variance of the estimate `noise` about the expected squared noise of the picture.
     pub noise_estimate_relative_variance: f64,
@@ -43,8 +44,9 @@ impl SquaredErrorParts {
 
     /// Returns the lower and upper end of the error interval.
     ///
-    /// They are the square roots of the estimated squared error ∓ `half_width` of its standard
-    /// deviations.
+    /// The ends are √(E² ∓ `half_width`·σ). E² is the estimated squared error
+    /// [`total`](Self::total), and σ the standard deviation of this estimate. A negative square
+    /// becomes 0.
     pub fn error_interval(&self, half_width: f64) -> (f64, f64) {
         let deviation = half_width * self.variance().sqrt();
         ((self.total() - deviation).max(0.0).sqrt(), (self.total() + deviation).sqrt())

@@ -26,8 +26,8 @@ pub const RANGE_PROBABILITY: f64 = 0.8;
 /// Largest number of passes that a forecast considers, divided by the number of passes made.
 const MAX_EXTRAPOLATION: u32 = 1000;
 
-/// Number of imagined renders of a forecast, each with its own random draw of the unknown
-/// quantities.
+/// Number of imagined renders of a forecast. Each is a simulated run of the render, with its own
+/// random values of the unknown quantities.
 const DRAW_COUNT: usize = 64;
 
 /// Relative standard deviation of the predicted noise variance after many more passes, because the
@@ -61,8 +61,8 @@ pub enum StopForecast {
     },
     /// The target is reached after more passes than can be predicted from the passes made so far.
     TooFar {
-        /// Lower bound of the number of passes: the render ends before it with a probability of at
-        /// most 10 %.
+        /// Lower bound of the number of passes: with a probability of at most 10 %, the render ends
+        /// after fewer passes.
         at_least: u32,
     },
 }
@@ -79,7 +79,8 @@ pub struct PassRange {
     pub high: Option<u32>,
 }
 
-/// Random numbers for one imagined render of a forecast, one for each unknown quantity.
+/// Random numbers for one imagined render of a forecast (a simulated run of the render), one for
+/// each unknown quantity.
 struct ForecastDraw {
     /// Standard normal variate that determines the expected noise of the picture.
     noise_variate: f64,
@@ -91,7 +92,8 @@ struct ForecastDraw {
     later_blur_variate: f64,
 }
 
-/// Unknown quantities of the blur (bias of photon density estimates) in one imagined render.
+/// Unknown quantities of the blur (bias of photon density estimates), as drawn for one imagined
+/// render of a forecast.
 #[derive(Clone, Copy)]
 struct DrawnBlur {
     /// Index in [`BLUR_EXPONENTS`] of the exponent by which blur decays.
@@ -155,8 +157,8 @@ impl ErrorForecast {
         self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_FORECAST_PASSES)
     }
 
-    /// Returns the numbers of passes after which the imagined renders end, one for each draw of the
-    /// unknown quantities, in ascending order.
+    /// Returns the numbers of passes after which the imagined renders end, in ascending order. Each
+    /// imagined render is a simulated run with one draw of the unknown quantities.
     ///
     /// A render ends once the upper end of its error interval is at most `target`. `half_width` is
     /// the half width of the interval, in standard deviations of the squared error. Renders that
@@ -196,8 +198,8 @@ impl ErrorForecast {
         ends
     }
 
-    /// Returns the parts of the squared error that the imagined render of `draw` would estimate
-    /// after `sums.passes` passes.
+    /// Returns the parts of the squared error that an imagined render would estimate after
+    /// `sums.passes` passes. The imagined render is a simulated run with the random numbers `draw`.
     ///
     /// `sums` and `sums_so_far` hold the disc areas of these passes and of the passes made so far.
     /// `blur.d0_squared` is the expected mean square ‖D₀‖² of D₀ = L(r) − L(r/√2) after the passes
@@ -228,8 +230,8 @@ impl ErrorForecast {
         }
     }
 
-    /// Returns the blur that the imagined render of `draw` would estimate after `sums.passes`
-    /// passes.
+    /// Returns the blur that an imagined render would estimate after `sums.passes` passes. The
+    /// imagined render is a simulated run with the random numbers `draw`.
     ///
     /// Blur is the bias of photon density estimates. `sums` and `sums_so_far` hold the disc areas
     /// of these passes and of the passes made so far. `blur.d0_squared` is the expected mean square

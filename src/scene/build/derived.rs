@@ -8,8 +8,9 @@ use crate::scene::Scene;
 use crate::scene::interiors::{InteriorStack, interior_stack_at};
 use glam::Vec3;
 
-/// Radius of the [photon domain](Scene::photon_domain) in a scene with unbounded planes, divided by
-/// the radius of the bounding sphere of all bounded objects.
+/// Factor by which unbounded planes enlarge the [photon domain](Scene::photon_domain), the ball
+/// onto which lights at infinity emit photons. Without planes, this ball is the bounding sphere of
+/// all bounded objects.
 const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
 /// Radius of the ball that the ambient medium fills, divided by a distance d.
@@ -86,8 +87,9 @@ pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
 /// The ball onto which lights at infinity emit photons: see [`Scene::photon_domain`].
 ///
 /// `bounds` is the box around all bounded objects. `planes` are the distances of unbounded planes
-/// from the origin \[length]. If there are planes, and the box is empty or a point, the radius is
-/// [`OPEN_DOMAIN_FACTOR`] times the greatest of these distances; 1 replaces a distance of 0.
+/// from the origin \[length]. Without planes, the ball is the bounding sphere of the box. With
+/// planes, the radius is multiplied by [`OPEN_DOMAIN_FACTOR`]. If the box is then empty or a point,
+/// the greatest distance of a plane replaces its radius; a distance of 0 counts as 1.
 fn photon_domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> BoundingSphere {
     let ball = bounds.bounding_sphere();
     let Some(farthest) = planes.reduce(f32::max) else { return ball };

@@ -6,8 +6,9 @@ use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Contact distance of a light, divided by the sum of the position errors of light and surface. A
-/// surface point nearer to the light than the contact distance counts as touching it.
+/// Factor from a position error to the contact distance: the distance from a light below which a
+/// surface point counts as touching the light. The position error is that of the light plus that of
+/// the surface.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
 /// Bound on the number of f64 rounding errors in the difference of two positions, with a safety
@@ -17,10 +18,11 @@ const CONTACT_POSITION_ERRORS: f32 = 40.0;
 /// one from the difference.
 const POSITION_ROUNDINGS: f64 = 24.0;
 
-/// Contact distance of `light` \[length]: see [`Scene::light_contact_distance`].
+/// Distance \[length] below which a surface point counts as touching `light`: see
+/// [`Scene::light_contact_distance`]. The distance is 0 for area lights and lights at infinity.
 ///
-/// It allows for the rounding of the light's position, and for the position errors of the surfaces
-/// that the light touches.
+/// The distance allows for the rounding of the light's position, and for the position errors of the
+/// surfaces that the light touches.
 pub(super) fn light_contact_distance(scene: &Scene, domain: BoundingSphere, light: &Light) -> f32 {
     let Some(position) = light.position() else { return 0.0 };
     let light_error = position.length() * rounding_error_bound(1)

@@ -106,7 +106,8 @@ pub(super) fn collect_lights(
 }
 
 impl CollectedLights {
-    /// Adds a light and its [`Mit6837Light`], and returns the index of both.
+    /// Adds a light, and the [`Mit6837Light`] that stands for it in algorithm `raycast`. Both get
+    /// the same index in their lists, which is returned.
     fn add_light(&mut self, (light, mit_6837): (Light, Mit6837Light)) -> u32 {
         self.lights.push(light);
         self.mit_6837_lights.push(mit_6837);

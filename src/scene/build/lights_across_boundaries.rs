@@ -59,7 +59,7 @@ fn object_bounds(geometry: &Geometry, object: usize) -> Bounds {
 /// overlaps the object's box.
 ///
 /// False if the box is well inside a sphere, or between the triangles of a mesh: then the same
-/// bodies surround all points of the light.
+/// bodies surround all points of a light in the box.
 fn object_may_meet_box(geometry: &Geometry, object: usize, bounds: &Bounds) -> bool {
     if let Some(mesh) = object.checked_sub(geometry.shapes.len()) {
         let mut triangles = geometry.mesh_ranges[mesh].clone();

@@ -281,7 +281,8 @@ impl SceneBuilder {
 /// Sets the flag `may_store_photons` of each mix in `materials`: true if a component may store
 /// photons.
 ///
-/// A mix may precede its components, so passes over all mixes are repeated until none is left.
+/// A mix may precede its components in the list. So the function repeats passes over all mixes,
+/// until the flags of all mixes are known.
 ///
 /// # Errors
 ///

@@ -7,8 +7,8 @@ use crate::scene::animation::{MID_SHUTTER, shape_at_time};
 use crate::shape::Shape;
 use glam::{DVec3, Vec2};
 
-/// Largest distance of an object from the origin, divided by the object's size, at which the origin
-/// may be the center of all boxes: 2¹².
+/// Limit for the choice of the origin, 2¹². The center of the union of all boxes becomes the origin
+/// if no object is farther from it than this limit times the object's own size.
 ///
 /// Single precision then rounds the object's coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of its size.
 const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
@@ -104,11 +104,12 @@ fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<Cam
     Some((position, f64::from(distances.reduce(f32::min)?)))
 }
 
-/// Returns the coordinate along `axis` that minimizes the greatest ratio of a target's distance to
-/// its size.
+/// Returns the coordinate along `axis` of the best origin. Each target region has a ratio: its
+/// distance from the origin along `axis`, divided by its size. The best origin is the one whose
+/// greatest ratio is smallest.
 ///
-/// Distances are measured along `axis`. The least ratio is found by bisection between 0 and its
-/// upper bound `max_ratio`.
+/// This smallest value of the greatest ratio is found by bisection between 0 and its upper bound
+/// `max_ratio`.
 fn minimax_coordinate(targets: &[FineDetailRegion], axis: usize, max_ratio: f64) -> f64 {
     let feasible_interval = |t: f64| {
         let ends =

@@ -18,12 +18,13 @@ pub struct BoundaryContext {
 }
 
 impl BoundaryContext {
-    /// Returns the index of the material at `hit`. A mix is resolved to a random leaf material.
+    /// Returns the index of the material at `hit`. A mix is resolved at random to a leaf material:
+    /// a component that is not a mix itself.
     ///
     /// `point` is the surface point of the hit, and `group` its coincidence group. `wo` is the
     /// direction from which the path arrives. All faces of one group make the same choice, because
-    /// a path through a common edge can hit two faces of one object. The choice is independent of
-    /// the choice at the boundary that the ray hit.
+    /// a path through a common edge can hit two faces of one object. The choice does not depend on
+    /// the choice for the boundary that the path hit first, with which this one coincides.
     pub(super) fn leaf_material_at(
         &self,
         scene: &Scene,

@@ -56,11 +56,12 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
     stack
 }
 
-/// Returns the index of a leaf with a dielectric body to which material `index` can resolve; `None`
-/// if there is none.
+/// Returns the index of a material that bounds a dielectric body: `index` itself or, if `index` is
+/// a mix, a component to which the mix can resolve. `None` if there is no such material.
 ///
-/// A point counts as inside a body even if only some paths resolve the mix on the body's boundary
-/// to it. The choice of the leaf does not depend on the order of a mix's components.
+/// A point therefore counts as inside a body even if the mix on the body's boundary resolves to the
+/// body's material only on some paths. The result does not depend on the order of a mix's
+/// components.
 fn leaf_with_body(materials: &[Material], index: u32) -> Option<u32> {
     let material = &materials[index as usize];
     let Some(([first, second], amount)) = material.kind().as_mix() else {

@@ -251,8 +251,8 @@ impl Interior for InteriorStack {
     }
 }
 
-/// Returns the event for a path that meets `surface`, the dielectric body on the inner side, and
-/// the interface between both sides.
+/// Resolves the boundary `surface`, which a path meets. Returns three values: the event for the
+/// path, the dielectric body on the inner side of `surface`, and the interface between both sides.
 ///
 /// Argument `body` is the body that `surface` bounds. Other boundaries that coincide with `surface`
 /// may change the bodies on both sides. `surface` gets the greatest roughness of all these

@@ -33,7 +33,8 @@ pub struct SpectralInterior {
     /// BSDF of the surface at which the path sampled its wavelength, with the refractive index at
     /// the d line.
     ///
-    /// `None` if no wavelength was sampled, or once its weight has been applied to the throughput.
+    /// `None` if no wavelength was sampled, or once the weight of the wavelength has been applied
+    /// to the throughput.
     wavelength_sampling_dielectric: Option<Dielectric>,
     effects: Effects,
 }

@@ -90,15 +90,16 @@ impl InteriorStack {
         self.body_materials().contains(&material)
     }
 
-    /// The dielectric body of highest priority, which determines absorption and medium, with its
-    /// material index; `None` in air.
+    /// The dielectric body that determines absorption and medium, with its material index; `None`
+    /// in air. Of all bodies on the stack, this is the one of highest priority.
     #[inline]
     pub(in crate::scene) fn dominant_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
         self.highest_priority_body(materials, |_| true)
     }
 
-    /// The dielectric body of highest priority without a null interface, which determines the
-    /// refractive index, with its material index; `None` in air.
+    /// The dielectric body that determines the refractive index, with its material index; `None` in
+    /// air. Of all bodies on the stack whose boundary is not a null interface, this is the one of
+    /// highest priority.
     #[inline]
     pub(in crate::scene) fn dominant_refracting_body<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
         self.highest_priority_body(materials, |body| !body.is_null_interface)

@@ -138,8 +138,8 @@ impl ConductorIndex {
     }
 }
 
-/// Phong coefficients at a surface point, for algorithm `raycast`. It shades as MIT course 6.837
-/// does: without shadows, distance falloff or indirect light.
+/// Phong coefficients at a surface point, for algorithm `raycast`. This algorithm shades as MIT
+/// course 6.837 does: without shadows, distance falloff or indirect light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhongAppearance {
     /// Diffuse coefficient kd.
@@ -150,8 +150,8 @@ pub struct PhongAppearance {
     pub shininess: f32,
 }
 
-/// Lower bound of the roughness α from which [`PhongAppearance`] computes the exponent of a coat's
-/// highlight. A smaller highlight would be too small to see.
+/// Lower bound to which the roughness α of a coat is clamped, when [`PhongAppearance`] computes the
+/// exponent of the coat's highlight. With a smaller α, the highlight would be too small to see.
 const MIN_HIGHLIGHT_ALPHA: f32 = 0.05;
 
 impl MaterialKind {
@@ -256,8 +256,8 @@ impl MaterialKind {
         }
     }
 
-    /// True for a conductor with a roughness texture: photons are stored only at points where it is
-    /// rough enough.
+    /// True for a conductor with a roughness texture: photons are stored only at points where the
+    /// conductor is rough enough.
     pub(super) fn roughness_decides_photon_storage(&self) -> bool {
         match self {
             Self::Conductor { roughness, .. } => roughness.is_textured(),
@@ -325,8 +325,8 @@ impl MaterialKind {
     }
 
     /// Calls `visit` with the BSDFs for the least and the greatest value of a roughness texture.
-    /// Other parameters are at their means. It visits none if the roughness cannot change whether
-    /// the surface is specular or stores photons.
+    /// Other parameters are at their means. If the roughness cannot change whether the surface is
+    /// specular or stores photons, `visit` is not called.
     pub(super) fn visit_extreme_roughness_bsdfs(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         match *self {
             Self::CoatedDiffuse {

@@ -149,7 +149,7 @@ fn enclosing_box(boxes: &[BoxCorners], part: &[u32]) -> BoxCorners {
 /// Reorders the box indices `part` so that each run of `group_size` indices has boxes close
 /// together.
 ///
-/// It splits recursively at the median along the longest axis.
+/// The indices are split recursively at the median along the longest axis.
 fn group_nearby_boxes(boxes: &[BoxCorners], part: &mut [u32], group_size: usize) {
     if part.len() <= group_size {
         return;

@@ -5,8 +5,8 @@ use glam::{DVec2, DVec3};
 /// Squared sine of the angle between ray and y axis, below which a ray counts as nearly parallel to
 /// the axis.
 ///
-/// For such a ray, the τ range inside a ring follows from the ring's heights only. The ring's radii
-/// only decide whether the ray misses the ring.
+/// [`CylindricalRay::clip_to_ring`] then finds the ray's interval in a ring around the axis from
+/// the ring's heights only. The ring's radii only decide whether the ray misses the ring.
 const MIN_SLANT2: f64 = 1e-2;
 
 /// Interval of the arc length τ along a ray; empty unless `lo <= hi`.

@@ -17,8 +17,8 @@ use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Smallest length of ∂p/∂u × ∂p/∂v that gives a normal, relative to the length at the leaf's
-/// centre.
+/// Smallest length of ∂p/∂u × ∂p/∂v that gives a normal, relative to the length at the centre of
+/// the leaf. A leaf is a nearly flat piece of the patch.
 ///
 /// The cross product is shorter at poles and collapsed edges. The normal is then taken from a point
 /// further inside the leaf.
@@ -27,7 +27,7 @@ const COLLAPSED_NORMAL_RATIO: f64 = 1e-7;
 /// Tensor-product surface: the points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ.
 ///
 /// The pᵢⱼ are control points with weights wᵢⱼ, and u and v are in \[0, 1]. The outer side is the
-/// side of ∂p/∂u × ∂p/∂v in object space. A transform keeps the outer side outside, even a mirror.
+/// side of ∂p/∂u × ∂p/∂v in object space. Transforms, even mirrors, keep the outer side outside.
 #[derive(Clone, Debug)]
 pub struct Patch {
     subdivided: Arc<SubdividedPatch>,
@@ -294,7 +294,8 @@ impl Patch {
 }
 
 impl SubdividedPatch {
-    /// The leaf with the index `leaf`, with its polynomials, as a piece that rays can intersect.
+    /// Returns leaf number `leaf`, a nearly flat part of the surface, with its polynomials. Rays
+    /// can intersect the result.
     fn polynomial_piece_of_leaf(&self, leaf: usize) -> PatchPiece<'_> {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);
@@ -333,7 +334,7 @@ impl SubdividedPatch {
         }
     }
 
-    /// Object-space normal ∂p/∂u × ∂p/∂v of a leaf, not normalised.
+    /// Object-space normal ∂p/∂u × ∂p/∂v of a leaf (a nearly flat piece), not normalised.
     ///
     /// `at` is the position in the leaf, in \[−1, 1]². Where the cross product vanishes, the result
     /// is the cross product at a point further inside the leaf.

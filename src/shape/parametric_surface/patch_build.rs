@@ -11,15 +11,15 @@ use glam::{DVec2, DVec3, Vec2};
 /// A nearly flat piece is not divided further.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
-/// Maximum number of nested halvings, reached at poles, cusps and collapsed edges, which never
-/// become flat.
+/// Maximum number of times that a Bézier patch is halved, each time within the previous half. Only
+/// pieces at poles, cusps and collapsed edges reach this number, because they never become flat.
 const MAX_HALVINGS: u32 = 14;
 
 /// Size of a piece below which it is not divided, relative to the size of its Bézier patch.
 const MIN_RELATIVE_SIZE: f64 = 1.0 / 256.0;
 
-/// Memory of a leaf \[bytes], including its box and its nodes in the hierarchy and subdivision
-/// tree.
+/// Memory of a leaf, a nearly flat piece of a patch \[bytes]. The bounding box of the leaf, and its
+/// nodes in the bounding volume hierarchy and in the subdivision tree, are included.
 ///
 /// The polynomial coefficients of the leaf are not included.
 const BYTES_PER_LEAF: u64 = 512;
@@ -134,7 +134,8 @@ impl PatchBuilder {
         own + own / 4
     }
 
-    /// Divides a Bézier patch recursively into leaves, adds them, and returns the subdivision tree.
+    /// Divides a Bézier patch recursively into leaves (nearly flat pieces), adds them to the
+    /// builder, and returns the subdivision tree.
     ///
     /// The patch covers the intervals `ranges` of u and v. A piece is not divided if it is smaller
     /// than `small` \[object-space length], or after `depth` halvings.

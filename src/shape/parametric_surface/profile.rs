@@ -19,8 +19,8 @@ pub struct ProfilePiece<'a> {
 
 /// Capacity of the list of intervals that are still to be searched.
 ///
-/// Sixty halvings shrink an interval of x to the size of rounding errors, and the list has room for
-/// them.
+/// Sixty halvings shrink an interval of x to the size of rounding errors. Each halving adds one
+/// interval to the list.
 const MAX_INTERVALS: usize = 64;
 
 /// Interval of a piece's curve parameter x.
@@ -33,7 +33,8 @@ struct XInterval {
 impl XInterval {
     const WHOLE: Self = Self { middle: 0.0, half: 1.0 };
 
-    /// The upper and the lower half, so that the lower one is the last.
+    /// Returns the upper half, then the lower half. A stack to which they are pushed in this order
+    /// returns the lower half first.
     fn halves(self) -> [Self; 2] {
         let half = 0.5 * self.half;
         [Self { middle: self.middle + half, half }, Self { middle: self.middle - half, half }]

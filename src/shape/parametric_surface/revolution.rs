@@ -48,10 +48,10 @@ pub struct Revolution {
     coordinate_bound: f64,
 }
 
-/// Hit of a ray on a leaf of a profile.
+/// Hit of a ray on a leaf, a nearly straight piece of the profile curve.
 struct LeafHit {
     leaf: usize,
-    /// Parameter of the leaf in \[−1, 1].
+    /// Parameter of the leaf at the hit, from −1 at the start of the leaf to 1 at its end.
     x: f64,
     /// Ray parameter of the hit, in the range of the ray.
     t: f32,
@@ -155,7 +155,7 @@ impl Revolution {
         (base.length_squared() <= size * size).then(|| (CylindricalRay::new(base, direction), start, length))
     }
 
-    /// Azimuth θ/2π in \[0, 1] of the object-space point `p` on a leaf.
+    /// Azimuth θ/2π in \[0, 1] of the object-space point `p` on a leaf (a piece of the profile).
     ///
     /// The point is (X cos θ, Y, X sin θ) for the profile point (X, Y). So θ differs by half a turn
     /// from the polar angle of `p` where X < 0.
@@ -165,7 +165,8 @@ impl Revolution {
         if turn < 0.0 { turn + 1.0 } else { turn }
     }
 
-    /// World-space surface point at the parameter x in \[−1, 1] of a leaf.
+    /// World-space surface point on a leaf, a nearly straight piece of the profile, at the leaf's
+    /// parameter x in \[−1, 1].
     ///
     /// `radial` is the unit direction (x, z) from the axis to the point. The point stores the
     /// surface parameters `uv`.
@@ -308,13 +309,15 @@ impl Revolution {
 }
 
 impl RevolutionProfile {
-    /// Coefficients (radius, height) of the powers of the leaf's parameter x.
+    /// Polynomial coefficients (radius, height) of a leaf, a nearly straight piece of the profile,
+    /// for the powers of its parameter x in \[−1, 1].
     fn leaf_polynomial_coefficients(&self, leaf: usize) -> &[Coefficient<2>] {
         let end = self.leaves.get(leaf + 1).map_or(self.coefficients.len(), |l| l.first_coefficient as usize);
         &self.coefficients[self.leaves[leaf].first_coefficient as usize..end]
     }
 
-    /// Object-space point at the parameter x in \[−1, 1] of a leaf.
+    /// Object-space point on a leaf, a nearly straight piece of the profile, at the leaf's
+    /// parameter x in \[−1, 1].
     ///
     /// `radial` is the unit direction (x, z) from the axis to the point.
     fn leaf_point(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
@@ -322,7 +325,9 @@ impl RevolutionProfile {
         DVec3::new(radius * radial.x, height, radius * radial.y)
     }
 
-    /// Unit direction (x, z) from the axis to the points of a leaf at the azimuth 2π·`turns`.
+    /// Unit direction (x, z) from the axis to the surface points at the azimuth θ = 2π·`turns` on a
+    /// leaf (a piece of the profile). The direction is (cos θ, sin θ), negated on a leaf at
+    /// negative x.
     fn radial_direction(&self, leaf: usize, turns: f32) -> DVec2 {
         let (sin, cos) = sincos(f64::from(turns) * TAU);
         DVec2::new(cos, sin) * self.leaves[leaf].side_sign
@@ -344,7 +349,8 @@ impl RevolutionProfile {
         (leaf, ((parameter - middle) / half).clamp(-1.0, 1.0))
     }
 
-    /// Object-space normal of a leaf at its parameter x, on the outer side and not normalised.
+    /// Object-space normal on a leaf, a nearly straight piece of the profile, at the leaf's
+    /// parameter x. The normal points to the outer side and is not normalised.
     ///
     /// `radial` is the unit direction (x, z) from the axis to the point. Where the profile's
     /// derivative vanishes, the result is the normal at a point further inside the leaf.
@@ -365,13 +371,15 @@ impl RevolutionProfile {
         DVec3::new(dh * radial.x, -dx, dh * radial.y) * side
     }
 
-    /// Object-space area element of a leaf: area at its parameter x, per unit of x and per radian.
+    /// Object-space area element of the surface at the parameter x of a leaf (a piece of the
+    /// profile): area per unit of x and per radian of azimuth.
     fn area_element(&self, leaf: usize, x: f64) -> f64 {
         let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.leaf_polynomial_coefficients(leaf), x);
         radius.abs() * hypot(dx, dh)
     }
 
-    /// World-space area of a leaf under `to_world` \[length²].
+    /// World-space area \[length²] of the surface that a leaf (a piece of the profile) sweeps
+    /// around the axis, under `to_world`.
     fn leaf_area(&self, leaf: usize, to_world: &Transform) -> f64 {
         let determinant = to_world.determinant().abs();
         let mut sum = 0.0;

@@ -15,7 +15,8 @@ const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 /// It is reached at cusps and coincident control points, which never become straight.
 pub(super) const MAX_HALVINGS: u32 = 9;
 
-/// Memory of a leaf \[bytes], including its ring and its nodes in the hierarchy.
+/// Memory of a leaf, a nearly straight piece of a profile curve \[bytes]. The bounding ring of the
+/// leaf, and its nodes in the bounding volume hierarchy, are included.
 ///
 /// The polynomial coefficients of the leaf are not included.
 const BYTES_PER_LEAF: u64 = 256;

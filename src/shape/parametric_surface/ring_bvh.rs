@@ -7,7 +7,7 @@ use arrayvec::ArrayVec;
 const ARITY: usize = 8;
 
 /// Number of entries of the stack of a traversal. Each level replaces one entry by up to eight, so
-/// they suffice for nine levels: 8⁹ rings.
+/// 64 entries suffice for nine levels (1 + 9·7 = 64), which hold 8⁹ rings.
 const MAX_STACK_ENTRIES: usize = 8 * ARITY;
 
 /// Bit of a child reference in a node: set if the child is a leaf.

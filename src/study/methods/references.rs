@@ -14,7 +14,8 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Offsets from the study's first seed to the seeds of the two references.
+/// Numbers that are added to the study's first seed to get the seeds of the two references. They
+/// keep these seeds far from the seeds of the compared methods.
 const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
 /// First bytes of every PNG file.
@@ -111,9 +112,9 @@ impl ReferencePictures {
     /// [`reference_algorithm`] chooses. Returns `None` if `interrupted` becomes true.
     ///
     /// The camera path settings are `base_settings`, but with the default number of camera rays and
-    /// without adaptive sampling. Both references get equally many passes, at least one, until
-    /// their mean processor time reaches `seconds` \[s]. After each pass, calls `after` with the
-    /// number of passes and the elapsed fraction of this time.
+    /// without adaptive sampling. Both references get equally many passes, at least one. Rendering
+    /// ends when the processor time per reference reaches `seconds` \[s]. After each pass, calls
+    /// `after` with the number of passes and the elapsed fraction of this time.
     ///
     /// # Errors
     /// [`ReferenceError`] if a pixel is not finite.
@@ -165,12 +166,12 @@ impl ReferencePictures {
         &self.pair
     }
 
-    /// Returns the mean of both references A and B with its origin and error. Errors of methods are
-    /// measured against this mean.
+    /// Returns the mean of both references, with its origin and relative error. Errors of methods
+    /// are measured against this mean.
     ///
-    /// Its error is its relative noise, ½√(mean of (A − B)²) with the weights of relative errors. A
-    /// bias that both references share is not contained. The error is `None` for a single
-    /// reference, which is taken as exact.
+    /// For the references A and B, the error is the noise of the mean: ½√(mean of (A − B)²), with
+    /// the weights of relative errors. A bias that both references share is not contained. The
+    /// error is `None` for a single reference, which is taken as exact.
     #[must_use]
     pub fn mean_reference(&self) -> Reference {
         Reference { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
@@ -186,10 +187,10 @@ impl ReferencePictures {
         &self.relative_error_weights
     }
 
-    /// Returns an unbiased estimate of the squared error of pixel `i` with radiance `value`.
+    /// Returns an unbiased estimate of the squared error of the radiance `value` in pixel `i`.
     ///
     /// The estimate is (I − A)(I − B), summed over channels, for the radiance I and the references
-    /// A and B.
+    /// A and B. The noise of A and B is independent, so it cancels in the mean.
     pub(super) fn unbiased_squared_error(&self, i: usize, value: DVec3) -> f64 {
         let [a, b] = self.pair.each_ref().map(|image| image.pixels()[i].as_dvec3());
         ((value - a) * (value - b)).element_sum()

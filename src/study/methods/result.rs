@@ -24,8 +24,8 @@ pub struct ConvergenceCheckpoint {
     /// Relative squared error of each seed's picture, see
     /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
     ///
-    /// The estimate is unbiased: the noise of the references cancels. So it may be negative if the
-    /// error is small.
+    /// The estimate is unbiased, because the noise of the two references cancels in the mean. If
+    /// the error is small, noise can make the estimate negative.
     #[serde(rename = "squares")]
     pub relative_squared_errors: Vec<f64>,
     /// Relative squared noise: variance between the pictures of the seeds, with the pixel weights
@@ -34,8 +34,9 @@ pub struct ConvergenceCheckpoint {
     pub squared_noise: f64,
     /// Estimates of the relative squared noise, one from each seed; their mean is `squared_noise`.
     ///
-    /// With S seeds, the value is S/(S − 1) times the relative squared difference between the
-    /// seed's picture and the mean over seeds. The list is empty if only the mean is known.
+    /// With S seeds, the estimate is S/(S − 1) times the relative squared difference between the
+    /// seed's picture and the mean picture of all seeds. The list is empty if only `squared_noise`
+    /// is known.
     #[serde(rename = "noises")]
     pub squared_noises: Vec<f64>,
     /// Relative squared bias: mean of `relative_squared_errors`, minus `squared_noise`. This
@@ -47,7 +48,7 @@ pub struct ConvergenceCheckpoint {
     #[serde(rename = "estimated")]
     pub squared_estimated_errors: Vec<f64>,
     /// Root mean square error over pixels, channels and seeds \[W/(m² sr)], without the noise of
-    /// the references; 0 if noise makes the estimated square negative.
+    /// the references. If noise makes the estimated mean square negative, the value is 0.
     pub rmse: f64,
     /// Mean ꟻLIP error of the first seed's picture against the reference, in \[0, 1].
     pub flip: f64,
@@ -78,16 +79,17 @@ pub struct MethodResult {
     pub algorithm: Algorithm,
     /// Shell command that renders the first seed's picture at the last checkpoint.
     pub render_command: String,
-    /// Processor time of preparing the integrator of the first seed, with pilots \[s].
+    /// Processor time of preparing the integrator of the first seed, including pilots (small
+    /// simulations before the first pass) \[s].
     pub setup_seconds: f64,
     /// Exponent α by which gather radii shrink from pass to pass (radius law of Knaus and Zwicker
     /// 2011); 1 for fixed radii.
     pub alpha: f64,
-    /// Largest gather radii of the first pass \[length]: of the indirect map, then of the caustic
-    /// map. `None` if the algorithm has no photons.
+    /// Largest gather radii of the first pass \[length]: first of the indirect photon map, then of
+    /// the caustic photon map. `None` if the algorithm has no photons.
     pub gather_radii: Option<[f32; 2]>,
-    /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass. If the last two have almost
-    /// equal numbers of passes, the earlier one is left out.
+    /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass. If the last checkpoint has
+    /// less than 1.3 times the passes of the one before, that earlier checkpoint is left out.
     pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
     pub first_seed_picture: Image,
@@ -112,7 +114,7 @@ pub struct Reference {
 
 /// Smallest [`MethodStudyResult::thread_time_share`] at which measured times are reliable.
 ///
-/// A smaller share means that other programs used the processor, or that threads waited.
+/// A smaller value means that other programs used the processor, or that threads waited.
 pub const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 
 /// Measured convergence of all rendering methods that a study compares.
@@ -130,8 +132,9 @@ pub struct MethodStudyResult {
     pub seeds: u32,
     /// Time budget of each method: processor time per seed \[s].
     pub max_cpu_seconds_per_seed: f64,
-    /// Share of the threads' time in which they ran: processor time / (wall time · threads), the
-    /// minimum over methods. The share is 1 if processor time is unknown.
+    /// Fraction of the wall time in which the program's threads ran: processor time / (wall time ·
+    /// threads). The value is the minimum over methods, at most 1. If processor time is unknown,
+    /// the value is 1.
     pub thread_time_share: f64,
     /// Reference picture against which errors are measured.
     pub reference: Reference,

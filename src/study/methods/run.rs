@@ -18,8 +18,8 @@ use crate::stats::cpu_seconds;
 use crate::study::StudyError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Smallest ratio between the numbers of passes of a method's last two checkpoints. If the ratio is
-/// smaller, the earlier checkpoint is dropped.
+/// Smallest ratio between the numbers of passes of a method's last checkpoint and of the one
+/// before. If the ratio is smaller, the earlier checkpoint is dropped.
 const MIN_CHECKPOINT_PASS_RATIO: f64 = 1.3;
 
 /// Memory of a film and of its error estimator \[bytes per pixel].
@@ -53,8 +53,9 @@ pub(super) type IntegratorFactory<'a> = Box<dyn Fn(u64) -> Box<dyn Integrator + 
 
 /// Study that is ready to measure the convergence of rendering methods.
 ///
-/// The integrator of each method's first seed is prepared in advance, and the others before their
-/// first pass. All stay in memory while their method runs.
+/// The integrator of each method's first seed is prepared in advance. The integrators of the other
+/// seeds are prepared before their first pass. All integrators of a method stay in memory until the
+/// method ends.
 pub struct MethodStudy<'a> {
     size: (u32, u32),
     seeds: u32,
@@ -81,7 +82,8 @@ struct MethodRun<'a> {
 
 /// State of one seed of a rendering method: integrator, film and error estimator.
 struct SeedRun<'a> {
-    /// Integrator of this seed; `None` before the first pass, except for the first seed.
+    /// Integrator of this seed. The first seed of a method has it from the start. Other seeds have
+    /// `None` until their first pass.
     integrator: Option<Box<dyn Integrator + 'a>>,
     film: Film,
     /// Error estimator of this seed; `None` before the first pass.
@@ -99,7 +101,7 @@ struct FinalPictures {
 impl<'a> MethodStudy<'a> {
     /// Prepares a study of `variants` with `seeds` seeds each.
     ///
-    /// The first seed is that of the variant's settings; the others are the next integers.
+    /// The first seed of a variant is the seed in its settings; the others are the next integers.
     ///
     /// # Errors
     /// [`MethodVariantError`] if there is no variant, if labels repeat, or if `seeds` is below two.
@@ -150,8 +152,8 @@ impl<'a> MethodStudy<'a> {
         Ok(Self { size, seeds, clock, runs })
     }
 
-    /// Returns the expected photon counts of a pass, each as its maximum over all methods of the
-    /// study.
+    /// Returns the expected photon counts of a pass. Each count is its maximum over all methods of
+    /// the study.
     #[must_use]
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         self.runs.iter().map(|run| run.expected_photons).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
@@ -276,8 +278,8 @@ impl MethodRun<'_> {
 
     /// Measures the pictures of all seeds after `passes` passes. Adds a checkpoint and returns it.
     ///
-    /// `last` is true when the method ends. If the previous checkpoint has almost as many passes
-    /// (see [`MIN_CHECKPOINT_PASS_RATIO`]), it is then dropped.
+    /// `last` is true when the method ends. Then the previous checkpoint is dropped if it has
+    /// almost as many passes, see [`MIN_CHECKPOINT_PASS_RATIO`].
     fn add_checkpoint(
         &mut self,
         passes: u32,

@@ -11,8 +11,8 @@ pub struct MethodVariant {
     pub label: String,
     /// Rendering algorithm of the variant.
     pub algorithm: Algorithm,
-    /// Settings of the variant, with the seed of its first picture. Later pictures have the next
-    /// seeds.
+    /// Settings of the variant. Their seed is the seed of the first picture; the other pictures use
+    /// the next integers as seeds.
     pub settings: Settings,
     /// Flags of `caustica render` that select this method, without `--seed` and `--passes`.
     pub flags: Vec<String>,

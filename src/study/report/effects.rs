@@ -11,9 +11,9 @@ use crate::image::Image;
 use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
-/// Fraction that decides which pictures of an effect a report shows. An effect may add light to
-/// some pixels and remove light from others. The smaller of both amounts is shown if it is at least
-/// this fraction of the larger one. A smaller amount is mostly noise.
+/// Threshold for showing one of the two difference pictures of an effect: the light that the effect
+/// adds, and the light that it removes. The weaker picture is shown only if its mean is at least
+/// this fraction of the mean of the stronger one. Below, it is mostly noise.
 const MIN_SHOWN_RATIO: f64 = 0.1;
 
 const STYLE: &str = "\

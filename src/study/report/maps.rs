@@ -4,14 +4,14 @@ use crate::image::{Image, PictureSizeError, RelativeErrorWeights};
 use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
-/// Relative error at the dark end of a logarithmic colour ramp, as a fraction of the error at its
-/// bright end.
+/// Error at the dark end of a logarithmic colour ramp, divided by the error at the bright end.
 pub(super) const RAMP_END_ERROR_RATIO: f64 = 0.01;
 
-/// Quantile of the pixel errors at the upper end of a colour scale. Larger errors are clamped.
+/// Quantile of the pixel errors that determines the upper end of a colour scale. Larger errors are
+/// clamped.
 const SCALE_QUANTILE: f64 = 0.99;
 
-/// Side length of a crop, a window of a picture that a report enlarges \[pixels].
+/// Side length of a crop \[pixels]. A crop is a square window of a picture that a report enlarges.
 pub(super) const CROP_SIZE: u32 = 64;
 
 /// Converts a colour in polar OKLab coordinates (Ottosson 2020) to linear RGB, clamped to \[0, 1].
@@ -44,8 +44,9 @@ pub(super) fn error_color_ramp(t: f64) -> Vec3 {
     oklch_to_linear_rgb(0.06 + 0.9 * t, chroma.max(0.0), 300.0 + 160.0 * t)
 }
 
-/// Returns the colour at `t`, clamped to \[−1, 1], of a colour ramp: blue at −1, black at 0, orange
-/// at 1. The result is linear RGB.
+/// Returns the colour at `t` of a ramp, as linear RGB: blue at −1, black at 0, orange at 1.
+///
+/// `t` is clamped to \[−1, 1].
 pub(super) fn signed_color_ramp(t: f64) -> Vec3 {
     let t = t.clamp(-1.0, 1.0);
     let hue = if t < 0.0 { 250.0 } else { 65.0 };
@@ -94,9 +95,10 @@ pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeig
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()
 }
 
-/// Draws signed relative differences with a colour ramp from −`most` to `most`.
+/// Draws signed relative differences from the reference with a colour ramp: blue at −`most`, black
+/// at 0, orange at `most`.
 ///
-/// `relative` holds the difference of each pixel of `method`'s picture.
+/// `relative` holds the relative difference of each pixel; `method` gives the size of the picture.
 pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, PictureSizeError> {
     let picture = &method.first_seed_picture;
     Image::from_pixels(
@@ -128,11 +130,12 @@ impl PixelWindow {
     }
 }
 
-/// Finds up to `count` disjoint windows with the largest sums of squared errors over pixels and
-/// methods.
+/// Finds up to `count` windows with the largest errors. The windows do not overlap.
 ///
-/// The squared errors of each method are first divided by their mean over the picture. A window has
-/// [`CROP_SIZE`] × [`CROP_SIZE`] pixels, or fewer in a smaller picture.
+/// The error of a window is the sum of squared errors over its pixels and over all methods. The
+/// squared errors of each method are first divided by their mean over the picture, so that all
+/// methods count equally. A window has [`CROP_SIZE`] × [`CROP_SIZE`] pixels, or fewer in a smaller
+/// picture.
 pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<PixelWindow> {
     let Some(first) = methods.first() else { return Vec::new() };
     let (width, height) = (first.first_seed_picture.width(), first.first_seed_picture.height());

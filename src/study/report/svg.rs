@@ -238,7 +238,7 @@ fn draw_axes(svg: &mut String, x: &LogAxis, y: &LogAxis, (_, height): (f64, f64)
     );
 }
 
-/// Returns the Text of a tick value of one significant digit, such as `0.05`, `20` or `1000`.
+/// Returns the text of a tick value of one significant digit, such as `0.05`, `20` or `1000`.
 fn tick_text(value: f64) -> String {
     let decimals = libm::ceil(-libm::log10(value) - 1e-9).max(0.0) as usize;
     format!("{value:.decimals$}")

@@ -19,7 +19,7 @@ pub fn count_text(n: f64) -> String {
     }
 }
 
-/// Half of the last digit's step in numbers with one decimal place. Smaller numbers would be
+/// Half of 0.1, the step between numbers with one decimal place. Numbers below this value would be
 /// written as 0.0.
 const HALF_STEP: f64 = 0.05;
 

@@ -25,7 +25,8 @@ const MIN_TRANSMITTANCE: f64 = 1e-6;
 /// Together with [`MIN_TRANSMITTANCE`], it keeps absorption coefficients below 10¹² per length.
 const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
 
-/// Least Abbe number of glass with dispersion. Glass with a smaller one gets a constant index.
+/// Least Abbe number of glass with dispersion. Glass with a smaller Abbe number gets a refractive
+/// index that is constant over wavelength.
 ///
 /// With this Abbe number and the index [`MAX_DISPERSIVE_INDEX`], the refractive index goes from 2.5
 /// at 720 nm to 5.1 at 380 nm.
@@ -203,7 +204,8 @@ impl GltfMaterialConverter<'_, '_> {
     /// The reflectance at normal incidence decides the result:
     ///
     /// - 0: a diffuse surface.
-    /// - Gray, and at most that of index [`MAX_COAT_INDEX`]: a diffuse base under a coat.
+    /// - Gray, and at most the reflectance of a dielectric with index [`MAX_COAT_INDEX`]: a diffuse
+    ///   base under a coat.
     /// - Otherwise: a diffuse surface with a Phong lobe for the gloss.
     pub(super) fn opaque_dielectric_description(
         &mut self,

@@ -32,7 +32,8 @@ pub(super) struct GltfMaterials<'a> {
     pub textures: GltfTextures<'a>,
     /// Materials of the imported scene.
     pub list: ImportedMaterials,
-    /// Imported materials, by material index in the file and the bits of the vertex color.
+    /// Imported materials. A key holds the material index in the file (`None` for the default
+    /// material of glTF) and the bits of the vertex color: red, green, blue, alpha.
     converted_materials: HashMap<(Option<usize>, [u64; 4]), GltfImportedMaterial>,
 }
 

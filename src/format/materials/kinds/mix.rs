@@ -89,8 +89,8 @@ impl MixConstraints {
 
     /// True if this material and the other one bound two different dielectric bodies.
     ///
-    /// They cannot form a mix: a path could enter one dielectric and leave the other, and the first
-    /// body would then stay on the path's stack of bodies.
+    /// Two such materials cannot form a mix: a path could enter one dielectric and leave the other,
+    /// and the first body would then stay on the path's stack of bodies.
     pub(in crate::format) fn has_other_dielectric_than(self, other: Self) -> bool {
         match (self.dielectric_material_index, other.dielectric_material_index) {
             (Some(a), Some(b)) => a != b,

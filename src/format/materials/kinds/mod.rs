@@ -94,9 +94,9 @@ enum BoundedBody {
 /// Function that converts the parsed fields of a material block to a material.
 type ParseMaterial = for<'a> fn(&Parser<'a>, &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError>;
 
-/// Defines [`MaterialKindDescription`] and [`MATERIAL_BLOCK_PARSERS`] from the list of kinds:
-/// variant, and type that implements [`MaterialBlock`]. The order of the list is that of the
-/// language reference.
+/// Defines [`MaterialKindDescription`] and [`MATERIAL_BLOCK_PARSERS`] from a list of all kinds of
+/// materials. Each entry states the enum variant and the type that implements [`MaterialBlock`].
+/// The language reference has the same order as the list.
 macro_rules! material_kinds {
     ($($(#[$doc:meta])* $kind:ident($description:ident),)*) => {
         /// Reflection and transmission of a material: one variant per model.

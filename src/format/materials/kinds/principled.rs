@@ -25,8 +25,8 @@ pub struct PrincipledDescription {
     pub metallic: TexturedValue<f64>,
     /// GGX α of metal, glass and coat, inside \[0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
-    /// Index of refraction, inside \[1, 4]: of the coat relative to the surroundings, and
-    /// absolute index of the glass.
+    /// Index of refraction, inside \[1, 4]. For the coat of the diffuse base, it is relative to the
+    /// surroundings; for the glass, it is the absolute index.
     pub eta: f64,
     /// Fraction of the non-metal part that is glass, inside \[0, 1].
     pub transmission: TexturedValue<f64>,

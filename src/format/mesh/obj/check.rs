@@ -19,7 +19,8 @@ pub(super) struct InvalidObjLine {
     pub defect: MessageAndRemedy,
 }
 
-/// Flags for the indices that a face corner has: position, texture coordinate, normal.
+/// Flags of a face corner: true if it has an index of a position, of a texture coordinate, of a
+/// normal.
 type PresentIndices = [bool; 3];
 
 /// Names, for error messages, of the items that the three indices of a face corner refer to.

@@ -89,8 +89,8 @@ impl BufRead for MonitoredObjReader<'_> {
 }
 
 impl MonitoredObjReader<'_> {
-    /// Removes empty texts from the front of the list. A reader would take them for the end of the
-    /// file.
+    /// Removes empty texts from the front of the list, because a caller takes an empty buffer for
+    /// the end of the file.
     fn skip_empty_texts(&mut self) {
         while let [first, rest @ ..] = self.texts
             && first.is_empty()

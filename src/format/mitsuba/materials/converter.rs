@@ -66,8 +66,8 @@ pub(super) struct MitsubaMaterialConverter<'c, 'a> {
 }
 
 impl MitsubaMaterialConverter<'_, '_> {
-    /// Returns the converted BSDF. Converts it unless it was converted before, for the same
-    /// convention of texture coordinates.
+    /// Returns the converted `bsdf`. Reuses an earlier result for the same BSDF and the same
+    /// convention for texture coordinates (`self.convention`).
     ///
     /// `depth` is the number of BSDFs that contain this one.
     pub(super) fn convert_bsdf(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
@@ -309,8 +309,9 @@ impl MitsubaMaterialConverter<'_, '_> {
     /// Returns GGX α of a rough BSDF, as a constant or a texture. Mitsuba's `alpha` is 0.1 by
     /// default.
     ///
-    /// Any distribution but `ggx` counts as Beckmann. Its α is multiplied by √ln 2, so that GGX has
-    /// the same median slope. With `alpha_u` or `alpha_v`, α is the geometric mean of both means.
+    /// Any distribution but `ggx` counts as Beckmann. A Beckmann α is multiplied by √ln 2, so that
+    /// GGX has the same median slope. If the file states `alpha_u` or `alpha_v`, the result is
+    /// constant: the geometric mean of the means of these two parameters.
     fn roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<TexturedValue<f64>> {
         let factor = self.ggx_alpha_factor(bsdf);
         let _ = bsdf.boolean("sample_visible", true);

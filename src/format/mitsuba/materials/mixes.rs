@@ -34,8 +34,8 @@ impl MitsubaMaterialConverter<'_, '_> {
 
     /// Converts a `blendbsdf` or `mixturebsdf` of two BSDFs to a mix.
     ///
-    /// The scene language forbids mixes of two different dielectric bodies. Such a blend becomes
-    /// the BSDF of the larger mean weight, with a message.
+    /// Caustica's scene language forbids mixes of two different dielectric bodies. Such a blend
+    /// becomes the BSDF of the larger mean weight, with a message.
     pub(super) fn convert_blend(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let weight = self.blend_weight(bsdf)?;
         let parts = self.context.children_of_class(bsdf, ObjectClass::Bsdf)?;
@@ -85,11 +85,11 @@ impl MitsubaMaterialConverter<'_, '_> {
         surface
     }
 
-    /// Adds `surface`, the converted `bsdf`, as one of the two materials of a mix. Returns its
-    /// name.
+    /// Adds `surface`, the converted `bsdf`, as one of the two materials of a mix. Returns the name
+    /// of the added material.
     ///
-    /// If another mix has added the same BSDF before, returns that material. A null interface
-    /// becomes the fully transparent material.
+    /// If another mix has added the same BSDF before, returns the name of that material. For a null
+    /// interface, returns the name of the fully transparent material.
     fn add_mix_component(
         &mut self,
         suffix: &str,

@@ -17,11 +17,12 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Estimated memory of each material: its description and its share of the built scene \[bytes].
+/// Estimated memory of each material \[bytes], in the scene description and in the built scene
+/// together.
 const MEMORY_PER_MATERIAL: u64 = 2_000;
 
-/// Kind of boundary that a material makes. Decides whether a shape can contain a medium, and
-/// whether it needs a second surface for this.
+/// Kind of boundary that a material makes. The kind decides whether a shape of this material can
+/// contain a medium, and whether a second surface inside the shape must bound this medium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MaterialBoundary {
     /// Opaque, diffusely transmitting or principled material, or a mix.
@@ -67,9 +68,11 @@ pub(super) struct MitsubaMaterials {
     pub list: ImportedMaterials,
     /// Converted BSDFs by object and convention for texture coordinates.
     surfaces: HashMap<(*const MitsubaObject, TexcoordConvention), ConvertedBsdf>,
-    /// Names of the materials that are parts of mixes, by BSDF object and convention.
+    /// Names of the materials that are parts of mixes, by BSDF object and convention for texture
+    /// coordinates.
     mix_component_names: HashMap<(*const MitsubaObject, TexcoordConvention), String>,
-    /// Materials of shapes, by BSDF object and [`ShapeMaterialInputs`] as text.
+    /// Materials of shapes. A key holds the shape's BSDF object (`None` for a shape without one)
+    /// and the shape's [`ShapeMaterialInputs`] as text.
     converted: HashMap<(Option<*const MitsubaObject>, String), MitsubaImportedMaterial>,
     black_material_name: Option<String>,
     /// Names of null-interface materials, by the name of the medium that they bound.

@@ -104,9 +104,11 @@ impl Interpreter<'_> {
         Ok(radiance * self.opacity_factor(alpha, place)?)
     }
 
-    /// Returns the factor on a lamp's radiance because of its opacity `alpha`: the mean opacity.
+    /// Returns the factor by which the opacity `alpha` of an emitting shape scales the radiance of
+    /// this shape: the mean opacity.
     ///
-    /// In pbrt, a lamp of constant opacity 0 emits fully, but is invisible. So its factor is 1.
+    /// But the factor is 1 for a constant opacity of 0, because such a shape is invisible in pbrt
+    /// and still emits its full radiance.
     fn opacity_factor(&mut self, alpha: &Parameter, place: &PbrtSourceLocation) -> ReadResult<f64> {
         let PbrtSceneContent { textures, notes, .. } = &mut self.content;
         let value = textures.parameter_value(alpha, false, place, self.files)?;

@@ -43,7 +43,7 @@ pub(super) struct PbrtMaterialConverter<'m> {
     pub materials: &'m mut PbrtMaterials,
     /// Textures of the file and of the imported scene.
     pub textures: &'m mut PbrtTextures,
-    /// Files of the scene.
+    /// Access to the files of the scene, within a memory limit.
     pub files: &'m PbrtSceneFiles<'m>,
     /// Messages about content that is ignored or approximated.
     pub notes: &'m mut ImportNotes,
@@ -429,8 +429,9 @@ impl PbrtMaterialConverter<'_> {
     /// Returns GGX α from the roughness parameters called `u` and `v`. A missing one takes the
     /// value of the isotropic parameter, such as `roughness`.
     ///
-    /// If the means along u and v differ, both `alpha` and `mean` are their geometric mean.
-    /// `default` is the value of a missing parameter. `map` is the map from roughness to α.
+    /// If the mean of α along u differs from the mean along v, the surface becomes isotropic: the
+    /// returned `alpha` and `mean` are both the geometric mean of these two means. `default` is the
+    /// value of a missing parameter. `map` is the map from roughness to α.
     fn roughness_from_names(
         &mut self,
         p: &Parameters,
@@ -484,7 +485,7 @@ impl PbrtMaterialConverter<'_> {
     /// Converts a texture to a number parameter. Returns it as a constant or a texture, and its
     /// mean over the texture.
     ///
-    /// Each number is `map` of the mean of a color's channels.
+    /// Each color gives one number: `map` applied to the mean of the color's channels.
     pub(super) fn textured_scalar_and_mean(
         &mut self,
         value: &PbrtTexture,

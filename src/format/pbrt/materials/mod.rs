@@ -41,7 +41,8 @@ pub(super) struct PbrtMaterials {
     /// Number of each named material that is visible at the current point of the file.
     named: HashMap<String, usize>,
     /// Undo list for the ends of blocks in pbrt-v3, with an entry for each definition of a named
-    /// material, in order: the name, and the number that it had before; `None` without one.
+    /// material, in order. An entry holds the name, and the number of the earlier material that had
+    /// this name; `None` if there was none.
     replaced_names: Vec<(String, Option<usize>)>,
     /// Converted materials. A key is a text of the material's number, the medium inside the shape,
     /// and the opacity of the shape.

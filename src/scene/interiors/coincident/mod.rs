@@ -26,8 +26,8 @@ pub(in crate::scene) struct CoincidentFace {
     pub material: u32,
     /// True if the path enters the dielectric body.
     pub entering: bool,
-    /// Coincidence group of the object. Faces that agree in group, material and direction count as
-    /// one.
+    /// Coincidence group of the object: the objects whose boundaries count as one boundary if they
+    /// coincide. Faces that agree in group, material and direction are one boundary.
     pub group: CoincidenceGroup,
 }
 
@@ -134,7 +134,8 @@ pub(super) fn boundary_sides<'a>(
 /// Returns the boundaries of other dielectric bodies that coincide with `surface`: those within the
 /// position error of the surface point.
 ///
-/// `leaf_at` returns the material index at a hit. For a mix, it is the index of one leaf material.
+/// `leaf_at` returns the material index at a hit. For a mix, this is the index of one component
+/// that is not a mix itself.
 #[inline]
 pub(in crate::scene) fn coincident_faces_at(
     scene: &Scene,

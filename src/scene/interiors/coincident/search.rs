@@ -16,14 +16,15 @@ const LEAF_FACES: usize = 8;
 /// more, all faces count as possibly coincident.
 const PAIRS_PER_FACE: usize = 1000;
 
-/// Greatest number of pairs of profile leaves that are tested for coaxial surfaces of revolution.
-/// If there are more, whole surfaces count as possibly coincident.
+/// Greatest number of pairs of profile leaves (short pieces of a profile curve) that are tested for
+/// coaxial surfaces of revolution. If there are more, whole surfaces count as possibly coincident.
 const MAX_PROFILE_LEAF_PAIRS: usize = 100_000_000;
 
 /// Margin by which a bounding box is expanded, divided by the sum of its greatest absolute
 /// coordinate and its longest side.
 ///
-/// It exceeds the position errors of two surface points (see `SurfacePoint::position_error`).
+/// The margin exceeds the position errors of two surface points (see
+/// `SurfacePoint::position_error`).
 const RELATIVE_MARGIN: f32 = 16.0 * f32::EPSILON;
 
 /// The part of a shape with which a boundary of another object may coincide.
@@ -31,7 +32,8 @@ const RELATIVE_MARGIN: f32 = 16.0 * f32::EPSILON;
 enum CoincidentPart {
     Nothing,
     Everything,
-    /// Flags of intervals of a profile, see [`Revolution::near_profile_interval_flags`].
+    /// Part of a surface of revolution: one flag for each interval of its profile, as returned by
+    /// [`Revolution::near_profile_interval_flags`].
     ProfileIntervals(Vec<bool>),
 }
 
@@ -186,8 +188,8 @@ pub(in crate::scene) fn flag_coincident_primitives(
 /// Flags in `shapes` the parts of coaxial surfaces of revolution that are near each other.
 ///
 /// Each of `pairs` holds the indices of two shapes, the lower one first, and the distance within
-/// which they may coincide \[length]. At most `budget` pairs of profile leaves are tested. If more
-/// are needed, whole surfaces are flagged.
+/// which they may coincide \[length]. At most `budget` pairs of profile leaves (short pieces of a
+/// profile curve) are tested. If more are needed, whole surfaces are flagged.
 fn flag_coaxial_pairs(
     geometry: &Geometry,
     mut pairs: Vec<(u32, u32, f64)>,

@@ -9,7 +9,8 @@ use glam::{DMat3, DVec3};
 /// [`Revolution::near_profile_interval_flags`] returns flags.
 const PROFILE_INTERVALS: usize = 1024;
 
-/// Largest relative deviation of a map that counts as coaxial, because it is a rounding error.
+/// Largest relative deviation from a coaxial map that counts as a rounding error. A coaxial map
+/// keeps the axis of revolution, and keeps circles around it.
 ///
 /// Offsets of the axis are relative to the size of the surface, matrix entries to the largest
 /// entry, and deviations from circles to the squared radius.
@@ -72,7 +73,7 @@ impl Revolution {
         CoaxialMap::new(other, self).is_some()
     }
 
-    /// Number of leaves of the profile.
+    /// Number of leaves of the profile, the nearly straight pieces into which it is divided.
     pub(crate) fn profile_leaf_count(&self) -> usize {
         self.profile.leaves.len()
     }
@@ -117,8 +118,8 @@ fn frobenius_norm(matrix: DMat3) -> f64 {
 }
 
 impl RevolutionProfile {
-    /// Divides a leaf at the limits of the [`PROFILE_INTERVALS`] intervals of the profile
-    /// parameter.
+    /// Divides a leaf, a nearly straight piece of the profile, at the limits of the
+    /// [`PROFILE_INTERVALS`] intervals of the profile parameter.
     ///
     /// Returns the index of the interval of each piece, and a ring that contains the piece.
     fn pieces_of_leaf(&self, leaf: usize) -> impl Iterator<Item = (usize, RingBounds)> + '_ {

@@ -3,8 +3,8 @@
 use crate::sampling::{Dimension, Key};
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
-/// Largest ratio of passes at the last checkpoint to passes at a fitted checkpoint. Earlier
-/// checkpoints are left out of the fit.
+/// Range of the fit: a line is fitted only to checkpoints with at least 1/16 of the passes of the
+/// last checkpoint.
 const MAX_TAIL_PASS_RATIO: u32 = 16;
 
 /// Smallest number of checkpoints to which a line is fitted. Two points always lie on a line.
@@ -19,8 +19,8 @@ const BOOTSTRAP_REPLICATES: u64 = 1000;
 pub struct SlopeEstimate {
     /// Slope of the least-squares line through the checkpoints.
     pub value: f64,
-    /// 95 % confidence interval of `value`; `None` if there are too few seeds, or if their errors
-    /// vary too much.
+    /// 95 % confidence interval of `value`; `None` if the method was rendered with too few seeds,
+    /// or if the errors of the seeds vary too much.
     #[serde(rename = "interval")]
     pub confidence_interval: Option<[f64; 2]>,
 }
@@ -34,7 +34,8 @@ pub struct ConvergenceSlopes {
     pub by_passes: SlopeEstimate,
 }
 
-/// Slopes of error, noise and bias, fitted to the last checkpoints of a method.
+/// Slopes of error, noise and bias, fitted to the last checkpoints of a method. A checkpoint is a
+/// measurement after a certain number of passes.
 ///
 /// The fit uses the checkpoints with at least 1/16 of the passes of the last checkpoint. The slopes
 /// of a quantity are `None` if its estimate is zero or negative at one of these checkpoints.
@@ -78,7 +79,7 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     Some(ConvergenceFit { checkpoint_passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
 
-/// Returns the checkpoints to which lines are fitted: the last ones, from the first with a positive
+/// Returns the checkpoints to which lines are fitted: all from the first one that has a positive
 /// time and at least 1/16 of the passes of the last checkpoint.
 fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceCheckpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
@@ -91,10 +92,13 @@ fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceChe
 /// Fits log-log slopes of one quantity (error, noise or bias) over time and over passes, through
 /// the checkpoints `tail`.
 ///
-/// `square` returns the squared quantity at a checkpoint: its mean over seeds with the given
-/// weights, or with equal weights for `None`. The result is `None` if the squared quantity is not
-/// positive at one of the checkpoints. The slopes have no confidence intervals with fewer than two
-/// `seeds`, or if more than 2.5 % of the bootstrap replicates cannot be fitted.
+/// `square` returns the squared quantity at a checkpoint, averaged over seeds. Its second argument
+/// holds the weights of the seeds; `None` means equal weights. The result is `None` if this average
+/// is not positive at one of the checkpoints.
+///
+/// Bootstrap replicates with random weights of the seeds give the confidence intervals. The slopes
+/// have no intervals with fewer than two `seeds`, or if more than 2.5 % of the replicates cannot be
+/// fitted.
 fn fit_convergence_slopes(
     tail: &[ConvergenceCheckpoint],
     seeds: usize,
@@ -124,8 +128,8 @@ fn fit_convergence_slopes(
     Some(ConvergenceSlopes { by_time: slope(by_time, 0), by_passes: slope(by_passes, 1) })
 }
 
-/// Returns the weight of each seed in bootstrap replicate number `replicate`: the relative
-/// frequency of the seed among `seeds` draws with replacement.
+/// Returns the weight of each seed in bootstrap replicate number `replicate`: `seeds` seeds are
+/// drawn with replacement, and the weight of a seed is the fraction of draws that chose it.
 fn bootstrap_seed_weights(replicate: u64, seeds: usize) -> Vec<f64> {
     let key = Key::new(0xb007_57a9).child_key(replicate);
     let mut weights = vec![0.0; seeds];
@@ -190,8 +194,8 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     Some([mean - half, mean + half])
 }
 
-/// Returns the 95 % confidence interval of the squared relative bias at a checkpoint; `None` with
-/// fewer than two seeds, or if the noise of each seed is not known.
+/// Returns the 95 % confidence interval of the squared relative bias at a checkpoint. `None` with
+/// fewer than two seeds, or if the checkpoint has only the mean noise of all seeds.
 pub(super) fn squared_bias_interval(checkpoint: &ConvergenceCheckpoint) -> Option<[f64; 2]> {
     let ConvergenceCheckpoint { relative_squared_errors: squared_errors, squared_noises, .. } = checkpoint;
     (squared_errors.len() == squared_noises.len())

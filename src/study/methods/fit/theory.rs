@@ -39,14 +39,15 @@ impl SlopeRange {
 ///
 /// - The noise of independent passes falls as n^−½.
 /// - Photon noise and bias follow the gather radii (Knaus and Zwicker 2011). Let s(i) be the
-///   squared radius of pass i, divided by that of the first pass. The mean of n passes has variance
-///   ∝ Σ 1/s(i)/n² and bias ∝ Σ s(i)/n. For α = ⅔, noise and bias approach n^−⅓.
+///   squared radius of pass i, divided by that of the first pass: s(i + 1) =
+///   s(i) (i + α) / (i + 1), where α is `alpha`. The mean of n passes has variance ∝ Σ 1/s(i)/n²
+///   and bias ∝ Σ s(i)/n. For α = ⅔, noise and bias approach n^−⅓.
 /// - In `sppm` and `hybrid`, the noise of camera paths (n^−½) adds to the photon noise, so the
 ///   slope of their sum is a range.
 /// - All passes of `ppm` share their camera paths, so the noise of these paths does not fall.
 /// - In `hybrid`, photon estimates of indirect light lose weight from pass to pass, so their bias
 ///   falls up to twice as steeply as the bias of caustics.
-/// - Bias stays constant with fixed radii, and in algorithms that leave out light.
+/// - Bias stays constant with fixed radii (α = 1), and in algorithms that leave out light.
 ///
 /// Measured slopes of light in media differ from the prediction by at most 0.1.
 #[must_use]
@@ -81,8 +82,8 @@ pub fn predicted_convergence_slopes(
     }
 }
 
-/// Returns the log-log slopes of variance and bias over `passes`, for a mean of passes whose gather
-/// radii shrink with the exponent `alpha`.
+/// Returns the log-log slopes of variance and bias over `passes`, for the mean of passes whose
+/// gather radii shrink with the exponent `alpha` (Knaus and Zwicker 2011).
 fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
     let (mut squared_radius_ratio, mut ratio_sum, mut inverse_ratio_sum, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();

@@ -4,17 +4,18 @@ use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Limit of extrapolation: the largest predicted time, divided by the time of the method's last
-/// checkpoint. A longer time counts as unknown.
+/// Limit of extrapolation: a predicted time counts as unknown if it exceeds this factor times the
+/// time of the method's last checkpoint.
 ///
-/// The confidence interval of a predicted time is clamped to within this factor of that time.
+/// Each end of a confidence interval is also limited: to at most this factor above or below the
+/// predicted time.
 pub const MAX_EXTRAPOLATION_FACTOR: f64 = 1000.0;
 
 /// Assumed log-log slope of noise over time if no slope could be fitted. The noise of a mean of n
 /// independent passes falls as n^−½.
 const DEFAULT_NOISE_SLOPE: f64 = -0.5;
 
-/// Time and work that a method takes to reach an error.
+/// Time and work that a method takes to reach a given error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RenderEffort {
     /// Processor time of the passes, without preparation \[s].
@@ -62,33 +63,35 @@ impl RenderEffort {
 pub enum TimeToError {
     /// At most this time and work: the error is already reached at the first checkpoint.
     Within(RenderEffort),
-    /// Time and work, interpolated between two checkpoints.
+    /// Time and work, interpolated between the last checkpoint with a larger error and the
+    /// checkpoint after it.
     Measured(RenderEffort),
     /// Time and work, extrapolated from the last checkpoint by the fitted slope.
     Predicted {
-        /// Time and work by the fitted slope.
+        /// Time and work at which the extrapolated error equals the given error.
         effort: RenderEffort,
-        /// Confidence interval of the processor time \[s], from both ends of the slope's interval.
-        /// `None` if the slope has no interval.
+        /// Confidence interval of the predicted processor time \[s]. Its ends are the times for
+        /// both ends of the slope's confidence interval; `None` if the slope has no interval.
         ///
         /// Both ends are within a factor of [`MAX_EXTRAPOLATION_FACTOR`] of the time of `effort`.
         #[serde(rename = "seconds")]
         cpu_seconds_interval: Option<[f64; 2]>,
     },
-    /// The error is never reached, because the bias remains at or above it.
+    /// The given error is never reached, because a bias remains that is at least as large.
     Never {
         /// Relative bias that remains after any number of passes.
         floor: f64,
     },
-    /// Time and work are unknown: there is no fit, the error does not fall, or it would take more
-    /// than [`MAX_EXTRAPOLATION_FACTOR`] times the measured time.
+    /// Time and work are unknown: no slope is fitted, the error of the method does not fall, or the
+    /// predicted time exceeds [`MAX_EXTRAPOLATION_FACTOR`] times the time of the last checkpoint.
     Unknown,
 }
 
 /// Returns the time and work after which the relative error of `method` is at most `error` and
 /// stays there.
 ///
-/// `fit` holds the fitted slopes of `method`, and `verdict` the judgement on them.
+/// `fit` holds the fitted slopes of `method`. `verdict` tells how its error falls, and whether a
+/// bias remains.
 #[must_use]
 pub fn time_to_error(
     method: &MethodResult,
@@ -165,7 +168,9 @@ fn extrapolate_time_to_error(
     TimeToError::Predicted { effort, cpu_seconds_interval: slope.confidence_interval.map(|ends| ends.map(end)) }
 }
 
-/// Returns the time and work to reach a tenth of the method's error at its last checkpoint.
+/// Returns the time and work at which the error of `method` falls to a tenth of its present value.
+///
+/// The present value is the error at the last checkpoint. The result is extrapolated from there.
 #[must_use]
 pub fn time_to_tenth_of_error(
     method: &MethodResult,
@@ -183,8 +188,9 @@ pub fn time_to_tenth_of_error(
 /// Returns the relative error of `method` after `seconds` of processor time, interpolated between
 /// checkpoints or extrapolated from the last one.
 ///
-/// `None` before the first checkpoint, or after the last one without a fit. Also `None` if the
-/// estimated squared error of a checkpoint in use is not positive.
+/// `None` if the time is before the first checkpoint, or if it is after the last one and no error
+/// slope is fitted. Also `None` if the estimated squared error of a checkpoint in use is not
+/// positive.
 #[must_use]
 pub fn error_after_cpu_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
     let error = |c: &ConvergenceCheckpoint| Some(c.mean_relative_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
@@ -205,8 +211,8 @@ pub fn error_after_cpu_seconds(method: &MethodResult, fit: Option<&ConvergenceFi
     }
 }
 
-/// Checkpoint on the Pareto front of time and error: no checkpoint of any method has both less time
-/// and less error.
+/// Checkpoint (measurement of a method after a number of passes) on the Pareto front of time and
+/// error: no checkpoint of any method has both less time and less error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ParetoPoint {
     /// Index of the method in the list of the study's methods.

@@ -12,8 +12,9 @@ use std::fmt;
 /// The error then exceeds the bias by at most 12 %.
 pub const DOMINANT_SQUARED_BIAS_SHARE: f64 = 0.8;
 
-/// Largest width of a slope's confidence interval with which the slope counts as known. A method
-/// with a wider interval is [`ConvergenceVerdict::Undecided`].
+/// Largest width of a slope's confidence interval with which the slope can confirm theory. If the
+/// slope agrees with theory but the interval is wider, the verdict is
+/// [`ConvergenceVerdict::Undecided`].
 ///
 /// This width is half of the difference between slope 0 (a constant error) and slope −½ (the error
 /// of `path`).
@@ -22,15 +23,16 @@ const MAX_DECIDED_INTERVAL_WIDTH: f64 = 0.25;
 /// Verdict on how the error of a method falls with the number of passes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConvergenceVerdict {
-    /// The method has too few checkpoints for a fit.
+    /// The method has too few checkpoints (measurements after 1, 2, 4 … passes) for a fit.
     TooFewCheckpoints,
-    /// The error is too small to be measured: the reference or the variance between seeds hides it.
+    /// The error is too small to be measured: the variance between seeds hides it, or it does not
+    /// exceed the error of the reference.
     ErrorTooSmall {
         /// Relative error of the reference; `None` if the reference is taken as exact.
         reference_error: Option<f64>,
     },
-    /// The slope of the error has no confidence interval: there are too few seeds, or their errors
-    /// vary too much.
+    /// The slope of the error has no confidence interval: the method was rendered with too few
+    /// seeds, or the errors of the seeds vary too much.
     NoInterval {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
@@ -45,7 +47,7 @@ pub enum ConvergenceVerdict {
     },
     /// The error does not fall any more, because bias dominates it.
     Plateau {
-        /// Relative bias at the last checkpoint. The error does not fall below it.
+        /// Relative bias at the last checkpoint, below which the error does not fall.
         floor: f64,
         /// Cause of the bias.
         cause: BiasCause,
@@ -85,8 +87,8 @@ pub enum ConvergenceVerdict {
 /// Cause of a bias that more passes do not reduce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BiasCause {
-    /// Blur of density estimates. Holds the gather radii \[length] of the indirect map and of the
-    /// caustic map.
+    /// Blur of photon density estimates. Holds the gather radii \[length]: first of the indirect
+    /// photon map, then of the caustic photon map.
     Radii([f32; 2]),
     /// The algorithm leaves out some light by design.
     OmittedLight,
@@ -99,8 +101,9 @@ pub enum BiasCause {
 /// `fit` holds the fitted slopes of `method`. `reference_error` is the relative error of the
 /// reference; `None` if the reference is taken as exact.
 ///
-/// The noise of the references cancels in the measured error, but a bias that they share does not.
-/// So errors below `reference_error` are not judged.
+/// The measured error is free of the noise of the two references, but not of a bias that both
+/// share. So an error below `reference_error` gets the verdict
+/// [`ConvergenceVerdict::ErrorTooSmall`].
 #[must_use]
 pub fn judge_convergence(
     method: &MethodResult,

@@ -8,7 +8,7 @@ use crate::study::methods::fit::{
 use crate::study::methods::{MethodResult, MethodStudyResult};
 use crate::study::report::text::{self, count_text, duration_text, error_percent_text};
 
-/// Relative errors for which reports give the time that methods take to reach them.
+/// Target errors (relative): reports state how long each method takes to reach them.
 pub(super) const TARGET_ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 
 /// Conclusions from a study: the convergence of each method, the Pareto front and a recommendation.
@@ -24,7 +24,7 @@ pub(super) struct MethodAnalysis {
     pub(super) verdict: ConvergenceVerdict,
     /// Time and work until the method reaches each error of [`TARGET_ERRORS`].
     pub(super) times_to_target_errors: [TimeToError; 4],
-    /// Time and work until the error is a tenth of that at the last checkpoint.
+    /// Time and work until the method's error falls to a tenth of its value at the last checkpoint.
     pub(super) time_to_tenth_error: TimeToError,
 }
 

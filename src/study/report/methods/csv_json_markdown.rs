@@ -12,8 +12,8 @@ use crate::study::report::csv_and_markdown::{csv_row, escape_markdown, markdown_
 use crate::study::report::text::{count_text, duration_text, error_percent_text};
 use serde::Serialize;
 
-/// Schema version of [`method_study_json`]. It increases when a field is removed or changes its
-/// meaning.
+/// Schema version of [`method_study_json`]. The version increases when a field is removed or
+/// changes its meaning.
 const SCHEMA: u32 = 1;
 
 /// Returns the report of a study of methods as CSV, with one row per method and checkpoint.

@@ -19,7 +19,7 @@ use crate::study::report::text::{duration_text, error_percent_text, slope_text, 
 use glam::Vec3;
 use std::fmt::Write;
 
-/// Number of enlarged windows of each picture, where errors are largest, that the page shows.
+/// Number of windows that the page shows enlarged for each picture: those with the largest errors.
 const CROP_COUNT: usize = 2;
 
 /// Factor by which the page enlarges windows of pictures where errors are largest.
