@@ -1,7 +1,7 @@
 //! Enums that list their own variants.
 
 /// Defines an enum without data, and its constant `ALL`: an array of all variants in the order of
-/// definition. So `ALL` is always complete.
+/// definition. The macro builds both from one list, so `ALL` lacks no variant.
 macro_rules! enum_with_all {
     (
         $(#[$attribute:meta])*

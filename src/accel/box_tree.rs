@@ -8,16 +8,17 @@ use rayon::prelude::*;
 
 /// Hierarchy of axis-aligned boxes. Its query finds every box that a ray crosses.
 ///
-/// Rounding never loses a box. A box may be reported although the ray misses it by up to about
-/// 2·10⁻⁶ of the distance from the ray's origin. Coordinates must be below 10¹⁸ in magnitude.
+/// Rounding errors never hide a box from a query. A query may report a box that the ray misses by
+/// up to about 2·10⁻⁶ of the distance from the ray's origin. Coordinates must be below 10¹⁸ in
+/// magnitude.
 ///
-/// Boxes are sorted along a Morton curve, and each node holds eight consecutive boxes or nodes.
-/// This build is several times faster than a build by the surface area heuristic. A better tree
-/// would gain little, because most boxes that a query visits are in its result.
+/// The build sorts the boxes along a Morton curve, and packs eight consecutive boxes or nodes into
+/// each node. Such a build is several times faster than a build by the surface area heuristic. A
+/// better tree would gain little, because most boxes that a query visits are in its result.
 pub struct BoxTree {
-    /// Box indices in Morton order.
+    /// Indices of the boxes, in the order of their centers along a Morton curve.
     sorted_box_indices: Vec<u32>,
-    /// Nodes of each level. Nodes of level 0 hold the boxes; the last level is the root.
+    /// Nodes by level. Nodes of level 0 hold the boxes; the last level has one node, the root.
     ///
     /// Child i of node n is node 8n + i of the level below or, at level 0, box 8n + i of
     /// `sorted_box_indices`.
@@ -26,16 +27,19 @@ pub struct BoxTree {
 
 /// Largest number of levels of a [`BoxTree`], enough for 8¹⁰ = 2³⁰ boxes.
 const MAX_LEVELS: usize = 10;
-/// Bits of a stack entry that hold the index of a node in its level; the bits above hold the level.
+/// Number of low bits of a traversal-stack entry. They hold the index of a node in its level; the
+/// bits above them hold the level.
 const NODE_INDEX_BITS: u32 = 28;
-/// Capacity of the traversal stack, on which each level leaves up to seven nodes.
+/// Capacity of the traversal stack. At each level, up to seven children of the visited node wait on
+/// the stack while the eighth is visited.
 const MAX_STACK_ENTRIES: usize = (ARITY - 1) * MAX_LEVELS + 1;
 
-/// Padding of all boxes of a [`BoxTree`] on each side, relative to the largest coordinate.
+/// Distance by which each side of a box in a [`BoxTree`] is moved outwards, as a fraction of the
+/// largest absolute coordinate of all boxes.
 ///
 /// A ray along an axis has direction components of 0, whose infinite reciprocals are clamped to the
 /// largest f32. With the padding, such a ray still hits a flat box at distances up to 10¹⁹ times
-/// the largest coordinate.
+/// this coordinate.
 const RELATIVE_PADDING: f32 = 1.0 / (1u64 << 63) as f32;
 
 impl BoxTree {
@@ -102,7 +106,7 @@ fn boxes8_from_bounds(run: &[Bounds]) -> Boxes8 {
     boxes
 }
 
-/// Returns the box `b` with each side moved outwards by `margin`, and then to the next f32
+/// Returns the box `b` with each side moved outwards by `margin` and then rounded to the next f32
 /// outwards.
 fn padded_box(b: &Bounds, margin: f32) -> Bounds {
     let wider = b.expanded(margin);

@@ -6,36 +6,41 @@
 use super::packet::LANES;
 use glam::Vec3A;
 
-/// Number of child slots of a wide node: a node of the final tree.
+/// Number of child slots of a wide node: a node of the finished hierarchy, which is made from
+/// several nodes of the binary tree.
 pub(super) const ARITY: usize = 8;
 
-/// Bit of a primitive code: set for primitives other than triangles.
+/// Bit that is set in the code of a primitive other than a triangle, and not set in the code of a
+/// triangle.
 ///
-/// The other bits are the index among the triangles, or among the other primitives.
+/// The other 31 bits of the code are the index among the triangles, or among the other primitives.
 pub(super) const OTHER_PRIMITIVE_BIT: u32 = 1 << 31;
 
 /// Depth of the binary tree from which nodes are split at the median instead of by the surface area
 /// heuristic.
 ///
-/// Median splits bound the depth of the tree by [`MAX_DEPTH`].
+/// A median split halves the number of primitives, so the depth of the tree cannot exceed
+/// [`MAX_DEPTH`].
 const MEDIAN_SPLIT_DEPTH: u32 = 40;
 /// Largest depth of the binary tree: median splits of 2³¹ primitives take 31 more levels.
 pub(super) const MAX_DEPTH: u32 = MEDIAN_SPLIT_DEPTH + 31;
 
-/// Largest number of bins, along each axis, for the centroids of primitives.
+/// Largest number of bins along each axis, into which the surface area heuristic sorts primitives
+/// by their centers.
 const MAX_BINS: usize = 32;
 /// Largest number of primitives of a node whose two subtrees are built by one thread, one after the
 /// other. Subtrees of larger nodes are built in parallel.
 const MAX_SERIAL_BUILD_PRIMITIVES: usize = 4096;
 
-/// Cost of intersecting a packet of triangles, relative to the cost of visiting a node.
+/// Cost of intersecting a packet (up to eight triangles that are tested together), relative to the
+/// cost of visiting a node.
 ///
 /// The value is tuned: neither half nor twice this value makes renders faster.
 const PACKET_COST: f32 = 0.7;
 /// Cost of intersecting one primitive other than a triangle, relative to visiting a node.
 const OTHER_PRIMITIVE_COST: f32 = 1.0;
 
-/// A primitive during the build: its padded box, and its code.
+/// A primitive during the build: its padded box, and the code that identifies it.
 ///
 /// The code is a triangle's index, or another primitive's index with the bit
 /// [`OTHER_PRIMITIVE_BIT`] set.
@@ -56,7 +61,7 @@ impl SimdBox {
     /// Inverted box, which contains no point.
     pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
-    /// Smallest box around both boxes.
+    /// Smallest box around the boxes `self` and `other`.
     #[inline]
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
@@ -69,7 +74,8 @@ impl SimdBox {
         e.x * e.y + e.y * e.z + e.z * e.x
     }
 
-    /// Twice the center of the box.
+    /// Sum of both corners, which is twice the center. The build only compares centers, so it
+    /// leaves out the factor ½.
     #[inline]
     fn doubled_center(self) -> Vec3A {
         self.min + self.max
@@ -78,8 +84,8 @@ impl SimdBox {
 
 /// Node of the binary tree, which is stored in preorder.
 ///
-/// The left child is the next node. The right child is `2 · left_primitive_count` nodes
-/// after this one.
+/// The left child is the next node. A left subtree of n = `left_primitive_count` primitives has 2n
+/// − 1 nodes, so the right child is 2n nodes after this one.
 #[derive(Clone, Copy)]
 pub(super) struct BinaryNode {
     pub bounds: SimdBox,
@@ -87,14 +93,16 @@ pub(super) struct BinaryNode {
     pub primitive_count: u32,
     /// Number of primitives in the left subtree; 0 for a single primitive.
     pub left_primitive_count: u32,
-    /// Division of the child slots of a wide node between the left and the right subtree of this
-    /// node.
+    /// Best division of child slots between the two subtrees of this node, for the conversion to
+    /// wide nodes, which have [`ARITY`] child slots.
     ///
-    /// If this subtree fills n slots (2 ≤ n ≤ [`ARITY`]), the left subtree gets `left_slots[n]` of
-    /// them, and the right subtree gets the others. This division has the least traversal cost. If
-    /// `left_slots[n]` is 0, fewer than n slots cost less, and the entry of n − 1 applies.
+    /// If descendants of this node fill n slots of a wide node (2 ≤ n ≤ [`ARITY`]), `left_slots[n]`
+    /// of them are from the left subtree, and the others from the right subtree. This division has
+    /// the least traversal cost. If `left_slots[n]` is 0, fewer than n slots cost less, and the
+    /// entry of n − 1 applies.
     pub left_slots: [u8; ARITY + 1],
-    /// True if all primitives of this node become one leaf.
+    /// True if all primitives of this node become one leaf of the finished hierarchy: a packet of
+    /// triangles or one other primitive.
     pub is_leaf: bool,
 }
 
@@ -123,7 +131,7 @@ impl PrimitiveCounts {
         self.others += other.others;
     }
 
-    /// Counts of a single primitive with the code `primitive_code`.
+    /// Counts one primitive: a triangle or another primitive, as its code `primitive_code` tells.
     fn from_primitive_code(primitive_code: u32) -> Self {
         let others = u32::from(primitive_code & OTHER_PRIMITIVE_BIT != 0);
         Self { triangles: 1 - others, others }
@@ -138,8 +146,9 @@ impl PrimitiveCounts {
 
 /// Box, primitive counts and traversal costs of a subtree that has been built.
 ///
-/// `min_cost_by_slots[n]` is the least cost if the subtree fills at most n child slots of a wide
-/// node, with n from 1 to [`ARITY`]. Costs are weighted with half the surface area of the boxes.
+/// `min_cost_by_slots[n]` is the least traversal cost of the subtree if its nodes fill at most n
+/// child slots of a wide node, with n from 1 to [`ARITY`]. The cost of each node is multiplied by
+/// half the surface area of its box, because a ray meets large boxes more often.
 struct SubtreeSummary {
     bounds: SimdBox,
     count: PrimitiveCounts,
@@ -184,8 +193,9 @@ fn build_subtree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth
 /// Sets box, leaf flag and [`left_slots`](BinaryNode::left_slots) of `root`, whose subtrees are `a`
 /// and `b`.
 ///
-/// Returns the summary of the subtree of `root`. The slot counts minimize the traversal cost of the
-/// tree with eight children per node (after Ylitie, Karras and Laine 2017, section 3.1).
+/// Returns the summary of the subtree of `root`. The values of `left_slots` minimize the traversal
+/// cost of the finished hierarchy, whose nodes have eight children (after Ylitie, Karras and Laine
+/// 2017, section 3.1).
 fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSummary) -> SubtreeSummary {
     let bounds = a.bounds.union(b.bounds);
     let mut count = a.count;
@@ -246,9 +256,9 @@ fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
     size / 2
 }
 
-/// Map from the centers of primitives to bin numbers along each axis.
+/// Map from the center of a primitive to its bin along each axis, for the surface area heuristic.
 ///
-/// Coordinates are doubled, as in [`SimdBox::doubled_center`].
+/// Center coordinates are doubled, as in [`SimdBox::doubled_center`].
 struct CentroidBinning {
     origin: Vec3A,
     scale: Vec3A,
@@ -266,7 +276,7 @@ impl CentroidBinning {
         Self { origin: centers.min, scale, last_bin: Vec3A::splat((bins - 1) as f32), bin_count: bins }
     }
 
-    /// Bin of primitive `primitive` along each axis.
+    /// Index of the bin that contains the center of `primitive`, along each axis.
     #[inline]
     fn bin_indices(&self, primitive: &BvhPrimitive) -> [usize; 3] {
         let at = ((primitive.bounds.doubled_center() - self.origin) * self.scale).min(self.last_bin);
@@ -274,11 +284,11 @@ impl CentroidBinning {
     }
 }
 
-/// Returns the axis of the cheapest split by the surface area heuristic, and the last bin of its
-/// lower part.
+/// Finds the cheapest split by the surface area heuristic. Returns the axis of the split, and the
+/// index of the last bin below the split.
 ///
-/// `None` if all centers coincide or the costs overflow. `centers` is the box of the doubled
-/// centers.
+/// Returns `None` if all centers coincide or the costs overflow. `centers` is the box around the
+/// doubled centers of `primitives`.
 fn best_split_axis_and_bin(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(usize, usize)> {
     let binning = CentroidBinning::new(centers, primitives.len());
     let mut bins = [[(SimdBox::EMPTY, PrimitiveCounts::default()); MAX_BINS]; 3];
@@ -317,7 +327,8 @@ fn best_split_axis_and_bin(primitives: &[BvhPrimitive], centers: SimdBox) -> Opt
     best
 }
 
-/// Moves primitives for which `low` returns true to the front, and returns their number.
+/// Moves the primitives for which `low` returns true to the front of the slice, and returns how
+/// many there are.
 fn partition_primitives(primitives: &mut [BvhPrimitive], low: impl Fn(&BvhPrimitive) -> bool) -> usize {
     let mut end = 0;
     for at in 0..primitives.len() {

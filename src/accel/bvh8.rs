@@ -7,9 +7,10 @@ use crate::math::{Bounds, rounding_error_bound};
 use glam::{DVec3, Vec3, Vec3A};
 use wide::f32x8;
 
-/// Bit of a child reference in a node: set if the child is a packet of triangles.
+/// Bit of a child reference: set if the child is a packet, which holds up to eight triangles.
 ///
-/// With [`OTHER_PRIMITIVE_BIT`], the child is another primitive. With neither bit, it is a node.
+/// If [`OTHER_PRIMITIVE_BIT`] is set instead, the child is another primitive. If neither bit is
+/// set, the child is a node.
 const PACKET_BIT: u32 = 1 << 30;
 
 /// Child reference of the root: node index 0, without the bits that mark leaves.
@@ -22,7 +23,8 @@ pub(super) const ROOT: u32 = 0;
 /// by γ(3) of the distance. `RELATIVE_PADDING` covers the error relative to the size, and
 /// [`EXIT_FACTOR`] the errors relative to the distance.
 const RELATIVE_PADDING: f32 = rounding_error_bound(16);
-/// Factor on the ray parameter at which a ray leaves a box; it covers the rounding errors.
+/// Factor by which the box test enlarges the ray parameter at which a ray leaves a box, so that
+/// rounding errors cannot lose a hit.
 pub(super) const EXIT_FACTOR: f32 = 1.0 + 2.0 * rounding_error_bound(16);
 
 /// Eight axis-aligned boxes, as `[axis][side]` with eight lower planes (side 0) or upper planes
@@ -37,8 +39,9 @@ pub(super) struct Boxes8([[f32x8; 2]; 3]);
 #[repr(C, align(64))]
 struct Node8 {
     boxes: Boxes8,
-    /// Child references, one number for each child: the index of a node, or the index of a leaf
-    /// with [`PACKET_BIT`] or [`OTHER_PRIMITIVE_BIT`] set.
+    /// Child references, one for each child: the index of a node, or the index of a packet of
+    /// triangles with [`PACKET_BIT`] set, or the index of another primitive with
+    /// [`OTHER_PRIMITIVE_BIT`] set.
     children: [u32; ARITY],
 }
 
@@ -72,9 +75,10 @@ impl Bvh8 {
         bvh
     }
 
-    /// Appends the wide node for the binary node with index `at`, and all wide nodes below it.
+    /// Appends the eight-child node that replaces the binary node with index `at`, and all
+    /// eight-child nodes below it.
     ///
-    /// `start` is the index of the first primitive of the binary node.
+    /// `start` is the index of the first primitive below the binary node.
     fn append_wide_subtree(&mut self, source: &WideNodeInput, at: usize, start: usize) {
         let mut chosen = [(0, 0); ARITY];
         let mut count = 0;
@@ -111,7 +115,8 @@ impl Bvh8 {
         self.nodes.is_empty()
     }
 
-    /// True if the child reference `child` refers to a leaf; false for a node.
+    /// True if the child reference `child` refers to a leaf (a packet of triangles or one other
+    /// primitive); false if it refers to a node.
     #[inline]
     pub fn is_leaf(child: u32) -> bool {
         child >= PACKET_BIT
@@ -198,7 +203,8 @@ impl WideNodeInput<'_> {
     /// Selects up to `slots` binary nodes that become the children of one node with eight children.
     ///
     /// The selected nodes are descendants of node `at`, whose first primitive has index `start`.
-    /// `take` receives the index of each selected node and the index of its first primitive.
+    /// `take` is called for each selected node, with the index of the node and the index of the
+    /// node's first primitive.
     fn select_wide_node_children(
         &self,
         at: usize,

@@ -5,17 +5,18 @@ use super::bvh8::{Boxes8, Bvh8};
 use crate::math::Bounds;
 use wide::f32x8;
 
-/// Largest number of leaves of a [`LeafList`].
+/// Largest number of BVH leaves in a [`LeafList`].
 ///
-/// With more leaves than this, a BVH traversal per ray is faster than a test of all leaves.
+/// If more leaves overlap a box, a BVH traversal per ray is faster than a test of all these leaves.
 const MAX_LEAVES: usize = 6;
 
-/// Capacity of the stack of nodes to visit, in the search for leaves.
+/// Capacity of the stack of BVH nodes that the search for leaves has still to visit.
 ///
 /// A query box that needs more entries overlaps more than [`MAX_LEAVES`] leaves anyway.
 const MAX_STACK_ENTRIES: usize = 4 * ARITY;
 
-/// The leaves of a [`Bvh`](super::Bvh) whose boxes overlap one query box.
+/// List of the leaves of a [`Bvh`](super::Bvh) whose boxes overlap a query box. A leaf is a packet
+/// of triangles or one other primitive.
 ///
 /// A ray segment inside the query box can hit only primitives of these leaves. If many short rays
 /// stay in one box, they test these leaves and skip the traversal of the hierarchy.
@@ -95,7 +96,8 @@ impl OverlapTest {
         Self { min: bounds.min.to_array().map(f32x8::splat), max: bounds.max.to_array().map(f32x8::splat) }
     }
 
-    /// Bit mask of the boxes that share a point with this box.
+    /// Bit mask of those of the eight `boxes` that overlap this box; boxes that only touch count
+    /// too.
     #[inline]
     fn overlapping_boxes(&self, boxes: &Boxes8) -> u32 {
         let on_axis = |axis: usize| {

@@ -84,10 +84,10 @@ pub struct Bvh {
 impl Bvh {
     /// Builds a hierarchy over `triangles`, given by their corners, and `others`, given by boxes.
     ///
-    /// Each box of `others` encloses one primitive that the caller's closures intersect. A hit on
-    /// this primitive must lie in the box, or outside by at most 10⁻⁶ of the box's size. There may
-    /// be at most 2³⁰ triangles and 2³⁰ boxes. Corners must be finite. Triangles without area and
-    /// empty boxes are never hit.
+    /// Each box of `others` encloses one primitive, which closures of the caller intersect. A hit
+    /// on this primitive may lie outside the box by at most 10⁻⁶ of the box's size. There may be at
+    /// most 2³⁰ triangles and 2³⁰ boxes. Corners must be finite. Triangles without area and empty
+    /// boxes are never hit.
     #[must_use]
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         let bounds = Bounds::from_points(triangles.iter().flatten().copied());
@@ -106,8 +106,8 @@ impl Bvh {
     ///
     /// Among hits of equal t, triangles win over other primitives, then the lowest index wins.
     ///
-    /// `other(i, r)` intersects `r` with the primitive in box `i`, where `r` is `ray` cut off at
-    /// the nearest hit so far.
+    /// `other(i, r)` intersects `r` with the primitive in box `i`, where `r` is `ray` with `t_max`
+    /// lowered to the nearest hit so far.
     #[inline]
     pub fn closest_hit<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
@@ -138,8 +138,8 @@ impl Bvh {
         best.to_primitive_hit(ray, &precalc)
     }
 
-    /// Returns the nearest hit of a ray segment inside the box for which
-    /// [`Bvh::leaves_overlapping_bounds`] returned `leaves`.
+    /// Returns the nearest hit of `ray`, testing only the leaves in `leaves`. The ray up to its
+    /// `t_max` must stay in the box for which [`Bvh::leaves_overlapping_bounds`] returned `leaves`.
     ///
     /// The other arguments and the result are as in [`Bvh::closest_hit`].
     #[inline]
@@ -218,8 +218,9 @@ impl Bvh {
         blocked.is_break()
     }
 
-    /// Calls `visit` with each leaf whose box the ray enters before its `t_max`, in no particular
-    /// order. A leaf is given by its child reference, a number that encodes kind and index.
+    /// Calls `visit` with each leaf whose box the ray enters before the ray ends at `t_max`, in no
+    /// particular order. A leaf is given by its child reference, a number that encodes kind and
+    /// index.
     ///
     /// The traversal ends early if `visit` returns [`ControlFlow::Break`].
     #[inline]
@@ -243,7 +244,7 @@ impl Bvh {
     }
 }
 
-/// Nearest hit that a traversal has found so far, and the code of its primitive.
+/// Nearest hit that a traversal has found so far, with the code of the primitive that was hit.
 ///
 /// Among hits of equal t, the hit with the lowest code is kept; see [`OTHER_PRIMITIVE_BIT`] for
 /// codes. The ray parameter t refers to the scaled direction of [`RayPrecalc`].

@@ -36,7 +36,8 @@ pub(super) struct LeafHit {
 }
 
 impl LeafHit {
-    /// Converts a hit on a primitive other than a triangle, which the caller's closure returned.
+    /// Converts the hit `ShapeHit` that the caller's closure returned for a primitive other than a
+    /// triangle.
     #[inline]
     pub fn of_other_primitive(ShapeHit { t, shape_coords: uv }: ShapeHit, precalc: &RayPrecalc) -> Self {
         Self {
@@ -46,8 +47,8 @@ impl LeafHit {
         }
     }
 
-    /// Barycentric weights of a triangle's second and third corner, or `shape_coords` of
-    /// the hit of another primitive.
+    /// Normalized barycentric weights of a triangle's second and third corner. For another
+    /// primitive, the `shape_coords` of its hit.
     #[inline]
     pub fn barycentric(&self) -> (f32, f32) {
         (
@@ -89,13 +90,13 @@ impl TrianglePacket {
         }
     }
 
-    /// Bit mask of the lanes whose triangle the infinite line of the ray may hit, by a conservative
-    /// test in f32.
+    /// Bit mask of the lanes whose triangle the infinite line of the ray may hit. The test is
+    /// conservative and runs in f32.
     ///
-    /// The mask contains all hits, and near misses whose edge functions round to zero. The sign of
-    /// an edge function tells on which side of an edge the line passes. A lane is left out if two
-    /// edge functions have opposite signs. Without fused operations, rounding may lose the sign of
-    /// an edge function, but never reverses it.
+    /// The sign of an edge function tells on which side of an edge the line passes. A lane is left
+    /// out if two edge functions have opposite signs. The mask thus contains all hits, and near
+    /// misses whose edge functions round to zero. Without fused operations, rounding may lose the
+    /// sign of an edge function, but never reverses it.
     #[inline]
     pub fn candidate_lanes(&self, precalc: &RayPrecalc) -> u32 {
         let [ax, ay, az] = precalc.axis_permutation;

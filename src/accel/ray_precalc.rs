@@ -8,8 +8,8 @@ use glam::{Vec3, Vec3A};
 /// The direction is scaled by a power of two, without rounding, so that its component of largest
 /// magnitude is in \[1, 2). The power of two must be a normal f32, and so must its inverse. The
 /// scaled component may therefore reach 4 if the unscaled one is near the largest f32. If the
-/// unscaled one is subnormal, the scaled one is below 1. Reciprocals and products then stay in the
-/// range of f32. In box and triangle tests, ray parameters refer to the scaled direction.
+/// unscaled one is subnormal, the scaled one is below 1. The scaling keeps reciprocals and products
+/// in the range of f32. In box and triangle tests, ray parameters refer to the scaled direction.
 pub(super) struct RayPrecalc {
     /// Origin of the ray, in the caller's space.
     pub origin: [f32; 3],
@@ -23,7 +23,8 @@ pub(super) struct RayPrecalc {
     /// Permutation of the axes 0, 1, 2. Its last axis is the axis of the direction's largest
     /// component in magnitude.
     pub axis_permutation: [usize; 3],
-    /// Direction components along `axis_permutation[0]` and `axis_permutation[1]`, divided by the
+    /// Ratios by which the triangle test shears space, so that the ray runs along one axis: the
+    /// direction components along `axis_permutation[0]` and `axis_permutation[1]`, divided by the
     /// component along `axis_permutation[2]`.
     pub shear: [f32; 2],
     /// Component of the scaled direction along `axis_permutation[2]`.

@@ -5,15 +5,16 @@ use super::bvh8::EXIT_FACTOR;
 use arrayvec::ArrayVec;
 use wide::f32x8;
 
-/// Largest number of entries, reached in the deepest tree. At each level, the visited node leaves
-/// all its children except one on the stack. At the last level, all children are on the stack for a
-/// moment, until they are sorted and the nearest one is popped.
+/// Largest number of entries on the stack, reached in the deepest tree. At each level, the visited
+/// node leaves all its children except one on the stack. At the last level, all children are on the
+/// stack for a moment, until they are sorted and the nearest one is popped.
 const MAX_ENTRIES: usize = (ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY;
 
 /// Nodes and leaves that a ray enters and that a traversal has still to visit.
 ///
 /// The upper 32 bits of an entry are the ray parameter (f32) at which the ray enters the child, the
-/// lower 32 bits the child reference. The parameter is not negative, so entries sort as integers.
+/// lower 32 bits the child reference. The parameter is not negative, so entries that are compared
+/// as integers sort by this parameter.
 pub(super) struct TraversalStack(ArrayVec<u64, MAX_ENTRIES>);
 
 impl TraversalStack {
@@ -23,10 +24,11 @@ impl TraversalStack {
         Self(ArrayVec::new_const())
     }
 
-    /// Returns one child of the bit mask `hits` to visit next, and pushes the others.
+    /// Returns the child to visit next, and pushes all others that the ray enters onto the stack.
     ///
-    /// `near` holds the ray parameter at which the ray enters each child. If `SORTED`, children are
-    /// visited from near to far. `hits` must not be 0.
+    /// A set bit in `hits` marks a child that the ray enters; `hits` must not be 0. `near` holds
+    /// the ray parameter at which the ray enters each child. If `SORTED`, children are visited from
+    /// near to far.
     #[inline(always)]
     pub fn push_all_but_next<const SORTED: bool>(
         &mut self,
@@ -65,8 +67,8 @@ impl TraversalStack {
         entries.pop().map_or(0, |nearest| nearest as u32)
     }
 
-    /// Pops entries up to the first child that the ray enters at a ray parameter of at most
-    /// `limit`, and returns its child reference.
+    /// Pops entries until it finds a child that the ray enters at a ray parameter of at most
+    /// `limit`, and returns the reference of this child.
     ///
     /// Returns `None` if no such child is left. The comparison has a margin for rounding errors.
     #[inline(always)]

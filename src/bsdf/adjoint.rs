@@ -8,7 +8,7 @@ use super::BsdfSample;
 use glam::Vec3;
 
 impl BsdfSample {
-    /// Returns the factor that a photon path's throughput needs in addition to
+    /// Returns the factor by which a photon path's throughput is multiplied besides
     /// [`weight`](Self::weight).
     ///
     /// The factor is [`shading_normal_correction`], or 1 if

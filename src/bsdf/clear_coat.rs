@@ -11,9 +11,9 @@ use std::f32::consts::FRAC_1_PI;
 /// Refractive index of clear coats relative to the surroundings.
 const CLEAR_COAT_INDEX: f32 = 1.5;
 
-/// Number of quantization steps between 0 and 1 for the parameters of a clear coat.
+/// Number of steps into which the range \[0, 1] of a clear coat's parameters is divided.
 ///
-/// Parameters of 16 bits keep [`Bsdf`] small.
+/// Integers of 16 bits keep [`Bsdf`] small.
 const QUANTIZATION_STEPS: f32 = 65_535.0;
 
 /// A clear coat of refractive index 1.5, given by its coverage of the surface and its roughness.
@@ -21,12 +21,12 @@ const QUANTIZATION_STEPS: f32 = 65_535.0;
 pub struct ClearCoat {
     /// Fraction of the surface that the coat covers, in steps of 1/[`QUANTIZATION_STEPS`].
     coverage_steps: u16,
-    /// GGX roughness α, in steps of 1/[`QUANTIZATION_STEPS`]; 0 if the coat is smooth.
+    /// GGX roughness α of the coat, in steps of 1/[`QUANTIZATION_STEPS`]; 0 if the coat is smooth.
     alpha_steps: u16,
 }
 
-/// A surface under a clear coat, without reflection on the coat. [`Bsdf::select_layer`] chooses the
-/// surface or the coat.
+/// The BSDF of a surface under a clear coat. Reflection on the coat itself is not included:
+/// [`Bsdf::select_layer`] chooses either the surface or the coat.
 ///
 /// The BRDF of the surface is multiplied by 1 − max(c(wo), c(wi)). c is the fraction of light that
 /// the coat reflects: its coverage times its albedo. The product is reciprocal. The factor is at
@@ -38,12 +38,12 @@ pub struct ClearCoat {
 pub struct ClearCoated {
     base: CoatableBsdf,
     coat: ClearCoat,
-    /// Factor 1/p on the BRDF if [`Bsdf::select_layer`] chose the surface with probability p, else
-    /// 1.
+    /// Factor on the BRDF: 1/p if [`Bsdf::select_layer`] chose this surface, with probability p; 1
+    /// if no layer has been chosen.
     inverse_selection_probability: f32,
 }
 
-/// A BSDF of a kind that can be under a clear coat.
+/// A BSDF that can lie under a clear coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CoatableBsdf {
     Diffuse(Rgb),
@@ -54,8 +54,8 @@ pub(super) enum CoatableBsdf {
 
 impl ClearCoat {
     /// Creates a coat from the fraction `coverage` of the surface that it covers and its GGX
-    /// roughness `alpha`, both in \[0, 1]. Below [`MIN_ROUGH_ALPHA`], the coat is smooth. Both are
-    /// rounded to multiples of 1/65,535.
+    /// roughness `alpha`, both in \[0, 1]. The coat is smooth if `alpha` is below
+    /// [`MIN_ROUGH_ALPHA`]. Coverage and roughness are rounded to multiples of 1/65,535.
     #[must_use]
     pub fn new(coverage: f32, alpha: f32) -> Self {
         let alpha = if alpha < MIN_ROUGH_ALPHA { 0.0 } else { alpha };
@@ -82,7 +82,8 @@ impl ClearCoat {
         f32::from(self.alpha_steps) / QUANTIZATION_STEPS
     }
 
-    /// Fraction of light from direction `w` that the coat reflects; `n` is the shading normal.
+    /// Fraction of light from direction `w` that the coat reflects: the coverage times the albedo
+    /// of the covered part. `n` is the shading normal.
     #[inline]
     fn albedo(&self, w: Vec3, n: Vec3) -> f32 {
         self.coverage() * coat_albedo(w.dot(n).abs(), CLEAR_COAT_INDEX, self.alpha())
@@ -146,8 +147,8 @@ impl ClearCoated {
         }
     }
 
-    /// Tangent of the angle by which the surface widens the ray cone of texture filtering; see
-    /// [`Bsdf::ray_cone_spread`].
+    /// Tangent of the angle by which the surface under the coat widens the ray cone of texture
+    /// filtering; see [`Bsdf::ray_cone_spread`].
     #[inline]
     pub(super) fn ray_cone_spread(&self) -> f32 {
         match &self.base {
@@ -157,8 +158,8 @@ impl ClearCoated {
         }
     }
 
-    /// Factor on the BRDF of the surface: the coat's factor 1 − max(c(wo), c(wi)), divided by the
-    /// probability with which [`Bsdf::select_layer`] chose the surface.
+    /// Factor on the BRDF of the surface under the coat: the coat's factor 1 − max(c(wo), c(wi)),
+    /// divided by the probability with which [`Bsdf::select_layer`] chose that surface.
     ///
     /// c is the fraction of light that the coat reflects. `n` is the shading normal.
     #[inline]
@@ -185,7 +186,8 @@ impl ClearCoated {
         Bsdf::ClearCoated(Self { base, inverse_selection_probability, ..self })
     }
 
-    /// BRDF f(wo, wi) \[1/sr], without reflection on the clear coat.
+    /// BRDF f(wo, wi) \[1/sr] of the surface, weakened by the coat. Reflection on the coat itself
+    /// is not included.
     ///
     /// `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
@@ -212,8 +214,9 @@ impl ClearCoated {
         }
     }
 
-    /// Samples a direction if the surface stores photons. Returns `None` if the path is absorbed,
-    /// or if the surface is a bare dielectric coat, on which no photons are stored.
+    /// Samples a direction if the surface under the coat stores photons. Returns `None` if the path
+    /// is absorbed, or if that surface is a dielectric coat without its base, which stores no
+    /// photons.
     ///
     /// `lobe` in \[0, 1) selects the lobe, and `u` in \[0, 1)² the direction. `n` is the shading
     /// normal on the side of `wo`.
@@ -236,8 +239,8 @@ impl ClearCoated {
         Some(NonSpecularSample { weight: sample.weight * self.coat_factor(wo, sample.wi, n), ..sample })
     }
 
-    /// Samples a direction if the surface stores no photons. Returns `None` if the path is
-    /// absorbed, or if the surface is diffuse, with or without a coat.
+    /// Samples a direction if the surface under the coat stores no photons. Returns `None` if the
+    /// path is absorbed, or if that surface is diffuse, with or without a coat.
     ///
     /// `ng` is the geometric normal. The other arguments are those of
     /// [`ClearCoated::sample_receiver`].

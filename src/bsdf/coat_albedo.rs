@@ -11,11 +11,11 @@ use std::sync::OnceLock;
 /// Largest refractive index of a coat relative to its surroundings.
 pub const MAX_COAT_INDEX: f32 = 4.0;
 
-/// Number of tabulated indices, evenly spaced in the square root of (η − 1)/(η + 1).
+/// Number of tabulated refractive indices η, evenly spaced in the square root of (η − 1)/(η + 1).
 const ETA_COUNT: usize = 21;
 
-/// Fresnel amplitude (η − 1)/(η + 1) at normal incidence of the last tabulated index, η =
-/// [`MAX_COAT_INDEX`].
+/// Value of (η − 1)/(η + 1), the Fresnel amplitude at normal incidence, for the last tabulated
+/// refractive index η = [`MAX_COAT_INDEX`].
 const MAX_NORMAL_FRESNEL_AMPLITUDE: f32 = 0.6;
 
 /// Number of tabulated roughnesses from 0 to 1, evenly spaced in √α.
@@ -24,8 +24,8 @@ const ALPHA_COUNT: usize = 16;
 /// Number of tabulated cosines of incidence from 0 to 1, evenly spaced in √cosθ.
 const COSINE_COUNT: usize = 32;
 
-/// Number of points, and generator, of the Fibonacci lattice over \[0, 1)² that samples visible
-/// microfacets.
+/// Fibonacci lattice over \[0, 1)² that samples visible microfacets, as (number of points n,
+/// generator g). Point i is ((i + ½)/n, ((i·g mod n) + ½)/n).
 ///
 /// The albedo at each node of the table is a mean over these microfacets.
 pub(super) const FACET_LATTICE: (usize, usize) = (610, 377);
@@ -35,9 +35,11 @@ const HORIZON_COSINE: f64 = 1e-4;
 
 /// Lookup table of coat albedos, by refractive index, roughness and cosine of incidence.
 struct CoatAlbedoTable {
-    /// Albedo for each index, α and cosine.
+    /// Albedo by number of the refractive index, of the roughness α, and of the cosine of
+    /// incidence.
     directional: Vec<[[f32; COSINE_COUNT]; ALPHA_COUNT]>,
-    /// Cosine-weighted mean of the albedo over the hemisphere, for each index and α.
+    /// Cosine-weighted mean of the albedo over the hemisphere, by number of the refractive index
+    /// and of the roughness α.
     mean: Vec<[f32; ALPHA_COUNT]>,
 }
 
@@ -69,8 +71,8 @@ pub(super) fn mean_coat_albedo(eta: f32, alpha: f32) -> f32 {
     })
 }
 
-/// Cosine-weighted mean over the hemisphere of the Fresnel reflectance at index `eta` > 1, by the
-/// closed form of Walsh (1926).
+/// Fresnel reflectance at the refractive index `eta` > 1: its cosine-weighted mean over the
+/// hemisphere, by the closed form of Walsh (1926).
 pub(super) fn mean_fresnel_reflectance(eta: f64) -> f64 {
     let (n, n2) = (eta, eta * eta);
     let n4 = n2 * n2;
@@ -141,14 +143,14 @@ fn cosine_weighted_mean(values: &[f32; COSINE_COUNT]) -> f32 {
 }
 
 /// Returns the table node at or below the refractive index `eta`, and the position of `eta` between
-/// it and the next node, in \[0, 1].
+/// this node and the next one, in \[0, 1].
 #[inline]
 fn eta_node_and_fraction(eta: f32) -> (usize, f32) {
     node_and_fraction(((eta - 1.0) / (eta + 1.0) / MAX_NORMAL_FRESNEL_AMPLITUDE).max(0.0).sqrt(), ETA_COUNT)
 }
 
-/// Returns the node at or below `x`, and the position of `x` between it and the next node, in
-/// \[0, 1].
+/// Returns the number of the node at or below `x`, and the position of `x` between this node and
+/// the next one, in \[0, 1].
 ///
 /// The `nodes` nodes are evenly spaced in \[0, 1] and numbered from 0.
 #[inline]
@@ -158,8 +160,8 @@ fn node_and_fraction(x: f32, nodes: usize) -> (usize, f32) {
     (node, position - node as f32)
 }
 
-/// Interpolates `value`, a function of the node number, linearly between `node` and `node` + 1 at
-/// `fraction` in \[0, 1].
+/// Interpolates `value`, a function of the node number, linearly between the nodes `node` and
+/// `node` + 1. `fraction` in \[0, 1] is the position between them.
 #[inline]
 fn interpolate((node, fraction): (usize, f32), value: impl Fn(usize) -> f32) -> f32 {
     value(node) * (1.0 - fraction) + value(node + 1) * fraction

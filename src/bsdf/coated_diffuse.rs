@@ -9,11 +9,12 @@ use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
-/// Refractive index below which a coat counts as absent. Its mean reflectance is then below 10⁻⁴.
+/// Refractive index below which a coat counts as absent. The coat's mean reflectance is then below
+/// 10⁻⁴.
 const MIN_COAT_INDEX: f32 = 1.0001;
 
-/// Refractive index below which a rough coat counts as smooth. It then reflects less than 1 % of
-/// diffuse light.
+/// Refractive index below which a rough coat counts as smooth. Such a coat reflects less than 1 %
+/// of diffuse light.
 const MIN_ROUGH_COAT_INDEX: f32 = 1.01;
 
 /// Reflection on the outside of a dielectric coat, smooth or with GGX microfacets.
@@ -28,7 +29,8 @@ pub struct DielectricCoat {
     reflectance_factor: f32,
 }
 
-/// A Lambertian base under a dielectric coat, with the light that is reflected between them.
+/// A Lambertian base under a dielectric coat, including light that is reflected between base and
+/// coat.
 ///
 /// The base has the BRDF T(θₒ)·T(θᵢ)·ρ / (π η² (1 − ρF)). T is the transmittance of the coat from
 /// the outside, ρ the reflectance of the base, and F the diffuse reflectance of the coat from the
@@ -134,9 +136,9 @@ impl CoatedDiffuse {
     /// Creates the BSDF from the base's reflectance in \[0, 1], the coat's relative index `eta` in
     /// \[1, 4] and its roughness `alpha` in \[0, 1].
     ///
-    /// If `nonlinear` is false, the factor 1 − ρF of [`CoatedDiffuse`] becomes 1 − F, as for a
-    /// white base (compare Mitsuba's `plastic`). Interreflection between coat and base then does
-    /// not make colors more saturated, and the BSDF is proportional to ρ.
+    /// If `nonlinear` is false, the factor 1 − ρF in the BRDF of [`CoatedDiffuse`] is replaced by 1
+    /// − F, its value for a white base (compare Mitsuba's `plastic`). Interreflection between coat
+    /// and base then does not make colors more saturated, and the BSDF is proportional to ρ.
     fn new(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
         let alpha = if alpha < MIN_ROUGH_ALPHA || eta < MIN_ROUGH_COAT_INDEX { 0.0 } else { alpha };
         // Reciprocity: the transmittance from inside equals the transmittance from outside, divided
@@ -168,7 +170,7 @@ impl CoatedDiffuse {
         self.alpha > MIN_PHOTON_STORAGE_ALPHA
     }
 
-    /// The coat as a separate BSDF; `None` if it is so rough that this BSDF includes it.
+    /// The coat as a separate BSDF; `None` if the coat is so rough that this BSDF includes it.
     pub(super) fn coat_if_separate(&self) -> Option<DielectricCoat> {
         (!self.includes_coat()).then(|| self.coat_divided_by_probability(1.0))
     }
@@ -208,7 +210,8 @@ impl CoatedDiffuse {
 
     /// BRDF f(wo, wi) \[1/sr]. `wo` and `wi` must be on one side of the shading normal `n`.
     ///
-    /// Reflection on the coat is included only if its α exceeds [`MIN_PHOTON_STORAGE_ALPHA`].
+    /// Reflection on the coat is included only if the coat's α exceeds
+    /// [`MIN_PHOTON_STORAGE_ALPHA`].
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         let base = self.base_brdf_factor * (self.transmittance(wo, n) * self.transmittance(wi, n) * FRAC_1_PI);

@@ -11,7 +11,8 @@ use super::{
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
-/// Cosine of incidence at which the Fresnel reflectance of repeated reflections is evaluated.
+/// Cosine of incidence at which the Fresnel reflectance is evaluated for light that microfacets
+/// reflect repeatedly.
 ///
 /// The value is the mean cosine of diffuse light, as a stand-in for the mean over all microfacets
 /// that light meets.
@@ -31,13 +32,13 @@ pub fn conductor_index_of_reflectance(reflectance: Rgb) -> (Rgb, Rgb) {
     (Rgb::ONE, 2.0 * (reflectance / (Rgb::ONE - reflectance)).map(f32::sqrt))
 }
 
-/// A smooth metal, or a rough metal with GGX microfacets. It reflects on both sides.
+/// A smooth metal, or a rough metal with GGX microfacets. Both sides of the surface reflect.
 ///
 /// With [`MicrofacetScattering::Multiple`], a metal of Fresnel reflectance 1 reflects all light,
 /// within 1 %. With [`MicrofacetScattering::Single`], light that meets a second microfacet is lost.
 /// The losses below are for a Fresnel reflectance of 1 and roughness α of 0.1, 0.2, 0.5 and 1. At
-/// normal incidence, 1.2, 5, 31 and 69 % are lost. At an incidence angle of 85°, 11, 10, 13 and
-/// 22 % are lost.
+/// normal incidence, 1.2, 5, 31 and 69 % are lost. At an incidence angle of 85°, 11, 10, 13 and 22
+/// % are lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
     /// Real part of the refractive index relative to the surroundings, by color channel.

@@ -23,10 +23,10 @@ pub struct DielectricSplit {
     /// The number is (n_far/n_near)² for radiance and 1 for flux. The refractive index is n_near on
     /// the side of `wo`, and n_far on the other side.
     pub transmitted_radiance_divisor: f32,
-    /// True if the direction was computed with the geometric normal instead of the shading normal.
+    /// Two flags, for the reflected and for the refracted direction: true if the direction was
+    /// computed with the geometric normal instead of the shading normal.
     ///
-    /// The first flag is for the reflected direction, the second for the refracted direction. See
-    /// [`BsdfSample::uses_geometric_normal`].
+    /// See [`BsdfSample::uses_geometric_normal`].
     pub uses_geometric_normal: [bool; 2],
 }
 

@@ -16,7 +16,8 @@ pub struct DiffuseTransmission {
 impl DiffuseTransmission {
     /// Creates the BSDF from a `reflectance` and a `transmittance`, each in \[0, 1].
     ///
-    /// If their sum exceeds 1 in a color channel, both are divided by the largest sum.
+    /// If reflectance plus transmittance exceeds 1 in a color channel, both are divided by the
+    /// largest sum of any channel.
     #[must_use]
     pub fn new(reflectance: Rgb, transmittance: Rgb) -> Self {
         let largest_sum = (reflectance + transmittance).max_element().max(1.0);

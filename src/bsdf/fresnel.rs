@@ -48,8 +48,8 @@ fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
 
 /// Fresnel transmittance from the cosines of incidence `cos_i` and of refraction `cos_t`.
 ///
-/// `eta` is the refractive index of the far side, relative to the near side. The result equals 1 −
-/// reflectance, without loss of digits if it is near 0.
+/// `eta` is the refractive index of the far side, relative to the near side. The transmittance
+/// equals 1 − reflectance, but it keeps its digits where it is near 0.
 #[inline]
 pub(super) fn fresnel_transmittance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let (parallel, perpendicular) = (eta * cos_i + cos_t, cos_i + eta * cos_t);

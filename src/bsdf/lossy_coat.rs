@@ -17,8 +17,8 @@ const MIN_LOSSY_COAT_INDEX: f64 = 1.01;
 /// Energy balance of a diffuse base under a lossy coat, as the layered BSDF of pbrt-v4 simulates it
 /// (Guo et al. 2018).
 ///
-/// The pbrt importer uses it to find the base of a lossless [`CoatedDiffuse`](super::CoatedDiffuse)
-/// with equal albedo.
+/// The pbrt importer uses this balance to find the base of a lossless
+/// [`CoatedDiffuse`](super::CoatedDiffuse) with equal albedo.
 ///
 /// Light that would scatter at two microfacets of the interface is lost. The coat also absorbs
 /// light: it transmits the fraction exp(−τ) along the normal, where τ is its optical thickness.
@@ -82,8 +82,8 @@ impl LossyCoat {
     /// Returns the reflectance that a base under a lossless coat needs, to have the same albedo as
     /// a base of `reflectance` in \[0, 1] under this coat.
     ///
-    /// Both coats have equal index and α. [`Self::base_albedo_through_coat`] returns the albedo of
-    /// both. Results outside \[0, 1] are clamped.
+    /// Both coats have equal index and α. The albedo is [`Self::base_albedo_through_coat`] of
+    /// `reflectance`. Results outside \[0, 1] are clamped.
     #[must_use]
     pub fn equivalent_lossless_reflectance(&self, reflectance: f64) -> f64 {
         let albedo = self.base_albedo_through_coat(reflectance);
@@ -96,9 +96,10 @@ impl LossyCoat {
 /// Scatters light of cosine of incidence `cos` at an interface, and visits the directions in which
 /// it leaves.
 ///
-/// Calls `visit` with the fraction of the light and the cosine of each direction. The cosine is
-/// below 0 on the far side. `eta` is the refractive index of the far side, relative to the near
-/// side. Light that meets a second microfacet is left out.
+/// For each direction, calls `visit` with two numbers: the fraction of the light that leaves in
+/// this direction, and the direction's cosine, which is below 0 on the far side. `eta` is the
+/// refractive index of the far side, relative to the near side. Light that meets a second
+/// microfacet is left out.
 fn for_each_scattered_direction(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut(f64, f64)) {
     if alpha < f64::from(MIN_ROUGH_ALPHA) {
         let (reflectance, cos_t) = fresnel_reflectance_and_cosine(cos, eta);

@@ -93,7 +93,8 @@ impl Ggx {
     /// Solid-angle pdf \[1/sr] of `wi`, if `wi` is computed from a microfacet normal that
     /// [`Ggx::sample_visible_normal`] samples.
     ///
-    /// `facet` describes the microfacets that scatter `wi` to `wo`. `cos_o` is the cosine of `wo`.
+    /// `facet` describes the microfacets that scatter `wi` to `wo`. `cos_o` is the cosine between
+    /// `wo` and the macroscopic normal.
     #[inline]
     pub(super) fn scattered_direction_pdf(self, facet: &Microfacet, cos_o: f64) -> f64 {
         self.g1_over_cos(cos_o) * facet.wo_dot_m * facet.normal_density * facet.jacobian

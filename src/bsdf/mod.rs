@@ -51,23 +51,25 @@ use std::f32::consts::FRAC_1_PI;
 /// delta lobes.
 pub const MIN_ROUGH_ALPHA: f32 = 1e-3;
 
-/// GGX roughness α of a conductor, or of a coat over a diffuse base, above which photons are stored
-/// on it.
+/// Threshold of the GGX roughness α: photons are stored on a conductor, or on a coat over a diffuse
+/// base, only if its α exceeds this value.
 ///
-/// Photon estimates then include the light that it reflects. A smoother conductor or coat casts
-/// caustics instead; [`Bsdf::select_layer`] splits such a coat from its base.
+/// Photon estimates then include the light that the conductor or coat reflects. A smoother one
+/// casts caustics instead; [`Bsdf::select_layer`] splits such a coat from its base.
 pub const MIN_PHOTON_STORAGE_ALPHA: f32 = 0.3;
 
-/// Width of the refracted lobe \[radians] below which a rough dielectric counts as smooth.
+/// Width of a rough dielectric's refracted lobe \[radians], below which the dielectric counts as
+/// smooth.
 ///
-/// The angle is about ten rounding errors of a unit vector in f32.
+/// The width is about ten rounding errors of a unit vector in f32.
 const MIN_LOBE_WIDTH: f32 = 1e-6;
 
-/// Tangent of the angle by which diffuse scattering widens the ray cone of a path, which sets the
-/// filter width of texture lookups.
+/// Tangent of the angle by which diffuse scattering widens the ray cone of a path. The cone sets
+/// the filter width of texture lookups.
 pub(crate) const DIFFUSE_CONE_SPREAD: f32 = 0.2;
 
-/// The kind of path that a BSDF scatters: camera path (radiance) or photon path (flux).
+/// The quantity that a path carries when a BSDF scatters it: radiance on camera paths, flux on
+/// photon paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TransportMode {
     /// Radiance, on camera paths. Refraction scales radiance by the squared relative index.
@@ -166,7 +168,7 @@ pub enum Bsdf {
     CoatedDiffuse(CoatedDiffuse),
     /// Reflection on a dielectric coat, without the base under it.
     ///
-    /// [`Bsdf::select_layer`] returns it for a clear coat, or for a coat with α up to
+    /// [`Bsdf::select_layer`] returns this BSDF for a clear coat, or for a coat with α up to
     /// [`MIN_PHOTON_STORAGE_ALPHA`] over a diffuse base.
     DielectricCoat(DielectricCoat),
     /// A surface under a clear coat, weakened by the coat's transmittance.
@@ -350,7 +352,8 @@ impl Bsdf {
         }
     }
 
-    /// Converts the BSDF to the type of surfaces under a clear coat; `None` if it cannot have one.
+    /// Converts the BSDF to the type of surfaces under a clear coat; `None` if the BSDF cannot lie
+    /// under a clear coat.
     fn to_coatable(self) -> Option<CoatableBsdf> {
         match self {
             Self::Diffuse(reflectance) => Some(CoatableBsdf::Diffuse(reflectance)),
@@ -490,7 +493,7 @@ impl Bsdf {
     /// delta lobes.
     ///
     /// The angle is only about a fifth of the lobe's width: many paths sample the lobe, so each
-    /// needs to filter only its part of the texture.
+    /// path needs to filter only its own part of the texture.
     #[inline]
     #[must_use]
     pub fn ray_cone_spread(&self) -> f32 {
@@ -579,8 +582,8 @@ impl Bsdf {
         (crosses == sample.is_transmitted).then_some(sample)
     }
 
-    /// Samples a direction by a BSDF that stores photons; `None` if the path is absorbed, or if the
-    /// BSDF stores none.
+    /// Samples the direction in which a path continues, if this BSDF stores photons. Returns `None`
+    /// if the BSDF stores no photons, or if the path is absorbed.
     ///
     /// The unit normal `facing_ns` is the shading normal on the side of `wo`. `lobe` in \[0, 1)
     /// selects the lobe, and `u` in \[0, 1)² the direction.
@@ -611,8 +614,8 @@ impl Bsdf {
         }
     }
 
-    /// Samples a direction by a BSDF that stores no photons; `None` if the path is absorbed, or if
-    /// the BSDF stores photons.
+    /// Samples the direction in which a path continues, if this BSDF stores no photons. Returns
+    /// `None` if the BSDF stores photons, or if the path is absorbed.
     ///
     /// The arguments are those of [`Bsdf::sample`].
     #[inline]

@@ -37,15 +37,15 @@ const ALPHA_COUNT: usize = 25;
 /// Number of tabulated cosines, evenly spaced in [`cosine_grid_position`] from 0 to 1.
 const COSINE_COUNT: usize = 24;
 
-/// Number of points, and generator, of the Fibonacci lattice over \[0, 1)² that samples visible
-/// microfacets.
+/// Fibonacci lattice over \[0, 1)² that samples visible microfacets, as (number of points n,
+/// generator g). Point i is ((i + ½)/n, ((i·g mod n) + ½)/n).
 const FACET_LATTICE: (usize, usize) = (377, 144);
 
 /// Refractive index of an interface that reflects all light, the last node of the table.
 const REFLECTOR_INDEX: f64 = 1e9;
 
-/// Least cosine of incidence, divided by α, for which the table computes the fraction of lost
-/// light. A cosine of 0 would lead to 0/0.
+/// Least ratio of the cosine of incidence to α for which the table computes the fraction of lost
+/// light. Smaller cosines are replaced, because a cosine of 0 would lead to 0/0.
 const HORIZON_COSINE_PER_ALPHA: f64 = 1e-3;
 
 /// Number of integration intervals between two neighboring cosine nodes, for means over the
@@ -58,8 +58,8 @@ const RARE_SIDE: usize = 0;
 /// Index in arrays over the two sides of an interface: the side of higher refractive index.
 const DENSE_SIDE: usize = 1;
 
-/// Table entry for one refractive index and one roughness: fractions of light that are lost because
-/// they meet a second microfacet.
+/// Table entry for one refractive index and one roughness: fractions of light that meet a second
+/// microfacet. Without multiple scattering, this light is lost.
 #[derive(Debug)]
 struct LostLightEntry {
     /// Lost fraction of light, by side of arrival ([`RARE_SIDE`], [`DENSE_SIDE`]) and by number of
@@ -109,7 +109,7 @@ impl LostLightEntry {
 }
 
 /// Lost light at any refractive index and roughness: the fractions of light that meet a second
-/// microfacet. They are interpolated bilinearly between four table entries.
+/// microfacet. The fractions are interpolated bilinearly between four table entries.
 #[derive(Clone, Copy, Debug)]
 struct LostLight {
     entries: [&'static LostLightEntry; 4],
@@ -131,8 +131,8 @@ impl LostLight {
         Self::between_eta_nodes((ETA_COUNT - 1, 0.0), alpha)
     }
 
-    /// Interpolates at roughness `alpha`, and at a refractive index between the nodes `index.0` and
-    /// `index.0` + 1.
+    /// Interpolates the table at roughness `alpha`, and at a refractive index between the nodes
+    /// `index.0` and `index.0` + 1.
     ///
     /// `index.1` in \[0, 1] is the position between these nodes.
     #[inline]
@@ -144,7 +144,8 @@ impl LostLight {
         Self { entries, weights: [(1.0 - u) * (1.0 - v), (1.0 - u) * v, u * (1.0 - v), u * v], alpha }
     }
 
-    /// Returns the weighted mean of `value` over the four table entries.
+    /// Returns the mean of `value` over the four table entries, with the weights of bilinear
+    /// interpolation.
     #[inline]
     fn interpolate(&self, value: impl Fn(&LostLightEntry) -> f32) -> f64 {
         f64::from(self.entries.iter().zip(self.weights).map(|(entry, weight)| value(entry) * weight).sum::<f32>())
@@ -180,7 +181,8 @@ pub(super) struct MultipleConductorScattering {
 }
 
 impl MultipleConductorScattering {
-    /// Reflection at microfacets of roughness `alpha`. `cos_o` is the cosine of `wo`.
+    /// Creates the reflection at microfacets of roughness `alpha`. `cos_o` is the cosine between
+    /// `wo` and the normal.
     #[inline]
     pub(super) fn new(alpha: f32, cos_o: f64) -> Self {
         let loss = LostLight::of_reflector(f64::from(alpha));
@@ -233,10 +235,10 @@ pub(super) struct MultipleDielectricScattering {
 }
 
 impl MultipleDielectricScattering {
-    /// Scattering at microfacets of roughness `alpha`.
+    /// Creates the scattering at microfacets of roughness `alpha`.
     ///
     /// `eta` is the refractive index of the far side, relative to the side of `wo`. `cos_o` is the
-    /// cosine of `wo`.
+    /// cosine between `wo` and the normal.
     #[inline]
     pub(super) fn new(eta: f64, alpha: f32, cos_o: f64) -> Self {
         let (near, ratio) = if eta < 1.0 { (DENSE_SIDE, 1.0 / eta) } else { (RARE_SIDE, eta) };
@@ -356,7 +358,8 @@ fn cosine_at_grid_position(x: f64, alpha: f64) -> f64 {
     if b > 0.0 { 4.0 * x * alpha / (b + root) } else { 0.5 * (root - b) }
 }
 
-/// Cosine-weighted mean over the hemisphere of a function that has `values` at the cosine nodes.
+/// Cosine-weighted mean of a function over the hemisphere. `values` are the values of the function
+/// at the cosine nodes.
 fn cosine_weighted_mean(values: &[f32; COSINE_COUNT], alpha: f64) -> f64 {
     let intervals = (COSINE_COUNT - 1) * INTERVALS_PER_NODE;
     let squared_cosine = |i: usize| {
@@ -371,8 +374,8 @@ fn cosine_weighted_mean(values: &[f32; COSINE_COUNT], alpha: f64) -> f64 {
     (0..intervals).map(part).sum()
 }
 
-/// Returns the node at or below `x`, and the position of `x` between it and the next node, in
-/// \[0, 1].
+/// Returns the number of the node at or below `x`, and the position of `x` between this node and
+/// the next one, in \[0, 1].
 ///
 /// The `nodes` nodes are evenly spaced in \[0, 1] and numbered from 0.
 #[inline]

@@ -26,7 +26,8 @@ impl Phong {
     /// Creates the BRDF from the coefficients kd = `diffuse` ≥ 0 and ks = `specular` ≥ 0, and the
     /// exponent `shininess` ≥ 0.
     ///
-    /// If the BRDF could reflect more light than arrives, one factor scales all channels down.
+    /// If the BRDF could reflect more light than arrives, both coefficients are multiplied by the
+    /// same factor below 1 in all channels.
     #[must_use]
     pub fn new(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
         let total = diffuse + specular * (2.0 / (shininess + 2.0));

@@ -7,8 +7,8 @@ use glam::Vec3;
 
 /// A thin sheet: two parallel smooth interfaces, with all reflections between them.
 ///
-/// Transmitted light keeps its direction. The medium is the same on both sides, so radiance is not
-/// scaled.
+/// Transmitted light keeps its direction. The medium is the same on both sides, so refraction does
+/// not scale radiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinDielectric {
     /// Refractive index of the sheet, relative to its surroundings.
@@ -45,7 +45,8 @@ impl ThinDielectric {
     /// Transmittance for light that arrives along −`wo` and keeps its direction.
     ///
     /// `wo` points away from the sheet, `ns` is the shading normal on the side of `wo`, and `ng`
-    /// the geometric normal. The light of [`ThinDielectric::sample`] has the same expected value.
+    /// the geometric normal. Transmission by [`ThinDielectric::sample`] has the same weight on
+    /// average.
     #[inline]
     pub(super) fn straight_transmittance(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> Rgb {
         let (cos, ..) = reflection_cosine_and_direction(wo, ns, ng);
@@ -74,8 +75,8 @@ impl ThinDielectric {
     }
 }
 
-/// Cosine of incidence at a sheet, the mirrored direction of `wo`, and true if the geometric normal
-/// `ng` takes the place of the shading normal `ns`.
+/// Returns three values: the cosine of incidence at a sheet, the mirrored direction of `wo`, and
+/// true if the geometric normal `ng` was used instead of the shading normal `ns`.
 #[inline]
 fn reflection_cosine_and_direction(wo: Vec3, ns: Vec3, ng: Vec3) -> (f32, Vec3, bool) {
     let (mirrored, uses_geometric_normal) = dielectric::reflect_above_surface(wo, ns, ng);

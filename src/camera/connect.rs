@@ -27,7 +27,7 @@ impl Camera {
     /// `lens` in \[0, 1)² samples a point of the lens, as in [`Camera::generate_ray`]; `None` is
     /// the lens center. The connection is the camera ray from this lens point through `p`. Pixels
     /// average radiance over the film without a cosine. The importance is therefore the Jacobian
-    /// from the scene to the film (Veach 1997, section 8.3.2).
+    /// alone: film area per scene area (Veach 1997, section 8.3.2).
     #[must_use]
     pub fn connect_to_point(&self, p: Vec3, lens: Option<Vec2>) -> Option<CameraConnection> {
         let p = p.as_dvec3();
@@ -87,8 +87,9 @@ impl Camera {
         }
     }
 
-    /// Returns the motion vector on the film \[pixels to the right and down], from point `p`, seen
-    /// by this camera, to point `q`, seen by the camera `later`.
+    /// Returns the motion vector on the film \[pixels to the right and down]: from the film
+    /// position of point `p` in this camera to the film position of point `q` in the camera
+    /// `later`.
     ///
     /// A lens counts as a pinhole. In a panorama, the motion vector takes the shorter way around.
     /// Returns `None` if a camera does not connect to its point; see [`Camera::connect_to_point`].
@@ -118,8 +119,8 @@ impl Camera {
         turned(self).film_displacement(direction, &turned(later), direction)
     }
 
-    /// Calls `visit` with all film positions except `position` itself that have the same camera ray
-    /// as `position`, and lie on the film or at most `margin` \[pixels] outside.
+    /// Calls `visit` with every other film position that has the same camera ray as `position`, and
+    /// lies on the film or at most `margin` \[pixels] outside.
     ///
     /// Only panoramas have such positions: the picture repeats across its left and right edges, and
     /// continues beyond a pole, mirrored and shifted by half a turn. `position` must lie on the
@@ -158,8 +159,8 @@ impl Camera {
         DVec2::new(v.dot(self.pixel_right), v.dot(self.pixel_up)) / (self.pixel_size * self.pixel_size)
     }
 
-    /// Makes the connection of `p` to the camera ray that starts at `origin`; `None` if the points
-    /// coincide, or if the film position or `importance` is not finite.
+    /// Makes the connection of `p` to the camera ray that starts at `origin`; `None` if `p` and
+    /// `origin` coincide, or if the film position or `importance` is not finite.
     ///
     /// `offset` is the film position relative to the film's center \[pixels right and up].
     fn connection_from_ray_origin(

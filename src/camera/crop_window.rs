@@ -9,13 +9,13 @@ use std::str::FromStr;
 /// not included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CropWindow {
-    /// First column.
+    /// First column of pixels inside the window.
     pub left: u32,
-    /// First row.
+    /// First row of pixels inside the window.
     pub top: u32,
-    /// Column after the last one.
+    /// First column of pixels to the right of the window.
     pub right: u32,
-    /// Row after the last one.
+    /// First row of pixels below the window.
     pub bottom: u32,
 }
 
@@ -31,7 +31,7 @@ impl CropWindow {
         Self { left: 0, top: 0, right: width, bottom: height }
     }
 
-    /// Returns the width and height \[pixels].
+    /// Returns the width and height of the window \[pixels].
     #[must_use]
     pub fn size(self) -> (u32, u32) {
         (self.right - self.left, self.bottom - self.top)

@@ -14,12 +14,14 @@ pub enum FilterKind {
     Box,
     /// Tent filter of radius 1.
     Tent,
-    /// Gaussian filter with standard deviation ½, lowered so that it reaches 0 at the radius 1½.
+    /// Gaussian with standard deviation ½, minus a constant, so that the filter reaches 0 at the
+    /// radius 1½.
     Gaussian,
     /// Four-term Blackman–Harris window of radius 1½ (Harris 1978).
     #[default]
     BlackmanHarris,
-    /// Cubic filter of Mitchell and Netravali 1988 with B = C = ⅓ and radius 2; partly negative.
+    /// Cubic filter of Mitchell and Netravali 1988 with B = C = ⅓ and radius 2. It has negative
+    /// values.
     Mitchell,
 }
 
@@ -79,7 +81,8 @@ impl FilterKind {
     }
 }
 
-/// Number of intervals of the table [`Filter::quantiles`].
+/// Number of equal intervals into which the table [`Filter::quantiles`] divides the range \[0, 1]
+/// of u.
 const QUANTILE_CELL_COUNT: usize = 1024;
 
 /// Number of intervals of the table [`Filter::normalized_axis_values`], from the center to the
@@ -93,10 +96,11 @@ pub struct Filter {
     ///
     /// The pdf of the offsets is proportional to the absolute filter value.
     quantiles: [f32; QUANTILE_CELL_COUNT + 1],
-    /// Offset \[pixels] beyond which the filter is negative; infinite for a non-negative filter.
+    /// Distance \[pixels] from the pixel center along one axis beyond which the filter is negative;
+    /// infinite for a filter without negative values.
     negative_beyond: f32,
-    /// Ratio ∫|f| / ∫f for the filter f along one axis. Samples are drawn by |f|, so this ratio,
-    /// with the sign of f, is the weight of a sample along the axis.
+    /// Ratio ∫|f| / ∫f for the filter f along one axis. Offsets are sampled with a pdf proportional
+    /// to |f|. The weight of an offset along the axis is therefore this ratio, with the sign of f.
     absolute_over_signed_integral: f32,
     /// Distance from the pixel center beyond which the filter vanishes, along each axis \[pixels].
     radius: f32,

@@ -175,7 +175,8 @@ impl Camera {
     /// Returns the width of a pixel's footprint at the ray origin \[length], and its growth per
     /// unit of distance along the ray.
     ///
-    /// Both values are for the pixel at the center of the picture.
+    /// Both values are for the pixel at the center of the picture. An orthographic footprint does
+    /// not grow. All others have width 0 at the origin.
     #[inline]
     #[must_use]
     pub fn pixel_footprint_and_growth(&self) -> (f32, f32) {
@@ -187,7 +188,7 @@ impl Camera {
         }
     }
 
-    /// Returns a copy of the camera, translated by `by`.
+    /// Returns a copy of the camera, translated by the world-space vector `by` \[length].
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {
         Self { center: self.center + by, ..self }

@@ -55,12 +55,13 @@ pub enum Command {
     View(Box<ViewArguments>),
     /// Show which effects of light a scene needs, why, and what each costs
     Plan(Box<PlanArguments>),
-    /// Estimate the passes, time and photons that a given error takes, from a short pilot render
+    /// Estimate, from a short pilot render, the passes, time and photons needed for given errors
     #[command(visible_alias = "price")]
     Estimate(Box<EstimateArguments>),
-    /// Measure how the error of methods falls with time, or what each effect costs and adds
+    /// Measure how the error of rendering methods falls with time, or how much time each effect of
+    /// light costs and how much light it adds
     Study(Box<StudyArguments>),
-    /// Measure the difference of two pictures, and draw a map of it
+    /// Measure the error of a picture against a reference, and draw a map of the error
     Diff(Box<DiffArguments>),
     /// Inspect, repair and convert a mesh
     Mesh(Box<MeshArguments>),
@@ -70,9 +71,10 @@ pub enum Command {
     Merge(MergeArguments),
     /// Describe a film file: its scene, settings, passes and estimated error
     Film(FilmArguments),
-    /// Render on the machines of a farm
+    /// Render on many machines, by jobs of a batch system such as Slurm
     Farm(FarmArguments),
-    /// Convert a scene to scene text; meshes and pictures embedded in it become files
+    /// Convert a scene to the text format of this program; embedded meshes and pictures become
+    /// files
     Convert(ConvertArguments),
     /// Print a completion script for a shell
     Completions {
@@ -90,14 +92,14 @@ pub struct MethodArguments {
     #[arg(long, value_enum, default_value = "hybrid")]
     pub integrator: Algorithm,
 
-    /// Photon paths per pass that start in all directions, such as 500k or 2M; 0 for none. They
-    /// fill the interreflection map of hybrid and the indirect map of sppm, ppm and pm
+    /// Photon paths per pass that lights emit in all directions, such as 500k or 2M; 0 for none.
+    /// They fill the map of indirect light, which in hybrid leaves out the light of caustics
     /// [default: about 500k]
     #[arg(long, value_parser = parse_count, value_name = "N")]
     pub photons: Option<u32>,
 
-    /// Photon paths per pass that are aimed at glass, mirrors and other casters; 0 for none. They
-    /// fill the caustic map  [default: half as many as --photons]
+    /// Photon paths per pass that lights aim at casters, objects that cast caustics, such as glass
+    /// and mirrors; 0 for none. They fill the caustic map  [default: half as many as --photons]
     #[arg(long, value_parser = parse_count, value_name = "N")]
     pub caustic_photons: Option<u32>,
 
@@ -105,8 +107,8 @@ pub struct MethodArguments {
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub spp: Option<u32>,
 
-    /// Largest number of photons in a density estimate, at least 2; 0 for all within the radius
-    /// [default: 50 for caustics, else all]
+    /// Largest number of photons in a density estimate, at least 2; 0 for all photons within the
+    /// gather radius  [default: 50 for caustics, else all]
     #[arg(long, value_parser = parse_gather_count, value_name = "K")]
     pub gather_k: Option<u32>,
 
@@ -114,8 +116,8 @@ pub struct MethodArguments {
     #[arg(long, value_parser = parse_positive_length, value_name = "R")]
     pub radius: Option<f32>,
 
-    /// How fast gather radii shrink, in (0, 1]: variance falls as N^-ALPHA over N passes; 1 keeps
-    /// the radii. pm ignores it  [default: 2/3]
+    /// Controls how fast gather radii shrink, in (0, 1]: after N passes, variance has fallen as
+    /// N^-ALPHA. 1 keeps all radii. pm ignores this flag  [default: 2/3]
     #[arg(long, value_parser = parse_alpha, value_name = "ALPHA")]
     pub alpha: Option<f64>,
 
@@ -123,23 +125,23 @@ pub struct MethodArguments {
     #[arg(long, default_value = "epanechnikov", value_name = "NAME")]
     pub kernel: Kernel,
 
-    /// Final gathering of pm: none, bsdf (gather rays sampled from the BSDF) or importance (gather
-    /// rays guided by photons)
+    /// Final gathering of pm: none, bsdf (gather rays sampled from the BSDF) or importance (half of
+    /// the gather rays follow directions from which nearby photons came)
     #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
     pub final_gathering: FinalGathering,
 
-    /// Turn off the prefix rays of hybrid: extra camera rays that end at the first diffuse surface,
-    /// and that reduce the noise of highlights and caustics seen through glass
+    /// Turn off the prefix rays of hybrid. These extra camera rays end at the first diffuse
+    /// surface, and reduce the noise of highlights and caustics seen through glass
     #[arg(long)]
     pub no_prefix_rays: bool,
 
-    /// Sample an environment light by its brightness alone. By default, a pilot also finds from
-    /// which directions its light reaches each part of the scene
+    /// Choose directions to an environment light by its brightness alone. By default, a pilot also
+    /// finds which of these directions are unblocked in each part of the scene
     #[arg(long)]
     pub no_environment_guiding: bool,
 
-    /// Use no pilot to choose the points in fog from which shadow rays start. By default, a pilot
-    /// finds the lit parts of homogeneous media, and how many points a camera ray needs
+    /// Turn off the pilot that chooses where in fog shadow rays start. By default, the pilot finds
+    /// the lit parts of homogeneous media, and the number of such starting points per camera ray
     #[arg(long)]
     pub no_scatter_point_guiding: bool,
 
@@ -153,7 +155,8 @@ pub struct MethodArguments {
     #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]
     pub indirect_photons: IndirectPhotons,
 
-    /// Photon estimate in media: beams, beam-radiance or points
+    /// Photon estimate in media: beams (photon beams near the camera ray), beam-radiance (photons
+    /// near the camera ray) or points (photons near one point of the camera ray)
     #[arg(long, value_enum, default_value = "beams", value_name = "NAME")]
     pub volume: VolumeEstimator,
 
@@ -165,8 +168,8 @@ pub struct MethodArguments {
     #[arg(long, default_value = "blackman-harris", value_name = "NAME")]
     pub filter: FilterKind,
 
-    /// Distribute camera rays over pixels by the noise that a pilot pass finds. Their total number
-    /// does not change
+    /// Send more camera rays through pixels where a pilot pass finds more noise. The total number
+    /// of camera rays does not change
     #[arg(long)]
     pub adaptive: bool,
 
@@ -178,8 +181,8 @@ pub struct MethodArguments {
 /// The flag `--effects`: which effects of light are simulated.
 #[derive(Clone, Debug, Args)]
 pub struct EffectsArguments {
-    /// Effects to simulate: auto (those that the scene needs), all or none, then +EFFECT or
-    /// -EFFECT, separated by commas. `caustica plan` lists the effects
+    /// Effects of light to simulate: auto (those that the scene needs), all or none. +EFFECT or
+    /// -EFFECT after a comma turns one effect on or off. `caustica plan` lists the effects
     #[arg(long, allow_hyphen_values = true, value_name = "EFFECTS", default_value = "auto")]
     pub effects: EffectOverrides,
 }
@@ -218,13 +221,13 @@ pub struct RenderArguments {
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub passes: Option<u32>,
 
-    /// Stop after the pass whose end is nearest to this time, such as 60s or 5m; loading and pilots
-    /// count  [default: 5m; no limit with --passes or --target-error]
+    /// Stop after the pass whose end is nearest to this time, such as 60s or 5m. Loading and pilots
+    /// are part of the time  [default: 5m; no limit with --passes or --target-error]
     #[arg(long, value_parser = parse_duration, value_name = "TIME")]
     pub time: Option<Duration>,
 
     /// Stop after the pass in which the estimated relative error is at most this, such as 2%. The
-    /// estimate has noise and bias  [default: 3%; none with --passes or --time]
+    /// true error may be larger  [default: 3%; none with --passes or --time]
     #[arg(long, value_parser = parse_relative_error, value_name = "ERROR", conflicts_with = "no_error_estimate")]
     pub target_error: Option<f64>,
 
@@ -243,18 +246,18 @@ pub struct RenderArguments {
     #[arg(long, value_name = "FILE")]
     pub aov: Option<PathBuf>,
 
-    /// Take albedo, normal and other surface layers of --aov from the first surface, even if it is
-    /// a mirror or smooth glass
+    /// Take albedo, normal and other surface layers of --aov from the first surface. By default,
+    /// they come from the first surface that is not a mirror or smooth glass
     #[arg(long, requires = "aov")]
     pub aov_first_hit: bool,
 
-    /// Also write direct, indirect and caustic light as layers of --aov, which add up to the
+    /// Also write direct, indirect and caustic light as layers of --aov, whose sum is the
     /// picture
     #[arg(long)]
     pub light_groups: bool,
 
     /// Do not estimate the error. Saves a little time and memory; the same passes give the same
-    /// picture. Without --passes and --time, makes 16 passes (path 32; sppm, ppm and pm 20)
+    /// picture. Without --passes and --time, stop after 16 passes (path: 32; sppm, ppm and pm: 20)
     #[arg(long, visible_alias = "no-gauge")]
     pub no_error_estimate: bool,
 
@@ -269,7 +272,8 @@ pub struct RenderArguments {
     #[cfg_attr(feature = "view", arg(conflicts_with_all = ["listen", "tev"]))]
     pub frames: Option<FrameRange>,
 
-    /// Number of frames of a full turn of --frames  [default: the end of --frames]
+    /// Number of frames in which the camera of --frames makes a full turn  [default: the end of
+    /// --frames]
     #[arg(long, value_name = "N", value_parser = parse_positive_count, requires = "frames")]
     pub turn: Option<u32>,
 
@@ -289,13 +293,14 @@ pub struct RenderArguments {
     #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
     pub update: Duration,
 
-    /// Show the render on a live page at this address while it goes on  [default: a free port of
-    /// 127.0.0.1]
+    /// Show the render on a live page at this address while it goes on  [default without ADDR:PORT:
+    /// a free port of 127.0.0.1]
     #[cfg(feature = "view")]
     #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:0")]
     pub listen: Option<ListenAddress>,
 
-    /// Send the picture to the viewer tev during the render  [default: 127.0.0.1:14158]
+    /// Send the picture to the viewer tev during the render  [default without HOST:PORT:
+    /// 127.0.0.1:14158]
     #[cfg(feature = "view")]
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1")]
     pub tev: Option<TevAddress>,
@@ -358,15 +363,15 @@ pub struct EstimateArguments {
     #[command(flatten)]
     pub effects: EffectsArguments,
 
-    /// Relative errors, such as 2%, whose cost is estimated
+    /// Target errors, such as 2%: relative errors for which the cost of a render is estimated
     #[arg(long, value_parser = parse_relative_error, value_delimiter = ',', default_value = "10%,5%,3%,2%,1%", value_name = "ERROR,…")]
     pub errors: Vec<f64>,
 
-    /// Algorithms to compare with --integrator; a table shows which is the fastest
+    /// Further algorithms whose costs are estimated; a table shows which algorithm is the fastest
     #[arg(long, value_enum, value_delimiter = ',', value_name = "METHOD,…")]
     pub compare: Vec<Algorithm>,
 
-    /// Duration of the pilot render, which makes at least eight passes
+    /// Duration of the pilot render. The pilot takes longer if it has not made eight passes by then
     #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
     pub pilot: Duration,
 

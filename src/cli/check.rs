@@ -43,8 +43,8 @@ pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &
     lines.iter().map(|line| replace_control_characters(line)).collect()
 }
 
-/// Returns a warning if the camera sees no object, and one if no photon can be stored, one line
-/// each.
+/// Returns up to two warnings, one line each: that the camera sees no object, and that no surface
+/// or medium can store photons although the scene has lights and specular objects.
 fn visibility_and_receiver_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let features = SceneFeatures::from_scene(scene);
     let mut warnings = Vec::new();

@@ -21,11 +21,12 @@ pub struct ConvertArguments {
     /// Scene to read
     pub scene: PathBuf,
 
-    /// Scene text to write. Meshes, pictures and grids of the scene become files beside it
+    /// Scene file to write, in the text format of this program. Meshes, pictures and grids of the
+    /// scene become files beside it
     #[arg(required_unless_present = "output_flag")]
     pub output: Option<PathBuf>,
 
-    /// Scene text to write; another way to give the output
+    /// Scene file to write; another way to give the output
     #[arg(short, long = "output", id = "output_flag", value_name = "FILE", conflicts_with = "output")]
     pub output_flag: Option<PathBuf>,
 
@@ -38,7 +39,7 @@ pub struct ConvertArguments {
 }
 
 impl ConvertArguments {
-    /// Returns the file to write, which the command line gives with or without `-o`.
+    /// Returns the path of the scene file to write, given by `-o` or as the second argument.
     #[must_use]
     pub fn output_file(&self) -> Option<&PathBuf> {
         self.output.as_ref().or(self.output_flag.as_ref())

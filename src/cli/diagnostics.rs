@@ -26,9 +26,11 @@ pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
     Some(format!("note: {paths}, no photon stored: {}", flux_fractions_text(&audit)))
 }
 
-/// Returns a text with three fractions of the emitted photon flux: absorbed, escaped, and stopped.
+/// Returns a text with three fractions of the emitted photon flux: absorbed, escaped from the
+/// scene, and stopped.
 ///
-/// Flux is stopped at the bounce limit, or where no later photon of the path could be stored.
+/// A photon path is stopped at the bounce limit, or where no later photon of the path would be
+/// stored.
 fn flux_fractions_text(audit: &EnergyAudit) -> String {
     let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();
     let emitted = sum(audit.emitted);

@@ -101,7 +101,7 @@ fn estimate_method_cost(
     report.map_err(|e| CommandFailure::new(Exit::Interrupted, e))
 }
 
-/// Renders the pilot: a short render from which costs are extrapolated.
+/// Renders the pilot, a short render whose error and times give the forecasts of full renders.
 ///
 /// Returns the result of the pilot, and the expected time of each pass after the first \[s].
 fn render_pilot(

@@ -19,7 +19,7 @@ pub enum Exit {
     Output = 3,
     /// Pictures differ by more than `caustica diff` allows.
     Differ = 4,
-    /// The engine of a farm is missing or refuses a job, or parts of the render failed on it.
+    /// The batch system of a farm is missing or refuses a job, or parts of the render failed there.
     Farm = 5,
     /// A signal such as Ctrl-C interrupted the command. The first signal still writes the outputs;
     /// a later one ends the program without them.
@@ -66,8 +66,8 @@ impl CommandFailure {
     }
 }
 
-/// Installs the style of error reports, which prints each cause of an error once. Call this before
-/// the first report is made.
+/// Installs the style of error reports. In this style, each message in a chain of causes is printed
+/// once. Call this before the first report is made.
 pub(super) fn install_report_style() {
     // A second call in one process fails and changes nothing.
     let _ = miette::set_hook(Box::new(|diagnostic| {

@@ -6,9 +6,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// Advisory lock that keeps two processes of `caustica` from using one file. The lock is held on a
-/// second file beside it, with `.lock` added to the name.
+/// second file beside it, whose name is that of the file with `.lock` added.
 ///
-/// All symbolic links to the file share its lock.
+/// The name is made after symbolic links are resolved, so all links to a file share its lock.
 pub(super) struct FileLock {
     path: PathBuf,
     /// Open file that holds the lock. The system releases the lock when the process ends.
@@ -44,7 +44,8 @@ impl Drop for FileLock {
     }
 }
 
-/// True if `path` names the open file `file`.
+/// True if the file at `path` is the open file `file`, not a later file of this name: device and
+/// inode are equal.
 #[cfg(unix)]
 fn is_file_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -52,8 +53,8 @@ fn is_file_at(file: &File, path: &Path) -> bool {
     open.is_ok_and(|open| named.is_ok_and(|named| (open.dev(), open.ino()) == (named.dev(), named.ino())))
 }
 
-/// True if `path` names the open file `file`. Systems other than Unix do not remove open files, so
-/// an existing file at `path` is `file`.
+/// True if the file at `path` is the open file `file`. On systems other than Unix, an open file
+/// cannot be removed, so any file at `path` is `file`.
 #[cfg(not(unix))]
 fn is_file_at(_: &File, path: &Path) -> bool {
     path.exists()

@@ -25,21 +25,22 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Shortest time between two saves of a film, as a multiple of the time that a save takes. So saves
-/// take at most 1 % of a render.
+/// Shortest time between two saves of a film, in units of the time that the last save took. So
+/// saves take at most 1 % of a render.
 const MIN_INTERVAL_SAVE_RATIO: u32 = 100;
 
 /// Memory of `caustica merge` beside its films: the program, and buffers for reading and writing
 /// \[bytes].
 const MERGE_MEMORY_RESERVE: u64 = 64 << 20;
 
-/// Flag with which a render saves a film without data for the error estimate.
+/// Flag that turns off the error estimate. The film of such a render lacks the data for the
+/// estimate.
 const NO_ERROR_ESTIMATE_FLAG: &str = "--no-error-estimate";
 
-/// Flag with which a render saves a film that has light groups.
+/// Flag that adds light groups (direct, indirect and caustic light) to a film.
 const LIGHT_GROUPS_FLAG: &str = "--light-groups";
 
-/// Flag with which a render clamps the light of each camera path.
+/// Flag that limits the radiance of each camera path.
 const CLAMP_FLAG: &str = "--clamp";
 
 /// Arguments of `film`.
@@ -61,7 +62,7 @@ pub(super) struct FilmReadError {
     source: FilmFileError,
 }
 
-/// Error: a film belongs to another scene or to other settings.
+/// Error: a film was rendered from another scene or with other settings than this render.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the film `{}` is of another render:\n{}", path.display(), differences.join("\n"))]
 #[diagnostic(help("render with the settings of `caustica film {}`, or choose another film file", path.display()))]
@@ -76,7 +77,7 @@ pub(super) struct FilmOfOtherRenderError {
 #[diagnostic(help("wait for its end, or choose another film file"))]
 struct FilmInUseError(PathBuf);
 
-/// Error: a film holds passes that do not belong to the shard to render.
+/// Error: a film holds passes outside of the shard that `--shard` names.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the film `{}` holds passes {passes}, which are not those of --shard", path.display())]
 #[diagnostic(help("give each part of the passes a film file of its own"))]
@@ -85,8 +86,8 @@ struct FilmOfOtherShardError {
     passes: String,
 }
 
-/// Film file of a running render, and the time of its next save. The file is locked against other
-/// processes until the value is dropped.
+/// Film file of a running render, with the time of its next save. The file stays locked against
+/// other processes until this value is dropped.
 pub(super) struct LockedFilmFile<'a> {
     path: &'a Path,
     header: FilmHeader,
@@ -122,8 +123,8 @@ pub(super) fn check_film_memory(paths: &[PathBuf], count: usize, memory: Option<
     Ok(())
 }
 
-/// Returns a limit of `--memory` \[bytes] that is enough for `caustica merge` to merge films with
-/// this header.
+/// Returns a number of bytes for `--memory` that lets `caustica merge` merge films with this
+/// header.
 pub(super) fn merge_memory(header: &FilmHeader) -> u64 {
     let size = (header.width, header.height);
     let film = check_layered_picture_memory(size, film_layers(header), None);
@@ -137,7 +138,7 @@ fn read_header(path: &Path) -> Result<FilmHeader, CommandFailure> {
     read().map_err(|source| CommandFailure::new(Exit::Input, FilmReadError { path: path.to_owned(), source }))
 }
 
-/// Writes a film file. An existing file is replaced as a whole.
+/// Writes a film file. An existing file is replaced atomically: by a temporary file and a rename.
 pub(super) fn write_film(path: &Path, header: &FilmHeader, rendered: &RenderResult) -> Result<(), WriteError> {
     replace_file_with(path, |file| {
         let mut out = BufWriter::new(file);
@@ -181,11 +182,13 @@ pub(super) struct FilmHeaderSettings<'a> {
     pub no_error_estimate: bool,
     /// True if the flag `--light-groups` is given.
     pub light_groups: bool,
-    /// Largest radiance of a camera path \[W/(m² sr)]; `None` without `--clamp`.
+    /// Largest radiance that one camera path may add \[W/(m² sr)]: the value of `--clamp`; `None`
+    /// without this flag.
     pub clamp: Option<f32>,
     /// Window of the picture to render; `None` for the whole picture.
     pub crop: Option<CropWindow>,
-    /// Number of passes of the whole render, if the film holds only a part of them; else `None`.
+    /// Number of passes of the whole render if the film holds only one shard of them; `None` for a
+    /// film without `--shard`.
     pub planned_passes: Option<u32>,
 }
 
@@ -210,7 +213,7 @@ impl FilmHeaderSettings<'_> {
     }
 }
 
-/// Returns the layers that a film with this header holds besides the picture.
+/// Returns the layers besides the picture that a film with this header holds, such as light groups.
 fn film_layers(header: &FilmHeader) -> LayerSelection {
     let has = |flag: &str| header.settings.iter().any(|word| word == flag);
     LayerSelection {
@@ -222,9 +225,9 @@ fn film_layers(header: &FilmHeader) -> LayerSelection {
     }
 }
 
-/// Returns the header of the film of a render. `size` is the width and height of the film, and
-/// `whole` is the width and height that the picture has without `--crop` \[pixels]. `scene` is the
-/// scene file, and `inputs` are the files that it names.
+/// Returns the header of the film of a render. `size` is the width and height of the film
+/// \[pixels]; `whole` is the size of the picture without `--crop`. `scene` is the scene file, and
+/// `inputs` are the files that it names.
 ///
 /// Call this function right after loading. It returns a failure if a file changed since it was
 /// read.
@@ -279,8 +282,8 @@ impl<'a> LockedFilmFile<'a> {
         Ok((Self { path, header, interval, next_save: Instant::now() + interval, _lock: lock }, rendered))
     }
 
-    /// Returns a failure if `rendered` has a pass whose index is not in `numbers`, the passes of
-    /// the shard.
+    /// Returns a failure if `rendered` has a pass outside of `numbers`, the pass indices of the
+    /// shard.
     pub fn check_shard(&self, rendered: &RenderResult, numbers: Range<u32>) -> Result<(), CommandFailure> {
         let mut shard = PassSet::default();
         shard.insert(numbers);
@@ -310,7 +313,8 @@ impl<'a> LockedFilmFile<'a> {
         write_film(self.path, &self.header, rendered)
     }
 
-    /// Returns a line that says how many passes the film file already held when this render began.
+    /// Returns a line for the terminal: the render continues the film file, which holds the passes
+    /// of `rendered`.
     pub fn continuation_line(&self, rendered: &RenderResult) -> String {
         let passes = count_with_noun(rendered.film.passes() as usize, "pass", "passes");
         format!("continuing {}: {passes}", self.path.display())

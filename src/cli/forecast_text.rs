@@ -8,7 +8,8 @@ use crate::study::text::percent_text;
 pub(super) const BIAS_REMEDY: &str =
     "the rest is bias of this method: choose a smaller --radius, or --integrator sppm or hybrid, whose radii shrink";
 
-/// Usage error: a flag needs an error estimate, but the algorithm `raycast` makes none.
+/// Usage error: a flag needs an error estimate, but the algorithm is `raycast`, which makes only
+/// one pass and no estimate.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} needs an error estimate, and raycast makes one pass, which has none")]
 #[diagnostic(help("leave it out, or choose another --integrator"))]
@@ -16,7 +17,7 @@ pub(super) struct ErrorEstimateUnsupportedError {
     pub flag: &'static str,
 }
 
-/// Returns an estimated error and its parts, such as `2.1 % (noise 1.9 %, bias 0.8 %)`.
+/// Returns an estimated error with its noise and bias, such as `2.1 % (noise 1.9 %, bias 0.8 %)`.
 pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
     format!(
         "{} (noise {}, bias {})",
@@ -26,12 +27,12 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
     )
 }
 
-/// Returns a text about the time until a render reaches `target`, such as `; 1.0 % in about 42 s
-/// (35 s to 50 s)`.
+/// Returns a text that says when a render reaches the relative error `target`, such as `; 1.0 % in
+/// about 42 s (35 s to 50 s)`.
 ///
-/// `estimate` is the error estimated so far, and `forecast` predicts the number of passes that
-/// reach `target`. `pass_seconds` is the time of one pass \[s]. The text is empty if the estimated
-/// error is 0.
+/// `estimate` is the error of the passes so far. `forecast` predicts the number of passes that
+/// reach `target`. `pass_seconds` is the time of one pass \[s]. The text is empty if the error so
+/// far is 0.
 pub(super) fn time_to_target_text(
     estimate: &ErrorEstimate,
     target: ErrorTarget,

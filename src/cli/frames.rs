@@ -10,11 +10,11 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Largest allowed `end` of a [`FrameRange`]. It bounds the number of output files, which are all
-/// checked before the first frame is rendered.
+/// Largest allowed `end` of a [`FrameRange`]. Limits the number of output files, because all of
+/// them are checked before the first frame is rendered.
 const MAX_FRAME_END: u32 = 10_000;
 
-/// Range of frame numbers to render, without its end, such as `0..48`: value of `--frames`.
+/// Range of frame numbers to render: value of `--frames`. `0..48` means the frames 0 to 47.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRange {
     /// Number of the first frame to render.
@@ -44,7 +44,8 @@ impl FromStr for FrameRange {
     }
 }
 
-/// Error: the name of an output file has no place, or more than one, for the number of a frame.
+/// Error: the name of an output file must contain `%d` or `%04d` once, as the place of the frame
+/// number, but contains none or several.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} `{}` has no single place for the number of a frame", path.display())]
 #[diagnostic(help("write %04d where the number is to stand, such as frame-%04d.png"))]
@@ -78,23 +79,25 @@ pub(super) fn frame_path(flag: &'static str, path: &Path, frame: u32) -> Result<
     numbered.ok_or_else(|| FrameNameError { flag, path: path.to_owned() })
 }
 
-/// Cameras of a turntable: the scene's camera, turned about an axis through the point `pivot`, at
-/// which all of them look.
+/// Cameras of a turntable: the scene's camera, turned about an axis through the point `pivot`. All
+/// these cameras look at `pivot`.
 pub(super) struct Turntable {
     /// Camera of frame 0, in the coordinates of the scene description.
     initial_camera: Camera,
     pivot: DVec3,
-    /// Unit vector about which the camera turns.
+    /// Direction of the axis about which the camera turns: the up vector of the scene's camera, as
+    /// a unit vector.
     axis: DVec3,
     /// Number of frames of a full turn.
     frames_per_turn: u32,
 }
 
 impl Turntable {
-    /// Makes the turntable of a scene with a full turn of `frames` frames.
+    /// Makes the turntable of a scene, whose camera makes a full turn in `frames` frames.
     ///
     /// If the scene names a point that the camera looks at, the camera turns about that point. If
-    /// the scene gives a viewing direction instead, the camera turns about [`pivot`].
+    /// the scene gives a viewing direction instead, the camera turns about the surface point
+    /// [`pivot`].
     pub fn new(
         scene: &Scene,
         description: &CameraDescription,
@@ -111,8 +114,8 @@ impl Turntable {
         Ok(Self { initial_camera: scene.camera_in_description(), pivot, axis, frames_per_turn: frames })
     }
 
-    /// Returns the camera of a frame; `None` if it is the scene's own camera, as at frame 0 and
-    /// after each full turn. The camera moves to the right as frame numbers rise.
+    /// Returns the camera of a frame. Returns `None` at frame 0 and after each full turn, where the
+    /// camera is that of the scene. The camera moves to the right as frame numbers rise.
     pub fn camera(&self, frame: u32) -> Option<Camera> {
         let step = frame % self.frames_per_turn;
         let angle = TAU * f64::from(step) / f64::from(self.frames_per_turn);

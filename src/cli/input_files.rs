@@ -16,7 +16,7 @@ use std::sync::{Mutex, PoisonError};
 #[derive(Clone, Debug)]
 pub(super) struct InputFile {
     pub path: PathBuf,
-    /// Stamp of the file before reading; `None` if there was no such file.
+    /// Modification time and length of the file before reading; `None` if there was no such file.
     stamp: Option<FileStamp>,
 }
 
@@ -75,8 +75,8 @@ impl MeshReadMonitor for InputFileCollector<'_> {
     }
 }
 
-/// Returns the digests of the scene file and of the `inputs` that it names, sorted by name and
-/// digest.
+/// Returns the SHA-256 digests of the scene file and of `inputs`, the files that it names, sorted
+/// by name and digest.
 ///
 /// Returns a failure if a file has changed since it was read: its digest would not describe the
 /// loaded scene.
@@ -99,10 +99,10 @@ pub(super) fn input_digests(scene: &InputFile, inputs: &[InputFile]) -> Result<V
     Ok(digests)
 }
 
-/// Returns the name of the file at `path` in films of the scene file `scene`: the path from the
-/// scene's folder, or the name alone if the file lies outside of that folder.
+/// Returns the name under which a film of the scene file `scene` stores the file at `path`: its
+/// path relative to the scene's folder, or only its file name if it lies outside of that folder.
 ///
-/// So a scene folder that is copied to another place gives equal names.
+/// So the names stay equal if the scene folder is copied to another place.
 fn film_input_name(path: &Path, scene: &Path) -> String {
     let (file, scene) = (normal_path(path), normal_path(scene));
     let inside = scene.parent().and_then(|folder| file.strip_prefix(folder).ok());
@@ -113,8 +113,7 @@ fn film_input_name(path: &Path, scene: &Path) -> String {
     parts.join("/")
 }
 
-/// Returns the absolute path of a file without the components `.` and `..`. Symbolic links are not
-/// resolved.
+/// Returns the absolute path of a file, with `.` and `..` removed. Symbolic links are not resolved.
 fn normal_path(path: &Path) -> PathBuf {
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let mut normal = PathBuf::new();

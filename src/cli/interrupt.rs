@@ -9,12 +9,13 @@ use super::progress::{clear_progress_bar, print_message};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time after the first signal during which further signals count as the same interruption.
+/// Time after the first signal within which further signals are ignored, because they belong to the
+/// same interruption.
 ///
-/// When a terminal closes, both the shell and the system send SIGHUP.
+/// When a terminal closes, for example, both the shell and the system send SIGHUP.
 const SAME_INTERRUPTION_TIME: Duration = Duration::from_secs(1);
 
-/// Text that tells what a render still does after the first interrupting signal, or after a stop
+/// Message about what a render still does after the first interrupting signal, or after a stop
 /// request of the live page.
 pub(super) const STOP_CONSEQUENCE: &str = "the picture so far is written after this pass";
 
@@ -41,10 +42,10 @@ pub(super) fn listen_for_signals(consequence: &'static str) {
     });
 }
 
-/// Ends the work after the current pass, at the request of a user on the live page. `consequence`
-/// says what the command still does, as for [`listen_for_signals`].
+/// Ends the work after the current pass, because a user asked for it on the live page.
+/// `consequence` says what the command still does, as for [`listen_for_signals`].
 ///
-/// A later signal counts as the first one, because the user of the terminal may not know of the
+/// A later signal counts as a first signal, because the user of the terminal may not know of the
 /// request.
 #[cfg(feature = "view")]
 pub(super) fn stop_on_request(consequence: &str) {
@@ -64,8 +65,8 @@ enum SignalAction {
     EndProcess,
 }
 
-/// Returns the reaction to a signal at the time `now`. Stores the time of the first signal in
-/// `first`.
+/// Returns the reaction to a signal at the time `now`. `first` is the time of the first signal;
+/// this function sets it if it is `None`.
 fn act_on_signal(first: &mut Option<Instant>, now: Instant) -> SignalAction {
     match *first {
         None => {
@@ -96,7 +97,7 @@ fn spawn_signal_handler(mut handle: impl FnMut() + Send + 'static) {
 }
 
 /// Returns a bit mask of the signals that this process ignores: bit n − 1 stands for signal n.
-/// `None` if they are unknown.
+/// Returns `None` if the system does not tell.
 #[cfg(unix)]
 fn ignored_signals() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

@@ -27,8 +27,8 @@ pub(super) fn read_reference(path: Option<&Path>) -> Result<Option<LiveFrame>, C
     Ok(Some(LiveFrame::from_image(&image)))
 }
 
-/// Prints the URL of a live page. It is printed even if the command is quiet, because the secret
-/// token in the URL is shown nowhere else.
+/// Prints the URL of a live page, even with `--quiet`, because the secret token in the URL is shown
+/// nowhere else.
 pub(super) fn print_page_address(server: &PageServer) {
     print_message(&format!("live page: {}", server.url()));
 }

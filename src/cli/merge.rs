@@ -39,7 +39,7 @@ pub struct MergeArguments {
     pub quiet: bool,
 }
 
-/// Error: a film cannot be added to the films named before it.
+/// Error: a film cannot be added to the sum of the films that the command line names before it.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("cannot add the film `{}`: {source}", path.display())]
 #[diagnostic(help("`caustica film FILE` lists the passes of a film"))]

@@ -6,7 +6,7 @@ use miette::Report;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// A file that a command reads or writes, with its role for error messages.
+/// A file that a command reads or writes. Error messages name the file by its role.
 #[derive(Clone, Debug)]
 pub(super) struct FileWithRole {
     /// Flag such as `--stats`, or role such as "the scene file".
@@ -23,7 +23,7 @@ impl FileWithRole {
     }
 }
 
-/// Error: one file has two roles, such as two outputs.
+/// Error: one file has two roles that exclude each other, such as two outputs.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{} `{}` and {} `{}` are the same file", output.role, output.path.display(), other.role, other.path.display())]
 #[diagnostic(help("choose another path for {}", output.role))]

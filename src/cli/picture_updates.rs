@@ -7,8 +7,8 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Shortest time between two updates, as a multiple of the time that an update takes. So updates
-/// take at most 1 % of a render.
+/// Shortest time between two updates of the picture files, in units of the time that the last
+/// update took. So updates take at most 1 % of a render.
 const MIN_INTERVAL_UPDATE_RATIO: u32 = 100;
 
 /// Writer of the pictures of an unfinished render.
@@ -18,9 +18,9 @@ pub(super) struct PictureUpdater<'a> {
     paths: &'a [PathBuf],
     options: &'a WriteOptions,
     interval: Duration,
-    /// Earliest time of the next update; `None` before the first one.
+    /// Earliest time of the next update; `None` before the first update.
     next_update: Option<Instant>,
-    /// True after a file could not be written. No update follows.
+    /// True after a file could not be written. No further updates follow.
     failed: bool,
 }
 
@@ -31,10 +31,10 @@ impl<'a> PictureUpdater<'a> {
         Self { paths, options, interval, next_update: None, failed: false }
     }
 
-    /// Writes the picture of `film`, the mean of its passes, if an update is due.
+    /// Writes the picture of `film`, which is the mean of all passes so far, if an update is due.
     ///
-    /// An error ends the updates with a warning. The render goes on, because the file may be
-    /// writable at its end.
+    /// After an error, prints a warning and makes no more updates. The render goes on, because the
+    /// file may be writable again when the render ends.
     pub fn update_if_due(&mut self, film: &Film) {
         let start = Instant::now();
         if self.failed || self.next_update.is_some_and(|next| start < next) {

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 /// Flags for writing picture files: tone curve, exposure and bits per channel.
 #[derive(Clone, Debug, Args)]
 pub struct PictureArguments {
-    /// Tone curve of PNG: srgb, filmic or course (linear bytes)  [default: srgb; course for
-    /// raycast]
+    /// Tone curve of PNG: srgb, filmic or course (linear: bytes are proportional to
+    /// radiance)  [default: srgb; course for raycast]
     #[arg(long, value_name = "NAME")]
     pub tone: Option<ToneCurve>,
 
@@ -78,8 +78,8 @@ pub(super) fn picture_flags(arguments: &PictureArguments) -> Vec<String> {
     flags
 }
 
-/// Writes `picture` to `paths`. Prints which files were written, and warns of pixels that they
-/// cannot store. Collects errors in `failures`.
+/// Writes `picture` to each of `paths`. Prints which files were written, and warns of pixels whose
+/// values a file cannot store. Collects errors in `failures`.
 pub(super) fn write_pictures<'a>(
     paths: impl Iterator<Item = &'a PathBuf>,
     picture: &Image,

@@ -6,8 +6,9 @@ use glam::{DVec3, Vec2};
 /// Returns the surface point that the center of the picture shows, in the coordinates of the scene
 /// description.
 ///
-/// If the camera ray through the picture's center hits no surface, returns the point of this ray
-/// nearest to the center of the scene, but at least a tenth of the scene's radius from the camera.
+/// If the camera ray through the picture's center hits no surface, returns the point of the ray
+/// that is nearest to the center of the scene. A point closer to the camera than a tenth of the
+/// scene's radius is moved to that distance.
 pub(super) fn pivot(scene: &Scene) -> DVec3 {
     let camera = scene.camera();
     let (width, height) = camera.size();

@@ -51,8 +51,8 @@ pub(super) fn simulated_effects_line(plan: &Plan) -> String {
     format!("plan: {}; without {}", names(|d| d.is_simulated), names(|d| !d.is_simulated))
 }
 
-/// Prints the plan and the work of a pass. Warns of needed effects that the plan omits, of caustics
-/// that are found only by chance, and of light from media that is omitted.
+/// Prints the plan, and the numbers of rays and photons of a pass. Warns of needed effects and of
+/// light from media that `integrator` omits, and of caustics that it finds only by chance.
 pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay) {
     progress.print_line(&simulated_effects_line(integrator.plan()));
     pass_work_lines(integrator).iter().for_each(|line| progress.print_line(line));
@@ -65,15 +65,16 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay
     }
 }
 
-/// True if the render simulates caustics of the scene, but `integrator` traces no photons.
+/// True if the render simulates caustics of the scene, but `integrator` traces no photons. Camera
+/// paths then find caustics only by chance.
 ///
-/// The estimated error of the picture then leaves out the caustics that no camera path hit.
+/// The estimated error of the picture leaves out the caustics that no camera path hit.
 pub(super) fn finds_caustics_only_by_chance(integrator: &dyn Integrator) -> bool {
     integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none()
 }
 
-/// Returns lines that describe the work of a pass: its numbers of rays and photons, the fraction of
-/// indirect light that comes from photon estimates, and the gain by guided shadow rays.
+/// Returns lines about the work of a pass: its numbers of rays and photons, the fraction of
+/// indirect light that comes from photon estimates, and the variance that guided shadow rays save.
 pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
     let counts = integrator.ray_photon_balance().map(|balance| pass_counts_line(&balance));
     let prefix_rays = prefix_rays_line(integrator.prefix_rays_per_pixel());
@@ -82,11 +83,12 @@ pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
     lines.flatten().collect()
 }
 
-/// Warning for a scene with caustics and an algorithm without photons.
+/// Warning for a scene with caustics if the algorithm traces no photons.
 const UNSAMPLED_CAUSTICS_WARNING: &str = "warning: this method finds caustics only by chance: of small lights rarely, of point lights never. \
     The estimated error does not include what it misses. hybrid and sppm find caustics by photons";
 
-/// Warning for a scene with emitting media and an algorithm that does not light surfaces with them.
+/// Warning for a scene with emitting media if the light of media does not reach surfaces in this
+/// algorithm.
 const OMITTED_MEDIUM_LIGHT_WARNING: &str = "warning: with this method, media that emit light are seen but light nothing. \
     hybrid, path and pm with gather rays find their light";
 
@@ -103,7 +105,8 @@ fn pass_counts_line(balance: &RayPhotonBalance) -> String {
     line
 }
 
-/// Returns a line with `mean`, the mean number of prefix rays per pixel; `None` if it is 0.
+/// Returns a line with `mean`, the mean number of prefix rays per pixel. Returns `None` if `mean`
+/// is 0.
 ///
 /// Prefix rays are extra camera rays that end at the first surface or medium that stores photons.
 fn prefix_rays_line(mean: f64) -> Option<String> {
@@ -120,8 +123,9 @@ fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
     (integrator.interreflection_photon_weight(0) > 0.0).then_some(text)
 }
 
-/// Returns a line that says how much guiding lowers the variance of shadow rays to the environment
-/// light; `None` if passes do not guide these rays.
+/// Returns a line with the factor by which guiding lowers the variance of shadow rays to the
+/// environment light. Guided rays go where a pilot found unblocked light. `None` if no ray is
+/// guided.
 fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.environment_guiding_report().filter(|report| report.used)?;
     let percent = percent_text(report.contributing_fraction);
@@ -132,8 +136,8 @@ fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     ))
 }
 
-/// Returns a line that says how much variance falls because shadow rays from fog start in lit parts
-/// of the fog; `None` if passes do not guide these rays.
+/// Returns a line with the factor by which the variance of camera paths falls because shadow rays
+/// from fog start in lit parts of the fog; `None` if passes do not choose these starts.
 fn scatter_point_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.scatter_point_guiding_report().filter(|report| report.used)?;
     Some(format!(
@@ -169,8 +173,8 @@ fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &Expected
     text
 }
 
-/// Returns counts of rays, and of photons summed in density estimates, as text, such as
-/// `+1.9 M rays, +3.0 M gathered`.
+/// Returns work counts as text, such as `+1.9 M rays, +3.0 M gathered`. Gathered photons are those
+/// that density estimates sum.
 ///
 /// The callback `number` formats a count.
 fn work_counts_text(work: WorkCounts, number: fn(f64) -> String) -> String {
@@ -202,11 +206,11 @@ struct PlanCommandReport {
     /// Fraction in \[0, 1] of indirect light that comes from photon estimates in the first pass.
     /// The rest comes from camera paths.
     indirect_photon_share: f64,
-    /// Report of the pilot that guides shadow rays to the environment; `None` if there was no such
-    /// pilot.
+    /// Report of the pilot simulation that finds from which directions environment light reaches
+    /// the scene, to guide shadow rays; `None` if there was no such pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
-    /// Report of the pilot that finds where in media shadow rays should start; `None` if there was
-    /// no such pilot.
+    /// Report of the pilot simulation that finds the lit parts of media, in which shadow rays then
+    /// start; `None` if there was no such pilot.
     scatter_point_guiding: Option<ScatterPointGuidingReport>,
     effects: Vec<EffectCostReport>,
 }
@@ -231,8 +235,8 @@ pub(super) struct EffectDecisionReport {
     /// True if the scene needs the effect and the algorithm can simulate it.
     needed: bool,
     reason: String,
-    /// Visible flaw of a picture without the effect; `None` unless the scene needs the effect and
-    /// the plan omits it.
+    /// Visible flaw of a picture without the effect, if the scene needs the effect but the plan
+    /// omits it; else `None`.
     flaw: Option<&'static str>,
 }
 

@@ -34,7 +34,7 @@ pub(super) fn clear_progress_bar() {
     }
 }
 
-/// Prints warnings of samples and photons that were left out because they were not finite. A
+/// Prints warnings of samples and photons that were left out because they were infinite or NaN. A
 /// correct render has none.
 pub(super) fn warn_of_rejected_samples(counters: &Counters) {
     for (n, what) in [(counters.rejected_samples, "samples"), (counters.rejected_photons, "photons")] {
@@ -59,7 +59,7 @@ pub(super) enum ProgressDisplay {
 pub(super) struct ProgressBarLabels {
     /// Text about the current work, such as `pass 3/20` or `AOVs`.
     pub(super) work: String,
-    /// Expected end of the whole render; `None` if unknown.
+    /// Time at which the whole render is expected to end; `None` if unknown.
     end: Option<Instant>,
     /// Number of triangles of all meshes that were read so far.
     triangles: usize,
@@ -136,8 +136,8 @@ impl ProgressDisplay {
         }
     }
 
-    /// Restarts this display's bar at zero; does nothing for other displays. The bar is full after
-    /// `total` units of progress.
+    /// Restarts this display's bar at zero; does nothing if the display has no bar. The bar is full
+    /// after `total` units of progress, such as photon paths.
     fn restart_progress_bar(
         &self,
         style: Result<ProgressStyle, indicatif::style::TemplateError>,
@@ -202,7 +202,7 @@ impl ProgressMonitor for ProgressDisplay {
     }
 }
 
-/// Smallest number of triangles of a mesh for which a line reports that the mesh was read.
+/// Smallest number of triangles of a large mesh. A line reports when a large mesh has been read.
 const LARGE_MESH_TRIANGLES: usize = 1_000_000;
 
 impl MeshReadMonitor for ProgressDisplay {

@@ -48,10 +48,11 @@ use crate::view::{PlanReport, RenderPublisher, RenderStage};
 use std::ops::Range;
 use std::time::Instant;
 
-/// Label of the progress bar while surface AOVs are rendered.
+/// Text on the progress bar while surface AOVs are rendered.
 const AOV_LABEL: &str = "AOVs";
 
-/// Number of rays per pixel with which surface AOVs are rendered for the live page.
+/// Number of camera rays per pixel for the surface AOVs (albedo, normal and others) of the live
+/// page.
 #[cfg(feature = "view")]
 const LIVE_AOV_PIXEL_RAYS: u32 = 4;
 
@@ -102,8 +103,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     with_thread_pool(&arguments.scene, || load_scene_and_render(arguments, &progress))
 }
 
-/// Returns a failure if the algorithm is `raycast`, and a flag needs simulated light or an error
-/// estimate. The flags are `--clamp`, `--light-groups` and `--target-error`.
+/// Returns a failure if the algorithm is `raycast` and one of three flags is given: `--clamp` and
+/// `--light-groups` need simulated light, and `--target-error` needs an error estimate.
 pub(super) fn check_raycast_flags(
     settings: &FilmHeaderSettings<'_>,
     target_error: Option<f64>,
@@ -124,8 +125,8 @@ pub(super) fn check_raycast_flags(
     Ok(())
 }
 
-/// Returns the size (width, height) of the picture to render \[pixels]. This is the size of the
-/// window `crop`, or `whole`, the size of the whole picture, if `crop` is `None`.
+/// Returns the width and height of the picture to render \[pixels]: those of the window `crop`, or
+/// `whole` if `crop` is `None`. `whole` is the size of the whole picture.
 pub(super) fn rendered_picture_size(crop: Option<CropWindow>, whole: (u32, u32)) -> Result<(u32, u32), CommandFailure> {
     match crop {
         Some(window) if window.fits_into(whole) => Ok(window.size()),
@@ -134,7 +135,8 @@ pub(super) fn rendered_picture_size(crop: Option<CropWindow>, whole: (u32, u32))
     }
 }
 
-/// Loads the scene and renders it: once, each frame of `--frames`, or both eyes of `--stereo`.
+/// Loads the scene and renders all its pictures: each frame of `--frames`, both eyes of `--stereo`,
+/// or else one picture.
 fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay) -> Result<Exit, CommandFailure> {
     let start = Instant::now();
     #[cfg(feature = "view")]
@@ -174,11 +176,11 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     exit
 }
 
-/// Renders `scene`, and writes all outputs.
+/// Renders one picture of `scene`, and writes all its outputs.
 ///
 /// `film_header` is the header of the film of `--film`; `None` without this flag. The limit of
-/// `--time` counts from `start`: the time at which loading began, or at which this picture began if
-/// there are several. `live` publishes the render on the live page.
+/// `--time` counts from `start`: the time at which loading began or, if there are several pictures,
+/// at which this picture began. `live` publishes the render on the live page.
 fn render_scene(
     arguments: &RenderArguments,
     scene: &Scene,
@@ -287,8 +289,8 @@ fn render_scene(
     outputs.write(progress, setup, &render_limits(arguments), &stop, lights_are_black)
 }
 
-/// Returns the layers besides the picture that the command line asks for. Each of them takes
-/// memory.
+/// Returns the layers that the command line asks for besides the picture, such as light groups.
+/// Each of these layers takes memory.
 fn requested_layers(arguments: &RenderArguments, estimates_error: bool) -> LayerSelection {
     LayerSelection {
         estimates_error,
@@ -305,8 +307,8 @@ fn requested_layers(arguments: &RenderArguments, estimates_error: bool) -> Layer
     }
 }
 
-/// Returns two values for `--shard`: the indices (from 0) of the passes of the shard, and a copy of
-/// `stop` that ends the render after these passes.
+/// Returns the indices (from 0) of the passes of `--shard`, and a copy of `stop` that ends the
+/// render after these passes.
 ///
 /// Without `--shard`, returns all indices and an unchanged `stop`.
 fn shard_passes_and_stop<'a>(
@@ -364,8 +366,8 @@ fn render_limits(arguments: &RenderArguments) -> RenderLimits {
     }
 }
 
-/// Renders albedo, normal and the other surface AOVs of all pixels, and shows progress; `None` if
-/// the render is cancelled.
+/// Renders albedo, normal and the other surface AOVs of all pixels, and shows progress. Returns
+/// `None` if the user cancels the render.
 fn find_surface_aovs(
     arguments: &RenderArguments,
     scene: &Scene,
@@ -380,8 +382,8 @@ fn find_surface_aovs(
     render_surface_aovs(scene, effects, settings, surface, SURFACE_AOV_RAYS, progress)
 }
 
-/// Returns the surface along a camera ray that the AOVs describe: the first, or the first that is
-/// not specular.
+/// Returns which surface along a camera ray the AOVs describe: the first with `--aov-first-hit`,
+/// else the first that is not specular.
 fn aov_surface(arguments: &RenderArguments) -> AovSurface {
     if arguments.aov_first_hit { AovSurface::First } else { AovSurface::FirstNonSpecular }
 }

@@ -10,7 +10,8 @@ use crate::render::{EndReason, ErrorTarget, RenderLimits, RenderResult, StopCrit
 use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
 
-/// Version of the JSON schema. It rises when a field's name or meaning changes.
+/// Version of the JSON schema of the report. The version rises when a field's name or meaning
+/// changes.
 const SCHEMA: u32 = 3;
 
 /// JSON report that `--stats` writes.
@@ -42,8 +43,8 @@ pub(super) struct RenderReport {
     pub photons: PhotonReports,
     /// Estimated error; `None` after too few passes, with `--no-error-estimate`, or for `raycast`.
     pub error: Option<EstimatedErrorReport>,
-    /// Light that clamping removed, as a fraction of the light without clamping; `None` without
-    /// clamping.
+    /// Light that `--clamp` removed, as a fraction of the light of the picture without clamping;
+    /// `None` without this flag.
     pub clamped_fraction: Option<f64>,
     pub counters: Counters,
     pub seconds: RenderTimes,
@@ -52,7 +53,8 @@ pub(super) struct RenderReport {
     pub cpu_seconds: Option<f64>,
 }
 
-/// Limits of the render. The field `ended` of [`RenderReport`] names the limit that it reached.
+/// Limits of the render. The field `ended` of [`RenderReport`] names the limit that ended the
+/// render.
 #[derive(Debug, Serialize)]
 pub(super) struct LimitsReport {
     /// True if the command line has none of `--passes`, `--time` and `--target-error`. The limits
@@ -91,12 +93,13 @@ pub(super) struct EstimatedErrorReport {
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     #[serde(rename = "confidence")]
     pub interval_confidence: Confidence,
-    /// Predicted total number of passes of a render that stops at half of the present error (median
-    /// of the forecast). `None` if it is unknown, or if no number of passes halves the error.
+    /// Predicted number of passes after which the error is half of the present error (median of the
+    /// forecast), including the passes so far. `None` if it is unknown, or if bias keeps the error
+    /// above this half.
     #[serde(rename = "halving_passes")]
     halving_total_passes: Option<u32>,
-    /// Expected further time until `halving_total_passes` passes are made \[s]; `None` if
-    /// `halving_total_passes` is `None`.
+    /// Expected further time until `halving_total_passes` is reached \[s]; `None` if that field is
+    /// `None`.
     #[serde(rename = "halving_seconds")]
     halving_seconds_left: Option<f64>,
 }
@@ -122,20 +125,22 @@ impl EstimatedErrorReport {
     }
 }
 
-/// Largest gather radii of the first pass.
+/// Largest gather radius of each photon map in the first pass. In later passes, radii may be
+/// smaller.
 #[derive(Debug, Serialize)]
 pub(super) struct GatherRadiiReport {
     /// Largest gather radius of the indirect map in the first pass \[length].
     ///
-    /// The indirect map holds photons of all indirect light. In `hybrid`, the map holds only light
-    /// of caustics that a surface or medium has reflected or scattered further.
+    /// The indirect map holds the photons of all indirect light. In `hybrid`, the map holds only
+    /// light that a surface or medium reflected or scattered after the light had formed a caustic.
     #[serde(rename = "global")]
     pub indirect: f32,
     /// Largest gather radius of the caustic map in the first pass \[length].
     pub caustic: f32,
 }
 
-/// Counts and flux of photon paths, by their directions of emission.
+/// Counts and flux of photon paths, separately for paths that start in all directions and for paths
+/// aimed at casters.
 #[derive(Debug, Serialize)]
 pub(super) struct PhotonReports {
     /// Photon paths that start in all directions (unaimed): those of `--photons`.
@@ -151,20 +156,20 @@ pub(super) struct PhotonReports {
 pub(super) struct RenderTimes {
     /// Time before the first pass; see [`RenderSetup::setup_seconds`].
     pub setup: f64,
-    /// Times of the stages of all passes.
+    /// Time of each stage of a pass, such as photon tracing, summed over all passes.
     #[serde(flatten)]
     pub passes: StageTimes,
     /// Time of all passes.
     pub render: f64,
 }
 
-/// Mean numbers of photon paths and rays per second of a render.
+/// Mean numbers of photon paths and of rays that a render traces per second of wall time.
 #[derive(Debug, Serialize)]
 pub(super) struct RenderRates {
-    /// Emitted photon paths, divided by the time of the photon stages.
+    /// Number of emitted photon paths, divided by the time spent on tracing photons \[1/s].
     #[serde(rename = "photons_per_second")]
     pub photon_paths_per_second: f64,
-    /// Rays of all kinds, divided by the time of all passes.
+    /// Number of rays of all kinds, divided by the time of all passes \[1/s].
     pub rays_per_second: f64,
 }
 
@@ -183,8 +188,8 @@ pub(super) struct RenderSetup {
     pub scatter_point_guiding: Option<ScatterPointGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
-    /// Time before the first pass \[s]: loading the scene and preparing the algorithm. Loading does
-    /// not count if there are several pictures (`--frames`, `--stereo`).
+    /// Time before the first pass \[s]: loading the scene and preparing the algorithm. If there are
+    /// several pictures (`--frames`, `--stereo`), loading is left out, because they share it.
     pub setup_seconds: f64,
 }
 

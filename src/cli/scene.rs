@@ -99,8 +99,8 @@ pub(super) fn resolve_scene_file(
     Ok(resolve_scene_file_incrementally(None, file, arguments, monitor)?.scene)
 }
 
-/// Builds the scene that `file` describes, within the memory limit of the command line. Unchanged
-/// meshes and bounding volume hierarchies are shared with the `earlier` version of the scene.
+/// Builds the scene that `file` describes, within the memory limit of the command line. Meshes and
+/// bounding volume hierarchies that are unchanged since `earlier` are shared with that scene.
 pub(super) fn resolve_scene_file_incrementally(
     earlier: Option<&ResolvedScene>,
     file: &SceneFile,

@@ -14,7 +14,8 @@ pub struct ImportArguments {
     #[arg(long, help = scene_format_help(), value_parser = parse_scene_format, value_name = "EXTENSION")]
     pub format: Option<String>,
 
-    /// Refuse a scene if anything in it is ignored or approximated, instead of warning
+    /// Refuse a scene with anything that would be ignored or approximated, instead of printing
+    /// warnings
     #[arg(long)]
     pub strict: bool,
 
@@ -24,8 +25,8 @@ pub struct ImportArguments {
 }
 
 impl ImportArguments {
-    /// Returns the flags with which another command reads the scene in the same way. `--strict` is
-    /// left out, because it changes no scene.
+    /// Returns the flags with which another command reads the scene in the same way. Leaves out
+    /// `--strict`, which only refuses scenes.
     pub(super) fn reproducing_flags(&self) -> Vec<String> {
         let format = self.format.iter().flat_map(|format| ["--format".to_owned(), format.clone()]);
         format.chain(self.allow_outside.then(|| "--allow-outside".to_owned())).collect()
@@ -128,7 +129,7 @@ mod tests {
         }
     }
 
-    /// Returns the words in the help text of the argument `id` of all commands that read a scene.
+    /// Returns the words of the help text of the argument `id` of [`SceneArguments`].
     fn words_of_help(id: &str) -> Vec<String> {
         let command = SceneArguments::augment_args(clap::Command::new("render"));
         let argument = command.get_arguments().find(|argument| argument.get_id() == id).unwrap();

@@ -129,10 +129,10 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
     }
 }
 
-/// Returns the flags that reproduce `arguments`: first `--integrator`, then all flags whose value
-/// is not the default. Leaves out the seed.
+/// Returns the flags that reproduce `arguments` and `overrides`: first `--integrator`, then all
+/// flags whose value is not the default. Leaves out the seed.
 ///
-/// `effects_flag` is the name of the flag for `overrides`: `--effects` or `--simulate`.
+/// `effects_flag` is the name of the flag that stands for `overrides`: `--effects` or `--simulate`.
 pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, overrides: EffectOverrides) -> Vec<String> {
     let MethodArguments {
         kernel, final_gathering, volume, light_tracing, indirect_photons, max_bounces, filter, ..

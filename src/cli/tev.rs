@@ -21,14 +21,14 @@ impl TevOutput {
         Self { client: TevClient::start(address.clone(), report), name: scene.to_owned() }
     }
 
-    /// Sends the picture and its light groups, unless they were sent too recently; see
-    /// [`TevClient::queue_image_if_due`].
+    /// Sends the picture and its light groups to the viewer, unless the last images were sent too
+    /// recently; see [`TevClient::queue_image_if_due`].
     pub fn send_if_due(&mut self, rendered: &RenderResult) {
         self.client.queue_image_if_due(&self.name, rendered.film.size(), || picture_and_group_layers(rendered));
     }
 
-    /// Sends the final picture. If `has_layers` is true, also sends the layers of `--aov`, as a
-    /// second image.
+    /// Sends the final picture to the viewer. If `has_layers` is true, also sends the layers of
+    /// `--aov` as a second image.
     ///
     /// Waits at most a few seconds for the viewer to read the images. Prints a warning if the
     /// viewer is slower.

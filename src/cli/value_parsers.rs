@@ -47,10 +47,10 @@ pub(super) fn parse_positive_count(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Parses the largest number of photons in a density estimate; 1 is refused.
+/// Parses the largest number of photons in a density estimate. Refuses 1.
 ///
-/// The farthest photon only sets the radius of the gather disc. Its flux is not counted, so an
-/// estimate with one photon would be 0.
+/// The farthest of these photons only sets the radius of the gather disc: its flux is not counted.
+/// So an estimate with one photon would be 0.
 pub(super) fn parse_gather_count(text: &str) -> Result<u32, String> {
     match parse_count(text)? {
         1 => Err(
@@ -149,7 +149,7 @@ pub(super) fn parse_positive_factor(text: &str) -> Result<f64, String> {
 }
 
 /// Parses the parameter α of progressive photon mapping, in (0, 1]. Gather radii shrink faster for
-/// smaller α; 1 keeps them.
+/// smaller α. For α = 1, they stay constant.
 pub(super) fn parse_alpha(text: &str) -> Result<f64, String> {
     parse_number_where(text, |x| x > 0.0 && x <= 1.0)
         .ok_or_else(|| format!("`{text}` is not an exponent of the radii: write a number above 0 and at most 1"))
@@ -188,7 +188,8 @@ pub(super) fn parse_degrees(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("`{text}` is not an angle between faces: write degrees from 0 to 180"))
 }
 
-/// Parses the limit of a flag such as `--max-rmse` or `--max-flip`: a number of at least zero.
+/// Parses a limit above which a flag such as `--max-rmse` reports a failure: a number of at least
+/// zero.
 pub(super) fn parse_upper_bound(text: &str) -> Result<f64, String> {
     parse_number_where(text, |x| x >= 0.0)
         .ok_or_else(|| format!("`{text}` is not a bound: write a number of at least 0"))

@@ -73,7 +73,7 @@ impl DispersionFormula {
 
     /// Returns a lower and an upper bound of the refractive index between two wavelengths \[nm].
     ///
-    /// Returns `None` if the index is not positive and finite in between.
+    /// Returns `None` if the index is not positive and finite at some wavelength between them.
     fn refractive_index_bounds_between(&self, from: f64, to: f64) -> Option<[f64; 2]> {
         // Each term is monotonic between the wavelengths, so its bounds are at the ends.
         let mut sum = [0.0f64; 2];

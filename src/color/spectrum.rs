@@ -13,7 +13,7 @@ use glam::DVec3;
 use std::sync::LazyLock;
 
 /// Shortest and longest wavelength over which spectra are integrated \[nm]. Beyond them, each RGB
-/// response is below 10⁻⁴ of its maximum.
+/// color matching function is below 10⁻⁴ of its maximum.
 const INTEGRATION_BAND_NM: [u32; 2] = [360, 830];
 
 /// Constant 2hc² of Planck's law \[W m²/sr].
@@ -25,7 +25,8 @@ const SECOND_RADIATION_CONSTANT: f64 = 1.438_776_877e-2;
 /// Wien's displacement constant \[m K]: the wavelength of a blackbody's peak times its temperature.
 const WIEN_CONSTANT: f64 = 2.897_771_955e-3;
 
-/// Bounds to which [`conductor_refractive_index`] clamps the reflectance at normal incidence.
+/// Bounds to which [`conductor_refractive_index`] clamps the reflectance at normal incidence. A
+/// reflectance of 1 would need an infinite k.
 const CONDUCTOR_REFLECTANCE_BOUNDS: [f64; 2] = [1e-4, 0.9999];
 
 /// Least η (real part of the refractive index) that [`conductor_refractive_index`] returns.
@@ -81,7 +82,8 @@ static RGB_RESPONSES_AND_SUM: LazyLock<(Vec<DVec3>, DVec3)> = LazyLock::new(|| {
     (responses, sum)
 });
 
-/// Sum of the luminance response over [`INTEGRATION_BAND_NM`] \[nm].
+/// Luminance of the RGB color matching functions, summed over [`INTEGRATION_BAND_NM`] in steps of 1
+/// nm \[nm].
 static LUMINANCE_RESPONSE_SUM: LazyLock<f64> =
     LazyLock::new(|| RGB_RESPONSES_AND_SUM.0.iter().map(|rgb| luminance(*rgb)).sum());
 
@@ -171,7 +173,8 @@ impl Spectrum {
         reflectance_rgb(|nm| self.value(nm))
     }
 
-    /// Returns the linear RGB color of light with this spectrum, in the unit of its values.
+    /// Returns the linear RGB color of light with this spectrum, in the unit of the spectrum's
+    /// values.
     ///
     /// The luminance is the mean of the values, weighted by the luminous efficiency. D65 is white,
     /// and a constant spectrum is slightly red. Negative channels become 0.
@@ -195,7 +198,7 @@ impl Spectrum {
     }
 
     /// Returns the mean of the spectrum for each RGB channel, weighted by the positive part of the
-    /// channel's response.
+    /// channel's color matching function.
     ///
     /// Use this for quantities that are not colors, such as refractive indices and absorption
     /// coefficients: each mean lies between the least and the greatest value.
@@ -229,9 +232,10 @@ fn reflectance_rgb(reflectance: impl Fn(f64) -> f64) -> DVec3 {
 
 /// Returns the RGB refractive index (η, k) of a conductor from the spectra of η and k.
 ///
-/// At normal incidence, the result reflects the RGB color of the spectral reflectance, with each
-/// channel clamped to \[10⁻⁴, 0.9999]. η is the mean of `eta` by [`Spectrum::channel_means`],
-/// clamped to the range in which some k gives this color. k follows from the color and η.
+/// At normal incidence, a conductor with this index has the RGB color of the spectral reflectance.
+/// Each channel of the color is clamped to \[10⁻⁴, 0.9999]. η is the mean of `eta` by
+/// [`Spectrum::channel_means`], clamped to the range in which some k gives this color. k follows
+/// from the color and η.
 #[must_use]
 pub fn conductor_refractive_index(eta: &Spectrum, k: &Spectrum) -> (DVec3, DVec3) {
     let reflectance = reflectance_rgb(|nm| {

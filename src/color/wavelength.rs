@@ -14,7 +14,8 @@ use super::rgb::{Rgb, xyz_to_rgb};
 use glam::DVec3;
 use std::sync::LazyLock;
 
-/// Number of wavelength intervals. The responses of the RGB channels are constant in each interval.
+/// Number of equal intervals into which the band of 380 to 720 nm is divided. The response of each
+/// RGB channel is constant in each interval.
 ///
 /// The number fits a byte: [`Wavelength::byte_code`] is the index of an interval plus 1.
 const RESPONSE_INTERVAL_COUNT: usize = 255;
@@ -65,13 +66,15 @@ impl Wavelength {
     /// Factor on the RGB throughput of a path that sampled this wavelength: the response of each
     /// channel over the pdf.
     ///
-    /// The mean over the three channels is 1. The expected value of each channel is 1.
+    /// The mean of the factor over the three channels is 1. The expected value of each channel over
+    /// all sampled wavelengths is 1 too.
     #[must_use]
     pub fn weight(self) -> Rgb {
         RESPONSE_TABLE.weights[self.response_interval_index()]
     }
 
-    /// Code of the wavelength: a number from 1 to 255.
+    /// Code of the wavelength: the index of its interval, plus 1. The code is a number from 1 to
+    /// 255.
     ///
     /// [`Wavelength::from_byte_code`] restores the wavelength within 2/3 nm.
     #[must_use]
@@ -79,8 +82,8 @@ impl Wavelength {
         1 + self.response_interval_index() as u8
     }
 
-    /// Returns the wavelength of a code from [`Wavelength::byte_code`]; `None` for 0, which stands
-    /// for all wavelengths.
+    /// Returns the wavelength of a code from [`Wavelength::byte_code`]. Returns `None` for the code
+    /// 0, which marks light that carries all wavelengths.
     #[must_use]
     pub fn from_byte_code(code: u8) -> Option<Self> {
         let step = code.checked_sub(1)?;

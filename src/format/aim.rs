@@ -17,8 +17,8 @@ pub enum DirectionOrTarget {
 }
 
 impl DirectionOrTarget {
-    /// Returns the given direction, or the vector from the point `from` to the target; of any
-    /// length.
+    /// Returns the view direction, not normalized: the given direction, or the vector from the
+    /// point `from` to the target.
     pub(super) fn direction_from(self, from: DVec3) -> DVec3 {
         match self {
             Self::Direction(direction) => direction,
@@ -29,8 +29,8 @@ impl DirectionOrTarget {
 
 /// Parses the field `direction` or `lookAt` of a camera or light at the position `center`.
 ///
-/// Returns the field as written, and the direction that results, of any length. `center_name` is
-/// the keyword of the field that holds `center`, for error messages.
+/// Returns the parsed field, and the direction from `center` that the field gives (not normalized).
+/// `center_name` is the keyword of the field that holds `center`, for error messages.
 pub(super) fn parse_direction_or_target(
     f: &BlockFields<'_>,
     center_name: &str,
@@ -46,7 +46,7 @@ pub(super) fn parse_direction_or_target(
     Ok((DirectionOrTarget::Target(value), direction))
 }
 
-/// Writes the field `direction` or `lookAt`.
+/// Writes `aim` as the field `direction` or the field `lookAt`.
 pub(super) fn write_direction_or_target(out: &mut SceneWriter<'_, '_>, aim: DirectionOrTarget) -> fmt::Result {
     match aim {
         DirectionOrTarget::Direction(direction) => out.write_vec3("direction", direction),

@@ -6,10 +6,10 @@ use crate::image::Image;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Meshes, pictures and grids that a scene file itself contains. Each map's key is the path by
-/// which the scene description names the item.
+/// Meshes, pictures and grids whose data the scene file itself contains. Each map's key is the path
+/// by which the scene description refers to the item.
 ///
-/// A path that is listed here is not looked up in the file system.
+/// The file system is not searched for a path that is listed here.
 #[derive(Clone, Debug, Default)]
 pub struct EmbeddedAssets {
     /// Meshes of `TriangleMesh` shapes.

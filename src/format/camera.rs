@@ -28,7 +28,7 @@ pub struct CameraDescription {
     pub aim: DirectionOrTarget,
     /// Direction that appears upward in the picture; not parallel to the view.
     pub up: DVec3,
-    /// Projection of the camera.
+    /// Projection to the picture: perspective, orthographic, or a panorama.
     pub projection: ProjectionDescription,
     /// Picture width in pixels.
     pub width: u32,
@@ -41,7 +41,7 @@ pub struct CameraDescription {
     pub motion: Vec<TransformStep>,
 }
 
-/// Projection of a camera.
+/// Projection of a scene to the camera's picture, with the parameters of its kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProjectionDescription {
     /// Perspective through a pinhole or a thin lens.
@@ -51,7 +51,7 @@ pub enum ProjectionDescription {
         /// Lens; `None` for a pinhole.
         lens: Option<LensDescription>,
     },
-    /// Orthographic projection.
+    /// Projection along parallel rays, so that size does not depend on distance.
     Orthographic {
         /// Height of the visible region in scene units, above 0.
         view_height: f64,
@@ -76,8 +76,8 @@ pub struct LensDescription {
 pub enum ApertureDescription {
     /// Lens radius in scene units, at least 0.
     Radius(f64),
-    /// The f-number: focal length over lens diameter. The focal length follows from the sensor
-    /// height and the field of view.
+    /// The f-number N: focal length f over lens diameter. The sensor height h and the vertical
+    /// field of view θ give f = h/(2 tan(θ/2)), so the lens radius is f/(2N).
     FNumber {
         /// The f-number, above 0.
         number: f64,
@@ -102,13 +102,14 @@ pub(super) static CAMERA_BLOCK_PARSERS: &[BlockParser<ParseProjection>] = &[
     BlockParser { block: &PANORAMA, parse: parse_panorama_projection },
 ];
 
-/// Function that converts the parsed fields of a camera block to the camera's projection.
+/// Function that converts the parsed fields of a camera block to the camera's projection. Its
+/// second argument is the camera's position and view direction.
 type ParseProjection = fn(&BlockFields<'_>, &CameraPose) -> Result<ProjectionDescription, SceneError>;
 
 /// Position and view direction of a camera.
 pub(super) struct CameraPose {
     center: DVec3,
-    /// View direction, of any length.
+    /// View direction, not normalized.
     direction: DVec3,
     /// The field `direction` or `lookAt`, as the scene text states it.
     aim: DirectionOrTarget,
@@ -249,7 +250,8 @@ fn parse_panorama_projection(_: &BlockFields<'_>, _: &CameraPose) -> Result<Proj
     Ok(ProjectionDescription::Panorama)
 }
 
-/// Parses the lens of a camera that looks along `view`; `None` for a pinhole.
+/// Parses the lens of a camera whose position and view direction are `view`. Returns `None` for a
+/// pinhole.
 fn parse_lens(f: &BlockFields<'_>, view: &CameraPose) -> Result<Option<LensDescription>, SceneError> {
     if f.get("aperture").is_none() && f.get("fNumber").is_none() {
         let rule = "has no effect without `aperture` or `fNumber`";
@@ -336,7 +338,8 @@ fn write_lens(out: &mut SceneWriter<'_, '_>, lens: &LensDescription) -> fmt::Res
 
 /// Returns the camera that a scene describes.
 ///
-/// Fails if single precision cannot represent its view, or if `up` is parallel to the view.
+/// Fails if its field of view or its lens is too extreme for single precision, or if `up` is
+/// parallel to the view direction.
 pub(super) fn resolve_camera(
     described: &Spanned<CameraDescription>,
     source: &SourceText,
@@ -372,8 +375,8 @@ const MAX_DIRECTION_ERROR: f64 = 1.0 / 16_777_216.0;
 
 /// Greatest tangent of the angle between the view direction and a corner of the picture.
 ///
-/// At this angle, the rounding error of a ray direction moves a corner by 1/256 of its distance
-/// from the picture's center.
+/// For a corner with this tangent, the rounding error of a ray direction moves the corner by 1/256
+/// of its distance from the picture's center.
 const MAX_CORNER_TANGENT: f64 = 65_536.0;
 
 /// Fails if the field of view of a perspective picture is too narrow or too wide for single
@@ -402,8 +405,8 @@ fn check_field_of_view(angle: f64, (width, height): (u32, u32)) -> Result<(), Me
 /// Least focus distance \[length]. Its square is far from underflow in single precision.
 const MIN_FOCUS_DISTANCE: f64 = 1e-12;
 
-/// Greatest lens radius and focus distance \[length]. Single precision can hold their squares and
-/// products.
+/// Greatest lens radius and focus distance \[length]. Up to this value, single precision can hold
+/// the squares and products of both.
 const MAX_RADIUS_OR_FOCUS: f64 = 1e12;
 
 /// Fails unless the lens radius is below 10¹² and the focus distance inside \[10⁻¹², 10¹²).
@@ -419,9 +422,10 @@ fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
     Ok(())
 }
 
-/// Returns the lens of a camera at `center` that looks along `direction`.
+/// Converts the description of a camera's lens to the renderer's [`Lens`]. The camera is at
+/// `center` and looks along `direction`.
 ///
-/// `angle` is the vertical field of view in degrees.
+/// `angle` is the vertical field of view in degrees, from which the focal length follows.
 fn resolve_lens(lens: &LensDescription, angle: f64, center: DVec3, direction: DVec3) -> Lens {
     let radius = match lens.aperture {
         ApertureDescription::Radius(radius) => radius,

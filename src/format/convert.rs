@@ -32,9 +32,9 @@ pub struct ConvertedScene {
 impl ConvertedScene {
     /// Converts `scene` to a text that is to be saved as the file `output`. Writes no file.
     ///
-    /// Names of mesh, picture and grid files begin with the file stem of `output`. If `output` is
-    /// not in the folder of the scene, paths of existing files become absolute, so that they stay
-    /// valid.
+    /// Names of mesh, picture and grid files begin with the file stem of `output`. Paths of
+    /// existing files become absolute if `output` is not in the folder of the scene, because
+    /// relative paths would then lead nowhere.
     #[must_use]
     pub fn new(scene: &SceneFile, output: &Path) -> Self {
         let mut description = scene.description.clone();
@@ -77,8 +77,8 @@ impl ConvertedScene {
     }
 }
 
-/// Returns the absolute path of a file or folder with symbolic links resolved; `None` if it does
-/// not exist.
+/// Returns the absolute path of a file or folder, in which symbolic links are replaced by their
+/// targets. Returns `None` if the file or folder does not exist.
 fn canonical_path(path: &Path) -> Option<PathBuf> {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     path.canonicalize().ok()

@@ -12,10 +12,11 @@ pub(super) const DEFAULT_ASPECT_RATIO: f64 = 4.0 / 3.0;
 /// Largest aspect ratio (width : height) of a picture. The smallest is its inverse.
 const MAX_ASPECT_RATIO: f64 = 20.0;
 
-/// Returns a camera with a picture of [`DEFAULT_PICTURE_HEIGHT`] and the aspect ratio `aspect`
-/// (width : height).
+/// Returns a camera whose picture is [`DEFAULT_PICTURE_HEIGHT`] high and has the aspect ratio
+/// `aspect` (width : height).
 ///
-/// `aspect` is clamped to \[1/20, 20]. [`DEFAULT_ASPECT_RATIO`] replaces it if it is not above 0.
+/// `aspect` is clamped to \[1/20, 20]. An `aspect` that is not above 0 means
+/// [`DEFAULT_ASPECT_RATIO`].
 pub(super) fn camera_with_aspect_ratio(
     center: DVec3,
     direction: DVec3,
@@ -37,8 +38,8 @@ pub(super) fn camera_with_aspect_ratio(
 
 /// Returns a perspective camera that sees all of a scene with bounds from `low` to `high`.
 ///
-/// It looks at the center of the bounds from above, in front and to the right, with +y up. Empty
-/// bounds count as a sphere of radius 1 about the origin.
+/// The camera stands above and to the right of the center of the bounds, on the side of +z, and
+/// looks at the center with +y up. Empty bounds count as a sphere of radius 1 about the origin.
 pub(super) fn framing_camera((low, high): (DVec3, DVec3)) -> CameraDescription {
     const FIELD_OF_VIEW_DEGREES: f64 = 40.0;
     let (center, radius) =

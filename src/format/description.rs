@@ -32,8 +32,8 @@ use glam::DVec3;
 pub struct SceneDescription {
     /// Camera of the picture.
     pub camera: Spanned<CameraDescription>,
-    /// Radiance along rays that hit nothing, in W/(m² sr). It does not illuminate surfaces, and an
-    /// environment light hides it.
+    /// Radiance along rays that hit nothing, in W/(m² sr). It does not illuminate surfaces. In a
+    /// scene with an environment light, such rays see this light instead.
     pub background: DVec3,
     /// Name of the medium outside all bodies; `None` for vacuum.
     pub ambient_medium: Option<Spanned<String>>,
@@ -49,7 +49,7 @@ pub struct SceneDescription {
     pub root: ObjectGroup,
 }
 
-/// Objects in the order of the file, with the entries that set their materials.
+/// A list of objects and of entries that set the objects' materials, in the order of the file.
 ///
 /// In a parsed scene, groups and transforms nest at most
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep.
@@ -79,7 +79,8 @@ pub enum ObjectDescription {
     /// An object under an affine transform.
     Transform {
         /// Steps of the transform from the object to its surroundings. The first listed step is
-        /// applied last, except for matrix steps; see [`TransformStep::composed_matrix`].
+        /// applied last; only a matrix step is applied after all steps listed before it. See
+        /// [`TransformStep::composed_matrix`].
         steps: Vec<TransformStep>,
         /// Object that the steps transform, in its own space.
         object: Box<Spanned<ObjectDescription>>,
@@ -94,7 +95,8 @@ pub enum ObjectDescription {
         /// Object that moves, in its own space.
         object: Box<Spanned<ObjectDescription>>,
     },
-    /// A surface. It emits its own radiance or that of its material.
+    /// A surface. It emits the radiance `emission`, or that of its material if `emission` is
+    /// `None`.
     Shape {
         /// Geometry in object space.
         shape: ShapeDescription,

@@ -10,7 +10,8 @@ use super::span::Span;
 /// Greatest number of errors of one scene file that are reported at once.
 pub(super) const MAX_REPORTED_ERRORS: usize = 20;
 
-/// Greatest number of bytes shown on either side of an error, because a file may be one long line.
+/// Greatest number of bytes of the scene text that a message shows on either side of an error.
+/// Without this limit, a message could show a whole file that is one long line.
 const CONTEXT_BYTES: usize = 200;
 /// Greatest number of bytes that an error message underlines.
 const MAX_UNDERLINED_BYTES: usize = 80;
@@ -114,8 +115,8 @@ impl Display for SceneError {
 struct SceneErrorData {
     source: SourceText,
     span: Span,
-    /// Copy of the text and span, with control characters near the span escaped; `None` if there
-    /// is nothing to escape.
+    /// Copy of the scene text with the control characters near the error escaped, and the error's
+    /// span in this copy; `None` if there is nothing to escape.
     escaped_source: Option<(SourceText, Span)>,
     message: String,
     label: Option<String>,

@@ -31,7 +31,7 @@ pub struct SceneFile {
 }
 
 impl SceneFile {
-    /// Reads the scene file at `path` with the importer that its extension selects. A file with an
+    /// Reads the scene file at `path`. The extension of `path` selects the importer; a file with an
     /// unknown extension is read as scene text.
     ///
     /// # Errors
@@ -40,8 +40,8 @@ impl SceneFile {
         Self::read_with_options(path, &(), &ImportOptions::default())
     }
 
-    /// Reads the scene file at `path` with the importer for `options.format_extension`, or else for
-    /// the extension of `path`.
+    /// Reads the scene file at `path`. The extension in `options.format_extension` selects the
+    /// importer; if it is `None`, the extension of `path` does.
     ///
     /// Refuses a scene that would exceed the memory limit in `options`. `monitor` receives the
     /// paths of other files that the importer opens.
@@ -94,11 +94,10 @@ impl SceneFile {
         self.resolve_monitored(&(), MemoryLimit::Unbounded)
     }
 
-    /// Builds the scene within the limit `memory`.
+    /// Builds the scene. Fails if the scene would take more memory than `memory` allows.
     ///
     /// `monitor` receives the paths of files that the scene needs, and the progress of reading
-    /// meshes.
-    /// Looks up files in the same folders as [`SceneFile::resolve`].
+    /// meshes. Looks up files in the same folders as [`SceneFile::resolve`].
     ///
     /// # Errors
     /// [`SceneError`].
@@ -110,7 +109,8 @@ impl SceneFile {
     /// BVHs of `earlier`, a previous version of the scene.
     ///
     /// A mesh file with an unchanged [`FileStamp`](super::FileStamp) is not read again, and a BVH
-    /// over equal geometry is not built again. The scene has the same bits as without `earlier`.
+    /// over equal geometry is not built again. Apart from the time taken, the result does not
+    /// depend on `earlier`: the scene has the same bits.
     ///
     /// # Errors
     /// [`SceneError`].
@@ -126,13 +126,14 @@ impl SceneFile {
     /// Returns the camera of the description.
     ///
     /// # Errors
-    /// [`SceneError`] if single precision cannot represent its view, or if its up direction is
-    /// parallel to the view.
+    /// [`SceneError`] if the field of view or the lens is too extreme for single precision, or if
+    /// the up direction is parallel to the view direction.
     pub fn resolve_camera(&self) -> Result<Camera, SceneError> {
         resolve_camera(&self.description.camera, &self.source)
     }
 
-    /// Returns warnings about unused textures and materials, and about defective dielectric meshes.
+    /// Returns warnings about unused textures and materials, and about dielectric meshes that do
+    /// not bound a solid body, for example because they are open.
     ///
     /// Each warning is one line. The files of dielectric meshes are read again. The messages of the
     /// importer are not included.

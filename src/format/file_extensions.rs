@@ -6,7 +6,7 @@ use std::path::Path;
 /// Extensions of files in the scene language.
 pub const SCENE_TEXT_EXTENSIONS: &[&str] = &["txt", "caustica"];
 
-/// Extensions of other programs' scene formats that have no importer.
+/// Extensions of scene formats of other programs for which there is no importer.
 const UNSUPPORTED_SCENE_EXTENSIONS: &[&str] =
     &["usd", "usda", "usdc", "usdz", "blend", "fbx", "dae", "3ds", "abc", "x3d"];
 
@@ -16,8 +16,8 @@ const UNSUPPORTED_MESH_EXTENSIONS: &[&str] = &["stl", "off"];
 /// File extensions of the meshes that a scene file can refer to.
 const MESH_EXTENSIONS: &[&str] = &["obj", "ply"];
 
-/// True if the extension belongs to a known format from which no meshes are read: a scene format of
-/// another program, or an unread mesh format.
+/// True if a file with this extension may hold meshes, but none are read from it: a scene format of
+/// another program, or a mesh format without a reader.
 pub(super) fn is_unsupported_mesh_format(extension: &str) -> bool {
     let is_imported = IMPORTERS.iter().any(|importer| importer.extensions().contains(&extension));
     (is_imported && !SCENE_TEXT_EXTENSIONS.contains(&extension))
@@ -25,9 +25,9 @@ pub(super) fn is_unsupported_mesh_format(extension: &str) -> bool {
         || UNSUPPORTED_MESH_EXTENSIONS.contains(&extension)
 }
 
-/// Returns advice to a user who names a file with this extension as the scene file, although the
-/// extension is that of a mesh or of an unsupported scene format. `None` for other extensions,
-/// which may belong to scene text.
+/// Returns advice to a user who passes a file with this extension as the scene file, if it is a
+/// mesh or a scene in an unsupported format. `None` for unknown extensions: their files are read as
+/// scene text.
 ///
 /// `extension` must not be one that an importer reads.
 pub(super) fn remedy_for_foreign_scene(extension: &str) -> Option<&'static str> {

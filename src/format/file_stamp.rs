@@ -4,10 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
 
-/// Time of the last change of a file, and its length.
+/// Time of the last change of a file, and its length. They tell whether the file has changed since
+/// it was read.
 ///
-/// Two readings of a file with equal stamps are taken to have the same content. A change that keeps
-/// both time and length is not seen.
+/// Equal stamps are taken to mean equal content. A change that keeps both time and length is not
+/// seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileStamp {
     modified: SystemTime,

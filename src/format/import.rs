@@ -38,8 +38,8 @@ pub trait SceneImporter: Sync {
     /// an output that would overwrite the file.
     ///
     /// # Errors
-    /// [`SceneReadError`] if a file is malformed, or if the scene would exceed the memory limit of
-    /// `options`. Also if the scene names a file outside its own folder, and `options` do not allow
+    /// [`SceneReadError`] if a file is malformed, if the scene would exceed the memory limit of
+    /// `options`, or if the scene names a file outside its own folder and `options` do not allow
     /// this. The [`SceneError`] of a binary format may lack a position.
     fn import(
         &self,
@@ -84,7 +84,7 @@ pub struct ImportedScene {
     pub notes: Vec<ImportNote>,
 }
 
-/// Error of reading a scene file.
+/// Reason why a scene file could not be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum SceneReadError {
     /// The scene file, or a file that it names, could not be opened or read.

@@ -9,8 +9,8 @@ const MAX_NAMED_PLACES: usize = 3;
 /// Messages about a file. Each distinct message occurs once, with all places where it applies.
 #[derive(Default)]
 pub(in crate::format) struct ImportNotes {
-    /// Places where each message applies. The key is a flag and the message. The flag is true if
-    /// the message is about unsupported content.
+    /// Places where each message applies. The key is a pair: true if the message is about
+    /// unsupported content, and the message itself.
     places: BTreeMap<(bool, String), BTreeSet<String>>,
 }
 

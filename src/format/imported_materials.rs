@@ -14,12 +14,13 @@ use std::collections::{HashMap, HashSet};
 pub(super) enum MixDefect {
     /// One of the materials is a mix with the greatest allowed nesting depth.
     TooDeep,
-    /// Each of the two materials bounds a dielectric body, or is a mix with such a material, and
-    /// the bodies are not the same.
+    /// The mix would bound two different dielectric bodies: both materials bound such a body, each
+    /// itself or through a component of a mix, and the two dielectric materials differ.
     TwoDielectrics,
 }
 
-/// Table of an importer's materials, by name, that tells which two of them a mix may combine.
+/// Table by which an importer finds out whether the scene language allows a mix of two materials.
+/// It holds the properties of each material that limit mixes, by the material's name.
 #[derive(Default)]
 pub(super) struct ImportedMixLimits {
     constraints: HashMap<String, MixConstraints>,
@@ -57,8 +58,8 @@ impl ImportedMixLimits {
 pub(super) struct ImportedMaterials {
     /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
-    /// Names in use. Each maps to the number that [`unique_name`](Self::unique_name) tries first
-    /// when another material wants this name.
+    /// Names in use. Each maps to a number: when another material wants the name,
+    /// [`unique_name`](Self::unique_name) first tries the name with this number appended.
     next_numbers: HashMap<String, u32>,
     mix_limits: ImportedMixLimits,
     transparent_material_name: Option<String>,
@@ -106,8 +107,8 @@ impl ImportedMaterials {
         self.mix_limits.mix_defect(first, second)
     }
 
-    /// Returns the name of a material that transmits all light unchanged. The first call adds this
-    /// material.
+    /// Returns the name of a material that lets all light pass unchanged. The first call creates
+    /// this material.
     pub fn transparent_material_name(&mut self) -> String {
         if let Some(name) = &self.transparent_material_name {
             return name.clone();
@@ -141,8 +142,8 @@ impl ImportedMaterials {
     }
 }
 
-/// Returns a mix of the materials named `first` and `second`, in which `second` has the weight
-/// `second_probability`.
+/// Returns a mix of the materials named `first` and `second`, in which `second` is chosen with the
+/// probability `second_probability`.
 pub(super) fn mix_of(first: String, second: String, second_probability: TexturedValue<f64>) -> MaterialKindDescription {
     let part = |name: String| Spanned::new(name, Span::default());
     MaterialKindDescription::Mix(MixDescription { first: part(first), second: part(second), second_probability })

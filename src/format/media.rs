@@ -65,7 +65,8 @@ pub enum PhaseFunctionDescription {
     Isotropic,
     /// Rayleigh scattering: particles much smaller than the wavelength.
     Rayleigh,
-    /// Henyey–Greenstein with this mean cosine, inside (−1, 1).
+    /// Henyey–Greenstein phase function. The number is its mean cosine g, inside (−1, 1); above 0,
+    /// forward scattering prevails.
     HenyeyGreenstein(f64),
 }
 
@@ -76,7 +77,7 @@ pub enum DensityDescription {
     Homogeneous,
     /// Densities from a grid file.
     Grid {
-        /// Path of the grid file as the text writes it: not empty, without line breaks.
+        /// Path of the grid file, as the scene file states it: not empty, without line breaks.
         path: Spanned<String>,
         /// Factor that multiplies the file's densities, above 0.
         scale: f64,
@@ -95,7 +96,8 @@ pub enum DensityDescription {
         frequency: f64,
         /// Random seed of the noise.
         seed: u32,
-        /// Number of grid cells along the longest side of the box, from 2 to 512.
+        /// Resolution of the grid on which the cloud is sampled: the number of cells along the
+        /// longest side of the box, from 2 to 512.
         resolution: u32,
         /// Box that contains the cloud's ellipsoid.
         extent: TransformedBoxDescription,
@@ -215,9 +217,9 @@ pub(super) fn parse_media_block<'a>(
     Ok(media)
 }
 
-/// Returns a medium without any effect, which replaces a medium that has errors.
+/// Returns a medium without any effect, to take the place of a medium whose block has errors.
 ///
-/// References to its name then cause no more errors.
+/// So the name stays defined, and references to it do not cause further errors.
 fn placeholder_medium(name: &str) -> MediumDescription {
     let coefficients = MediumCoefficients::AbsorptionScattering { absorption: DVec3::ZERO, scattering: DVec3::ZERO };
     let (emission, phase, density) =
@@ -353,9 +355,10 @@ fn write_medium_box(out: &mut SceneWriter<'_, '_>, extent: &TransformedBoxDescri
     write_transform_field(out, &extent.steps)
 }
 
-/// Greatest allowed density of a grid after scaling.
+/// Greatest allowed density of a grid, after multiplication by the grid's `scale`.
 ///
-/// Its products with coefficients and lengths fit into single precision.
+/// Densities up to this value can be multiplied by coefficients and lengths without overflow in
+/// single precision.
 const MAX_DENSITY: f64 = 1e12;
 
 /// Adds all `media` of the description to the scene.
@@ -449,8 +452,10 @@ fn make_density_grid(
 /// # Errors
 /// - No medium has this name.
 /// - The medium varies in space.
-/// - It emits in a color channel in which it neither absorbs nor scatters.
-/// - It absorbs or scatters, and one of the scene's `lights` is at infinity.
+/// - The medium emits in a color channel in which it neither absorbs nor scatters, so it would be
+///   infinitely bright.
+/// - The medium absorbs or scatters, and one of the `lights` is at infinity, so none of its light
+///   would arrive.
 pub(super) fn set_ambient_medium(
     r: &mut Resolver<'_>,
     name: Option<&Spanned<String>>,

@@ -58,7 +58,7 @@ pub fn resolve_monitored(
 
 /// A scene that is ready to render, with the meshes that were read for it.
 ///
-/// A later version of the scene can reuse the meshes.
+/// When the scene file is edited, the next version of the scene can reuse the meshes.
 #[derive(Clone, Debug)]
 pub struct ResolvedScene {
     /// The scene, ready to render.
@@ -159,7 +159,8 @@ fn add_group(r: &mut Resolver<'_>, group: &ObjectGroup, to_world: &Motion) -> Re
     Ok(())
 }
 
-/// Adds an object. `to_world` is the motion from its surrounding space to world space.
+/// Adds an object. `to_world` is the motion from the space that surrounds the object to world
+/// space.
 ///
 /// Changes `transform_span` if the object is a transform. The caller restores it.
 fn add_object(r: &mut Resolver<'_>, object: &Spanned<ObjectDescription>, to_world: &Motion) -> Result<(), SceneError> {
@@ -183,7 +184,7 @@ fn add_object(r: &mut Resolver<'_>, object: &Spanned<ObjectDescription>, to_worl
     }
 }
 
-/// Returns the emission of an object that has the current material of `r`.
+/// Returns the emission of the next object, whose material is at `r.current_material_index`.
 ///
 /// `own` is the radiance set on the object; `None` selects the emission of the material.
 fn object_emission(r: &Resolver<'_>, own: Option<DVec3>) -> ObjectEmission {
@@ -196,7 +197,8 @@ fn object_emission(r: &Resolver<'_>, own: Option<DVec3>) -> ObjectEmission {
     }
 }
 
-/// Fails if the current material of `r` is a null interface and `radiance` is above 0.
+/// Fails if `radiance` is above 0 and the material at `r.current_material_index` is a null
+/// interface, which cannot emit.
 fn refuse_null_interface_emission(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result<(), SceneError> {
     if radiance == Rgb::ZERO || !r.current_material().is_some_and(|material| material.is_null_interface) {
         return Ok(());

@@ -10,7 +10,7 @@ use crate::image::open_file;
 use std::io::Read;
 use std::path::Path;
 
-/// Estimated memory of the built scene per byte of its scene text \[bytes].
+/// Estimated memory of the built scene \[bytes per byte of scene text].
 ///
 /// A sphere whose text has 40 letters takes about a kilobyte, mostly in the BVH.
 const SCENE_BYTES_PER_TEXT_BYTE: u64 = 32;

@@ -35,7 +35,7 @@ pub struct TextureDescription {
 pub enum TextureKindDescription {
     /// A picture in a file of its own.
     Image {
-        /// Path of the picture as the text writes it: not empty, without line breaks.
+        /// Path of the picture, as the scene file states it: not empty, without line breaks.
         path: Spanned<String>,
         /// Encoding of pictures with integer values, such as PNG. Floating-point pictures are
         /// linear.
@@ -60,10 +60,11 @@ pub enum TextureKindDescription {
         colors: [DVec3; 2],
         /// Number of noise octaves, from 1 to 16.
         octaves: u32,
-        /// Number of periods of the first noise octave, of marble veins, or of wood rings per
-        /// unit of length; above 0.
+        /// Number of periods per unit of length in pattern space, above 0. The first noise octave
+        /// has this frequency, and so have marble veins and wood rings.
         frequency: f64,
-        /// Amplitude of the noise, at least 0.
+        /// Factor of the noise, at least 0. In marble and wood, factor times noise is the shift of
+        /// the veins or rings, in periods.
         amplitude: f64,
         /// Steps from pattern space to object space; see [`TransformStep::composed_matrix`].
         steps: Vec<TransformStep>,
@@ -94,7 +95,7 @@ pub enum PictureEncoding {
 /// Transform of texture coordinates: a scale, then a rotation, then an offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TexcoordTransformDescription {
-    /// Factors of u and v, neither of them 0.
+    /// Factors by which u and v are multiplied, neither of them 0.
     pub scale: DVec2,
     /// Counterclockwise rotation in degrees.
     pub rotation_degrees: f64,

@@ -10,7 +10,7 @@ pub enum TransformStep {
     Scale(DVec3),
     /// Scale factor along all axes.
     UniformScale(f64),
-    /// Translation.
+    /// Translation by this vector, in scene units.
     Translate(DVec3),
     /// Right-handed rotation about the x axis \[degrees].
     RotateX(f64),
@@ -45,7 +45,8 @@ impl TransformStep {
         }
     }
 
-    /// Returns the step as a motion from the identity at time 0 to the full step at time 1.
+    /// Returns the step as a motion: the identity at time 0 (the shutter opens), and the full step
+    /// at time 1 (the shutter closes).
     ///
     /// A matrix step is not interpolated: it applies in full at all times.
     #[must_use]

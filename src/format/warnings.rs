@@ -11,7 +11,8 @@ use super::resolve::candidate_file_paths;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Returns warnings about unused textures and materials, and about defective dielectric meshes.
+/// Returns warnings about unused textures and materials, and about dielectric meshes that are open,
+/// inside out or inconsistently wound.
 ///
 /// Each warning is one line, in the order of the text. Dielectric meshes are read again. A mesh
 /// that cannot be read is skipped, because resolving reports it as an error.
@@ -87,13 +88,13 @@ fn dielectric_mesh_defect(report: &MeshReport) -> Option<String> {
 /// Materials, textures and dielectric meshes that a scene uses.
 #[derive(Default)]
 struct UsedSceneItems<'a> {
-    /// Indices of the materials assigned to objects, without the two materials that a `Mix` refers
-    /// to.
+    /// Indices of the materials that are assigned to objects directly. Components of an assigned
+    /// `Mix` are not included.
     materials: BTreeSet<usize>,
     /// Names of the textures that any material refers to.
     textures: BTreeSet<&'a str>,
-    /// Paths of meshes with a dielectric material of the description, and the span of the first use
-    /// of each. Meshes with the materials of their files are left out.
+    /// Paths of the meshes that have a dielectric material of the scene text, each with the span of
+    /// its first use. Meshes that take their materials from MTL files are left out.
     dielectric_meshes: BTreeMap<&'a str, Span>,
 }
 

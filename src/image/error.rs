@@ -29,7 +29,7 @@ pub enum WriteError {
         /// The rule of OpenEXR that the channel breaks.
         reason: &'static str,
     },
-    /// The folder of the file does not exist.
+    /// The folder in which the output file should be created does not exist.
     #[error("cannot write `{}`: there is no folder `{}`: create it or choose another path", path.display(), folder.display())]
     NoFolder {
         /// Path of the output file, as given by the caller.
@@ -52,8 +52,8 @@ pub enum WriteError {
     /// An operation on the file failed with an error of the operating system.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
-        /// The operation that failed, as words before a path in the message, such as
-        /// `create a file in`.
+        /// The operation that failed. The words stand between "cannot" and a path in the message,
+        /// such as `create a file in`.
         action: &'static str,
         /// Path of the file or folder on which the operation failed.
         path: PathBuf,
@@ -76,7 +76,7 @@ pub enum WriteError {
         /// Largest accepted absolute exposure \[stops].
         limit: f32,
     },
-    /// The encoder of the file format failed.
+    /// The encoder of the file format failed. Holds the encoder's message.
     #[error("cannot encode the picture: {0}")]
     Encode(String),
 }
@@ -114,7 +114,7 @@ pub enum ReadError {
         /// Reason why the size is invalid.
         source: PictureSizeError,
     },
-    /// The picture, or its file, does not fit into memory.
+    /// Reading the picture takes more memory than is free.
     #[error(
         "`{}` takes {} of memory, and {} are free: make the picture smaller, or allow more --memory",
         path.display(), format_bytes(*needed), format_bytes(*free)
@@ -122,10 +122,10 @@ pub enum ReadError {
     Memory {
         /// Path of the picture file.
         path: PathBuf,
-        /// Peak memory of reading the picture \[bytes], or the length of the file if this alone
-        /// exceeds `free`.
+        /// Needed memory \[bytes]: the length of the file if the file alone is longer than `free`,
+        /// else the peak memory of decoding the picture.
         needed: u64,
-        /// Memory that reading was allowed to use \[bytes].
+        /// Memory that the reader was allowed to use \[bytes].
         free: u64,
     },
 }
@@ -154,11 +154,11 @@ impl DecodeFailure {
     }
 }
 
-/// Fails if a file of `file` bytes is too short for `uncompressed` bytes of pixels, the amount that
-/// its header claims.
+/// Fails if a compressed file of `file` bytes is too short to hold the pixels that its header
+/// claims: `uncompressed` bytes after decompression.
 ///
-/// The check prevents huge allocations for a damaged header. DEFLATE compresses at most 1032 bytes
-/// into one (zlib technical details).
+/// The check prevents huge allocations for a damaged header. The largest compression ratio of
+/// DEFLATE is 1032 : 1 (zlib technical details).
 pub(super) fn check_compression_ratio(uncompressed: u64, file: usize) -> Result<(), DecodeFailure> {
     if uncompressed > 1032 * file as u64 {
         return Err(DecodeFailure::Reason("the file is too short for the size that it states".into()));
@@ -166,12 +166,12 @@ pub(super) fn check_compression_ratio(uncompressed: u64, file: usize) -> Result<
     Ok(())
 }
 
-/// Peak memory while a picture is read and turned into a texture or an environment light
-/// \[bytes/pixel].
+/// Peak memory per pixel while a picture is read and turned into a texture or an environment light
+/// \[bytes].
 ///
 /// The peak occurs while an OpenEXR file is read: two buffers of four single-precision channels (32
-/// bytes), a copy in RGB (12 bytes) and a reserve (4 bytes). Later, a picture with its MIP pyramid
-/// takes 28 bytes, and one with the tables of light sampling 36 bytes.
+/// bytes), a copy in RGB (12 bytes) and 4 bytes to spare. Less is needed later: 28 bytes for a
+/// texture with its MIP pyramid, 36 bytes for an environment light with its sampling tables.
 const PEAK_BYTES_PER_PIXEL: u64 = 48;
 
 /// Fails if reading a picture of `pixels` pixels needs more than `free` bytes of memory; `None`

@@ -70,7 +70,8 @@ fn to_clamped_half(x: f32) -> f16 {
     f16::from_f32(if x.is_finite() { x.clamp(-LARGEST_HALF, LARGEST_HALF) } else { x })
 }
 
-/// Returns OpenEXR layer attributes with `metadata` in the attribute `comments`.
+/// Returns OpenEXR layer attributes that hold `metadata` in the attribute `comments`, as lines
+/// `key: text`.
 pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
     if !metadata.is_empty() {
@@ -81,11 +82,11 @@ pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes
     attributes
 }
 
-/// Largest number of pixels in the display window of an OpenEXR file for which the file's length is
-/// not checked.
+/// Largest display window of an OpenEXR file that is accepted without a check \[pixels]. For a
+/// larger window, the file must be long enough to hold data for all pixels of the window.
 ///
-/// The limit exceeds 3840 × 2160. If the display window is larger, the file must be long enough to
-/// hold data for all its pixels.
+/// The limit exceeds 3840 × 2160. A short file may have a large display window, because pixels
+/// outside the data window are not stored.
 const MAX_UNCHECKED_WINDOW_PIXELS: u64 = 1 << 23;
 
 impl From<exr::error::Error> for DecodeFailure {

@@ -18,17 +18,18 @@ const MAX_CHANNEL_NAME_BYTES: usize = 255;
 /// A layer of an OpenEXR file: a named group of channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrLayer {
-    /// Name of the layer; empty for the layer that picture viewers show.
+    /// Name of the layer. The name is empty for the main picture, which picture viewers show.
     pub name: String,
-    /// Channels of the layer, as pairs of a name and one value per pixel, in rows from the top.
+    /// Channels of the layer: pairs of a channel name and one value per pixel, in rows from the
+    /// top.
     ///
     /// The unnamed layer should have channels `R`, `G` and `B`, because picture viewers show it.
     pub channels: Vec<(String, Vec<f32>)>,
 }
 
 impl ExrLayer {
-    /// Returns the name of `channel` in the file, with the name of the layer as prefix, such as
-    /// `noise.R`; `R` in the unnamed layer.
+    /// Returns the name that `channel` has in the file. The name of the layer is its prefix, such
+    /// as `noise.R`. A channel of the unnamed layer has no prefix.
     #[must_use]
     pub fn full_channel_name(&self, channel: &str) -> String {
         if self.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", self.name) }
@@ -38,7 +39,7 @@ impl ExrLayer {
 /// Checks whether [`write_layers`] can write to `path`, without changing a file.
 ///
 /// # Errors
-/// [`WriteError::LayersNotSupported`] if the extension is not `.exr`, or the error of
+/// [`WriteError::LayersNotSupported`] if the extension is not `.exr`. Otherwise, the errors of
 /// [`check_replaceable`].
 pub fn check_layers_path(path: &Path) -> Result<(), WriteError> {
     check_exr_extension(path)?;
@@ -56,12 +57,12 @@ fn check_exr_extension(path: &Path) -> Result<(), WriteError> {
 /// Writes `layers` of `size` (width, height) as an OpenEXR file with 32-bit channels.
 ///
 /// Returns the number of values that are NaN or infinite. The file is replaced atomically, see
-/// [`replace_file`]. All layers are in one part of the file; channel names have the name of their
-/// layer as prefix, see [`ExrLayer::full_channel_name`].
+/// [`replace_file`]. All layers are in one part of the file. Each channel has the name of its layer
+/// as prefix, see [`ExrLayer::full_channel_name`].
 ///
 /// # Errors
-/// [`WriteError`]; an existing file is then unchanged. [`WriteError::Channel`] if a name is empty,
-/// too long, or repeated, or if the number of values is not the number of pixels.
+/// [`WriteError`]; an existing file is then unchanged. [`WriteError::Channel`] if the name of a
+/// channel is empty, too long or not unique, or if a channel does not have one value per pixel.
 pub fn write_layers(
     path: &Path,
     size: (u32, u32),

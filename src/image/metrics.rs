@@ -52,11 +52,12 @@ pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
 /// (Rousselle et al. 2011).
 ///
 /// In the formula, a and b are channel values of `a` and `reference`. ε is `epsilon`, in the unit
-/// of b²; 0.01 is common. The mean over the channels of a pixel is limited to `clip`, so that a
+/// of b²; 0.01 is common. The relative squared error of a pixel is limited to `clip`, so that a
 /// firefly does not dominate; `None` means no limit.
 ///
 /// # Errors
-/// [`MetricError`] if the sizes differ, a pixel is not finite, or ε or `clip` is not positive.
+/// [`MetricError`] if the sizes differ, a pixel is not finite, or ε or `clip` is not positive and
+/// finite.
 pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64>) -> Result<f64, MetricError> {
     let clip = clip.unwrap_or(f64::MAX);
     for (name, value) in [("epsilon", epsilon), ("clip", clip)] {
@@ -92,7 +93,7 @@ pub struct PixelDifferences {
     /// Largest difference in red, in green and in blue; `None` for a channel that is equal in all
     /// pixels.
     ///
-    /// If several pixels have the largest difference, the first one is given.
+    /// If several pixels have the largest difference, the first one in rows from the top is given.
     pub largest: [Option<LargestDifference>; 3],
     /// Number of pixels that differ in at least one channel.
     pub differing_pixel_count: usize,

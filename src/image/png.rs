@@ -13,8 +13,8 @@ use super::tone::{ClippedPixelReport, Quantizer, ToneCurve, srgb_decode};
 
 /// Encodes `image` as the bytes of a PNG file.
 ///
-/// Also returns the numbers of pixels with clamped or non-finite values. The file has an sRGB chunk
-/// unless the tone curve is [`ToneCurve::Legacy`].
+/// Also returns the numbers of pixels with clamped or non-finite values. The file has an sRGB
+/// chunk, except for the tone curve [`ToneCurve::Legacy`], which does not encode levels by sRGB.
 pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
     let (samples, report) = quantize_image(image, options)?;
     let mut file = Vec::new();
@@ -158,7 +158,8 @@ pub(super) fn decode_non_color(file: &[u8], free: Option<u64>) -> Result<Image, 
     apply_transfer_function(decode_png_samples(file, free)?, |signal| signal as f32)
 }
 
-/// Converts samples to an image; `linear` maps a sample, scaled to \[0, 1], to a linear value.
+/// Converts samples to an image. Each sample is scaled to \[0, 1]; the function `linear` maps the
+/// result to a linear value.
 fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
     let DecodedPng { width, height, samples, sixteen, .. } = decoded;
     let table: Vec<f32> = if sixteen {

@@ -29,7 +29,8 @@ pub enum InputFormat {
 }
 
 impl InputFormat {
-    /// Returns the file format by the first bytes of `file`; `None` if they are no known signature.
+    /// Returns the file format that the first bytes of `file` indicate; `None` if they are not a
+    /// known signature.
     fn from_signature(file: &[u8]) -> Option<Self> {
         match file {
             _ if file.starts_with(&PNG_SIGNATURE) => Some(Self::Png),
@@ -138,7 +139,8 @@ pub fn read_rgb8(path: &Path) -> Result<Rgb8Image, ReadError> {
     bytes.map_err(|failure| failure.into_read_error(path.to_owned()))
 }
 
-/// Decodes a Radiance HDR picture (Ward 1991, "Real Pixels") and divides it by its exposure.
+/// Decodes a Radiance HDR picture (Ward 1991, "Real Pixels"). Pixels are divided by the exposure in
+/// the header, 1 if there is none.
 ///
 /// `free` is the memory limit \[bytes]; `None` means no limit.
 fn decode_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
@@ -160,7 +162,7 @@ fn decode_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     Ok(Image::from_pixels(header.width, header.height, pixels)?)
 }
 
-/// Reads all bytes of a file; fails if it has more than `free` bytes. `None` means no limit.
+/// Reads all bytes of a file. Fails if the file is longer than `free` bytes; `None` means no limit.
 fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, ReadError> {
     let refused = |source| ReadError::Io { path: path.to_owned(), source };
     let (mut file, needed) = open_file(path).map_err(refused)?;

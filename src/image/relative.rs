@@ -4,11 +4,11 @@ use super::Image;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Half width of the 5 × 5 neighborhood over which [`RelativeErrorWeights`] averages radiance
-/// \[pixels]: distance from the center pixel to the edge pixels.
+/// Half width of the window of 5 × 5 pixels over which [`RelativeErrorWeights`] averages radiance
+/// \[pixels]. The center pixel is not counted.
 const NEIGHBORHOOD_HALF_WIDTH: usize = 2;
 
-/// Smallest number of pixels of one task in parallel loops.
+/// Smallest number of pixels that a parallel loop gives to one task.
 const MIN_PIXELS_PER_TASK: usize = 2048;
 
 /// Per-pixel weights that turn squared errors into relative squared errors.

@@ -66,13 +66,14 @@ fn parent_folder(file: &Path) -> &Path {
 /// Prefix and suffix of the names of the temporary files of [`replace_file`].
 const TEMPORARY_NAME: (&str, &str) = (".caustica-", ".tmp");
 
-/// Age above which a temporary file counts as left behind by a killed process, and is removed.
+/// Age above which a temporary file is removed, because the process that made it was probably
+/// killed.
 const ABANDONED_AGE: Duration = Duration::from_secs(3600);
 
 /// Removes temporary files of [`replace_file`] in `folder` that are older than [`ABANDONED_AGE`] at
 /// the time `now`: killed processes left them. Failures are ignored.
 ///
-/// A file with a time after `now` stays. Such files exist if the clock was set back.
+/// A file whose modification time is after `now` stays. Such files exist if the clock was set back.
 fn remove_abandoned_files(folder: &Path, now: SystemTime) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -120,7 +121,8 @@ impl ReplaceTarget {
         Ok(Self { file, folder, existing })
     }
 
-    /// Creates a temporary file in the target's folder, with the permissions of an existing target.
+    /// Creates a temporary file in the target's folder. If the target exists, the temporary file
+    /// gets the permissions of the target.
     fn create_temporary_file(&self) -> Result<NamedTempFile, WriteError> {
         let refused = |source| WriteError::Io { action: "create a file in", path: self.folder.clone(), source };
         remove_abandoned_files(&self.folder, SystemTime::now());

@@ -21,8 +21,8 @@ pub(crate) struct QuantizedRgba {
 }
 
 impl QuantizedRgba {
-    /// Returns a table of the linear value in \[0, 1] of each level from 0 to `max_level`, by the
-    /// sRGB transfer function.
+    /// Returns a table that maps each level from 0 to `max_level` to its linear value in \[0, 1],
+    /// by the sRGB transfer function.
     pub fn srgb_table(&self) -> Vec<f32> {
         (0..=self.max_level).map(|level| srgb_decode(f64::from(level) / f64::from(self.max_level)) as f32).collect()
     }
@@ -57,7 +57,7 @@ pub(crate) fn decode_quantized_rgba(
     decode_levels(file, format, free).map(Some).map_err(|failure| failure.into_read_error(path.to_owned()))
 }
 
-/// True if `path` ends in `.tga`, in any case.
+/// True if `path` ends in `.tga`, in upper or lower case.
 fn has_tga_extension(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tga"))
 }

@@ -77,11 +77,11 @@ pub struct ToneMap {
     pub exposure_stops: f32,
 }
 
-/// Numbers of pixels that are not finite, or that were clamped when a picture was encoded as a
-/// file.
+/// Numbers of pixels that a picture file does not store exactly, because they were clamped or are
+/// not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClippedPixelReport {
-    /// Number of pixels with a NaN or infinite channel. PNG stores NaN as 0.
+    /// Number of pixels with a NaN or infinite channel. PNG stores NaN as level 0.
     pub non_finite: usize,
     /// Number of finite pixels with a channel clamped to white in PNG, or to ±65504 in 16-bit
     /// OpenEXR.
@@ -123,7 +123,7 @@ impl Quantizer {
     }
 
     /// Returns the integer levels of a pixel's channels. Counts the pixel in `report` if a channel
-    /// had to be clamped, or is not finite.
+    /// had to be clamped or is not finite.
     pub(super) fn quantize_pixel(&self, pixel: Vec3, report: &mut ClippedPixelReport) -> [u16; 3] {
         let exposed = pixel * self.scale;
         // A finite value that becomes infinite by the exposure counts as too bright, not as

@@ -37,8 +37,8 @@ impl OutputFormat {
 /// Also returns the numbers of pixels with clamped or non-finite values.
 ///
 /// # Errors
-/// [`WriteError::Exposure`] or [`WriteError::Metadata`] if an option is invalid, or
-/// [`WriteError::Encode`].
+/// [`WriteError::Exposure`] or [`WriteError::Metadata`] if an option is invalid.
+/// [`WriteError::Encode`] if the encoder fails.
 pub fn encode(
     format: OutputFormat,
     image: &Image,

@@ -17,18 +17,17 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::with_interior_type;
 use std::sync::Arc;
 
-/// Number of pictures, with one camera ray per pixel each, from which the adaptive-sampling pilot
-/// measures the noise of each pixel.
+/// Number of pictures that the adaptive-sampling pilot renders, with one camera ray per pixel each.
+/// Differences between the pictures give the noise of each pixel.
 const PILOT_PICTURES: u32 = 4;
 
-/// Divisor of the number of photon paths of a pass: the adaptive-sampling pilot traces 1/16 of
-/// them.
+/// Number of photon paths of a pass, divided by the number that the adaptive-sampling pilot traces.
 const PHOTON_PATH_DIVISOR: u32 = 16;
 
-/// Smallest number of camera rays of a pixel, divided by the mean over all pixels.
+/// Lower bound on the number of camera rays of a pixel, divided by the mean number over all pixels.
 const MIN_RELATIVE_COUNT: f64 = 0.5;
 
-/// Largest number of camera rays of a pixel, divided by the mean over all pixels.
+/// Upper bound on the number of camera rays of a pixel, divided by the mean number over all pixels.
 const MAX_RELATIVE_COUNT: f64 = 8.0;
 
 /// Runs the adaptive-sampling pilot. Returns the number of camera rays that each pixel needs,
@@ -111,8 +110,8 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
 mod tests {
     use super::*;
 
-    /// In pictures that are constant on the left and noisy on the right, pixels on the right get
-    /// more rays, and the total number stays the same.
+    /// Of pictures that are constant on the left and noisy on the right, pixels on the right get
+    /// more rays. The total number of rays stays the same.
     #[test]
     fn noisy_pixels_get_more_rays_of_fixed_total() {
         let (width, height) = (16, 8);

@@ -62,8 +62,8 @@ impl Algorithm {
         }
     }
 
-    /// Returns the default number of passes of a render. This default applies if the error is not
-    /// estimated, and if neither the passes nor the time are limited.
+    /// Returns the default number of passes of a render. It applies to renders that limit neither
+    /// the passes nor the time, and do not estimate the error.
     #[must_use]
     pub fn default_passes(self) -> u32 {
         match self {

@@ -33,18 +33,19 @@ const MAX_CHANGE: f64 = 4.0;
 // All work is in units of tracing one photon ray, about 0.1 µs. The values come from
 // docs/measurements/.
 
-/// Work of tracing and shading one ray of a camera path, in units of tracing one photon ray.
+/// Estimated time to trace and shade one ray of a camera path, divided by the time to trace one
+/// photon ray.
 const CAMERA_RAY_WORK: f64 = 2.0;
 
-/// Work of storing and indexing one photon, in units of tracing one photon ray.
+/// Estimated time to store and index one photon, divided by the time to trace one photon ray.
 const STORED_PHOTON_WORK: f64 = 1.5;
 
-/// Work that each photon adds to a density estimate that uses it, in units of tracing one photon
-/// ray.
+/// Estimated time that a density estimate takes for each photon that it uses, divided by the time
+/// to trace one photon ray.
 pub(super) const GATHERED_PHOTON_WORK: f64 = 0.2;
 
-/// Fixed work of one density estimate, in units of tracing one photon ray. Each photon that the
-/// estimate uses adds [`GATHERED_PHOTON_WORK`].
+/// Estimated time that a density estimate takes without its photons, divided by the time to trace
+/// one photon ray. Each photon that the estimate uses adds [`GATHERED_PHOTON_WORK`].
 pub(super) const LOOKUP_WORK: f64 = 20.0;
 
 /// One source of noise in a pass: the camera rays, the photon paths that start in all directions,
@@ -55,14 +56,15 @@ pub(super) struct NoiseSource {
     /// sample: one camera ray per pixel, or one photon path. With n samples, the variance is 1/n of
     /// this value.
     pub single_sample_variance: f64,
-    /// Work of one sample, in units of tracing one photon ray.
+    /// Estimated time of one sample, divided by the time to trace one photon ray.
     pub work_per_sample: f64,
     /// Number of samples before balancing.
     pub sample_count: f64,
 }
 
 impl NoiseSource {
-    /// True if the source has samples, work and a finite positive variance.
+    /// True if the source has noise that more or fewer samples can change: a finite positive
+    /// variance, and positive numbers of samples and work.
     fn has_noise(&self) -> bool {
         self.single_sample_variance > 0.0
             && self.work_per_sample > 0.0
@@ -74,8 +76,8 @@ impl NoiseSource {
 /// Returns the sample counts of all sources that give a pass the least noise at the same total
 /// work.
 ///
-/// A sample is one camera ray per pixel, or one photon path. Each count changes at most by a factor
-/// of [`MAX_CHANGE`]. A source without noise keeps its count, and its work is ignored.
+/// A sample is one camera ray per pixel, or one photon path. Each count is multiplied or divided by
+/// at most [`MAX_CHANGE`]. A source without noise keeps its count, and its work is ignored.
 pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
         let active = sources.iter().zip(numbers).filter(|(p, _)| p.has_noise());
@@ -104,14 +106,15 @@ pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     numbers(low)
 }
 
-/// Returns the work of tracing the camera paths whose rays `counters` count, in units of tracing
-/// one photon ray.
+/// Returns the work of tracing camera paths, in units of tracing one photon ray. `counters` holds
+/// the numbers of rays of these paths.
 pub(super) fn camera_path_work(counters: &Counters) -> f64 {
     CAMERA_RAY_WORK * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
-/// Returns the work of the photons that density estimates used, according to `counters`, in units
-/// of tracing one photon ray. The fixed work of each estimate, [`LOOKUP_WORK`], is not included.
+/// Returns the work of fetching photons for density estimates, in units of tracing one photon ray.
+/// `counters` holds the number of fetched photons. The fixed work of each estimate,
+/// [`LOOKUP_WORK`], is not included.
 pub(super) fn gathering_work(counters: &Counters) -> f64 {
     GATHERED_PHOTON_WORK * counters.gathered_photons as f64
 }
@@ -125,8 +128,8 @@ pub(super) fn photon_storage_work(photons: u64) -> f64 {
 /// points are black.
 ///
 /// `one` and `other` are two independent estimates at the same points. `light` is the mean radiance
-/// L at each point, and M the median of all positive L. The relative variance at a point is (`one`
-/// − `other`)²/2 / (L² + M²). Values that are not finite count as 0.
+/// L at each point. M is the median of all positive L. The relative variance at a point is (`one` −
+/// `other`)²/2 / (L² + M²). A point at which this value is not finite counts as 0.
 pub(super) fn relative_variance(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
     let Some(median) = positive_median(light.iter().copied()) else { return 0.0 };
     let square = |((a, b), light): ((&Rgb, &Rgb), &f64)| {

@@ -30,10 +30,10 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Effect, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
 use glam::Vec3;
 
-/// Least throughput of the fainter branch, as a mean over RGB, at which a camera path splits at a
-/// smooth dielectric into a reflected and a refracted branch.
+/// Throughput of the fainter branch, as a mean over RGB, above which a camera path follows both
+/// branches at a smooth dielectric: the reflected and the refracted one.
 ///
-/// If the fainter branch has less, the path samples one of the two branches.
+/// If the fainter branch has less throughput, the path samples one of the two branches.
 const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 
 /// Throughput, as a mean over RGB, below which Russian roulette may end a camera path.
@@ -46,8 +46,8 @@ const ROULETTE_BOUNCE: u32 = 8;
 /// Largest number of reflected branches of one camera path that wait on the stack to be traced.
 const MAX_BRANCHES: usize = 16;
 
-/// Gather radius \[length] that [`PathContext::min_gather_distance`] is based on if a pass has no
-/// photon maps.
+/// Gather radius \[length] that stands in for the radius of the indirect map if a pass has no
+/// photon maps. [`PathContext::min_gather_distance`] is a multiple of it.
 const FALLBACK_GATHER_RADIUS: f32 = 1.0;
 
 /// Smallest length of a final-gathering ray that reads the indirect map at its end, divided by the
@@ -90,8 +90,8 @@ pub(super) struct PathState<I> {
     /// Emission at the next vertex is direct light of the receiver, so the path adds that emission
     /// before it applies the factor.
     pending_weight: f32,
-    /// True if a photon estimate carries a part of the indirect light that this path carries too.
-    /// False before the path's first receiver.
+    /// True if the path's indirect light is divided: this path finds a part of that light, and a
+    /// photon estimate at the path's first receiver the rest. False before the first receiver.
     shares_indirect: bool,
     /// Previous vertex, if next-event estimation there could have sampled the light that the path
     /// hits next. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
@@ -101,8 +101,8 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
-/// Weights of the light that one camera path finds. Other paths of its pixel, and photon estimates,
-/// find some of the same light.
+/// Weights of the light that one camera path finds. Weights are needed because other paths of the
+/// pixel, and photon estimates, find some of the same light.
 struct PathWeights {
     /// Weights of the light up to the first receiver (a surface or medium that stores photons).
     prefix: PrefixWeights,
@@ -483,7 +483,7 @@ fn may_add_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
 /// Returns the MIS weight of emission at `hit` against next-event estimation at `prev`; 1 if `hit`
 /// is not on a light.
 ///
-/// It is the balance heuristic (Veach 1997, section 9.2.2).
+/// The weight is the balance heuristic (Veach 1997, section 9.2.2).
 #[inline]
 fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
     let Some(light) = hit.area_light_index else { return 1.0 };
@@ -528,8 +528,8 @@ impl<'a> PathContext<'a> {
         Self { scene, policy, nee, maps, pass, max_bounces, technique, min_gather_distance }
     }
 
-    /// Returns this context with `technique` for the indirect light at the first receiver (surface
-    /// or medium that stores photons) of a path.
+    /// Returns a copy of this context in which `technique` finds the indirect light at the first
+    /// receiver (surface or medium that stores photons) of a path.
     pub fn with_technique(self, technique: IndirectTechnique<'a>) -> Self {
         Self { technique, ..self }
     }
@@ -592,8 +592,9 @@ impl<I: Interior> PathState<I> {
         PathVertex { surface, interior, history, throughput, distance, sampler, shadow_sampler }
     }
 
-    /// Returns the state of the path after it leaves `surface` in unit `direction`; its
-    /// `prev_nee_vertex` is `None`.
+    /// Returns the state of the path after it leaves `surface` in unit `direction`.
+    /// `prev_nee_vertex` is `None`, as after a specular bounce; the caller sets it after other
+    /// bounces.
     ///
     /// `weight` is the BSDF times the cosine over the pdf of the direction.
     #[inline]

@@ -5,11 +5,12 @@ use crate::math::Ray;
 use crate::sampling::Sampler;
 use glam::Vec2;
 
-/// A camera ray, with all inputs of its path that differ between the rays of a pass.
+/// Start of one camera path: the camera ray, and the sampler, shutter slice and weights of its
+/// path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CameraRay {
     pub ray: Ray,
-    /// Sampler of the path's first vertex.
+    /// Sampler of the random decisions at the path's first vertex.
     pub sampler: Sampler,
     /// Film position \[pixels from the top left] at which the weights of indirect light are looked
     /// up: the center of the ray's pixel in a render, the film point itself in a pilot.

@@ -12,9 +12,8 @@ use crate::light::{DirectLightSample, EnvironmentLight, ShadowTarget};
 use crate::sampling::SquareGridDistribution;
 use glam::{Vec2, Vec3};
 
-/// Number of histogram bins along each side of the unit square. Each cell of the grid over the
-/// scene has such a histogram of shadow-ray directions: the environment light turns points of the
-/// unit square into directions.
+/// Number of histogram bins along each side of the unit square, which the environment light maps to
+/// directions. Each cell of the grid over the scene has a histogram of its shadow-ray directions.
 const BINS_PER_SIDE: usize = 32;
 
 /// Number of bins of shadow-ray directions in each cell of the grid over the scene.
@@ -27,10 +26,11 @@ const REFINEMENTS: u32 = 3;
 /// Number of cells of the finest grid along each axis of the scene.
 const CELLS_PER_AXIS: u32 = 1 << REFINEMENTS;
 
-/// Fraction of shadow-ray directions that are sampled uniformly over the unit square, instead of
-/// from the learned distribution (defensive sampling).
+/// Fraction of shadow-ray directions that follow the environment light's own distribution instead
+/// of the learned one (defensive sampling).
 ///
-/// This bounds the weight of a guided ray: at most 1/0.2 = 5 times its weight without guiding.
+/// The fraction bounds the weight of a guided ray: at most 1/0.2 = 5 times its weight without
+/// guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
 /// Weight of the parent bin's mean in the estimate of a bin's mean (shrinkage estimator): the
@@ -180,10 +180,12 @@ impl RefinementLevel {
     }
 }
 
-/// Returns the guided distribution of shadow-ray directions of a cell, over the unit square; `None`
-/// if all `means` are 0.
+/// Returns the distribution from which the shadow-ray directions of a cell are sampled, over the
+/// unit square; `None` if all `means` are 0.
 ///
-/// `means` are the mean squared contributions of rays to the picture, for each bin.
+/// `means` are the mean squared contributions of rays to the picture, for each bin. The probability
+/// of a bin is proportional to the square root of its mean, mixed with a uniform part of
+/// [`DEFENSIVE_FRACTION`].
 fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
     let roots: Vec<f64> = means.iter().map(|mean| mean.sqrt()).collect();
     let total: f64 = roots.iter().sum();

@@ -73,12 +73,12 @@ pub struct EnvironmentGuidingReport {
 struct PilotRay {
     /// Index of the recorded surface point from which the ray starts.
     point: usize,
-    /// Point in \[0, 1)² from which the light samples the ray's direction.
+    /// Point in \[0, 1)² that the environment light maps to the ray's direction.
     u: Vec2,
     /// Pdf of `u` over the unit square.
     u_pdf: f32,
-    /// Contribution that the ray would make to the picture if it had the pdf of unguided sampling;
-    /// 0 if occluded.
+    /// Contribution of the ray to the picture, weighted as if unguided sampling had chosen `u`; 0
+    /// if the ray is occluded.
     unguided_contribution: f64,
 }
 
@@ -154,10 +154,11 @@ fn trace_round(
     (0..count).into_par_iter().map(ray).collect()
 }
 
-/// Returns the transmittance along `ray` to the environment; 0 if a surface blocks it.
+/// Returns the transmittance along `ray` to the environment. The result is 1 if nothing blocks the
+/// ray, and 0 if an opaque surface does.
 ///
-/// Media attenuate only rays that cross null interfaces or thin sheets. For other rays the result
-/// is 0 or 1.
+/// Only null interfaces and thin sheets let shadow rays pass. Media attenuate a ray only if it
+/// crosses such a boundary.
 fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key: Key) -> Rgb {
     if !scene.occluded(ray) {
         return Rgb::ONE;

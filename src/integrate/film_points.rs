@@ -11,7 +11,7 @@ use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Number of film points of [`generate_film_points`].
+/// Number of film points that [`generate_film_points`] spreads over the picture.
 pub(super) const FILM_POINT_COUNT: u32 = 1024;
 
 /// Number of film points per parallel task.
@@ -23,8 +23,8 @@ pub(super) type FilmPoint = (Vec2, Sampler);
 /// Returns 1024 film points that are spread evenly over the picture of `scene`, each with the
 /// sampler of its camera path.
 ///
-/// Another `set` gives other points in the same pixels: points with the same index in two sets lie
-/// at independent positions of one pixel.
+/// Points with the same index in two different `set`s lie at independent positions of the same
+/// pixel, so that their difference shows the noise.
 pub(super) fn generate_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
@@ -49,10 +49,11 @@ pub(super) fn trace_paths_through_film_points(
 }
 
 /// Traces a camera path through each of `points`, and calls `result` with the path's radiance
-/// \[W/(m² sr)] and the task that traced it.
+/// \[W/(m² sr)] and the task that traced the path.
 ///
 /// Returns the values of `result`, and the ray counts of all paths. If `repeats_in_nested_discs` is
-/// true, each photon estimate is repeated with smaller discs, to measure its bias.
+/// true, each photon estimate is repeated in smaller discs with the same center, to measure its
+/// bias.
 pub(super) fn map_paths_through_film_points<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],

@@ -17,14 +17,14 @@ pub(super) struct FilmSampling<'a> {
     pub samples_per_pixel: u32,
     /// True if rays start at random points of the lens; false if at its center.
     pub samples_lens: bool,
-    /// Number of rays of each pixel, divided by the mean over all pixels; `None` gives all pixels
-    /// the mean.
+    /// Number of rays of each pixel, divided by the mean over all pixels. `None` if all pixels get
+    /// `samples_per_pixel` rays.
     pub relative_ray_counts: Option<&'a [f32]>,
     /// Numbers and keys of [prefix rays](super::prefix_rays), extra camera paths that end at the
     /// first surface that stores photons; `None` traces none.
     pub prefix_rays: Option<PrefixRays<'a>>,
-    /// True if each photon estimate is repeated with smaller nested gather discs, to measure its
-    /// bias.
+    /// True if each photon estimate is repeated in smaller gather discs with the same center. The
+    /// differences between these estimates show the bias.
     pub repeats_in_nested_discs: bool,
     /// True if the light of each pixel is also stored in three parts: direct, indirect and caustic
     /// light.
@@ -34,8 +34,9 @@ pub(super) struct FilmSampling<'a> {
     /// Upper bound on the light that one camera path finds, except its photon estimates \[W/(m²
     /// sr)]. Light with a larger RGB channel is scaled down; `None` for no bound.
     pub clamp: Option<f32>,
-    /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
-    /// through `camera`.
+    /// Cameras of the slices of the shutter interval. Each slice has a camera and a share of the
+    /// camera rays. `None` for an undivided shutter interval: all rays then start from the camera
+    /// in the field `camera`.
     pub slices: Option<SlicedCameras<'a>>,
     /// Stride of the rendered tiles: one of every `tile_stride` tiles is rendered, and the others
     /// stay black. With 1, all tiles are rendered.
@@ -52,12 +53,12 @@ pub(super) struct PrefixRays<'a> {
     /// Numbers of prefix rays (extra camera rays that stop at the first surface that stores
     /// photons) of each pixel, by rows from the top.
     pub counts: &'a [PixelPrefixRayCounts],
-    /// Random key of the prefix rays whose film points the pixel filter distributes.
+    /// Random key of the unaimed prefix rays: the pixel filter distributes their film points.
     pub key: Key,
     /// Images of lamps in each pixel, at which some prefix rays are aimed: film regions where
     /// camera rays meet a lamp.
     pub lamp_images: &'a LampImages,
-    /// Random key of the prefix rays whose film points are aimed at images of lamps.
+    /// Random key of the aimed prefix rays: their film points lie near images of lamps.
     pub aimed_key: Key,
 }
 
@@ -68,7 +69,7 @@ pub(super) struct PixelRays<'a> {
     pub key: Key,
     /// Number of rays.
     pub count: u32,
-    /// Division of the rays among the slices of the shutter interval.
+    /// Number of the rays in each slice of the shutter interval.
     pub slices: PixelRaySlices,
     /// Weights of the light that the rays find up to their first receiver (surface or medium that
     /// stores photons).
@@ -76,8 +77,9 @@ pub(super) struct PixelRays<'a> {
     /// If some rays of the pixel are aimed at images of lamps (film regions where camera rays meet
     /// a lamp), each ray has a weight `up_to_receiver` of its own.
     prefix_weights: PrefixWeights,
-    /// Images of lamps at which some rays of the pixel are aimed, and the numbers of the pixel's
-    /// aimed and other rays, from which MIS weights follow; `None` if no ray of the pixel is aimed.
+    /// Images of lamps at which some rays of the pixel are aimed, and the numbers of aimed and
+    /// other rays of the pixel. MIS weights follow from both. `None` if no ray of the pixel is
+    /// aimed.
     lamp_images: Option<(&'a [PixelLampImage], LampImageRayCounts)>,
     /// True if the film points of these rays are aimed at images of lamps; false if the pixel
     /// filter distributes them.
@@ -88,7 +90,7 @@ pub(super) struct PixelRays<'a> {
 /// that end at the first surface that stores photons.
 pub(super) struct PixelRay {
     pub ray: Ray,
-    /// Weight of the ray by the pixel filter.
+    /// Factor on the ray's light from the pixel filter, apart from `prefix_weights`.
     pub filter_weight: f32,
     /// Weights of the light that the ray finds up to its first receiver (surface or medium that
     /// stores photons).
@@ -220,7 +222,7 @@ impl FilmSampling<'_> {
     }
 
     /// Samples the lens point of a ray with `sampler` \[length right and up from the lens center];
-    /// 0 if rays do not sample the lens.
+    /// 0 if all rays start at the lens center.
     fn lens_point(&self, sampler: Sampler) -> Vec2 {
         if self.samples_lens { self.camera.sample_lens(sampler.get_2d(Dimension::Lens)).as_vec2() } else { Vec2::ZERO }
     }

@@ -3,11 +3,11 @@
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 
-/// Largest number of nearby photons, on each side of a surface, whose directions guide a
-/// final-gathering ray.
+/// Largest number of nearby photons on each side of a surface from whose directions the direction
+/// of a final-gathering ray is sampled.
 pub(super) const GUIDE_PHOTONS: u32 = 32;
 
-/// 1 − cosine of the half angle of the cone around each photon's direction. The half angle is 0.2
+/// Width of the cone around each photon's direction: 1 − cosine of the half angle, which is 0.2
 /// rad.
 ///
 /// Without overlap, the cones of 32 photons cover 64 % of a hemisphere.

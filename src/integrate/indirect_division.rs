@@ -48,16 +48,16 @@ pub(super) struct IndirectWeights {
     /// stores photons: the paths with the lowest sample indices. Meaningless if `photon_weight` is
     /// 0.
     pub continued_paths: u32,
-    /// Mean number of camera paths per pixel in a pass. A pilot (small simulation before the first
-    /// pass) traces a single path per pixel, which stands for this many.
+    /// Mean number of camera paths per pixel in a pass. In a pilot (small simulation before the
+    /// first pass), the single path of a pixel stands for this many.
     pub samples_per_pixel: u32,
 }
 
 /// Relative variance and bias of the indirect light in one cell of a grid over the film, by camera
 /// paths and by photon estimates.
 ///
-/// Each is divided by L² + L̃²/100, where L is the radiance of all light in the cell, and L̃ the
-/// median of L over all cells.
+/// Variances and squared biases are divided by L² + L̃²/100. L is the radiance of all light in the
+/// cell, and L̃ is the median of L over all cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct RelativeIndirectErrors {
     /// Relative variance of the indirect light that one camera path finds beyond its first receiver
@@ -86,9 +86,9 @@ pub(super) struct IndirectDivision {
     /// Number of photon paths per pass that lights emit in all directions. They fill the
     /// interreflection map, from which the photon estimates come.
     pub unaimed_paths: u32,
-    /// Price of one continued camera path, as a relative variance. A path continues beyond its
-    /// first receiver (surface or medium that stores photons) only if that reduces the relative
-    /// variance of indirect light by at least this value.
+    /// Least gain for which one more camera path continues beyond its first receiver (surface or
+    /// medium that stores photons). The gain is the decrease of the relative variance of indirect
+    /// light.
     pub path_price: f32,
     /// Number of passes with photon estimates of indirect light. Later passes use camera paths
     /// alone.
@@ -152,8 +152,8 @@ impl IndirectWeights {
     const COMPARISON: Self = Self { photon_weight: 1.0, continued_paths: u32::MAX, samples_per_pixel: u32::MAX };
 
     /// True if camera path number `index` of the `count` paths of a pixel continues beyond its
-    /// first receiver (surface or medium that stores photons): if `index` is below the number of
-    /// continued paths.
+    /// first receiver (surface or medium that stores photons). The paths with an `index` below
+    /// `continued_paths` continue.
     ///
     /// If `count` is 1, as in a pilot, the path instead continues with the probability
     /// `continued_paths`/`samples_per_pixel`, by the random number `u` in \[0, 1).
@@ -214,7 +214,8 @@ impl RelativeIndirectErrors {
     ///
     /// `photon_paths` is the number of photon paths of the pass that lights emit in all directions.
     /// `area` is the area of its gather discs, divided by the area in the first pass. The squared
-    /// bias counts `pass_count` times, because all passes share it.
+    /// bias counts `pass_count` times, because the mean of all passes has less variance but the
+    /// same bias.
     #[inline]
     fn photon_mean_squared_error(&self, photon_paths: u32, pass_count: f32, area: f32) -> f32 {
         self.single_photon_path_variance / (photon_paths as f32 * area) + pass_count * self.squared_bias * area * area
@@ -266,8 +267,8 @@ impl IndirectDivision {
     /// light in a pass, and the number of continued camera paths per pixel.
     ///
     /// `pass_count` is the number of passes up to this one. `area` is the area of its gather discs,
-    /// divided by the area in the first pass. The squared bias of photon estimates counts
-    /// `pass_count` times, because all passes share it.
+    /// divided by the area in the first pass. The squared bias counts `pass_count` times, because
+    /// the mean of all passes has less variance but the same bias.
     pub fn mean_error_and_paths(&self, pass_count: f32, area: f32) -> (f64, f64) {
         let mut sums = (0.0, 0.0);
         for cell in &self.cells {

@@ -34,8 +34,8 @@ const CELLS_ALONG_LONGER_SIDE: u32 = 24;
 /// two trials.
 const CELL_POINTS: u32 = 16;
 
-/// Smallest divisor of the number of photon paths of a pass: each of the indirect-light pilot's two
-/// trials traces at most 1/8 of them.
+/// Smallest ratio of the photon paths of a pass to those of one trial: each of the indirect-light
+/// pilot's two trials traces at most 1/8 of the paths of a pass.
 const MIN_PHOTON_PATH_DIVISOR: u32 = 8;
 
 /// Largest number of photon paths in each of the indirect-light pilot's two trials.
@@ -48,8 +48,8 @@ const TYPICAL_PASS_COUNT: u32 = 4;
 /// Largest number of passes in which photon estimates carry a part of the indirect light.
 const MAX_PASSES_WITH_PHOTONS: u32 = 1 << 16;
 
-/// Cost ratio up to which passes use photon estimates of indirect light: error times work with
-/// photon estimates, divided by error times work of camera paths alone.
+/// Cost ratio up to which passes use photon estimates of indirect light. The cost is error times
+/// work. The ratio is the cost with photon estimates, divided by the cost with camera paths alone.
 const MAX_RELATIVE_COST: f64 = 0.8;
 
 /// Candidate numbers of photon paths per pass, divided by the number in the settings. The
@@ -63,13 +63,14 @@ const WORK_STEP: usize = 8;
 /// Number of iterations of the search for [`IndirectDivision::path_price`].
 const SEARCH_STEPS: u32 = 12;
 
-/// Work per photon that a density estimate gathers, including the search for it, in units of
-/// tracing one photon ray.
+/// Estimated time to find one photon for a density estimate and to add its light, divided by the
+/// time to trace one photon ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
-/// Largest fraction of a cell's indirect light that photon estimates of the indirect-light pilot
-/// may miss. Above it, the pilot has too few photons in the cell to measure their variance. It then
-/// assumes the relative variance [`ASSUMED_VARIANCE_IN_MEDIA`], or 1 without scattering media.
+/// Largest fraction of a cell's indirect light that photon estimates may miss, compared with camera
+/// paths. If they miss more, the cell has too few photons to measure the variance of the estimates.
+/// The pilot then assumes the variance [`ASSUMED_VARIANCE_IN_MEDIA`], or 1 without scattering
+/// media.
 const MAX_MISSED_FRACTION: f64 = 0.9;
 
 /// Relative variance that the indirect-light pilot assumes for photon estimates that miss more than
@@ -102,8 +103,8 @@ struct TrialPathLight {
     bias: f64,
 }
 
-/// Work per pixel of the parts of a pass, in units of tracing one photon ray, and the noise of its
-/// direct light.
+/// Work of the parts of a pass, in units of tracing one photon ray, and the noise of its direct
+/// light.
 ///
 /// *Receiver*: a surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default)]
@@ -121,9 +122,9 @@ struct PassCost {
     lookup_work: f64,
 }
 
-/// Runs the indirect-light pilot. Returns the division of indirect light between camera paths and
-/// photon estimates with the least error times work; `None` if camera paths alone are about as
-/// good.
+/// Runs the indirect-light pilot. Divides indirect light between camera paths and photon estimates
+/// such that error times work is least. Returns this division; `None` if camera paths alone are
+/// about as good.
 pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<IndirectDivision> {
     let unaimed_paths = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
@@ -196,6 +197,7 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
 }
 
 /// Work of the parts of one trial of the indirect-light pilot, in units of tracing one photon ray.
+/// Each value is a sum over the whole trial.
 struct TrialWork {
     /// Work of all camera paths of the trial.
     path_work: f64,
@@ -210,8 +212,8 @@ struct TrialWork {
     gathering_work: f64,
 }
 
-/// One of the indirect-light pilot's two independent trials: its photon maps, and the report on
-/// their photons.
+/// One of the indirect-light pilot's two independent trials. A trial has its own photon maps, and a
+/// report on the photons in them.
 struct PilotTrial<'a> {
     maps: PhotonMaps<'a>,
     report: PassResult,
@@ -244,8 +246,8 @@ impl<'a> PilotTrial<'a> {
     /// Returns the work of the camera paths through `points`, and the work of the photons of the
     /// interreflection map, from which the photon estimates come.
     ///
-    /// `both` holds the counters of these paths when both techniques find indirect light
-    /// ([`IndirectTechnique::Comparison`]).
+    /// `both` holds the counters of a run in which both camera paths and photon estimates found the
+    /// indirect light ([`IndirectTechnique::Comparison`]).
     fn measure_work(&self, pilot: &PassRenderer<'_>, points: &[FilmPoint], both: &Counters) -> TrialWork {
         let some_points: Vec<FilmPoint> = points.iter().step_by(WORK_STEP).copied().collect();
         let (_, paths_only) = self.trace_paths(pilot, &some_points, IndirectTechnique::Paths);
@@ -365,11 +367,11 @@ fn cell_errors(
 }
 
 /// Chooses the number of photon paths, the number of passes with photon estimates, and
-/// [`IndirectDivision::path_price`] for least error times work. Returns a copy of `division` with
-/// these values; `None` if camera paths alone are about as good.
+/// [`IndirectDivision::path_price`], such that error times work is least. Returns a copy of
+/// `division` with these values; `None` if camera paths alone are about as good.
 ///
 /// `path_fractions` are the candidate numbers of photon paths, divided by the number in `division`.
-/// `area` takes the number of a pass, counted from 0. It returns the disc area of that pass,
+/// `area` is a function from the number of a pass, counted from 0, to the disc area of that pass,
 /// divided by the area in the first pass.
 fn least_cost_division(
     division: &IndirectDivision,

@@ -19,10 +19,11 @@ pub trait Integrator: Send + Sync {
     /// Renders the pass with number `pass`, counted from 0.
     fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> PassResult;
 
-    /// Returns the plan: the decision for each effect of light whether it is simulated, and why.
+    /// Returns the plan, which says for each effect of light whether it is simulated, and why.
     fn plan(&self) -> &Plan;
 
-    /// Estimates the ray and photon counts of the first pass, if only `effects` are simulated.
+    /// Estimates the ray and photon counts of the first pass of a render that simulates only
+    /// `effects`.
     fn expected_work(&self, effects: Effects) -> Counters;
 
     /// Returns the number of photon paths of a pass, and estimates by a few paths how many photons
@@ -45,8 +46,8 @@ pub trait Integrator: Send + Sync {
         0.0
     }
 
-    /// Returns the weight in \[0, 1] of photon estimates, as opposed to camera paths, for indirect
-    /// light in pass `pass` of `hybrid`, as a mean over the picture. Returns 0 for other
+    /// Returns the weight in \[0, 1] of photon estimates in pass `pass` of `hybrid`, as a mean over
+    /// the picture. Camera paths find the rest of the indirect light. Returns 0 for other
     /// algorithms.
     ///
     /// The indirect light of caustics does not count: in `hybrid`, photons always carry it. The
@@ -78,7 +79,8 @@ pub trait Integrator: Send + Sync {
         false
     }
 
-    /// True if passes clamp the light of camera paths, and return the light that this removes.
+    /// True if passes limit the radiance of each camera path (clamping), and also return the
+    /// radiance that clamping removed.
     fn clamps_light(&self) -> bool {
         false
     }
@@ -98,7 +100,8 @@ pub trait Integrator: Send + Sync {
     }
 
     /// Returns the work and benefit of the pilot (small simulation before the first pass) that
-    /// learns in which parts of media shadow rays find light; `None` if no such pilot ran.
+    /// learns the lit parts of media, from which shadow rays find light; `None` if no such pilot
+    /// ran.
     fn scatter_point_guiding_report(&self) -> Option<ScatterPointGuidingReport> {
         None
     }

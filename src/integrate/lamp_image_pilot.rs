@@ -32,12 +32,12 @@ const MAX_LAMPS: usize = 64;
 /// through pixels near predicted images.
 const MIN_RAYS_PER_PIXEL: u32 = 2;
 
-/// Largest fraction of the predicted noise that the pilot may leave to images of lamps that it does
-/// not search.
+/// Largest fraction of the predicted noise that may come from images of lamps for which the pilot
+/// does not search.
 ///
-/// Half of the fraction applies to the choice in each tile, and half to the choice among all tiles.
-/// Most images have little noise: without this limit, nine of ten searches would be for a
-/// thousandth of the noise.
+/// Each tile first drops its faintest images, up to half of this fraction. Then the picture as a
+/// whole drops its faintest, up to the other half. Most images have little noise: without this
+/// limit, nine of ten searches would be for a thousandth of the noise.
 const MAX_OMITTED_NOISE_FRACTION: f64 = 1e-3;
 
 /// Throughput, as a mean over RGB, below which a chain of specular vertices is not followed.
@@ -57,8 +57,8 @@ const MAX_AREA: f64 = 1.0;
 /// Edge length of the square tiles in which images of lamps are searched together \[pixels].
 const TILE_SIZE: u32 = 16;
 
-/// Largest number of searches for images of lamps in a tile, divided by its number of pixels. It
-/// limits the work of the pilot; searches with the most predicted noise come first.
+/// Largest number of searches for images of lamps in a tile, divided by the number of pixels of the
+/// tile. The limit bounds the work of the pilot; searches with the most predicted noise come first.
 const MAX_SEARCHES_PER_PIXEL: f64 = 3.0;
 
 /// Largest number of Newton steps of a search for the image of a lamp on the film.
@@ -69,15 +69,14 @@ const MAX_STEPS: u32 = 8;
 /// image.
 const RELATIVE_IMAGE_END_DISTANCE: f32 = 1.1;
 
-/// Largest half width and half height of the part of the film that the image of a lamp covers as
-/// the point on the lens varies \[pixels]. Larger images are blurred or thin, so that no pixel gets
-/// much of their light.
+/// Largest half width and half height \[pixels] of the film region that the image of a lamp sweeps
+/// as the lens point varies. Larger images are blurred or thin, so that no pixel gets much of their
+/// light.
 const MAX_IMAGE_HALF_EXTENT: f32 = 12.0;
 
-/// Distance from the lamp's center to the point at which Newton steps aim, relative to the lamp's
-/// radius.
+/// Distance from the lamp's center to the target of the Newton steps, divided by the lamp's radius.
 ///
-/// The point lies on the near side of the lamp, so that searches from several sides find several
+/// The target lies on the near side of the lamp, so that searches from several sides find several
 /// parts of an image.
 const TARGET_RELATIVE_MISS: f64 = 0.5;
 
@@ -123,13 +122,13 @@ struct ImageSearchStart {
     lamp: LampSphere,
     /// Vector on the film from the camera ray to the predicted image \[pixels].
     to_image: Vec2,
-    /// Predicted integral of the squared radiance over the image, to which the noise is
-    /// proportional \[pixels² (W/(m² sr))²].
+    /// Predicted integral of the squared radiance over the image \[pixels² (W/(m² sr))²]. The noise
+    /// of the image is proportional to this integral.
     noise: f64,
 }
 
-/// Returns the images of lamps in each pixel, sorted by pixel: the parts of the film at which
-/// camera rays meet a lamp. A pixel has every image that its filter reaches.
+/// Returns the images of lamps in each pixel, sorted by pixel. An image is a part of the film at
+/// which camera rays meet a lamp. A pixel has every image that its filter reaches.
 ///
 /// Returns no images if no light is an analytic shape, or if the effect of specular surfaces is
 /// off.
@@ -147,8 +146,8 @@ pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<LampImageCont
     images_by_pixel(&images, scene.camera(), &renderer.settings.camera_paths.filter, lens_radius)
 }
 
-/// Returns bounding spheres of the area lights of `scene` that are analytic shapes. Of more than
-/// [`MAX_LAMPS`], returns those with the largest radiance.
+/// Returns bounding spheres of the area lights of `scene` that are analytic shapes. If there are
+/// more than [`MAX_LAMPS`], only those with the largest radiance are returned.
 fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
     let mut lamps: Vec<(f32, LampSphere)> = Vec::new();
     for (light, area) in scene.lights().iter().map(Light::as_area_light).enumerate() {
@@ -166,8 +165,8 @@ fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
     lamps.into_iter().map(|(_, lamp)| lamp).take(MAX_LAMPS).collect()
 }
 
-/// Search for the images of lamps on the film that camera rays see directly or over specular
-/// surfaces.
+/// Search for images of lamps: film regions where camera rays meet a lamp, directly or over
+/// specular surfaces.
 struct ImageSearch<'a> {
     scene: &'a Scene,
     effects: Effects,
@@ -238,9 +237,9 @@ impl ImageSearch<'_> {
         search_starts
     }
 
-    /// Searches for images from each of `search_starts`, and from found images for their other
-    /// parts. Makes at most `searches` searches, in descending order of predicted noise. Returns
-    /// the distinct images.
+    /// Searches for images from each of `search_starts`. From each image that is found, searches on
+    /// for other parts of that image. Makes at most `searches` searches, in descending order of
+    /// predicted noise. Returns the distinct images.
     fn search_images<I: Interior>(
         &self,
         mut search_starts: Vec<ImageSearchStart>,
@@ -272,14 +271,15 @@ impl ImageSearch<'_> {
         images.images
     }
 
-    /// Returns the radius of the lens \[length]; 0 if rays do not sample it.
+    /// Returns the radius of the lens \[length]; 0 if all camera rays start at the lens center.
     fn lens_radius(&self) -> f64 {
         let lens = self.scene.camera().lens().filter(|_| self.effects.has(Effect::Lens));
         lens.map_or(0.0, |lens| lens.radius)
     }
 
     /// Adds to `search_starts` the lamps near the camera ray through `point`, and near the rays
-    /// into which specular surfaces split it. Leaves out rays that carry a single wavelength.
+    /// into which specular surfaces split it. Leaves out rays that carry a single wavelength after
+    /// dispersive glass.
     ///
     /// `stack` is empty before and after.
     fn push_search_starts<I: Interior>(
@@ -377,10 +377,10 @@ impl ImageSearch<'_> {
     }
 }
 
-/// Returns the least predicted noise at which a search start is used.
+/// Returns the lowest predicted noise of the search starts that are used.
 ///
-/// Starts with less noise have together at most the fraction `omitted_fraction` of the predicted
-/// noise of all `search_starts`.
+/// The starts with less noise hold together at most the fraction `omitted_fraction` of the
+/// predicted noise of all `search_starts`.
 fn least_searched_noise<'a>(
     search_starts: impl IntoIterator<Item = &'a ImageSearchStart>,
     omitted_fraction: f64,
@@ -407,14 +407,14 @@ fn pixels_near_images(tile: &[(u32, u32)], search_starts: &[ImageSearchStart]) -
 }
 
 /// Returns the vector on the film from a camera ray to the near side of the image of a lamp
-/// \[pixels], in the linear approximation `passage`.
+/// \[pixels]. `passage` describes how far the ray passes from the lamp.
 fn vector_to_near_side(passage: &LampPassage) -> DVec2 {
     passage.to_image * (1.0 - TARGET_RELATIVE_MISS / passage.relative_miss).max(0.0)
 }
 
 impl FoundLampImage {
-    /// Returns the film points \[pixels] just beyond both ends of the ellipse, for the lens point
-    /// at which the image was found.
+    /// Returns two film points \[pixels], just beyond both ends of the longest axis of the image's
+    /// ellipse. They apply to the lens point at which the image was found.
     fn ends(&self) -> [Vec2; 2] {
         let longest = self.image.longest_half_axis() * RELATIVE_IMAGE_END_DISTANCE;
         let center = self.image.film_point(Vec2::ZERO, self.point.lens_point());
@@ -425,10 +425,10 @@ impl FoundLampImage {
 /// Set of the found images of lamps on the film, without repetitions.
 struct ImageSet {
     images: Vec<FoundLampImage>,
-    /// Radius of the lens \[length]; 0 if rays do not sample it.
+    /// Radius of the lens \[length]; 0 if all camera rays start at the lens center.
     lens_radius: f32,
-    /// Indices in `images` of the images that reach a pixel for some point of the lens, by column
-    /// and row.
+    /// Indices in `images`, by column and row of a pixel. A pixel lists the images that reach it
+    /// from at least one point of the lens.
     by_pixel: HashMap<(i32, i32), Vec<u32>>,
 }
 
@@ -470,7 +470,8 @@ impl ImageSet {
 /// Returns the light that each of `images` adds to each pixel whose filter reaches it, sorted by
 /// pixel.
 ///
-/// `lens_radius` is the radius of the lens \[length]; 0 if rays do not sample it.
+/// `lens_radius` is the radius of the lens \[length]; 0 if all camera rays start at the lens
+/// center.
 fn images_by_pixel(
     images: &[FoundLampImage],
     camera: &Camera,

@@ -17,13 +17,12 @@ use std::sync::Arc;
 /// The radius exceeds 1, because images are only approximately ellipses.
 const CORE_RADIUS: f32 = 1.25;
 
-/// Probability that a ray that is aimed at the image of a lamp falls into the disc of
+/// Probability that a ray that is aimed at the image of a lamp is sampled uniformly in the disc of
 /// [`CORE_RADIUS`]. Other aimed rays follow a distribution with a heavy tail.
 const CORE_SHARE: f32 = 0.75;
 
-/// Radius within which half of the rays of the heavy tail fall, in film coordinates in which the
-/// image of the lamp is the unit disc. The heavy tail consists of the aimed rays that do not fall
-/// into the disc of [`CORE_RADIUS`].
+/// Median radius of the heavy-tailed distribution: half of its rays fall closer to the center of
+/// the image. The film coordinates are those in which the image of the lamp is the unit disc.
 const TAIL_RADIUS: f32 = 2.0;
 
 /// Image of a lamp on the film, as an ellipse: the part of the film at which camera rays meet the
@@ -107,14 +106,14 @@ pub(super) struct PixelLampImage {
     pub aim_probability: f32,
 }
 
-/// Returns the pdf \[1/pixel²] of film point `film`, for a ray through the lens point `on_lens`
-/// that is aimed at a randomly chosen one of `images`.
+/// Returns the pdf \[1/pixel²] of film point `film`, for a ray through the lens point `on_lens`.
+/// The ray is aimed at one of `images`, chosen at random by `aim_probability`.
 pub(super) fn aimed_pdf(images: &[PixelLampImage], film: Vec2, on_lens: Vec2) -> f32 {
     images.iter().map(|target| target.aim_probability * target.image.pdf(film, on_lens)).sum()
 }
 
-/// Samples the film point \[pixels] of a ray through the lens point `on_lens` that is aimed at a
-/// randomly chosen one of `images`. `images` must not be empty.
+/// Samples the film point \[pixels] of a ray through the lens point `on_lens`. The ray is aimed at
+/// one of `images`, chosen at random by `aim_probability`. `images` must not be empty.
 pub(super) fn sample_aimed_film_point(images: &[PixelLampImage], sampler: Sampler, on_lens: Vec2) -> Vec2 {
     let mut u = sampler.get_2d(Dimension::Film);
     let (last, others) = images.split_last().expect("a pixel with aimed rays has an image");
@@ -140,7 +139,8 @@ pub(super) struct LampImages {
 }
 
 impl LampImages {
-    /// Makes the lists from the images in each pixel, by rows from the top.
+    /// Stores the images of lamps in each pixel. `pixels` holds one list per pixel, by rows from
+    /// the top.
     pub fn from_pixels(pixels: &[Vec<PixelLampImage>]) -> Self {
         let mut starts = Vec::with_capacity(pixels.len() + 1);
         starts.push(0);

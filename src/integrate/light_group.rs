@@ -25,7 +25,7 @@ enum_with_all! {
 }
 
 impl LightGroup {
-    /// Returns the name of the group, such as `direct`. Layers of files have this name.
+    /// Returns the name of the group, such as `direct`. Layers of image files have this name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

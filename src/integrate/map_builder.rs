@@ -28,8 +28,8 @@ use std::time::Instant;
 /// Default limit k on the number of photons of a density estimate in the caustic map.
 pub const DEFAULT_CAUSTIC_K: u32 = 50;
 
-/// Divisor of the number of photon paths that fill the indirect map of a pass: 1/16 as many photon
-/// paths are traced to guide final-gathering rays.
+/// Number of photon paths that fill the indirect map of a pass, divided by the number that a pass
+/// traces to guide final-gathering rays.
 const GUIDE_PHOTON_DIVISOR: u32 = 16;
 
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
@@ -48,7 +48,7 @@ struct PhotonTracingTask<'a> {
     /// Number of photon paths.
     paths: u32,
     key: Key,
-    /// Connects caustic photons to the camera; `None` without light tracing.
+    /// Light tracer that connects caustic photons to the camera; `None` without light tracing.
     light_tracer: Option<&'a LightTracer<'a>>,
 }
 
@@ -117,7 +117,7 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// such paths.
     unaimed_source: Option<PhotonSource<'a>>,
     /// Source of the photon paths aimed at casters, such as mirrors and glass; `None` if passes
-    /// trace no such paths. It emits in all directions if no light reaches a caster.
+    /// trace no such paths. The source emits in all directions if no light reaches a caster.
     aimed_source: Option<PhotonSource<'a>>,
     pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass \[length]; `None` if passes trace no photons.
@@ -234,9 +234,9 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Returns the photon source of the indirect map, the kinds of photons that the map stores, and
     /// its number of photon paths per pass.
     ///
-    /// In `hybrid`, photon paths that are aimed at casters, such as glass, fill this map. Russian
-    /// roulette continues one in [`AFTER_CAUSTIC_THINNING`] of them after a caustic, so the number
-    /// of paths is divided by that constant.
+    /// In `hybrid`, photon paths that are aimed at casters, such as glass, fill this map. Of these
+    /// paths, Russian roulette continues only one in [`AFTER_CAUSTIC_THINNING`] after a caustic.
+    /// The returned number of paths is divided by that constant.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.aimed_paths_fill_indirect_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
@@ -308,8 +308,8 @@ impl<'a> PhotonMapBuilder<'a> {
         media && self.traces_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
-    /// Returns `mask`, with `stores_beams` true if the estimator for media reads photon beams, and
-    /// false if it reads photon points.
+    /// Returns a copy of `mask` in which `stores_beams` suits the estimator for media: true if the
+    /// estimator reads photon beams, false if it reads photon points.
     fn mask_for_volume_estimator(&self, mask: StoreMask) -> StoreMask {
         StoreMask { stores_beams: self.settings.volume_estimator == VolumeEstimator::Beams, ..mask }
     }
@@ -553,7 +553,7 @@ pub(super) fn has_emitting_media(scene: &Scene, effects: Effects) -> bool {
     effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.emits())
 }
 
-/// Returns `source` without the light of effects that are off; `None` if no light is left.
+/// Returns `source` restricted to the light that `effects` simulate; `None` if no light is left.
 fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSource<'a>> {
     let source = source.with_effects(effects);
     if effects.has(Effect::Environment) { Some(source) } else { source.without_environment_light() }

@@ -27,26 +27,26 @@ const FEW_LIGHTS: usize = 4;
 /// Number of shadow rays that a vertex sends, and the lights to which it sends them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShadowRayScheme {
-    /// This many shadow rays to every light, but only one to each delta light and to each light
-    /// that is sampled at its center.
+    /// Every light gets this many shadow rays. Delta lights, and lights that are sampled at their
+    /// center, get only one, because further rays would be equal.
     EveryLight(u32),
-    /// This many shadow rays, each to a randomly chosen light.
+    /// A vertex sends this many shadow rays, each to a randomly chosen light.
     RandomLights(u32),
 }
 
-/// Distributions that pilots have learned for shadow rays: one for directions to the environment,
-/// one for start points in media.
+/// Distributions that pilots have learned for shadow rays: one for directions to the environment
+/// light, and one for the start points of shadow rays in media.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ShadowRayGuides {
     /// Learned distribution of directions to the environment light; `None` samples directions from
     /// the light's own distribution.
     pub environment: Option<Arc<EnvironmentGuide>>,
-    /// Method that chooses where in homogeneous media shadow rays start.
+    /// Method that chooses the points in homogeneous media from which shadow rays start.
     pub scatter_points: ScatterPointSampling,
 }
 
-/// Method that chooses where in a homogeneous medium shadow rays start. It applies to the segments
-/// of camera paths before the first surface that stores photons.
+/// Method that chooses the points in a homogeneous medium from which shadow rays start. It applies
+/// to segments of a camera path before the first surface that stores photons.
 #[derive(Clone, Debug, Default)]
 pub(super) enum ScatterPointSampling {
     /// Start points follow no learned distribution. A segment has as many of them as a surface
@@ -138,9 +138,9 @@ impl<'a> NextEventEstimator<'a> {
         }
     }
 
-    /// Returns the number of lights if every vertex and medium segment up to a path's first
-    /// receiver (surface or medium that stores photons) sends shadow rays to all of them. Returns 0
-    /// if these rays go to randomly chosen lights.
+    /// Returns the number of lights that every vertex and medium segment samples by shadow rays, up
+    /// to a path's first receiver (surface or medium that stores photons). This is the number of
+    /// all lights, or 0 if the shadow rays go to randomly chosen lights.
     pub fn always_sampled_light_count(&self) -> usize {
         match self.schemes[0] {
             ShadowRayScheme::EveryLight(_) => self.lights.len(),
@@ -148,7 +148,8 @@ impl<'a> NextEventEstimator<'a> {
         }
     }
 
-    /// Returns the environment light, if a guide could improve the shadow rays to it.
+    /// Returns the environment light, if its shadow rays could follow a learned distribution of
+    /// directions.
     ///
     /// Returns `None` if the scene has no environment light, or if its effect or the effect of
     /// shadows is off. Also returns `None` if shadow rays go to the centers of lights.
@@ -218,9 +219,8 @@ impl<'a> NextEventEstimator<'a> {
         sum
     }
 
-    /// Estimates the direct light at `vertex` by `rays` shadow rays, each to a light that
-    /// `light_sampler` chooses at random. Otherwise like
-    /// [`NextEventEstimator::estimate_direct_light`].
+    /// Estimates the direct light at `vertex` by `rays` shadow rays. `light_sampler` chooses a
+    /// random light for each. All else is as in [`NextEventEstimator::estimate_direct_light`].
     fn estimate_sampled_lights<I: Interior>(
         &self,
         light_sampler: &LightBvhSampler,
@@ -263,10 +263,10 @@ impl<'a> NextEventEstimator<'a> {
     }
 
     /// Returns the radiance \[W/(m² sr)] that one shadow ray to the light with index `light` adds
-    /// at `vertex`. It includes the MIS weight if the path `continues`.
+    /// at `vertex`. If the path `continues`, the radiance includes the MIS weight.
     ///
-    /// `rays` is the expected number of shadow rays to that light, by which the radiance is
-    /// divided. `u` in \[0, 1)² samples a point of the light.
+    /// `rays` is the expected number of shadow rays to that light; the radiance is divided by this
+    /// number. `u` in \[0, 1)² samples a point of the light.
     #[inline]
     fn shadow_ray_contribution<I: Interior>(
         &self,
@@ -312,8 +312,8 @@ impl<'a> NextEventEstimator<'a> {
     /// Returns the point at which a shadow ray from `p` to `target` ends. `target` lies on the
     /// light with index `light`.
     ///
-    /// The ray ends shortly before a delta light, because the light may touch the surface of an
-    /// object.
+    /// The ray ends at `target`, except for a delta light, which may touch the surface of an
+    /// object. There the ray ends shortly before the light.
     #[inline]
     fn shadow_ray_end(&self, light: usize, sample: &DirectLightSample, target: Vec3, p: Vec3) -> Vec3 {
         if sample.pdf.is_some() {
@@ -322,8 +322,9 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
-    /// Returns the transmittance of a shadow ray that hits at least one surface; 0 unless all
-    /// surfaces on its way are null interfaces or thin sheets.
+    /// Returns the transmittance of the shadow ray from `vertex` to `sample`, if that ray hits at
+    /// least one surface. The result is 0 unless all surfaces on its way are null interfaces or
+    /// thin sheets.
     fn transmittance_through_surfaces<I: Interior>(
         &self,
         light: usize,

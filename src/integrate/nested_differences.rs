@@ -6,8 +6,8 @@ use crate::photon::NESTED_DISC_COUNT;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Mean gather radius and photon count of a pixel's density estimates on surfaces, over one or two
-/// photon maps and one or several passes.
+/// Mean gather radius and mean photon count of a pixel's density estimates on surfaces. The means
+/// may cover several passes, and two photon maps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MeanGatherDisc {
     /// Mean gather radius of the density estimates \[length].
@@ -19,8 +19,8 @@ pub struct MeanGatherDisc {
 
 /// Differences between a pixel's photon estimates with gather discs of full, half and quarter area.
 ///
-/// The bias of a density estimate grows with its disc. Estimates with nested discs share most of
-/// their noise, so their differences measure the bias.
+/// The bias of a density estimate grows with its disc. Estimates with discs around the same center
+/// share most of their noise, so their differences measure the bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedDifferences {
     /// Two differences of radiance \[W/(m² sr)] between estimates with discs of neighbouring areas:
@@ -30,7 +30,8 @@ pub struct NestedDifferences {
     /// `None` without an estimate.
     pub caustic_disc: Option<MeanGatherDisc>,
     /// Mean radius and photon count of the density estimates on surfaces from the indirect and the
-    /// interreflection map, which hold all light except caustics; `None` without an estimate.
+    /// interreflection map; `None` without an estimate. Together, these maps hold all light except
+    /// caustics.
     pub indirect_disc: Option<MeanGatherDisc>,
 }
 
@@ -58,11 +59,12 @@ impl GatherDiscSum {
     }
 }
 
-/// Sums of differences between photon estimates with nested gather discs, over one camera ray and
-/// over all rays of one pixel.
+/// Differences between photon estimates with gather discs of full, half and quarter area, summed
+/// over one camera ray and over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PixelNestedDifferenceSum {
-    /// True if photon estimates are repeated with smaller nested discs; false leaves all sums at 0.
+    /// True if photon estimates are repeated in smaller discs with the same center. False leaves
+    /// all sums at 0.
     pub is_wanted: bool,
     /// Sums of throughput times difference over the photon estimates of the camera ray that is
     /// being traced \[W/(m² sr)]. The differences are: full minus half disc area, and half minus
@@ -74,10 +76,11 @@ pub(super) struct PixelNestedDifferenceSum {
     /// Radiance of the last photon estimate minus the estimate with half its disc area \[W/(m²
     /// sr)].
     pub last_difference: Rgb,
-    /// Sums of radius and photon count over the pixel's estimates from the caustic map.
+    /// Sums of gather radii and of photon counts, over the pixel's density estimates from the
+    /// caustic map.
     pub caustic_discs: GatherDiscSum,
-    /// Sums of radius and photon count over the pixel's estimates from the indirect and the
-    /// interreflection map, which hold all light except caustics.
+    /// Sums of gather radii and of photon counts, over the pixel's density estimates from the
+    /// indirect and the interreflection map, which hold all light except caustics.
     pub indirect_discs: GatherDiscSum,
 }
 
@@ -102,7 +105,8 @@ impl PixelNestedDifferenceSum {
     /// Ends a camera ray: adds its differences, times its filter weight `weight`, to the sums of
     /// the pixel. Resets the sums of the ray.
     ///
-    /// A weight of `None`, or a sum that is not finite, drops the ray.
+    /// The ray is dropped if `weight` is `None`, because its radiance is not finite, or if a sum is
+    /// not finite.
     #[inline]
     pub fn finish_camera_ray(&mut self, weight: Option<f32>) {
         if let Some(weight) = weight.filter(|_| self.camera_ray_sum.iter().all(|difference| difference.is_finite())) {

@@ -24,8 +24,8 @@ pub trait ProgressMonitor: Sync {
     fn begin_stage(&self, stage: PassStage, total: u64);
     /// Reports that `units` more units of the current stage are done.
     fn report_progress(&self, units: u64);
-    /// True if the pass should be abandoned: its remaining photons and pixels are skipped, and its
-    /// result is discarded.
+    /// True if the pass should be abandoned. Its remaining photons and pixels are then skipped, and
+    /// its result is discarded.
     fn is_cancelled(&self) -> bool {
         false
     }
@@ -61,8 +61,8 @@ pub struct PhotonReport {
     /// Number of stored photons.
     #[serde(rename = "stored")]
     pub stored_photons: u64,
-    /// Flux \[W] that the paths emitted, and the parts of it that were absorbed, escaped or were
-    /// stopped.
+    /// Flux \[W] that the paths emitted, and how much of it was absorbed, escaped from the scene,
+    /// or was lost where paths ended early.
     pub audit: EnergyAudit,
 }
 
@@ -95,8 +95,8 @@ pub struct PassResult {
     ///
     /// They fill the caustic map, and in `hybrid` the indirect map too.
     pub aimed: PhotonReport,
-    /// Differences between photon estimates with nested gather discs, for each pixel; empty unless
-    /// the error is estimated and the algorithm reads photon maps.
+    /// Differences between photon estimates with gather discs of full, half and quarter area, for
+    /// each pixel. Empty unless the error is estimated and the algorithm reads photon maps.
     pub nested: Vec<NestedDifferences>,
     /// Radiance of each pixel \[W/(m² sr)], for each light group in the order of
     /// [`LightGroup::ALL`](super::LightGroup::ALL). The groups add up to `image`.
@@ -108,8 +108,8 @@ pub struct PassResult {
     ///
     /// Empty unless [`CameraPathSettings::clamp`](super::CameraPathSettings::clamp) is set.
     pub removed_by_clamp: Vec<Rgb>,
-    /// Some pixels rendered with camera paths that only this pass traces, as pairs of the pixel's
-    /// index in `image` and its radiance \[W/(m² sr)].
+    /// Pixels that were rendered a second time, with camera paths that only this pass traces. Each
+    /// pair holds the pixel's index in `image` and its radiance \[W/(m² sr)] by these paths.
     ///
     /// Empty unless all passes share the camera paths of `image` and the error is estimated.
     pub unshared_path_pixels: Vec<(u32, Rgb)>,

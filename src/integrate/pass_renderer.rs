@@ -16,8 +16,8 @@ use crate::scene::{self, Effect, Scene};
 use std::sync::Arc;
 
 /// Approximate number of tiles that a pass renders twice if all passes share camera paths: once
-/// with the shared paths, and once with paths of its own. The difference measures the error that
-/// the shared paths cause.
+/// with the shared paths, and once with paths that only this pass traces. The difference measures
+/// the error that the shared paths cause, which more passes do not reduce.
 const UNSHARED_PATH_TILE_COUNT: u32 = 48;
 
 /// Renderer of passes: the scene, path policy, settings, sample counts and results of pilots from
@@ -32,11 +32,12 @@ pub(super) struct PassRenderer<'a> {
     pub map_builder: PhotonMapBuilder<'a>,
     /// Mean number of camera rays per pixel and pass.
     pub samples_per_pixel: u32,
-    /// Number of camera rays of each pixel, divided by `samples_per_pixel`; `None` gives each pixel
-    /// `samples_per_pixel` rays.
+    /// Number of camera rays of each pixel, divided by `samples_per_pixel`. `None` if each pixel
+    /// gets `samples_per_pixel` rays.
     pub relative_ray_counts: Option<Arc<[f32]>>,
-    /// Number and expected work of each pixel's [prefix rays](super::prefix_rays); `None` traces
-    /// none. Prefix rays are extra camera paths that end at the first surface that stores photons.
+    /// Number of each pixel's [prefix rays](super::prefix_rays), and their expected work; `None`
+    /// traces none. Prefix rays are extra camera paths that end at the first surface that stores
+    /// photons.
     pub prefix_rays: Option<PrefixRayAllocation>,
 }
 
@@ -96,10 +97,10 @@ impl<'a> PassRenderer<'a> {
         self.guides = guides;
     }
 
-    /// Runs the pilot that learns from which directions the environment lights the scene. Returns
-    /// the guides of this renderer (learned distributions of shadow rays), and a report. The guide
-    /// for the environment is what the pilot learned; `None` if it would not reduce the noise
-    /// enough.
+    /// Runs the pilot that learns from which directions the environment lights the scene. Returns a
+    /// copy of this renderer's guides (learned distributions of shadow rays) with the pilot's
+    /// result as `environment`, and a report. `environment` is `None` if guiding would not reduce
+    /// the noise enough.
     ///
     /// The report is `None` if the settings forbid the pilot, or if there is no environment light
     /// to which shadow rays could be guided.
@@ -204,7 +205,7 @@ impl<'a> PassRenderer<'a> {
     }
 
     /// Returns the film sampling and the random key for the tiles that pass `pass` renders a second
-    /// time, with camera paths of its own.
+    /// time, with camera paths that only this pass traces.
     ///
     /// These paths measure the error of camera paths that all passes share. Returns `None` if
     /// passes share no paths, or if the error is not estimated.

@@ -44,8 +44,8 @@ pub(super) struct PathIntegrator<'a> {
     /// Report of the pilot (small simulation before the first pass) that guides shadow rays to the
     /// environment light; `None` if no such pilot ran.
     environment_guiding: Option<EnvironmentGuidingReport>,
-    /// Report of the pilot that learns in which parts of media shadow rays find light; `None` if no
-    /// such pilot ran.
+    /// Report of the pilot that learns the lit parts of media, from which shadow rays find light;
+    /// `None` if no such pilot ran.
     scatter_point_guiding: Option<ScatterPointGuidingReport>,
     balance: Option<RayPhotonBalance>,
     /// Number of slices of the shutter interval in each pass. Each slice has its own photons and

@@ -23,8 +23,8 @@ pub(super) struct PathTask {
     pub scratch: ScratchBuffers,
 }
 
-/// Light that a task records besides radiance, for its current pixel and its current camera ray. It
-/// is reset after the pixel's last ray.
+/// Light that a task records besides radiance, for its current pixel and its current camera ray.
+/// The task resets this record after the pixel's last ray.
 #[derive(Debug, Default)]
 pub(super) struct PixelLight {
     /// Radiance that photon estimates found for the camera ray that is being traced \[W/(m² sr)].
@@ -32,8 +32,8 @@ pub(super) struct PixelLight {
     /// Light of the camera ray that is being traced, divided into direct, indirect and caustic
     /// light.
     pub groups: GroupedLight,
-    /// Sums of differences between photon estimates with nested gather discs, over the rays of the
-    /// pixel.
+    /// Differences between photon estimates with gather discs of full, half and quarter area,
+    /// summed over the rays of the pixel.
     pub nested: PixelNestedDifferenceSum,
 }
 
@@ -41,8 +41,8 @@ pub(super) struct PixelLight {
 /// Passes write only `light`, and do not read it.
 #[derive(Debug, Default)]
 pub(super) struct PilotRecords {
-    /// Light of the camera paths since the pilot last took it, summed by the part of the path, or
-    /// the technique, that found it.
+    /// Light that camera paths found since the pilot last took this record. There is one sum for
+    /// each part of a path, and for each technique, that finds light.
     pub light: LightByPart,
     /// Light found by each shadow ray that started in a medium, for all camera paths of the task.
     pub in_scattering_samples: Vec<InScatteringSample>,
@@ -51,8 +51,8 @@ pub(super) struct PilotRecords {
     pub visible_points: Vec<VisiblePoint>,
 }
 
-/// Light of camera paths by the part of the path, or the technique, that found it. Values are
-/// contributions to the pixel \[W/(m² sr)].
+/// Light of camera paths, with one sum for each part of a path, and for each technique, that finds
+/// light. Values are contributions to the pixel \[W/(m² sr)].
 ///
 /// *Receiver*: a surface or medium that stores photons. [Two techniques](super::indirect_division)
 /// share the indirect light at a path's first receiver: continued camera paths and photon
@@ -60,8 +60,8 @@ pub(super) struct PilotRecords {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LightByPart {
     /// Light found up to the first receiver (surface or medium that stores photons): emission of
-    /// surfaces, environment light, and direct light at casters such as rough glass. It includes
-    /// the weights of [`PrefixWeights`](super::prefix_rays::PrefixWeights).
+    /// surfaces, environment light, and direct light at casters such as rough glass. The light is
+    /// multiplied by [`PrefixWeights`](super::prefix_rays::PrefixWeights).
     pub up_to_receiver: Rgb,
     /// Photon estimates from all maps.
     pub photon_estimates: Rgb,
@@ -69,10 +69,10 @@ pub(super) struct LightByPart {
     /// estimates find the rest.
     pub indirect_by_paths: Rgb,
     /// Indirect light at the first receiver, found by photon estimates. Continued camera paths find
-    /// the rest. It is also a part of `photon_estimates`.
+    /// the rest. `photon_estimates` includes this light.
     pub indirect_by_photons: Rgb,
-    /// `indirect_by_photons` with the full gather disc, minus the same estimate with half the disc
-    /// area; 0 without nested estimates.
+    /// Difference between two photon estimates: `indirect_by_photons` minus the same estimate with
+    /// half the disc area. The difference is 0 if estimates are not repeated in smaller discs.
     pub indirect_nested_difference: Rgb,
 }
 
@@ -82,8 +82,8 @@ pub(super) struct LightByPart {
 pub(super) struct ScratchBuffers {
     /// Buffers of photon searches in each map.
     pub searches: MapSearchBuffers,
-    /// Learned distribution of final-gathering directions at the path's last surface that stores
-    /// photons.
+    /// Directions of photons near the path's last surface that stores photons. They guide the
+    /// final-gathering ray from there.
     pub gather_guide: GatherGuide,
     /// Transmittance along the medium segment that the path is crossing.
     pub transmittance: TransmittanceCurve,
@@ -108,8 +108,8 @@ pub(super) struct MapSearchBuffers {
 
 impl PathTask {
     /// Returns the state of a task that has traced no path. If `repeats_in_nested_discs` is true,
-    /// its photon estimates are repeated with smaller nested gather discs, to measure their bias.
-    /// If `groups_light` is true, it divides light by
+    /// photon estimates are repeated in smaller discs with the same center, to measure their bias.
+    /// If `groups_light` is true, the task divides light by
     /// [`LightGroup`](super::light_group::LightGroup).
     pub fn new(repeats_in_nested_discs: bool, groups_light: bool) -> Self {
         let nested = PixelNestedDifferenceSum::new(repeats_in_nested_discs);

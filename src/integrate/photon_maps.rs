@@ -17,7 +17,8 @@ use crate::scene::{Interior, Scene};
 use glam::Vec3;
 use rand::Rng;
 
-/// One photon map, of surfaces and media, with the bandwidth and kernel of its density estimates.
+/// Photons of one map, on surfaces and in media, with the bandwidth and kernel of density estimates
+/// from them.
 pub(super) struct PhotonDensityEstimator<'a> {
     pub scene: &'a Scene,
     pub map: PhotonMap,
@@ -25,9 +26,9 @@ pub(super) struct PhotonDensityEstimator<'a> {
     pub kernel: Kernel,
     /// Photon beams and photon points in media.
     pub volume: BeamAndPointMaps,
-    /// True if each photon stores a fraction in \[0, 1] of its flux. Density estimates at surfaces
-    /// that the camera sees directly use only this fraction; light tracing (photons connected to
-    /// the camera) carries the rest.
+    /// True if density estimates at surfaces that the camera sees directly use only a part of each
+    /// photon's flux. Each photon stores this fraction in \[0, 1]. Light tracing (photons connected
+    /// to the camera) carries the rest.
     pub has_density_estimate_shares: bool,
 }
 
@@ -64,8 +65,8 @@ impl PhotonMaps<'_> {
     /// maps of `lookup`, times `lookup_scale` \[W/(m² sr)]. Also adds the estimates to the light
     /// groups of `task`.
     ///
-    /// `lookup_scale` is the number of camera paths for which this estimate stands, times a weight:
-    /// one camera path may read the maps for all paths of its pixel.
+    /// `lookup_scale` is the weight of photon estimates, times the number of camera paths that
+    /// share this estimate: one camera path may read the maps for all paths of its pixel.
     #[inline]
     pub fn radiance<I: Interior>(
         &self,
@@ -99,8 +100,8 @@ impl PhotonMaps<'_> {
     /// that does not come from a caustic); 0 without that map.
     ///
     /// Also adds the radiance, times the throughput, to `task.records.light` and to the light
-    /// groups. `lookup_scale` is the number of camera paths for which this estimate stands, times a
-    /// weight.
+    /// groups. `lookup_scale` is the weight of photon estimates, times the number of camera paths
+    /// that share this estimate.
     #[inline]
     pub fn interreflection_radiance<I: Interior>(
         &self,
@@ -126,8 +127,8 @@ impl PhotonMaps<'_> {
     /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
     /// caustic and the indirect map, times `lookup_scale` \[W/(m² sr)].
     ///
-    /// Also adds the estimates to the light groups of `task`. `lookup_scale` is the number of
-    /// camera paths for which this estimate stands, times a weight.
+    /// Also adds the estimates to the light groups of `task`. `lookup_scale` is the weight of
+    /// photon estimates, times the number of camera paths that share this estimate.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
@@ -148,8 +149,8 @@ impl PhotonMaps<'_> {
     /// come from a caustic); 0 without that map.
     ///
     /// Also adds the radiance, times the throughput, to `task.records.light` and to the light
-    /// groups. `lookup_scale` is the number of camera paths for which this estimate stands, times a
-    /// weight.
+    /// groups. `lookup_scale` is the weight of photon estimates, times the number of camera paths
+    /// that share this estimate.
     #[inline]
     pub fn interreflection_radiance_in_medium<I: Interior>(
         &self,
@@ -178,9 +179,9 @@ impl PhotonDensityEstimator<'_> {
     /// Estimates the radiance that `vertex` scatters towards the previous vertex, from the photons
     /// of this map \[W/(m² sr)]. If the surface transmits, photons on both of its sides count.
     ///
-    /// `scratch` returns the task's search buffers and gather-disc sums for this map.
-    /// `lookup_scale` (see [`PhotonMaps::radiance`]) multiplies only the nested estimates in
-    /// `task`, not the result.
+    /// `scratch` returns the task's search buffers and gather-disc sums for this map. The result is
+    /// not multiplied by `lookup_scale` (see [`PhotonMaps::radiance`]), but the estimates with
+    /// smaller discs that `task` records are.
     #[inline]
     fn radiance<I: Interior>(
         &self,

@@ -37,12 +37,13 @@ pub(super) struct PathPolicy {
     /// True if camera paths add caustics: emission that they hit after a diffuse surface, for
     /// example, and then mirrors or glass. False leaves this light to photons.
     pub adds_caustics: bool,
-    /// Throughput, as a mean over RGB, below which a path ends without compensation. If it is 0,
-    /// Russian roulette may end a faint path before a surface that stores photons is shaded.
+    /// Throughput, as a mean over RGB, below which a path ends. The lost light is not made up for,
+    /// so the picture gets slightly darker. If the value is 0, Russian roulette may end a faint
+    /// path before a surface that stores photons is shaded.
     pub min_throughput: f32,
     /// Vertices at which camera paths read photon maps.
     pub lookups: PhotonLookups,
-    /// True if gather radii shrink from pass to pass.
+    /// True if gather radii shrink from pass to pass; false if they stay fixed.
     pub shrinking_radii: bool,
     /// Division of directly visible caustics between photon estimates and light tracing.
     pub light_tracing: LightTracing,
@@ -54,8 +55,8 @@ pub(super) struct PathPolicy {
 /// Number and targets of the shadow rays of next-event estimation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LightSampling {
-    /// About this many shadow rays per vertex. If there are more lights than rays, each ray goes to
-    /// a randomly chosen light.
+    /// Each vertex sends about this many shadow rays. If there are more lights than rays, each ray
+    /// goes to a randomly chosen light.
     Rays(u32),
     /// One shadow ray per vertex, to a randomly chosen light. In a scene with at most four lights,
     /// every vertex up to the first receiver (surface or medium that stores photons) sends one
@@ -109,8 +110,8 @@ pub(super) enum PhotonLookups {
     /// Each path reads the caustic map and the indirect map at its first receiver, the surface or
     /// medium that stores photons.
     FirstReceiver,
-    /// Each path reads the caustic map at the start of a final-gathering ray, and the caustic map
-    /// and the indirect map at its end.
+    /// Each path reads the caustic map at the start of a final-gathering ray. At the end of that
+    /// ray, it reads the caustic map and the indirect map.
     GatherRays,
     /// Camera paths read no photon maps. For a pilot (small simulation before the first pass), they
     /// record each point that they reach on a surface that stores photons.

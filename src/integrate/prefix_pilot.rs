@@ -46,12 +46,12 @@ const WHOLE_PICTURES: u32 = 2;
 /// rays](super::prefix_rays): camera paths that end at the first surface that stores photons.
 const PREFIX_PICTURES: u32 = 4;
 
-/// Number of the [`PREFIX_PICTURES`] in which prefix rays also evaluate photon estimates. They do
-/// so only in the pixels that [`find_lookup_candidates`] selects.
+/// Number of pictures, among the [`PREFIX_PICTURES`], in which prefix rays also evaluate photon
+/// estimates. Only rays in pixels that [`find_lookup_candidates`] selects do so.
 const LOOKUP_PICTURES: u32 = 2;
 
-/// Smallest divisor of the number of photon paths of a pass: the prefix-ray pilot traces at most
-/// 1/4 of them.
+/// Smallest ratio of the photon paths of a pass to those of the prefix-ray pilot: the pilot traces
+/// at most 1/4 of the paths of a pass.
 const MIN_PHOTON_PATH_DIVISOR: u32 = 4;
 
 /// Largest number of photon paths that the prefix-ray pilot traces for one photon map.
@@ -91,7 +91,7 @@ const MAX_AIMED_RAYS: f64 = 64.0;
 /// it measures variances. These images are the film regions where camera rays meet a lamp.
 const ASSUMED_AIMED_RAYS: u8 = 8;
 
-/// Running mean and sum of squared differences from it (Welford 1962).
+/// Running mean and variance of a series of values (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
 struct RunningVariance {
     count: u32,
@@ -123,13 +123,14 @@ struct PixelLightStatistics {
     /// Light that camera paths find at and after their first receiver (surface or medium that
     /// stores photons), without photon estimates.
     from_receiver: RunningVariance,
-    /// Emission, and direct light at casters such as rough glass, that camera paths find before
-    /// their first receiver.
+    /// Light that camera paths find before their first receiver: emission, and direct light at
+    /// casters such as rough glass.
     up_to_receiver: RunningVariance,
     /// Photon estimate at the first receiver.
     photon_estimate: RunningVariance,
     /// Sum, over whole camera paths, of (`from_receiver` − its mean)·(`up_to_receiver` − its mean).
-    /// Their covariance is this sum divided by (number of paths − 1).
+    /// The covariance of `from_receiver` and `up_to_receiver` is this sum divided by (number of
+    /// paths − 1).
     deviation_product_sum: f64,
 }
 
@@ -142,16 +143,17 @@ struct RelativePixelVariances {
     /// Relative variance of the light that a camera path finds at and after its first receiver
     /// (surface or medium that stores photons), without photon estimates.
     from_receiver: f64,
-    /// Relative variance of the emission, and direct light at casters such as rough glass, that a
-    /// path finds before its first receiver.
+    /// Relative variance of the light that a path finds before its first receiver: emission, and
+    /// direct light at casters such as rough glass.
     ///
-    /// If the covariance of this light and the light of `from_receiver` is negative, twice the
-    /// covariance is added: a ray near an edge finds either one light or the other.
+    /// A negative covariance of this light and that of `from_receiver` is included: twice the
+    /// covariance is added. It is negative at edges, where a ray finds either one light or the
+    /// other.
     up_to_receiver: f64,
     /// Relative variance of the photon estimate at the first receiver.
     photon_estimate: f64,
-    /// Approximate relative variance of one ray that is aimed at the pixel's images of lamps (film
-    /// regions where camera rays meet a lamp): the square of their light.
+    /// Relative variance of one ray that is aimed at the pixel's images of lamps, the film regions
+    /// where camera rays meet a lamp. The value is approximated by the square of their light.
     aimed: f64,
     /// Relative variance of the light that one ordinary camera ray finds in the pixel's images of
     /// lamps, the film regions where camera rays meet a lamp.
@@ -159,7 +161,8 @@ struct RelativePixelVariances {
 }
 
 /// Relative standard deviations of the light of one ray: the square roots of
-/// [`RelativePixelVariances`]. The best numbers of rays are proportional to them.
+/// [`RelativePixelVariances`]. For least noise, numbers of rays are chosen in proportion to these
+/// values.
 struct PixelStandardDeviations {
     up_to_receiver: f64,
     photons: f64,
@@ -270,8 +273,9 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 /// Groups `found`, the images of lamps sorted by pixel, into one list for each of the picture's
 /// `pixels` pixels.
 ///
-/// The rays that a pixel aims at images are divided among its images in proportion to their light
-/// in the pixel. Of many images, the [`MAX_PIXEL_IMAGES`] with most light remain.
+/// A ray aimed at images chooses an image of its pixel with a probability proportional to the light
+/// of that image in the pixel. At most [`MAX_PIXEL_IMAGES`] images remain in a pixel: those with
+/// most light.
 fn images_of_pixels(found: &[LampImageContribution], pixels: usize) -> LampImages {
     let mut images = vec![Vec::new(); pixels];
     for in_pixel in found.chunk_by(|a, b| a.pixel == b.pixel) {
@@ -303,10 +307,10 @@ enum PathParts {
 /// Returns a flag for each pixel: true if the prefix-ray pilot should measure photon estimates at
 /// prefix rays of that pixel.
 ///
-/// `variances` describe single whole camera paths. A pass traces n = `samples` camera paths in each
-/// pixel, and only one of them reads photon maps. A second photon estimate pays if the variance of
-/// the estimate is above about 1/n² of the variance of a camera path. The function selects pixels
-/// above [`CANDIDATE_VARIANCE`] times this threshold.
+/// A pass traces n = `samples` camera paths in each pixel, and only one of them reads photon maps.
+/// A second photon estimate pays if the variance of the estimate is above about 1/n² of the
+/// variance of a camera path. The function selects pixels above [`CANDIDATE_VARIANCE`] times this
+/// bound. `variances` are those of single whole camera paths.
 fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.from_receiver + v.up_to_receiver).sum();

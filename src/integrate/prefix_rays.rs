@@ -21,8 +21,8 @@ pub(super) struct PrefixWeights {
     /// The pixel has n camera paths and m prefix rays. If some prefix rays are aimed at images of
     /// lamps, [`LampImageRayCounts`] gives each ray a weight of its own.
     pub up_to_receiver: f32,
-    /// Number of the pixel's camera paths, or of its prefix rays, that evaluate photon estimates:
-    /// those with the lowest sample indices.
+    /// Number of rays that evaluate photon estimates: of the pixel's camera paths, or of its prefix
+    /// rays if these weights belong to prefix rays. The rays with the lowest sample indices do so.
     pub lookup_count: u32,
     /// Weight of a photon estimate: 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
     ///
@@ -39,8 +39,8 @@ pub(super) struct PrefixWeights {
 /// that stores photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PixelPrefixRayCounts {
-    /// Number of prefix rays (extra camera rays that stop at the first surface that stores photons)
-    /// whose film points the pixel filter distributes.
+    /// Number of unaimed prefix rays (extra camera rays that stop at the first surface that stores
+    /// photons). The pixel filter distributes their film points.
     pub unaimed: u8,
     /// Number of the `unaimed` prefix rays that also evaluate a photon estimate.
     pub lookups: u8,
@@ -82,22 +82,22 @@ impl PrefixWeights {
     }
 
     /// Returns the weights of prefix rays that are aimed at images of lamps, the film regions where
-    /// camera rays meet a lamp. `up_to_receiver` is 1 here; the caller replaces it by
-    /// [`LampImageRayCounts::up_to_receiver_weight`] for each ray.
+    /// camera rays meet a lamp. `up_to_receiver` is only a placeholder (1): the caller replaces it
+    /// by [`LampImageRayCounts::up_to_receiver_weight`] for each ray.
     pub fn of_aimed_rays() -> Self {
         Self { lookup_count: 0, lookup_weight: 0.0, ends_at_receiver: true, ..Self::default() }
     }
 }
 
-/// Numbers of a pixel's rays that can find the images of lamps: camera paths, prefix rays
-/// distributed by the pixel filter, and prefix rays aimed at these images. The balance heuristic
-/// computes the weights of their light from these numbers.
+/// Numbers of a pixel's rays that can find the images of lamps: camera paths, unaimed prefix rays,
+/// and prefix rays aimed at these images. From these numbers, the balance heuristic computes the
+/// weights of the light that the rays find.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampImageRayCounts {
     /// Number of camera paths.
     camera_paths: f32,
-    /// Number of rays whose film points the pixel filter distributes: camera paths, and prefix rays
-    /// that are not aimed.
+    /// Number of rays whose film points the pixel filter distributes: camera paths and unaimed
+    /// prefix rays.
     filtered_rays: f32,
     /// Number of prefix rays that are aimed at images of lamps, the film regions where camera rays
     /// meet a lamp.
@@ -153,9 +153,8 @@ impl PrefixRayAllocation {
 mod tests {
     use super::*;
 
-    /// All rays of a pixel together count the light at a film point once: the sum of their
-    /// densities there, times the weight, divided by the number of camera paths, is the pdf of the
-    /// filter.
+    /// All rays of a pixel together count the light at a film point once. In a formula: (sum of the
+    /// rays' densities at the point)·weight/(number of camera paths) = pdf of the pixel filter.
     #[test]
     fn aimed_and_other_rays_count_light_once() {
         let prefix = PixelPrefixRayCounts { unaimed: 3, lookups: 0, aimed: 5 };

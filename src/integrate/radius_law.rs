@@ -12,7 +12,7 @@ pub const DEFAULT_ALPHA: f64 = 2.0 / 3.0;
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RadiusLaw {
     /// Exponent α in (0, 1] of shrinking gather radii: the squared radius falls as n^(α−1) with the
-    /// number of passes n. It is 1 for fixed radii.
+    /// number of passes n, so 1 keeps radii fixed.
     pub alpha: f64,
     /// Kernel of photon density estimates.
     pub kernel: Kernel,
@@ -21,7 +21,8 @@ pub struct RadiusLaw {
 /// Returns the squared gather radius of pass `pass`, counted from 0, divided by the squared radius
 /// of the first pass.
 ///
-/// It is the product of (i + α)/(i + 1) for i = 1 … pass (Knaus and Zwicker 2011, equation 15).
+/// This ratio is the product of (i + α)/(i + 1) for i = 1 … pass (Knaus and Zwicker 2011, equation
+/// 15).
 #[must_use]
 pub fn squared_radius_ratio(alpha: f64, pass: u32) -> f64 {
     (1..=pass).map(f64::from).map(|i| (i + alpha) / (i + 1.0)).product()
@@ -31,8 +32,8 @@ pub fn squared_radius_ratio(alpha: f64, pass: u32) -> f64 {
 /// pass, for a kernel in `dimensions` (d) dimensions.
 ///
 /// The kernel's length, area or volume shrinks by [`squared_radius_ratio`] with the exponent 1 − (1
-/// − `alpha`)·3d/(4 + d). For the default `alpha` this is 4/(4 + d), which balances variance and
-/// squared bias in d dimensions.
+/// − `alpha`)·3d/(4 + d). With the default `alpha`, the exponent is 4/(4 + d), which balances
+/// variance and squared bias in d dimensions.
 #[must_use]
 pub(super) fn kernel_radius_ratio(dimensions: u32, alpha: f64, pass: u32) -> f32 {
     let d = f64::from(dimensions);
@@ -64,8 +65,8 @@ mod tests {
         }
     }
 
-    /// The squared radius ratio agrees with its closed form Γ(N+α)/(Γ(1+α)Γ(N+1)), and with the
-    /// asymptote N^(α−1)/Γ(1+α), whose relative error is below 1/N.
+    /// The squared radius ratio agrees with its closed form Γ(N+α)/(Γ(1+α)Γ(N+1)). It also agrees
+    /// with the asymptote N^(α−1)/Γ(1+α), up to a relative error of 1/N.
     #[test]
     fn squared_radius_ratio_is_a_ratio_of_gammas() {
         assert_eq!(

@@ -10,8 +10,8 @@ use crate::scene::{Effects, PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Largest number of photon paths of a pilot (small photon simulation) that finds gather radii. The
-/// found radii are then scaled to the number of paths of a pass, which may be larger.
+/// Largest number of photon paths of a pilot (small photon simulation) that finds gather radii. If
+/// a pass has more paths, the found radii are reduced to suit the higher density of photons.
 pub(super) const MAX_PATHS: u32 = 1 << 16;
 
 /// Largest number of photon paths of a pilot (small photon simulation) that finds the gather radius
@@ -31,17 +31,16 @@ const MIN_PATHS: u32 = 1 << 14;
 /// photon. The gather radius is a quantile of these distances.
 const RADIUS_SAMPLES: usize = 512;
 
-/// Quantile that becomes the gather radius, among the distances from stored photons to their k-th
-/// nearest photon.
+/// Quantile of the distances from stored photons to their k-th nearest photon. The distance at this
+/// quantile becomes the gather radius.
 const RADIUS_QUANTILE: f64 = 0.75;
 
 /// Largest gather radius, divided by the scene's radius. A larger radius would blur the whole
 /// scene.
 const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
-/// Smallest gather radius that single precision resolves, divided by the radius of the scene. If
-/// most photons lie closer to the origin than that radius, the divisor is their distance from the
-/// origin instead.
+/// Smallest gather radius that single precision resolves, as a fraction of the smaller of two
+/// lengths: the radius of the scene, and a distance from the origin within which most photons lie.
 const MIN_RELATIVE_RADIUS: f32 = 1e-6;
 
 /// Smallest gather radius, divided by the width of a pixel's footprint on the closest visible
@@ -54,8 +53,8 @@ const DISTANCE_RAYS: u32 = 8;
 /// Number of camera rays with which a pilot measures the density of photons in media.
 const MEDIA_RAYS: u32 = 512;
 
-/// Largest number of casters, such as mirrors and glass, on a camera path that measures the density
-/// of photons in media.
+/// Largest number of casters (mirrors, glass and the like) that a camera path may pass while it
+/// measures the density of photons in media.
 const MAX_CASTERS: u32 = 8;
 
 /// Number of beams or photons that the median camera ray should find within the kernel radius. Rays
@@ -159,7 +158,8 @@ pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
 pub(super) struct VolumeKernelRadii {
     pub beams: f32,
     pub points: f32,
-    /// Fraction of the photon beams that a pass keeps, in \[0, 1]. Kept beams get more flux.
+    /// Fraction in \[0, 1] of the photon beams that a pass keeps. The flux of kept beams is divided
+    /// by this fraction.
     pub kept_beam_fraction: f32,
 }
 
@@ -175,9 +175,9 @@ impl Default for VolumeKernelRadii {
 ///
 /// In a pass of `paths` photon paths, the median camera ray finds 64 beams or photons within the
 /// kernel radius. Rays that find none do not count. The radius for beams is at least
-/// [`MIN_BEAM_RADIUS_PIXELS`] times the width of a pixel's footprint. If it then holds more than 64
-/// beams, passes keep only a fraction of the beams. This costs little sharpness and saves time: the
-/// bounding boxes of dense beams are far larger than a smaller radius.
+/// [`MIN_BEAM_RADIUS_PIXELS`] times the width of a pixel's footprint. If that radius holds more
+/// than 64 beams, passes keep only a fraction of the beams. This costs little sharpness and saves
+/// time: with a smaller radius, the bounding boxes of dense beams would not shrink much.
 pub(super) fn find_volume_kernel_radii(
     tracer: &PhotonTracer<'_>,
     effects: Effects,

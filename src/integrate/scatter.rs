@@ -13,8 +13,8 @@ use crate::scene::Interior;
 use glam::Vec3;
 use std::cell::RefCell;
 
-/// Search radius for the photons that guide a final-gathering ray, divided by the smallest length
-/// at which such a ray reads the indirect map.
+/// Radius of the search for photons that guide a final-gathering ray, divided by the smallest
+/// length at which such a ray reads the indirect map.
 const RELATIVE_GUIDE_RADIUS: f32 = 4.0;
 
 /// Collects the directions from which photons near `vertex` arrived, in the task's

@@ -13,12 +13,12 @@ use glam::{UVec3, Vec3};
 /// Largest number of cells of the grid over the visible media.
 const MAX_CELLS: f32 = 24_000.0;
 
-/// Weight of the mean of the surrounding cells in the estimate of a cell (shrinkage estimator):
-/// this mean counts as much as one shadow ray.
+/// Weight of the surrounding cells in the estimate of a cell (shrinkage estimator): their mean
+/// counts as much as one shadow ray.
 const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 
-/// Learned strength of the light that arrives from each light in each cell of a grid over the
-/// visible media. The start points of shadow rays are sampled in proportion to it.
+/// Learned radiance that shadow rays to each light find, in each cell of a grid over the visible
+/// media. Shadow rays start at points that are sampled in proportion to this radiance.
 #[derive(Debug)]
 pub(super) struct ScatterPointGuide {
     grid: MediumCellGrid,
@@ -62,7 +62,7 @@ pub(super) struct GuidedDistanceDistribution {
     start: f32,
     /// Distance along the ray at which each piece ends \[length].
     ends: Vec<f32>,
-    /// Sum of the weights of all pieces up to and including each piece.
+    /// For each piece, the sum of the weights of this piece and of all earlier pieces.
     cumulative: Vec<f32>,
 }
 
@@ -79,7 +79,8 @@ impl ScatterPointGuide {
     /// Fills `distances` with the guided distribution of distances along `ray`, for the light with
     /// index `light`, in a medium of mean extinction coefficient `extinction` \[1/length].
     ///
-    /// Its total weight is 0 if the ray meets no cell in which the pilot found light.
+    /// The total weight of `distances` is 0 if the ray meets no cell in which the pilot found
+    /// light.
     pub fn distances_along(
         &self,
         light: usize,
@@ -213,7 +214,8 @@ impl MediumCellGrid {
         self.cells_per_axis.element_product() as usize
     }
 
-    /// Returns the index of the cell that contains `p`, or of the nearest cell.
+    /// Returns the index of the cell that contains `p`, or of the cell nearest to `p` if `p` is
+    /// outside of the grid.
     fn cell_index(&self, p: Vec3) -> usize {
         let cell = ((p - self.origin) / self.cell).max(Vec3::ZERO).as_uvec3().min(self.cells_per_axis - UVec3::ONE);
         self.index(cell)
@@ -244,7 +246,7 @@ impl MediumCellGrid {
     }
 
     /// Calls `visit` with the index of each cell along `ray`, and with the distances at which the
-    /// ray enters and leaves it.
+    /// ray enters and leaves that cell.
     ///
     /// Source: Amanatides and Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing".
     fn for_each_cell(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32)) {

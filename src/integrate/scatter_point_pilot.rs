@@ -28,11 +28,11 @@ const PATH_COUNT_RANGE: (u32, u32) = (2000, 6000);
 /// compares their noise and work.
 const TRIAL_POINTS_PER_PATH: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 
-/// Factor by which noise times work may exceed its lowest value. Among the numbers of points within
-/// this factor, the scatter-point pilot takes the smallest.
+/// Largest acceptable ratio of noise times work to its lowest value. The scatter-point pilot takes
+/// the smallest number of points within this ratio.
 ///
-/// The factor exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a
-/// camera path.
+/// The ratio exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a
+/// camera path, so fewer points save more time than the work shows.
 const NEGLIGIBLE_LOSS: f64 = 1.15;
 
 /// Efficiency gain above which passes guide shadow rays in media: noise times work of unguided
@@ -41,23 +41,23 @@ const NEGLIGIBLE_LOSS: f64 = 1.15;
 /// The value exceeds 1, because the work counts rays only, and guided points take longer to sample.
 const MIN_GAIN: f64 = 1.3;
 
-/// Work and estimated benefit of the pilot (small simulation before the first pass) that learns in
-/// which parts of media shadow rays find light. Guided shadow rays start mostly there.
+/// Work and estimated benefit of the pilot (small simulation before the first pass) that learns the
+/// lit parts of media. There, shadow rays find light, so most guided shadow rays start there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ScatterPointGuidingReport {
     /// Number of shadow rays that the pilot traced to learn the lit parts of media.
     #[serde(rename = "rays")]
     pub shadow_rays: u64,
-    /// Gain in efficiency: variance times work of camera paths with unguided shadow rays in media,
-    /// divided by variance times work with guided ones.
+    /// Gain in efficiency: variance times work of camera paths if shadow rays in media are
+    /// unguided, divided by variance times work if they are guided.
     #[serde(rename = "gain")]
     pub efficiency_gain: f64,
-    /// True if the render guides shadow rays in media, so that most start where they find light.
+    /// True if the render guides shadow rays in media: most of them then start in the lit parts.
     pub used: bool,
 }
 
-/// Runs the scatter-point pilot. Returns the method by which passes of `renderer` choose where in
-/// homogeneous media shadow rays start, and a report.
+/// Runs the scatter-point pilot. Returns the method by which passes of `renderer` choose the start
+/// points of shadow rays in homogeneous media, and a report.
 ///
 /// The result depends only on the scene, the policy and the settings. The report is `None` if one
 /// of these conditions holds:
@@ -87,8 +87,8 @@ pub(super) fn guide_scatter_points(
     (sampling, Some(ScatterPointGuidingReport { shadow_rays, efficiency_gain, used }))
 }
 
-/// Distribution of the start points of shadow rays that the scatter-point pilot learned, with the
-/// mean radiance and the number of the pilot's shadow rays.
+/// Learned distribution of the start points of shadow rays, with two results of the scatter-point
+/// pilot: the mean radiance that media scatter, and the number of shadow rays.
 struct LearnedGuide {
     guide: Arc<ScatterPointGuide>,
     /// Mean radiance that media scatter to a camera path, straight from lights \[W/(m² sr)].
@@ -96,9 +96,8 @@ struct LearnedGuide {
     shadow_rays: u64,
 }
 
-/// Learns in which parts of media shadow rays to each of the `lights` lights find light. Traces
-/// camera paths that send shadow rays from many points of media. Returns `None` if no ray finds
-/// light.
+/// Learns which parts of media each of the `lights` lights reaches. Traces camera paths that send
+/// shadow rays from many points of media. Returns `None` if no shadow ray finds light.
 fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<LearnedGuide> {
     let (width, height) = renderer.scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
@@ -119,10 +118,10 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
     Some(LearnedGuide { guide: Arc::new(fit.fitted_guide()), mean_radiance, shadow_rays: samples().count() as u64 })
 }
 
-/// Returns the guided sampling with the number of points that has little noise for its work. Also
-/// returns the efficiency gain: noise times work of unguided sampling, divided by noise times work
-/// of that guided sampling. If the estimates have no noise, returns unguided sampling and 1 (no
-/// gain).
+/// Chooses how many points the guided sampling uses: the fewest for which noise times work is close
+/// to its lowest value. Returns that sampling, and its efficiency gain: noise times work of
+/// unguided sampling, divided by noise times work of the returned sampling. If the estimates have
+/// no noise, returns unguided sampling and 1 (no gain).
 fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGuide) -> (ScatterPointSampling, f64) {
     let LearnedGuide { guide, mean_radiance, .. } = learned;
     let guided = TRIAL_POINTS_PER_PATH.map(|points| ScatterPointSampling::Guided {
@@ -158,7 +157,7 @@ fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGui
 }
 
 /// Calls `trace` with a context for camera paths of `policy` that read no photons. `sampling`
-/// chooses where in media their shadow rays start.
+/// chooses the start points of their shadow rays in media.
 fn with_path_context<T>(
     renderer: &PassRenderer<'_>,
     policy: &PathPolicy,

@@ -9,8 +9,8 @@ use crate::plan::EffectOverrides;
 /// Settings of camera paths, which all algorithms use.
 #[derive(Clone, Debug)]
 pub struct CameraPathSettings {
-    /// Number of camera rays per pixel and pass; `None` stands for the default of the algorithm,
-    /// which a pilot may change (see [`Settings::allows_ray_photon_balance`]).
+    /// Number of camera rays per pixel and pass. `None` takes the default of the algorithm, and
+    /// lets a pilot change it (see [`Settings::allows_ray_photon_balance`]).
     pub samples_per_pixel: Option<u32>,
     /// Largest number of bounces of a camera or photon path.
     pub max_bounces: u32,
@@ -21,14 +21,14 @@ pub struct CameraPathSettings {
     /// True if a pilot (small simulation before the first pass) gives noisier pixels more camera
     /// rays.
     pub adaptive: bool,
-    /// True if passes return the data from which the error of the picture is estimated, such as
-    /// photon estimates with smaller nested discs.
+    /// True if passes return the data from which the error of the picture is estimated. Photon
+    /// estimates are then repeated in smaller discs, for example.
     ///
     /// A render can end at an estimated error only if this is true.
     pub estimate_error: bool,
     /// True if passes divide the light of each pixel into direct, indirect and caustic light.
     ///
-    /// [`Algorithm::Raycast`](super::Algorithm::Raycast) ignores it.
+    /// [`Algorithm::Raycast`](super::Algorithm::Raycast) ignores this setting.
     pub groups_light: bool,
     /// Window of pixels that passes render; `None` for the whole picture. The pixels of the window
     /// are bit-identical to the same pixels of the whole picture.
@@ -37,7 +37,7 @@ pub struct CameraPathSettings {
     /// sr)]. Light with a larger RGB channel is scaled down. This suppresses fireflies, but biases
     /// the picture. `None` for no bound.
     pub clamp: Option<f32>,
-    /// Effects of light that are forced on or off, whatever the plan decides.
+    /// Effects of light that are forced on or off. The plan decides about all other effects.
     pub effects: EffectOverrides,
 }
 
@@ -106,7 +106,8 @@ pub struct Settings {
     /// each photon map.
     pub initial_gather_radius: Option<f32>,
     /// Exponent α in (0, 1] of shrinking gather radii: the squared radius falls as n^(α−1) with the
-    /// number of passes n. 1 keeps radii fixed. [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
+    /// number of passes n, so 1 keeps radii fixed. [`Algorithm::Pm`](super::Algorithm::Pm) ignores
+    /// this setting and keeps radii fixed.
     pub alpha: f64,
     /// Kernel of photon density estimates.
     pub kernel: Kernel,
@@ -114,11 +115,11 @@ pub struct Settings {
     /// paths that end at the first surface or medium that stores photons. A pilot finds how many
     /// each pixel needs.
     pub allows_prefix_rays: bool,
-    /// True if a pilot may guide shadow rays to the environment light: it learns the directions
-    /// from which this light reaches each part of the scene.
+    /// True if a pilot may guide shadow rays to the environment light. The pilot learns the
+    /// directions from which this light reaches each part of the scene.
     pub allows_environment_guiding: bool,
-    /// True if a pilot may guide next-event estimation in homogeneous media: it learns where in a
-    /// medium shadow rays should start, and how many.
+    /// True if a pilot may guide next-event estimation in homogeneous media. The pilot learns from
+    /// which points of a medium shadow rays find light, and how many shadow rays to send.
     pub allows_scatter_point_guiding: bool,
     /// Division of directly visible caustics between photon estimates and light tracing, in
     /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).

@@ -11,8 +11,8 @@ use crate::sampling::{Dimension, Key, Purpose};
 /// Distance on the film that the fastest part of the scene moves during one slice of the shutter
 /// interval \[pixels].
 ///
-/// Passes sample different times within each slice. So in four passes, the fastest part is seen at
-/// one position per pixel.
+/// Each pass samples another time within the slice. So after four passes, the positions of the
+/// fastest part are about one pixel apart.
 pub(super) const SLICE_PIXELS: f32 = 4.0;
 
 /// Largest number of slices of the shutter interval in a pass without photons.
@@ -39,7 +39,8 @@ impl ShutterSlice {
     /// Returns the time of the slice in pass `pass`, as a fraction in \[0, 1) of the shutter
     /// interval.
     ///
-    /// The times are stratified: the first 2ⁿ passes divide each slice into equal steps.
+    /// The times are stratified: within the slice, the times of the first 2ⁿ passes are equally
+    /// spaced.
     pub fn time(self, seed: u64, pass: u32) -> f64 {
         let start = Key::new(seed).purpose_key(Purpose::Shutter).uniform_1d(Dimension::Time);
         let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;

@@ -53,14 +53,14 @@ impl SpecularChain {
 pub(super) struct CameraPoint {
     /// Film point \[pixels from the top left].
     pub film: Vec2,
-    /// Point on the lens \[length right and up from its center]; `None` for the lens center, if
-    /// rays do not sample the lens.
+    /// Point on the lens \[length right and up from its center]; `None` if all camera rays start at
+    /// the lens center.
     pub on_lens: Option<DVec2>,
 }
 
 impl CameraPoint {
-    /// Returns the point on the lens \[length right and up from its center]; zero if rays do not
-    /// sample the lens.
+    /// Returns the point on the lens \[length right and up from its center]; zero if all camera
+    /// rays start at the lens center.
     pub fn lens_point(&self) -> Vec2 {
         self.on_lens.map_or(Vec2::ZERO, |on_lens| on_lens.as_vec2())
     }
@@ -73,7 +73,8 @@ pub(super) struct RayBundle<I> {
     /// The camera ray, its neighbours right and below on the film, and its neighbours right and up
     /// on the lens.
     rays: [PathRay<I>; BUNDLE_RAYS],
-    /// Number of rays that are traced: all five, or the first three without a lens.
+    /// Number of rays that are traced: all five, or the first three if all camera rays start at the
+    /// lens center.
     traced_ray_count: usize,
     /// Distance between neighbours on the lens \[length].
     lens_step: f64,

@@ -48,8 +48,9 @@ pub enum AovSurface {
 /// Pixels without a surface have depth 0, position 0 and identifiers 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SurfaceAovs {
-    /// Directional albedo, in \[0, 1], for light from the viewer. On emitters, and where rays leave
-    /// the scene, the larger of the albedo and the radiance \[W/(m² sr)], clipped to 1.
+    /// Directional albedo in \[0, 1]: the fraction of light from the direction of the viewer that
+    /// the surface scatters. On emitters, and where rays leave the scene, the value is the larger
+    /// of the albedo and the radiance \[W/(m² sr)], clipped to 1.
     pub albedo: Vec<Rgb>,
     /// Shading normal in world space on the side of the viewer, as a mean over the pixel. Rays that
     /// leave the scene count as zero.
@@ -135,7 +136,8 @@ struct SceneAtTime<'a> {
     /// Meter of the motion of scene points on the film; `None` if nothing moves.
     motion: Option<FilmMotionMeter>,
     effects: Effects,
-    /// True if rays continue at specular surfaces, until they reach another surface or escape.
+    /// True if rays continue at specular surfaces until they reach a surface that is not specular,
+    /// or leave the scene.
     follows_specular: bool,
 }
 

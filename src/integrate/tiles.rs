@@ -19,12 +19,13 @@ use std::iter;
 /// then stay in the CPU cache.
 const TILE_SIZE: u32 = 16;
 
-/// Rendered window of a picture, with the counters of its camera rays.
+/// Rendered window of a picture: radiance and other data of each pixel, and the counters of the
+/// camera rays.
 pub(super) struct FilmImage {
     /// Radiance of each pixel of the window, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
-    /// Differences between photon estimates with nested gather discs, for each pixel; empty unless
-    /// [`FilmSampling::repeats_in_nested_discs`] is true.
+    /// Differences between photon estimates with gather discs of full, half and quarter area, for
+    /// each pixel; empty unless [`FilmSampling::repeats_in_nested_discs`] is true.
     pub nested: Vec<NestedDifferences>,
     /// Radiance of each pixel \[W/(m² sr)], for each light group in the order of
     /// [`LightGroup::ALL`]. The groups add up to `image`. Empty unless
@@ -32,8 +33,8 @@ pub(super) struct FilmImage {
     pub light_groups: Vec<Vec<Rgb>>,
     /// Radiance that clamping removed from each pixel \[W/(m² sr)]; empty unless light is clamped.
     pub removed_by_clamp: Vec<Rgb>,
-    /// Indices in `image` of the rendered pixels, if only one of every n tiles is rendered; empty
-    /// if all tiles are rendered.
+    /// Indices in `image` of the rendered pixels if the picture has only one of every n tiles;
+    /// empty if all tiles are rendered.
     pub rendered_pixel_indices: Vec<u32>,
     pub counters: Counters,
 }
@@ -79,8 +80,9 @@ struct Tile<'a> {
     index: u32,
     /// Parts of the picture's rows that lie in the tile, from the top.
     image: Vec<&'a mut [Rgb]>,
-    /// Rows of nested differences in the tile, from the top; empty unless
-    /// [`FilmSampling::repeats_in_nested_discs`] is true.
+    /// Differences between photon estimates with gather discs of full, half and quarter area, as
+    /// rows of the tile from the top; empty unless [`FilmSampling::repeats_in_nested_discs`] is
+    /// true.
     nested: Vec<&'a mut [NestedDifferences]>,
     /// Rows of each light group in the tile, from the top; empty unless
     /// [`FilmSampling::groups_light`] is true.
@@ -232,8 +234,8 @@ pub(super) fn render_tiles<Stack: Default>(
 struct RenderedPixel {
     /// Radiance \[W/(m² sr)].
     radiance: Rgb,
-    /// Differences between photon estimates with nested gather discs; 0 unless
-    /// [`FilmSampling::repeats_in_nested_discs`] is true.
+    /// Differences between photon estimates with gather discs of full, half and quarter area; 0
+    /// unless [`FilmSampling::repeats_in_nested_discs`] is true.
     nested: NestedDifferences,
     /// Radiance by light group \[W/(m² sr)]; 0 unless [`FilmSampling::groups_light`] is true.
     light_groups: [Rgb; LightGroup::ALL.len()],
@@ -241,8 +243,8 @@ struct RenderedPixel {
     removed_by_clamp: Rgb,
 }
 
-/// Returns the stride n ≥ 2 for which about `wanted` tiles are rendered if one of every n tiles is
-/// rendered.
+/// Returns the stride n ≥ 2 between rendered tiles: with one of every n tiles, about `wanted` tiles
+/// are rendered.
 pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> u32 {
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
@@ -264,7 +266,8 @@ fn tile_pixels(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterato
     (top..height.min(top + TILE_SIZE)).flat_map(move |y| (left..width.min(left + TILE_SIZE)).map(move |x| (x, y)))
 }
 
-/// Sums over the rays of one pixel, for all kinds of light that the pixel reports.
+/// Sums of the light of one pixel over its rays: all radiance, the radiance of each light group,
+/// and the radiance that clamping removed.
 #[derive(Default)]
 struct PixelSums {
     radiance: RaySums,
@@ -344,7 +347,8 @@ impl RaySums {
 
     /// Returns the radiance of a pixel with `samples` camera rays \[W/(m² sr)].
     ///
-    /// `is_signed` is true if the pixel filter has negative values.
+    /// `is_signed` is true if the pixel filter has negative values. Camera rays then have different
+    /// filter weights; otherwise all have weight 1.
     fn pixel_value(&self, is_signed: bool, samples: u32) -> Rgb {
         let camera_rays = if is_signed { self.camera_rays.weighted_sum() } else { self.camera_rays.unweighted_sum() };
         ((camera_rays + self.prefix_rays.value()) / f64::from(samples)).as_vec3()

@@ -36,7 +36,8 @@ pub(super) struct PathVertex<'a, I> {
     /// Nested bodies and medium on the side of the surface from which the path arrived.
     pub interior: &'a I,
     /// Numbers of receivers (surfaces and media that store photons) and casters (such as glass)
-    /// that the path visited before this vertex. If this vertex is a caster, it counts too.
+    /// that the path visited before this vertex. If this vertex itself is a caster, the number of
+    /// casters includes it.
     pub history: PathHistory,
     /// Factor from radiance that leaves the vertex to radiance of the pixel.
     pub throughput: Rgb,
@@ -103,8 +104,8 @@ pub(super) struct PrevVertex {
     /// whole sphere.
     pub hemisphere: Option<Vec3>,
     /// Numbers of receivers (surfaces and media that store photons) and casters (such as glass)
-    /// that the camera path visited before the previous vertex. If the previous vertex is a caster,
-    /// it counts too.
+    /// that the camera path visited before the previous vertex. If that vertex itself is a caster,
+    /// the number of casters includes it.
     pub history: PathHistory,
     /// Pdf of the direction in which the path left the previous vertex \[1/sr].
     pub pdf: f32,

@@ -16,8 +16,8 @@ use glam::Vec2;
 /// are four rays per pixel.
 const RAY_COUNT_RANGE: (u32, u32) = (2000, 20_000);
 
-/// Largest distance from a photon to a visible point at which the photon counts as visible, divided
-/// by the diagonal of the bounding box of all visible points.
+/// Largest distance at which a photon near a visible point counts as visible, divided by the
+/// diagonal of the bounding box of all visible points.
 const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
 /// Returns a map of the points that the camera sees on *receivers* (surfaces that store photons),
@@ -43,8 +43,8 @@ pub(super) fn find_visible_points(
 /// Traces `rays` camera paths, and returns the points where they reach *receivers* (surfaces that
 /// store photons), in the order of the paths.
 ///
-/// `continuation` selects the receivers from which a path continues; it ends after `max_bounces`
-/// bounces. If a receiver transmits light, its point is returned once for each side.
+/// `continuation` selects the receivers from which a path continues. A path ends after
+/// `max_bounces` bounces. If a receiver transmits light, its point is returned once for each side.
 pub(super) fn record_receiver_points(
     scene: &Scene,
     effects: Effects,

@@ -28,8 +28,8 @@ pub enum VolumeEstimator {
 }
 
 impl VolumeEstimator {
-    /// Returns the number of dimensions of the density-estimation kernel: first in homogeneous,
-    /// then in heterogeneous media.
+    /// Returns the number of dimensions of the density-estimation kernel. The first value is for
+    /// homogeneous media, the second for heterogeneous media.
     pub(super) fn kernel_dimensions(self) -> (u32, u32) {
         match self {
             Self::Beams => (1, 2),
@@ -48,8 +48,8 @@ pub(super) struct BeamAndPointMaps {
     pub wavelength_kernel_half_width: f32,
 }
 
-/// Sums of the radiance from photons in a medium, for a kernel of the full radius and for kernels
-/// of smaller nested radii.
+/// Sums of the radiance from photons in a medium: one for a kernel of the full radius, the others
+/// for kernels of smaller radii around the same center.
 ///
 /// Walls may hide a part of the kernel. Probe rays from its center measure the hidden part. The
 /// first probe ray goes towards one photon, chosen with a probability proportional to its radiance.
@@ -102,11 +102,11 @@ impl NestedKernelSums {
     /// Returns all sums times `factor`, corrected for the part of each kernel that surfaces hide.
     /// `radius` is the full radius \[length], and `axis` the unit direction of the camera ray.
     ///
-    /// A photon's contribution f should be divided by the coverage c, the visible part of the
-    /// kernel. Photons behind a surface should be left out. To measure c for all photons would take
-    /// too many probe rays. So one photon is chosen with probability f/F, where F is the sum of all
-    /// f. For this photon, the function adds F/c − F, or −F if it is hidden. The result has the
-    /// same mean.
+    /// Ideally, a photon's contribution f would be divided by the coverage c, the visible part of
+    /// the kernel, and photons behind a surface would be left out. To measure c for all photons
+    /// would take too many probe rays. So one photon is chosen with probability f/F, where F is the
+    /// sum of all f. For this photon, the function adds F/c − F, or −F if it is hidden. The result
+    /// has the same mean.
     fn with_coverage_correction(
         mut self,
         scene: &Scene,
@@ -129,12 +129,11 @@ impl NestedKernelSums {
     }
 }
 
-/// Returns the value of the kernel of each nested radius at one photon, divided by the value of the
-/// full-radius kernel there.
+/// Returns the kernel value at one photon for each kernel radius, divided by the value for the full
+/// radius. Each radius is the next larger one divided by √2.
 ///
 /// At the fraction x of its radius, a kernel is proportional to 1 − x² in one and three dimensions,
-/// and to (1 − x²)² in two. `x2` is x² for the full radius. Each nested radius is the next larger
-/// one divided by √2.
+/// and to (1 − x²)² in two. `x2` is x² for the full radius.
 #[inline]
 fn kernel_ratios(dimensions: u32, x2: f32) -> [f32; NESTED_DISC_COUNT] {
     let level_scale = [1.0, SQRT_2, 2.0, 2.0 * SQRT_2][dimensions as usize];
@@ -166,8 +165,9 @@ impl BeamAndPointMaps {
 
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// `lookup_scale` is the number of camera paths for which this estimate stands, times a weight.
-    /// It multiplies only the nested estimates in `task`, not the result.
+    /// `lookup_scale` is the weight of photon estimates, times the number of camera paths that
+    /// share this estimate. The result is not multiplied by it, but the estimates with smaller
+    /// kernels that `task` records are.
     pub fn radiance<I: Interior>(
         &self,
         scene: &Scene,
@@ -317,7 +317,8 @@ fn ray_along(origin: Vec3, offset: Vec3, axis: Vec3) -> Ray {
     Ray::new(origin, offset.try_normalize().unwrap_or_else(|| Frame::from_normal(axis).s))
 }
 
-/// Returns `weight` divided by the scattering coefficient at `p`; 0 in channels without scattering.
+/// Returns `weight` divided by the scattering coefficient at `p`. Channels without scattering
+/// become 0.
 fn divide_by_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
     let scattering = medium.scattering * medium.density_at(p);
     Rgb::select(scattering.cmpgt(Rgb::ZERO), weight / scattering, Rgb::ZERO)

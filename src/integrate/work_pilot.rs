@@ -12,8 +12,8 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use crate::stats::Counters;
 
-/// Divisor of the number of photon paths of a pass: the ray-photon-balance pilot traces 1/16 of
-/// them.
+/// Number of photon paths of a pass, divided by the number that the ray-photon-balance pilot
+/// traces.
 const PHOTON_PATH_DIVISOR: u32 = 16;
 
 /// Radiance at each film point of the ray-photon-balance pilot, and counts of the rays and photons
@@ -172,10 +172,10 @@ mod tests {
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
-    /// If `hybrid` traces no unaimed photon paths, the setting for their number does not change the
-    /// balance.
+    /// The balance does not depend on the setting for unaimed photon paths if `hybrid` traces no
+    /// such paths.
     ///
-    /// `hybrid` traces no such paths if photon estimates of indirect light are off.
+    /// `hybrid` traces none if photon estimates of indirect light are off.
     #[test]
     fn untraced_photons_do_not_change_the_balance() {
         let mut builder = SceneBuilder::new();

@@ -9,7 +9,7 @@ use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// A light at infinity whose rays are parallel, such as the sun without its extent.
+/// A light at infinity with parallel rays, such as the sun if its angular size is neglected.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectionalLight {
     /// Unit direction in which the light travels.

@@ -78,8 +78,8 @@ impl EnvironmentLight {
         (pdf > 0.0).then_some((direction, pdf))
     }
 
-    /// Inverse of [`EnvironmentLight::sample`]: returns the point u in \[0, 1)² that gives unit
-    /// `direction`, up to rounding; `None` if the map is black.
+    /// Inverse of [`EnvironmentLight::sample`]: returns the point u in \[0, 1)² that `sample` maps
+    /// to unit `direction`, up to rounding; `None` if the map is black.
     #[inline]
     #[must_use]
     pub fn inverse_sample(&self, direction: Vec3) -> Option<Vec2> {

@@ -51,8 +51,8 @@ pub struct EquirectangularMap {
     map: Image,
     /// Sampling distribution over the pixels; `None` if the map is black.
     ///
-    /// The weight of a pixel is the mean of the interpolated value over the pixel, averaged over
-    /// channels, times the pixel's solid angle.
+    /// The probability of a pixel is proportional to m·Ω. Here, m is the mean of the interpolated
+    /// map over the area and the color channels of the pixel, and Ω is the pixel's solid angle.
     distribution: Option<PiecewiseConstant2d>,
     /// Cosine of the angle from +y to the upper edge of each row. The last element belongs to the
     /// lower edge of the last row.
@@ -138,8 +138,8 @@ impl EquirectangularMap {
         (pixel, at.x.fract() as f32)
     }
 
-    /// Inverse of [`EquirectangularMap::sample`]: returns the point u in \[0, 1)² that gives unit
-    /// `direction`; `None` if the map is black.
+    /// Inverse of [`EquirectangularMap::sample`]: returns the point u in \[0, 1)² that `sample`
+    /// maps to unit `direction`; `None` if the map is black.
     #[inline]
     pub(super) fn inverse_sample(&self, direction: Vec3) -> Option<Vec2> {
         let (pixel, x) = self.pixel_in_direction(direction);
@@ -166,11 +166,13 @@ impl EquirectangularMap {
     }
 }
 
-/// Integral ∫ w d(cos θ) over the map, where w is the weight of row `row` in vertical
-/// interpolation. The map has `rows` rows.
+/// Integral ∫ w d(cos θ) over the whole map, where θ is the angle to the upper pole of the map. The
+/// function w(θ) is the weight of pixel row `row` in the vertical linear interpolation between
+/// `rows` rows.
 ///
-/// θ is the angle to the upper pole of the map. The weight is a hat function of θ. Above the center
-/// of the first row, and below the center of the last row, the weight is 1.
+/// The weight w is 1 at the center of the row, and falls linearly to 0 at the centers of the
+/// adjacent rows. The first row has w = 1 up to the upper pole, the last row down to the lower
+/// pole.
 fn row_interpolation_integral(row: usize, rows: usize) -> f64 {
     let step = PI / rows as f64;
     let center = (row as f64 + 0.5) * step;

@@ -8,15 +8,15 @@ use crate::math::Bounds;
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Bounds of the positions and emitted directions of one or more lights, as in a node of a light
-/// BVH.
+/// Bounds for one or more lights, as in a node of a light BVH: for their positions, and for the
+/// directions in which they emit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBounds {
     /// Box around the positions of the lights, in world space.
     pub space: Bounds,
-    /// Cone that contains the outer normals of all emitting surfaces. A light at a point has no
-    /// normals: for such a light, the cone contains the axes of emission instead. Each emitted
-    /// direction lies within the angle `spread` of one of these axes.
+    /// Cone that contains the directions from which `spread` is measured. For emitting surfaces,
+    /// these are their outer normals. For a light at a point, they are its axes of emission. Each
+    /// emitted direction lies within the angle `spread` of one of these directions.
     normal_cone: DirectionCone,
     /// Largest angle \[radians] between an emitted direction and the nearest direction in
     /// `normal_cone`, at most π/2.
@@ -34,7 +34,7 @@ pub(super) struct DirectionCone {
     pub half_angle: f64,
 }
 
-/// Upper bound of the angle \[radians] between an exact unit normal and the normal rounded to f32.
+/// Upper bound of the angle \[radians] by which rounding to f32 turns a unit vector.
 pub(super) const NORMAL_ERROR: f64 = 1e-6;
 
 impl DirectionCone {
@@ -94,11 +94,11 @@ impl LightBounds {
         }
     }
 
-    /// Solid angle of the emitted directions, weighted by relative intensity \[sr]. Flux divided by
-    /// this angle is about the intensity along the normals.
+    /// Returns the solid angle Ω \[sr] for which flux ≈ Ω · intensity along the normals: the
+    /// integral of the relative intensity over all directions.
     ///
-    /// Directions inside the cone of normals have weight 1. Directions outside, up to the angle
-    /// `spread` from the cone, have the cosine of their angle to the cone as weight.
+    /// The relative intensity is 1 inside the cone of normals. Up to the angle `spread` outside of
+    /// the cone, it is the cosine of the angle to the cone. Beyond, it is 0.
     fn weighted_solid_angle(&self) -> f64 {
         let o = self.normal_cone.half_angle;
         let w = (o + self.spread).min(PI);
@@ -107,19 +107,20 @@ impl LightBounds {
         2.0 * PI * (1.0 - cos) + FRAC_PI_2 * falloff
     }
 
-    /// Cost of a light BVH node with these bounds: flux × solid angle × squared diagonal of the
-    /// box.
+    /// Cost of a light BVH node with these bounds: flux × solid angle of the emission × squared
+    /// diagonal of the box.
     pub fn bvh_node_cost(&self) -> f64 {
         self.flux * self.weighted_solid_angle() * f64::from(self.space.extent().length_squared())
     }
 }
 
-/// Lower bound of d²/r² in the importance of a group of lights. Here, d is the distance from the
-/// lit point to the center of the lights' bounding sphere, and r is the radius of this sphere. The
-/// bound keeps the importance finite for points among the lights.
+/// Lower limit of d²/r², where d is the distance from the lit point to the center of the bounding
+/// sphere of a group of lights, and r is the radius of this sphere. The limit keeps the importance
+/// of the group, which is proportional to 1/d², finite for points among the lights.
 ///
-/// The bound limits 1/d² to 6/r², which is about the mean of 1/d² over a ball with the volume of
-/// the cube inscribed in the sphere. For a ball of radius R, the mean is 3/R²; here, R² ≈ r²/2.
+/// With this limit, 1/d² is at most 6/r². This is about the mean of 1/d² over the cube inscribed in
+/// the sphere. A ball of the same volume has the radius R ≈ r/√2, and the mean of 1/d² over it is
+/// 3/R².
 const MIN_RELATIVE_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
 /// Bounds of one or more lights, stored so that their importance at a point is computed fast.

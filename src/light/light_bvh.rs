@@ -20,13 +20,15 @@ pub struct LightBvhSampler {
     /// Indices of the lights at infinity, which are outside of the tree. All are sampled with equal
     /// probability.
     infinite_light_indices: Vec<u32>,
-    /// Location of each light in the sampler, by the index of the light.
+    /// Place of each light: in the tree, at infinity or absent. Element i belongs to the light with
+    /// index i.
     locations: Vec<LightBvhLocation>,
     /// Probability of sampling one of the lights at infinity instead of a light of the tree.
     infinite_probability: f64,
 }
 
-/// Node of the light BVH: bounds of all lights in its subtree, and its children or its light.
+/// Node of the light BVH. Holds the bounds of all lights in its subtree, and either the index of
+/// its second child or its only light.
 #[derive(Clone, Debug)]
 struct LightBvhNode {
     bounds: CompactLightBounds,
@@ -44,7 +46,7 @@ enum LightBvhNodeKind {
 /// A light at a finite distance: its index, and the bounds of its positions and directions.
 type BoundedLight = (u32, LightBounds);
 
-/// Position of a light in a [`LightBvhSampler`]: in its tree, at infinity or absent.
+/// Place of a light in a [`LightBvhSampler`]: in its tree, at infinity or absent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum LightBvhLocation {
     /// The sampler does not contain the light, because it has no power.
@@ -56,11 +58,12 @@ enum LightBvhLocation {
     Tree(u64),
 }
 
-/// Tree depth from which nodes of the light BVH are split into halves of equal count. This keeps
-/// the depth below 64, even for 2³² lights.
+/// Depth in the light BVH from which each node is split into two children with equal numbers of
+/// lights. Each such split halves the number, so the depth stays below 64, even for 2³² lights.
 const HALVING_DEPTH: u32 = 31;
 
-/// Number of buckets along each axis in the search for a light BVH node's split plane.
+/// Number of buckets along each axis into which the centers of lights are sorted. The boundaries
+/// between buckets are the candidates for the split plane of a light BVH node.
 const SPLIT_BUCKETS: usize = 12;
 
 /// Largest f32 below 1.
@@ -123,13 +126,13 @@ impl LightBvhSampler {
         self.nodes.push(LightBvhNode { bounds: whole.into(), kind: LightBvhNodeKind::Leaf(light) });
     }
 
-    /// Samples a light for the point `p` by `u` in \[0, 1).
+    /// Samples a light for the point `p` by `u` in \[0, 1). Returns the index of the light, its
+    /// probability, and `u` rescaled to \[0, 1), so that the caller can use it as the next random
+    /// number.
     ///
-    /// Returns the index of the light, its probability, and a uniform number in \[0, 1) made from
-    /// the unused part of `u`. If the unit normal `n` of a surface at `p` is given, lights of the
-    /// tree that cannot illuminate the side to which `n` points are not sampled. Returns `None` if
-    /// the descent reaches a node whose lights cannot illuminate `p`, or if the probability rounds
-    /// to 0.
+    /// If the unit normal `n` of a surface at `p` is given, lights of the tree that cannot
+    /// illuminate the side to which `n` points are not sampled. Returns `None` if the descent
+    /// reaches a node whose lights cannot illuminate `p`, or if the probability rounds to 0.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
@@ -208,11 +211,11 @@ impl LightBvhSampler {
 
 /// Splits two or more lights into two non-empty groups, for the children of a light BVH node.
 ///
-/// The split is at the bucket boundary of least cost: the sum of [`LightBounds::bvh_node_cost`]
-/// over both groups, times a ratio of extents. The ratio is the largest extent of the box around
-/// the light centers, divided by the extent of this box along the split axis. From depth
-/// [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights, the split is at the median
-/// along the axis of largest extent.
+/// Candidates are the bucket boundaries along all three axes. The one of least cost is chosen: the
+/// sum of [`LightBounds::bvh_node_cost`] over both groups, times e/a. Here, a is the extent along
+/// the split axis of the box around all light centers, and e is the largest extent of this box.
+/// From depth [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights, the split is at
+/// the median along the axis of largest extent.
 fn split_lights_by_cost(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
     let centers = Bounds::from_points(lights.iter().map(center));

@@ -157,7 +157,8 @@ impl Light {
         dispatch!(self, light => light.power(domain))
     }
 
-    /// True for lights without extent: light arrives at each point from one direction only.
+    /// True for a delta light, such as a point or directional light: it reaches each point of the
+    /// scene from one direction only.
     #[inline]
     #[must_use]
     pub fn is_delta(&self) -> bool {
@@ -253,7 +254,7 @@ impl Light {
         }
     }
 
-    /// The area light inside the enum; `None` for another kind of light.
+    /// Reference to the area light in this enum value; `None` for another kind of light.
     #[inline]
     #[must_use]
     pub fn as_area_light(&self) -> Option<&AreaLight> {
@@ -268,7 +269,7 @@ impl Light {
         }
     }
 
-    /// Mutable reference to the area light inside the enum; `None` for another kind of light.
+    /// Mutable reference to the area light in this enum value; `None` for another kind of light.
     pub(crate) fn as_area_light_mut(&mut self) -> Option<&mut AreaLight> {
         match self {
             Self::Area(area) => Some(area),
@@ -281,7 +282,7 @@ impl Light {
         }
     }
 
-    /// The environment light inside the enum; `None` for another kind of light.
+    /// Reference to the environment light in this enum value; `None` for another kind of light.
     #[inline]
     #[must_use]
     pub fn as_environment_light(&self) -> Option<&EnvironmentLight> {
@@ -323,8 +324,8 @@ impl Light {
     }
 }
 
-/// A delta light without its strength: it emits from one point or in one direction. Its coordinates
-/// are those of the scene description, in f64.
+/// A delta light as a scene file describes it, but without its strength. Positions and directions
+/// are in f64, in the coordinates of the scene description.
 #[derive(Clone, Debug)]
 pub enum UnscaledDeltaLight {
     /// A point light, which emits equally in all directions.
@@ -382,7 +383,8 @@ impl UnscaledDeltaLight {
         }
     }
 
-    /// True if a rotation of the light about its position changes the light that it emits.
+    /// True if the emission depends on the orientation of the light, so that a rotation changes it:
+    /// all delta lights except [`Self::Point`].
     #[must_use]
     pub fn changes_by_rotation(&self) -> bool {
         match self {
@@ -404,11 +406,11 @@ impl UnscaledDeltaLight {
         }
     }
 
-    /// Returns the factor \[1/sr] that converts the flux of the light \[W] to the intensity \[W/sr]
-    /// that [`Self::to_light`] takes as `strength`.
+    /// Returns the intensity \[W/sr] per watt of flux, as a factor \[1/sr]. The product of this
+    /// factor and the flux \[W] can be passed to [`Self::to_light`] as `strength`.
     ///
-    /// A directional light has no intensity: its strength is an irradiance \[W/m²]. The factor is
-    /// then 1, so that a number given as power counts as irradiance.
+    /// The factor of a directional light is 1: a number that a scene file gives as its power is
+    /// taken as irradiance \[W/m²], because a directional light has no total flux.
     #[must_use]
     pub fn intensity_per_watt(&self) -> f32 {
         match self {
@@ -443,6 +445,7 @@ impl UnscaledDeltaLight {
     }
 }
 
-/// Upper bound of the relative rounding error of f32 positions. The bound times a distance is a
-/// margin for positions \[length]; the bound itself is a margin for angles \[radians].
+/// Upper bound of the relative rounding error of f32 positions. The margin for comparisons of
+/// positions at the distance d from the origin is the bound times d \[length]. The margin for
+/// angles is the bound itself \[radians].
 const RELATIVE_POSITION_ERROR: f32 = 1e-5;

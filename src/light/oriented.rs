@@ -6,7 +6,8 @@ use crate::math::{BoundingSphere, Transform};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Relative intensity of a point light in each direction, in the light's own frame.
+/// Picture or map that defines the relative intensity of a point light in each direction, in the
+/// light's own frame.
 #[derive(Clone, Debug)]
 pub enum IntensityPattern {
     /// The picture of a projector, which emits into a pyramid.

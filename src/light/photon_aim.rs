@@ -4,12 +4,13 @@ use crate::math::{BoundingSphere, Bounds, Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Bounding spheres of the objects that photons are aimed at. They take the place of Jensen's
+/// Bounding spheres of the objects at which lights aim photons. The spheres do the work of Jensen's
 /// projection maps (Jensen 2001).
 ///
-/// Each sphere subtends a cone from the emitting point. Sampling chooses a cone in proportion to
-/// its solid angle, and then a direction uniformly in the cone. The pdf is the number of cones that
-/// contain the direction, divided by the sum of the solid angles. Cones may therefore overlap.
+/// Each sphere subtends a cone from the emitting point. Sampling chooses a cone with a probability
+/// proportional to its solid angle, and then a uniform direction in this cone. Cones may overlap:
+/// the pdf of a direction is the number of cones that contain it, divided by the sum of all solid
+/// angles.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonAim {
     spheres: Vec<BoundingSphere>,
@@ -108,8 +109,9 @@ impl PhotonAim {
     /// Samples the origin of a ray that travels along unit `direction` and enters one of the
     /// spheres, by `u` in \[0, 1)². Returns the origin and its pdf per area \[1/length²].
     ///
-    /// All origins lie in the plane that is perpendicular to `direction` and contains the point
-    /// −`upstream`·`direction`. Returns `None` if there are no spheres.
+    /// All origins lie in one plane. It is perpendicular to `direction`, and lies at the distance
+    /// `upstream` \[length] from the coordinate origin, on the side from which the light comes.
+    /// Returns `None` if there are no spheres.
     #[must_use]
     pub fn sample_parallel_ray_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let areas = || self.spheres.iter().map(|s| PI * s.radius * s.radius);
@@ -125,12 +127,12 @@ impl PhotonAim {
     }
 }
 
-/// Finds the interval that contains `at` ≥ 0, among adjacent intervals of the given `widths`. The
-/// first interval starts at 0.
+/// Finds the interval that contains the number `at` ≥ 0. The intervals adjoin each other and have
+/// the given `widths`; the first starts at 0.
 ///
-/// Returns the position of `at` in the interval, as a fraction in \[0, 1) of its width, and the
-/// index of the interval. An `at` beyond the end lies in the last interval. Returns `None` if there
-/// is no interval.
+/// Returns the position of `at` in its interval, as a fraction in \[0, 1) of the interval's width,
+/// and the index of the interval. An `at` beyond the last interval is moved to the end of this
+/// interval. Returns `None` if there is no interval.
 #[inline]
 fn locate_in_intervals(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
     let mut chosen = None;

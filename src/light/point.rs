@@ -19,10 +19,10 @@ pub struct PointLight {
     pub intensity: Rgb,
 }
 
-/// A light whose rays leave from one point, with an intensity that depends on the direction.
+/// A light at one point, with an intensity that depends on the direction.
 ///
-/// Its emitted rays depend on the random point `direction` of [`LightSource::sample_le`] alone, not
-/// on `position`.
+/// Its emitted rays depend only on `direction`, one of the two random points that
+/// [`LightSource::sample_le`] gets. The other one, `position`, is not used.
 pub(super) trait PositionalLight {
     /// Position of the light in world space.
     fn position(&self) -> Vec3;
@@ -41,11 +41,11 @@ pub(super) trait PositionalLight {
     /// or map has the value 1.
     fn nominal_intensity(&self) -> Rgb;
 
-    /// Returns bounds of the emitted directions: a cone of axes, and an angle \[radians]. Each
-    /// emitted direction lies within this angle of an axis in the cone.
+    /// Returns a cone and an angle \[radians] that bound the emitted directions: each emitted
+    /// direction lies within this angle of some direction in the cone.
     ///
-    /// The two values become `normal_cone` and `spread` of [`LightBounds::new`]. The default stands
-    /// for all directions, so it is correct for every light.
+    /// The two values become `normal_cone` and `spread` of [`LightBounds::new`]. The default bounds
+    /// contain all directions, so they are correct for every light.
     fn emission_cone(&self) -> (DirectionCone, f64) {
         (DirectionCone::ALL, FRAC_PI_2)
     }

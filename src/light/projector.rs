@@ -12,8 +12,8 @@ use crate::sampling::PiecewiseConstant2d;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
-/// A point light that projects a picture through a pinhole. Its intensity in a direction is the
-/// value of the pixel there times `scale`.
+/// A point light that projects a picture through a pinhole. The intensity in a direction is `scale`
+/// times the value of the picture's pixel in this direction.
 #[derive(Clone, Debug)]
 pub struct ProjectorLight {
     /// Position of the pinhole in world space.
@@ -28,8 +28,8 @@ pub struct ProjectorLight {
 
 /// Picture of a projector, in the plane at distance 1 in front of the pinhole.
 ///
-/// The value is constant in each pixel. A *local* direction has the components right, up and
-/// forward.
+/// The value is constant in each pixel. The components of *local* directions point to the right of
+/// the picture, to its top, and forward along the axis of projection.
 #[derive(Clone, Debug)]
 pub struct ProjectedPicture {
     picture: Image,
@@ -111,10 +111,11 @@ impl ProjectedPicture {
         self.pixel_in_direction(local).map_or(0.0, |pixel| self.distribution.pdf(pixel) * factor)
     }
 
-    /// Factor from a pdf over the unit square of the picture to a pdf per solid angle \[1/sr].
+    /// Factor that converts a pdf over the picture, seen as a unit square, to a pdf per solid angle
+    /// \[1/sr].
     ///
-    /// `cos` is the cosine between the direction and the axis of projection. An area dA in the
-    /// plane at distance 1 subtends the solid angle dA cos³.
+    /// `cos` is the cosine of the angle between the direction and the axis of projection. An area
+    /// dA in the plane at distance 1 subtends the solid angle dA cos³.
     fn solid_angle_pdf_factor(&self, cos: f64) -> f64 {
         1.0 / (4.0 * self.half_size.x * self.half_size.y * cos * cos * cos)
     }

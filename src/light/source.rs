@@ -31,15 +31,16 @@ pub struct DirectLightSample {
     pub pdf: Option<f32>,
 }
 
-/// A sampled ray that leaves a light, with its flux.
+/// A sampled ray that leaves a light, with the flux that the ray carries.
 #[derive(Clone, Copy, Debug)]
 pub struct EmissionSample {
     /// The emitted ray, with a unit direction.
     pub ray: Ray,
-    /// Flux \[W] that the ray carries: the emitted flux per unit of position and direction, divided
-    /// by the pdf of the ray.
+    /// Flux \[W] that the ray carries: emitted radiance · cosine, intensity or irradiance, divided
+    /// by the pdf of the sampled position and direction. A photon path starts with this flux.
     ///
-    /// The expected value is the flux of all rays that can be sampled.
+    /// The mean of `weight` over many sampled rays is the flux of the light that these rays can
+    /// reach.
     pub weight: Rgb,
 }
 
@@ -65,8 +66,8 @@ pub(super) enum LightGeometry<'a> {
     AllDirections,
 }
 
-/// Interface that each kind of light implements. [`Light`] calls these methods, and derives its
-/// other methods from `geometry`.
+/// Interface that each kind of light implements. [`Light`] calls these methods. Some other methods
+/// of `Light`, such as `Light::position`, evaluate `geometry`.
 ///
 /// `sample_li` and `sample_le` must describe the same emitted radiance: camera paths sample direct
 /// light by `sample_li`, and photon paths start by `sample_le`.
@@ -75,9 +76,9 @@ pub(super) enum LightGeometry<'a> {
 /// cannot reach all of space should implement `may_illuminate`, so that fewer photons miss the
 /// caustic casters. A light with a texture must implement `untextured_light`.
 ///
-/// Lights at one position implement [`PositionalLight`](super::point::PositionalLight) instead. Its
-/// default cone of all emitted directions is right for every light. A light that emits into a
-/// narrower cone is sampled with more noise unless it overrides this default.
+/// Lights at one position implement [`PositionalLight`](super::point::PositionalLight) instead.
+/// There, the cone of emitted directions is unbounded by default. A light that emits into a
+/// narrower cone should override this default, which makes light sampling less noisy.
 pub(super) trait LightSource {
     /// Position, direction or surface from which the light comes.
     fn geometry(&self) -> LightGeometry<'_>;

@@ -43,10 +43,10 @@ impl SpotLight {
         }
     }
 
-    /// Intensity \[W/sr] in the directions at angle θ to the axis, where `one_minus_cos` is 1 − cos
-    /// θ.
+    /// Intensity \[W/sr] in directions at the angle θ from the axis. `one_minus_cos` is 1 − cos θ.
     ///
-    /// The falloff is a smooth step in the cosine (Pharr, Jakob, Humphreys 2023, section 12.2.1).
+    /// Between the inner and the outer cone, the intensity falls as a smooth step of cos θ (Pharr,
+    /// Jakob, Humphreys 2023, section 12.2.1).
     #[inline]
     fn intensity_at_one_minus_cos(&self, one_minus_cos: f32) -> Rgb {
         let (inner, outer) = (self.inner_one_minus_cos, self.outer_one_minus_cos);

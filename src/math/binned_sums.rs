@@ -4,8 +4,7 @@ use rayon::prelude::*;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Binary logarithm of [`QUANTUM_RATIO`], the ratio between the units of the two integer sums of a
-/// pixel.
+/// Binary logarithm of [`QUANTUM_RATIO`].
 const QUANTUM_RATIO_LOG2: i32 = 31;
 
 /// Ratio between the upper and the lower quantum of a pixel: 2³¹.
@@ -13,34 +12,35 @@ const QUANTUM_RATIO_LOG2: i32 = 31;
 /// A quantum is the unit of an integer sum; [`BinnedSums`] describes both.
 const QUANTUM_RATIO: f64 = (1u64 << QUANTUM_RATIO_LOG2) as f64;
 
-/// Number of levels. The level of a pixel selects its two quanta, the units of its integer sums.
+/// Number of levels. All values of a pixel are summed in two integers, and the pixel's level
+/// selects the two units (quanta) of these integers. Higher levels have larger units.
 ///
-/// With this number, even the sum of three squares of f32 values is below the limit of the last
-/// level, beyond which values count as infinite.
+/// With 18 levels, even the sum of the squares of three f32 values stays finite: it is below the
+/// limit of the last level, beyond which values count as infinite.
 const LEVELS: usize = 18;
 
-/// Binary exponent of the upper quantum of level 0: the unit of the upper integer sum is 2⁻²⁹⁴.
+/// Binary exponent of the unit of the upper integer sum at level 0: the unit is 2⁻²⁹⁴.
 ///
-/// With this exponent, absolute values from 2⁻¹⁶ to 2¹⁵ share one level, whose lower quantum is
-/// 2⁻⁴⁶.
+/// With this exponent, one level holds all absolute values from 2⁻¹⁶ to 2¹⁵. The unit of its lower
+/// integer sum is 2⁻⁴⁶.
 const FIRST_EXPONENT: i32 = -294;
 
-/// Upper quantum of each level: the unit of the upper integer sum.
+/// Unit of the upper integer sum, for each level.
 const UPPER_QUANTA: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT, QUANTUM_RATIO_LOG2);
 
 /// Inverses of the [`UPPER_QUANTA`], one for each level.
 const INVERSE_UPPER_QUANTA: [f64; LEVELS] = powers_of_two(-FIRST_EXPONENT, -QUANTUM_RATIO_LOG2);
 
-/// Limit of each level: half the upper quantum of the next level. All absolute values of a pixel
-/// are below the limit of its level; a value at or above this limit raises the level.
+/// Limit of the absolute values of a pixel, for each level. A value at or above the limit of the
+/// pixel's level raises this level. The limit is half the unit of the next level's upper sum.
 const LEVEL_LIMITS: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT + QUANTUM_RATIO_LOG2 - 1, QUANTUM_RATIO_LOG2);
 
 /// The number 1.5·2⁵². Adding it to a small f64 rounds this f64 to an integer, which the low bits
 /// of the sum then hold.
 const ROUNDER: f64 = (3u64 << 51) as f64;
 
-/// Number of low bits of a pixel's tag that hold its level. The tag's next higher bits, two for
-/// each channel, mark sums of +∞, −∞ or NaN.
+/// Number of low bits in the tag of a pixel that store its level. The next higher bits, two for
+/// each channel, tell whether the channel's sum is +∞, −∞ or NaN.
 const LEVEL_BITS: u16 = 5;
 
 /// Smallest number of pixels that one Rayon task handles.
@@ -60,7 +60,7 @@ const MIN_PIXELS_PER_TASK: usize = 2048;
 /// A pixel holds at most 2³² − 1 values. Absolute values of 2²⁶³ and more count as infinite.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BinnedSums<const N: usize> {
-    /// Upper integers, then lower integers, of the sums of each pixel.
+    /// Integer sums of each pixel: first the upper integers of all channels, then the lower ones.
     bins: Vec<[[i64; N]; 2]>,
     /// Tag of each pixel. Its low [`LEVEL_BITS`] bits hold the level of the pixel, and its higher
     /// bits mark sums of +∞, −∞ or NaN.
@@ -174,8 +174,8 @@ impl<const N: usize> Serialize for BinnedSums<N> {
 }
 
 impl<'de, const N: usize> Deserialize<'de> for BinnedSums<N> {
-    /// Reads the sums. Fails if the list of bins does not have 2N numbers for each tag, or if a tag
-    /// is invalid.
+    /// Reads the sums. Fails if there are not 2N integers for each tag (one tag per pixel), or if a
+    /// tag is invalid.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let StoredSums { bins, tags } = StoredSums::deserialize(deserializer)?;
         let is_valid = |tag: &u16| level_of(*tag) < LEVELS && usize::from(*tag) >> LEVEL_BITS < 1 << (2 * N);
@@ -187,7 +187,7 @@ impl<'de, const N: usize> Deserialize<'de> for BinnedSums<N> {
     }
 }
 
-/// Returns the powers of two with exponents `first`, `first + step` and so on.
+/// Returns `LEVELS` powers of two, whose exponents are `first`, `first + step` and so on.
 const fn powers_of_two(first: i32, step: i32) -> [f64; LEVELS] {
     let mut powers = [0.0; LEVELS];
     let mut i = 0;
@@ -223,9 +223,11 @@ fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [
     }
 }
 
-/// Adds `values` to a pixel if one of them is too large for the pixel's level, or not finite.
+/// Adds `values`, one for each channel, to a pixel whose level is too low for one of them. Raises
+/// the level of the pixel first.
 ///
-/// Raises the level, or sets a flag in `tag`.
+/// A value that is not finite, or beyond the limit of the last level, is not added: it sets a flag
+/// of its channel in `tag` instead.
 #[cold]
 fn add_beyond_limit<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, mut values: [f64; N]) {
     for (channel, value) in values.iter_mut().enumerate() {

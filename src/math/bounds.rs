@@ -12,7 +12,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The empty box: its union with a box is that box.
+    /// The empty box. The union of the empty box and another box is the other box.
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     /// Smallest box that contains `points`; empty if there are none.
@@ -72,9 +72,9 @@ impl Bounds {
         })
     }
 
-    /// Smallest sphere that contains the box: it passes through the corners.
+    /// Smallest sphere that contains the box, which passes through the eight corners of the box.
     ///
-    /// For an empty box, it has radius 0.
+    /// An empty box gives a sphere of radius 0.
     #[must_use]
     pub fn bounding_sphere(&self) -> BoundingSphere {
         BoundingSphere { center: self.center(), radius: 0.5 * self.extent().length() }

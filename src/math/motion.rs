@@ -37,8 +37,7 @@ impl MotionFactor {
 /// The map is a product of factors, so points under a rotation move along true circles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Factors of the product of maps, from left to right. The last factor is applied to points
-    /// first.
+    /// Factors F₁ … Fₙ of the product map F₁·F₂·…·Fₙ. The last factor acts on points first.
     ///
     /// Adjacent factors that do not depend on time are merged.
     factors: Vec<MotionFactor>,
@@ -51,9 +50,8 @@ impl Motion {
         Self::default().preceded_by_factors([MotionFactor::Fixed(map)])
     }
 
-    /// Returns this motion, preceded by `factors`.
-    ///
-    /// The last of `factors` is applied to points first, and this motion last.
+    /// Returns a motion that applies `factors` to points first, and then this motion. The last of
+    /// `factors` comes first.
     #[must_use]
     pub fn preceded_by_factors(&self, factors: impl IntoIterator<Item = MotionFactor>) -> Self {
         let mut all = self.factors.clone();
@@ -74,7 +72,7 @@ impl Motion {
         self.followed_by_map(DAffine3::from_translation(pivot)).preceded_by_factors([back])
     }
 
-    /// Returns this motion, followed by the constant `map`.
+    /// Returns a motion that applies this motion to points first, and then the constant `map`.
     #[must_use]
     pub fn followed_by_map(&self, map: DAffine3) -> Self {
         Self::constant_motion(map).preceded_by_factors(self.factors.iter().copied())

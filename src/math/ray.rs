@@ -38,12 +38,12 @@ impl Ray {
     }
 }
 
-/// Returns an offset origin for a ray that leaves the surface point `p` in `direction`, so that the
-/// ray does not hit the surface at `p` again.
+/// Returns a point next to the surface point `p` from which a ray can leave in `direction` without
+/// hitting the surface at `p` again.
 ///
 /// `error` bounds the error of `p` along each axis, and `normal` is the unit geometric normal. `p`
-/// is moved along the normal beyond the box of possible points, then rounded outward (Pharr, Jakob,
-/// Humphreys 2023, section 6.8.6).
+/// is moved along the normal until it is outside the box of all points that `p` may stand for, and
+/// then rounded outward (Pharr, Jakob, Humphreys 2023, section 6.8.6).
 #[inline]
 #[must_use]
 pub fn offset_ray_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {

@@ -18,10 +18,10 @@ pub struct Transform {
     determinant: f64,
 }
 
-/// Largest entry that the inverse of a matrix may have; beyond it, the matrix counts as singular.
-/// The columns of the matrix are first scaled to about unit length.
+/// Largest entry that the inverse of a matrix may have. If an entry is larger, the matrix counts as
+/// singular. Before this test, the columns of the matrix are scaled to about unit length.
 ///
-/// Below this limit, a rounding error in the matrix changes the inverse by less than 2 %.
+/// Below this limit, rounding errors of the matrix entries change the inverse by less than 2 %.
 const MAX_INVERSE_ENTRY: f64 = 1e14;
 
 impl Transform {
@@ -123,11 +123,11 @@ impl Transform {
         self.determinant.abs() * self.transform_normal(n).length()
     }
 
-    /// Positive factor by which the map scales all lengths; `None` if it scales directions
-    /// differently.
+    /// Positive factor by which the map scales all lengths; `None` if the factor depends on the
+    /// direction.
     ///
-    /// The tolerance for rounding errors is 10⁻¹², relative to the squared factor. The map may also
-    /// rotate and mirror.
+    /// The map may also rotate and mirror. Squared factors that differ by a relative rounding error
+    /// up to 10⁻¹² count as equal.
     #[must_use]
     pub fn uniform_scale(&self) -> Option<f64> {
         let m: DMat3 = self.forward.matrix3;

@@ -95,7 +95,8 @@ pub fn square_to_uniform_triangle(u: Vec2) -> Vec2 {
     }
 }
 
-/// Vector at height `z` and distance `radius` from the z axis, at the azimuth 2π·`turn`.
+/// Vector with the z coordinate `z`, the distance `radius` from the z axis, and the azimuth
+/// 2π·`turn`.
 #[inline]
 fn vector_from_height_and_azimuth(z: f32, radius: f32, turn: f32) -> Vec3 {
     let (sin, cos) = sin_cos_turns(turn);
@@ -133,7 +134,8 @@ mod tests {
         }
     }
 
-    /// Moments of warped points agree with their integrals, by midpoint sums over an n² grid.
+    /// Moments of warped points, computed as sums over the midpoints of an n² grid, agree with the
+    /// integrals.
     ///
     /// The worst integrand has a square-root edge, so the error is O(n^−3/2) = 3·10⁻⁵.
     #[test]

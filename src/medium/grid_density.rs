@@ -6,8 +6,8 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Number of grid cells along each side of a majorant block: a cube of cells with one bound of
-/// their density.
+/// Number of grid cells along each side of a majorant block: a cube of cells for which one upper
+/// bound of the density is stored.
 pub(super) const BLOCK_SIDE: u32 = 8;
 
 /// Reason why a density grid is invalid.
@@ -101,8 +101,8 @@ impl GridDensity {
         })
     }
 
-    /// Creates a grid of `size` cells (along x, y and z) by evaluating `density` at each cell
-    /// center.
+    /// Creates a grid of `size` cells (along x, y and z) from the values of `density` at all cell
+    /// centers.
     ///
     /// The argument of `density` is a point of the unit cube, which `placement` maps to scene
     /// coordinates.
@@ -224,7 +224,8 @@ impl SharedDensityGrid {
         DVec3::new(x, y, z)
     }
 
-    /// Trilinear density at `q` in grid space; outside the grid, the density at its nearest point.
+    /// Trilinearly interpolated density at `q` in grid space. For `q` outside the grid, the density
+    /// at the grid point nearest to `q`.
     fn interpolate_density(&self, q: DVec3) -> f32 {
         let last = self.cells_per_axis() - 1.0;
         let q = (q - 0.5).clamp(DVec3::ZERO, last);
@@ -263,7 +264,7 @@ fn checked_cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
 }
 
 /// Returns the majorant of each block: the largest density of its cells and of all cells adjacent
-/// to the block.
+/// to the block, which interpolation inside the block uses too.
 ///
 /// `size` is the number of cells along each axis, and `blocks` the number of blocks.
 fn block_majorants(size: [u32; 3], values: &[f32], blocks: [u32; 3]) -> Vec<f32> {

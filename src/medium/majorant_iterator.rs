@@ -28,8 +28,8 @@ impl MajorantIterator {
     /// Creates an iterator over the blocks along the ray `origin` + t·`step` for 0 < t <
     /// `distance`.
     ///
-    /// The grid is the box from 0 to `far`, in units of blocks. `count` is the number of blocks
-    /// along each axis.
+    /// `step` is the change of position, in blocks, per unit of t. The grid is the box from 0 to
+    /// `far` \[blocks]. `count` is the number of blocks along each axis.
     pub(super) fn new(origin: DVec3, step: DVec3, far: DVec3, count: [u32; 3], distance: f64) -> Self {
         let (mut t, mut end) = (0.0, distance);
         for axis in 0..3 {

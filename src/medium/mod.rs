@@ -50,7 +50,8 @@ pub struct DistanceSample {
     /// passing through. In a heterogeneous medium, the factor is an estimate, which Russian
     /// roulette may set to 0.
     ///
-    /// In a medium that scatters, the factor is 0 in channels where the throughput is 0.
+    /// In a medium that scatters, the factor is 0 in channels where the throughput is 0, because
+    /// these channels are never sampled.
     pub weight: Rgb,
 }
 
@@ -184,10 +185,10 @@ impl Medium {
     /// Samples the distance of the first scattering within the first `distance` \[length] of `ray`,
     /// which has a unit direction.
     ///
-    /// `throughput` is the throughput of the path at the start of the ray. Its product with the
-    /// weight has no larger channel mean than `throughput`, except through Russian roulette. In a
-    /// homogeneous gray medium, the weight is σs/σt after scattering, and 1 if the ray passes
-    /// through.
+    /// `throughput` is the throughput of the path at the start of the ray. The channel mean of
+    /// `throughput` times the weight does not exceed that of `throughput`, except through Russian
+    /// roulette. In a homogeneous gray medium, the weight is σs/σt after scattering, and 1 if the
+    /// ray passes through.
     ///
     /// In a medium that does not scatter, the ray always passes through, and the weight is the
     /// [`transmittance`](Self::transmittance). The distance may be infinite.
@@ -203,9 +204,10 @@ impl Medium {
     }
 
     /// Pdf \[1/length] with which [`distance_sample`](Self::distance_sample) samples scattering at
-    /// distance `t`; `None` in a heterogeneous medium that scatters.
+    /// distance `t` \[length]; 0 in a medium that does not scatter.
     ///
-    /// `throughput` is the throughput of the path at the start of the ray.
+    /// Returns `None` in a heterogeneous medium that scatters, because the pdf of tracking is not
+    /// known. `throughput` is the throughput of the path at the start of the ray.
     #[must_use]
     pub fn distance_pdf(&self, t: f32, throughput: Rgb) -> Option<f32> {
         if !self.scatters() {

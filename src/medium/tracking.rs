@@ -20,8 +20,8 @@ const ROULETTE_THRESHOLD: f64 = 0.1;
 /// The roulette bounds the mean time of tracking at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 
-/// Smallest mean number of tentative collisions along a ray for an estimate of its emitted
-/// radiance.
+/// Smallest mean number of tentative collisions along a ray, for an estimate of the radiance that a
+/// medium emits along this ray.
 ///
 /// In thin media, the collision rate is raised to reach this number, for less noise.
 const MIN_EMISSION_COLLISIONS: f64 = 4.0;

@@ -16,10 +16,11 @@ pub struct EnergyAudit {
     pub absorbed: [f64; 3],
     /// Flux that escaped from the scene \[W].
     pub escaped: [f64; 3],
-    /// Flux \[W] of paths that the pass stopped: at the bounce limit, or because it would store
-    /// none of their further photons.
+    /// Flux \[W] of photon paths that were ended early: at the bounce limit, or because no further
+    /// photon of the path would be stored.
     pub stopped: [f64; 3],
-    /// Flux removed by Russian roulette minus flux added by it \[W].
+    /// Net flux \[W] that Russian roulette removed: the flux of the ended paths, minus the flux
+    /// that the continued paths gained.
     #[serde(rename = "roulette")]
     pub net_roulette_loss: [f64; 3],
 }

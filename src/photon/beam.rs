@@ -66,17 +66,17 @@ pub struct BeamIntersection {
     pub s: f32,
     /// Cosine of the angle between the directions of ray and beam.
     pub cos: f32,
-    /// Weight of the beam estimate, K₁(d)/sin θ \[1/length].
+    /// Weight of the beam in the beam estimate, K₁(d)/sin θ \[1/length].
     ///
     /// K₁ is the 1D Epanechnikov kernel, d the distance between ray and beam, and θ the angle
     /// between them.
     pub weight: f32,
-    /// Squared distance between ray and beam, divided by the squared kernel radius.
+    /// Squared ratio d²/r² of the distance d between ray and beam to the kernel radius r.
     pub squared_relative_distance: f32,
 }
 
-/// Largest sine of the angle between a ray and a photon beam at which the two count as parallel.
-/// The sine is twice the rounding error of a normalised direction.
+/// Largest sine of the angle between a ray and a photon beam at which both count as parallel.
+/// Smaller sines are rounding errors: each direction is off by up to half of this number.
 const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
 impl BeamIntersection {
@@ -128,12 +128,13 @@ pub struct PhotonBeamMap {
 /// Number of beams that one Rayon task handles.
 const BEAMS_PER_TASK: usize = 4096;
 
-/// Upper bound of the mean number of pieces into which [`PhotonBeamMap`] splits a beam.
+/// Largest mean number of pieces per beam when [`PhotonBeamMap`] splits its beams. Pieces cost
+/// memory.
 const MAX_MEAN_BEAM_PIECES: f64 = 4.0;
 
 impl PhotonBeamMap {
-    /// Builds the map for beam estimates with a 1D kernel of radius `radius` \[length]. Invalid
-    /// beams are left out.
+    /// Builds the map for beam estimates with a 1D kernel of radius `radius` \[length]. Beams for
+    /// which [`PhotonBeam::new`] would return `None` are left out.
     ///
     /// The result does not depend on the number of threads.
     #[must_use]
@@ -216,11 +217,12 @@ impl BeamPiece {
     }
 }
 
-/// Splits each beam into pieces of equal length. Short pieces have small bounding boxes.
+/// Splits each beam into pieces of equal length, because short pieces have small bounding boxes.
 ///
-/// A beam of length L is split into ⌈L·g/`length`⌉ pieces, with g = [`sqrt_half_box_area`]. A beam
-/// along a coordinate axis has g = 0 and stays whole, because its box is thin. A beam along a space
-/// diagonal has g = 1, so its pieces are at most `length` long.
+/// A beam of length L is split into ⌈L·g/`length`⌉ pieces. The factor g of [`sqrt_half_box_area`]
+/// depends on the beam's direction. Along a coordinate axis, g = 0, and the beam stays whole,
+/// because its box is thin. Along a space diagonal, g = 1, and the pieces are at most `length`
+/// long.
 fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     let pieces_of = |index: u32| {
         let beam = &beams[index as usize];

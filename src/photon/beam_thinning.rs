@@ -3,14 +3,14 @@
 use super::PhotonBeam;
 
 /// Keeps about the fraction `kept_fraction` of `beams`, chosen at random. The flux of the kept
-/// beams is raised, so that the expected flux of each beam stays the same.
+/// beams is raised, so that the expected flux of each beam does not change.
 ///
-/// Systematic sampling (Kitagawa 1996) draws each beam a number of times. The expected number of
-/// draws is proportional to the flux of the beam. Beams that are not drawn are left out. A drawn
-/// beam gets the flux: old flux · number of draws / expected number of draws.
+/// Systematic sampling (Kitagawa 1996) draws each beam 0, 1 or more times; the expected number of
+/// draws is proportional to the beam's flux. A beam with 0 draws is left out. A beam that is drawn
+/// gets the flux: old flux · number of draws / expected number of draws.
 ///
-/// `random_offset` in \[0, 1) is the only random number. Beams keep their order. A `kept_fraction`
-/// that is not between 0 and 1 keeps all beams unchanged.
+/// `random_offset` in \[0, 1) is the only random number. Beams keep their order. If `kept_fraction`
+/// is not between 0 and 1, all beams stay unchanged.
 #[must_use]
 pub fn thin_beams(mut beams: Vec<PhotonBeam>, kept_fraction: f32, random_offset: f32) -> Vec<PhotonBeam> {
     let flux = |beam: &PhotonBeam| f64::from(beam.flux.x) + f64::from(beam.flux.y) + f64::from(beam.flux.z);

@@ -23,9 +23,10 @@ pub(super) fn concatenate<T: Copy + Send + Sync>(parts: &[&[T]]) -> Vec<T> {
     Concatenation { parts, starts: &starts, range: 0..len }.with_min_len(MIN_ITEMS_PER_TASK).copied().collect()
 }
 
-/// Parallel iterator over a range of the items of several concatenated lists.
+/// Parallel iterator over consecutive items of several lists, taken as one concatenated list.
 ///
-/// Unlike `flatten`, it knows its length, so its items are collected without another copy.
+/// Rayon's `flatten` does not know the number of its items. This iterator does, so its items are
+/// collected without another copy.
 struct Concatenation<'a, T> {
     parts: &'a [&'a [T]],
     /// Start of each part: the index that the part's first item has in the concatenation.
@@ -45,7 +46,8 @@ struct ConcatenationIter<'a, T> {
 }
 
 impl<'a, T> Concatenation<'a, T> {
-    /// Returns the index of the part that holds the item with index `item` in the concatenation.
+    /// Returns the index of the part (one of the concatenated lists) that holds the item with index
+    /// `item` in the concatenation.
     fn part_of(&self, item: usize) -> usize {
         self.starts.partition_point(|start| *start <= item) - 1
     }
@@ -151,7 +153,8 @@ impl<T> FusedIterator for ConcatenationIter<'_, T> {}
 mod tests {
     use super::*;
 
-    /// Lists of any lengths, even empty ones, are joined to the list that a serial copy gives.
+    /// Checks that lists of any lengths, even empty ones, are concatenated to the same list as by a
+    /// serial copy.
     #[test]
     fn parts_are_joined_in_order() {
         let lists = |lengths: &[usize]| {

@@ -8,28 +8,28 @@ use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::{NearPrimitives, Scene};
 use glam::Vec3;
 
-/// Number of probe rays that measure the coverage of a density estimate's disc: the fraction of the
-/// disc that is surface.
+/// Number of probe rays that measure the *coverage* of a disc: the fraction of the disc that lies
+/// on a surface. The photons of a density estimate are gathered in this disc.
 const PROBES: u32 = 16;
 
-/// Lower bound of the coverage by which density estimates are divided. The division brightens an
-/// estimate at most 20 times.
+/// Lower limit of the coverage, by which density estimates are divided. With this limit, the
+/// division brightens an estimate at most 20 times.
 ///
-/// On a surface, the coverage is the fraction of the kernel's disc that is surface. In a medium, it
-/// is the fraction of the kernel that is visible from its center.
+/// On a surface, the coverage is the fraction of the kernel's disc that lies on the surface. In a
+/// medium, it is the fraction of the kernel's volume that is visible from its center.
 pub(super) const MIN_COVERAGE: f32 = 0.05;
 
-/// Limit below which the height of a probe hit counts as zero. The height is the distance of the
-/// hit from the plane of the disc, divided by the disc's radius.
+/// Limit below which a hit of a probe ray counts as a hit in the plane of the disc. The limit
+/// applies to the distance of the hit from this plane, divided by the radius of the disc.
 ///
-/// On a flat surface, all hits lie in this plane. Their heights are rounding errors, and must count
-/// as zero.
+/// On a flat surface, all hits lie in the plane, and their computed distances are rounding errors.
 const MAX_FLAT_RISE: f32 = 1e-3;
 
-/// Upper bound of a relative rounding error: the error of a probe ray's origin \[length], divided
-/// by the largest coordinate of the disc's center.
+/// Upper bound of the rounding error in the origin of a probe ray, divided by the largest
+/// coordinate of the disc's center.
 ///
-/// A further error, about 10⁻⁷ of the radius, is far below [`MAX_FLAT_RISE`].
+/// A second error, about 10⁻⁷ of the disc's radius, is far below [`MAX_FLAT_RISE`] and not
+/// included.
 const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Returns the coverage: the kernel's integral over the real surface around `p`, divided by its

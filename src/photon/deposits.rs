@@ -8,8 +8,8 @@ use crate::scene::SurfaceInteraction;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Optical depth at which a photon beam along an infinite ray is cut. The beam's flux there is
-/// 2·10⁻⁹ of the flux at its start.
+/// Optical depth from the start at which a photon beam ends if its ray has no end in the medium.
+/// The flux there is exp(−20) = 2·10⁻⁹ of the flux at the start.
 const MAX_OPTICAL_DEPTH: f32 = 20.0;
 
 /// Photon beams and photon points stored in participating media.
@@ -104,8 +104,8 @@ impl Deposits {
         all
     }
 
-    /// Stores one deposit of a photon path of `tracer` in the list for its place and kind. A
-    /// deposit with an invalid position or flux increments `rejected_deposits` instead.
+    /// Stores `deposit`, which a photon path of `tracer` left behind, in the list for its place and
+    /// kind. If its position or flux is invalid, only counts it in `rejected_deposits`.
     #[inline]
     pub(super) fn store_deposit(&mut self, tracer: &PhotonTracer<'_>, deposit: &Deposit<'_>) {
         let is_separate = tracer.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
@@ -142,7 +142,8 @@ impl Deposits {
     }
 }
 
-/// Concatenates the lists that `list` returns for each of the `owners`, in order.
+/// Concatenates one list of each of the `owners`, in the order of the owners. `list` returns the
+/// list of an owner.
 fn concatenated_lists<'a, O, T: Copy + Send + Sync + 'a>(
     owners: &'a [O],
     list: impl Fn(&'a O) -> &'a Vec<T>,
@@ -151,12 +152,13 @@ fn concatenated_lists<'a, O, T: Copy + Send + Sync + 'a>(
     concatenate(&parts)
 }
 
-/// Light of one caustic photon that light tracing adds to the film.
+/// Light of one caustic photon that is added directly to the film (light tracing).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// Film position that receives the light \[pixels from the top left].
     pub film_position: Vec2,
-    /// Radiance integrated over the film area in square pixels \[W/(m² sr)·pixel²].
+    /// Radiance times film area \[W/(m² sr)·pixel²]: the amount of light that the splat spreads
+    /// over pixels.
     pub integrated_radiance: Rgb,
 }
 
@@ -166,8 +168,8 @@ pub(super) struct Deposit<'a> {
     pub kind: PhotonKind,
     /// Surface point, medium or film position that receives the flux.
     pub place: DepositPlace<'a>,
-    /// Flux \[W] of a photon or beam; for a splat on the film, the radiance integrated over the
-    /// film \[W/(m² sr)·pixel²].
+    /// Deposited light. For a photon or beam, it is the flux \[W]; for a splat, the radiance times
+    /// film area \[W/(m² sr)·pixel²].
     pub flux: Rgb,
     /// Wavelength of the path; `None` if the path carries all wavelengths.
     pub wavelength: Option<Wavelength>,
@@ -175,11 +177,11 @@ pub(super) struct Deposit<'a> {
 
 /// Place where a photon path deposits flux: on a surface, in a medium or on the film.
 pub(super) enum DepositPlace<'a> {
-    /// A point on a surface, and the fraction of the photon's flux that density estimates use, in
-    /// units of 1/[`SHARE_STEPS`](super::surface_photon::SHARE_STEPS).
+    /// A point on a surface. If the photon also adds a splat to the film (light tracing), the
+    /// number tells which fraction of its flux density estimates use, in units of
+    /// 1/[`SHARE_STEPS`](super::surface_photon::SHARE_STEPS). The splat gets the rest.
     ///
-    /// Light tracing splats the remaining flux on the film. The fraction is `None` without light
-    /// tracing, and for photons that are not caustic.
+    /// The number is `None` without light tracing, and for photons that are not caustic.
     Surface(&'a SurfaceInteraction<'a>, Option<u8>),
     /// A film position \[pixels from the top left], where a splat is recorded.
     Film(Vec2),

@@ -11,16 +11,16 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Number of emission samples that estimate the power of one light towards casters, the surfaces
+/// Number of emission samples for each light that estimate its power towards casters, the surfaces
 /// that cast caustics.
 const POWER_SAMPLES: u32 = 256;
 
-/// Fraction of the probability of sampling a light that is proportional to the light's total power
-/// (defensive sampling), for photon paths aimed at casters, the surfaces that cast caustics.
+/// Weight of the total powers of the lights in the light selection of photon paths that are aimed
+/// at casters, the surfaces that cast caustics (defensive sampling).
 ///
-/// The other 90 % of the probability is proportional to the light's estimated power towards the
-/// casters. So a light that can reach a caster keeps a probability above zero even if this estimate
-/// is zero.
+/// Light i is selected with the probability 0.1·Pᵢ/ΣP + 0.9·Aᵢ/ΣA, where P is the total power, and
+/// A the estimated power towards the casters. If A is wrongly estimated as 0, the light still has a
+/// probability above 0.
 const DEFENSIVE_FRACTION: f64 = 0.1;
 
 /// Source of photon paths: samples a light of the scene, and the ray that leaves it.
@@ -32,17 +32,18 @@ pub struct PhotonSource<'a> {
     /// Bounding spheres of the [casters](super::PhotonKind), such as glass and mirrors, towards
     /// which photons are emitted. `None` emits in all directions.
     aim: Option<PhotonAim>,
-    /// Guided distribution of the emitted positions and directions, for each light; `None` for a
-    /// light that emits by its unguided distribution. The list is empty without emission guiding.
+    /// Pdfs by which emission guiding samples the position and the direction of emitted photons,
+    /// one for each light. `None` stands for a light without such a pdf. The list is empty without
+    /// emission guiding.
     pub(super) guiding: Vec<Option<EmissionGuidingDistribution>>,
     /// Parts of light transport that photon paths simulate, such as textures or media.
     effects: Effects,
 }
 
-/// A sampled light, with the primary samples that determine position and direction of the emitted
+/// A sampled light, with the random numbers that determine position and direction of the emitted
 /// ray.
 ///
-/// Primary samples are random numbers in \[0, 1)⁴ (Kelemen et al. 2002).
+/// These numbers in \[0, 1)⁴ are called primary samples (Kelemen et al. 2002).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimaryEmissionSample {
     /// Index of the sampled light in [`Scene::lights`].
@@ -53,8 +54,8 @@ pub(super) struct PrimaryEmissionSample {
     pub position_sample: Vec2,
     /// Primary sample in \[0, 1)² that determines the emitted direction.
     pub direction_sample: Vec2,
-    /// Joint pdf of `position_sample` and `direction_sample` over \[0, 1)⁴; 1 without emission
-    /// guiding.
+    /// Joint pdf of `position_sample` and `direction_sample` over \[0, 1)⁴. Without emission
+    /// guiding, the pdf is 1, because both samples are uniform.
     pub pdf: f32,
 }
 
@@ -73,9 +74,9 @@ impl<'a> PhotonSource<'a> {
     /// Creates a source that emits only towards the bounding spheres of
     /// [casters](super::PhotonKind), such as glass and mirrors.
     ///
-    /// The probability of a light is mainly proportional to its power towards the spheres, which is
-    /// estimated by sampling. If a caster is unbounded, the source emits in all directions. Returns
-    /// `None` if no light can reach a caster.
+    /// The light of a path is chosen mainly by the power of each light towards the spheres, which
+    /// is estimated by sampling. If a caster is unbounded, the source emits in all directions.
+    /// Returns `None` if no light can reach a caster.
     #[must_use]
     pub fn aimed_at_casters(scene: &'a Scene) -> Option<Self> {
         let Some(spheres) = scene.caster_bounding_spheres() else {
@@ -146,8 +147,8 @@ impl<'a> PhotonSource<'a> {
         Self { effects, ..self }
     }
 
-    /// Returns the kind of [`Interior`](crate::scene::Interior) that photon paths need to simulate
-    /// their effects.
+    /// Returns the kind of [`Interior`](crate::scene::Interior) that photon paths carry along, the
+    /// simplest one that suffices for the simulated effects.
     ///
     /// An `Interior` tracks the nested bodies, the medium and the wavelength of a path.
     pub(super) fn interior_kind(&self) -> InteriorKind {
@@ -160,10 +161,12 @@ impl<'a> PhotonSource<'a> {
         if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_emission_lights() }
     }
 
-    /// Samples and starts photon path `index` of a pass of `paths` paths.
+    /// Samples a light and a ray from it, for the start of photon path `index` in a pass of `paths`
+    /// paths.
     ///
     /// Returns the ray and its flux \[W], or `None` if the sample carries no flux. The flux is
-    /// divided by the probability of the light, by the pdf of the primary samples, and by `paths`.
+    /// already divided by the probability of the light, by the pdf of the primary samples, and by
+    /// `paths`.
     ///
     /// Lights are chosen by systematic sampling over path indices. Positions and directions are
     /// Sobol' points, scrambled with `pass_key`. The wavelengths of each light's paths are
@@ -197,13 +200,13 @@ impl<'a> PhotonSource<'a> {
         }
     }
 
-    /// Returns the uniform sample in \[0, 1) that selects the wavelength of photon path `index`.
+    /// Returns the uniform sample in \[0, 1) that selects the wavelength of photon path `index`,
+    /// which starts at light number `light`, in a pass of `paths` paths.
     ///
-    /// The path starts at light number `light`, in a pass of `paths` paths. The paths of one light
-    /// have consecutive indices. Along them, the sample grows in equal steps from a random offset
-    /// of the pass, modulo 1 (Cranley and Patterson 1976). So each range of wavelengths is a run of
-    /// Sobol' points, whose positions and directions fill the unit square evenly, as in a
-    /// Hammersley set.
+    /// The paths of one light have consecutive indices. From path to path, the sample grows in
+    /// equal steps, modulo 1; it starts at a random offset (Cranley and Patterson 1976). So the
+    /// paths of each range of wavelengths use consecutive Sobol' points, which fill the unit
+    /// squares of positions and of directions evenly.
     fn wavelength_sample(&self, pass_key: Key, index: u32, paths: u32, light: usize) -> f32 {
         let u = systematic_light_sample(pass_key, index, paths);
         (self.light_distribution.remapped_sample(u, light) + pass_key.uniform_1d(Dimension::Wavelength)).fract()

@@ -5,8 +5,8 @@ use super::{Kernel, PhotonAttributes, PhotonMap};
 use crate::color::Rgb;
 use glam::{DVec3, Vec3};
 
-/// Bandwidth of a photon density estimate: the largest radius of its disc, and the largest number
-/// of photons in the disc.
+/// Limits of the disc from which a photon density estimate gathers photons: its largest radius, and
+/// its largest number of photons.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bandwidth {
     /// Largest radius of the disc \[length].
@@ -43,8 +43,9 @@ pub struct NestedRadianceEstimate {
     pub radiance: [Rgb; NESTED_DISC_COUNT],
 }
 
-/// Reusable buffers of k-nearest-photon searches. A caller keeps them between searches, because
-/// each search starts from the radius of the last one.
+/// Reusable memory for k-nearest-photon searches. A caller keeps it between searches of
+/// neighbouring points, because each search derives its first radius from the result of the last
+/// one.
 #[derive(Debug, Default)]
 pub struct PhotonSearchBuffers {
     /// Photons that the last search found, each with its squared distance from the query point.
@@ -57,34 +58,33 @@ pub struct PhotonSearchBuffers {
 }
 
 impl PhotonSearchBuffers {
-    /// Makes the next search begin with 1.25 times `radius` \[length], as if the k-th photon of the
-    /// last search were that far away.
+    /// Sets the expected distance \[length] of the k-th nearest photon to `radius`. The next search
+    /// begins with 1.25 times this distance.
     pub(super) fn set_expected_kth_distance(&mut self, radius: f32) {
         self.last_radius = radius;
     }
 }
 
-/// Factor for the smallest radius of a density estimate's disc: the radius is at least this factor
-/// times the distance of the query point from the origin. This is about 100 rounding errors of a
-/// position.
+/// Ratio of the smallest allowed radius of a density estimate's disc to the distance of the query
+/// point from the origin. Such a radius is about 100 rounding errors of a position.
 const MIN_RADIUS_PER_DISTANCE: f32 = 1e-5;
 
-/// Lower bound of the disc's radius in a k-nearest-neighbour estimate, as a fraction of
-/// [`Bandwidth::radius`]. The bound keeps the radiance finite if photons coincide.
+/// Ratio of the smallest allowed radius of the disc in a k-nearest-neighbour estimate to
+/// [`Bandwidth::radius`]: 2⁻²⁰. The limit keeps the radiance finite if k photons coincide.
 const MIN_KNN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
-/// Number of photons that are summed in f32 before their sum is added to a total in f64.
+/// Number of photons that are summed in f32. Each such sum is then added to a total in f64, which
+/// limits rounding errors.
 const PHOTONS_PER_BLOCK: u32 = 64;
 
-/// Lower bound of the cosine between the normals of a photon and of the query point.
-///
-/// A photon below this bound does not count in an estimate, because it lies on another surface.
+/// Smallest cosine between the normals of a photon and of the query point at which the photon
+/// counts in a density estimate. At a smaller cosine, the photon is taken to lie on another
+/// surface.
 pub(super) const MIN_NORMAL_COSINE: f32 = 0.5;
 
-/// Upper bound of the distance from the query point to a photon's tangent plane, as a fraction of
-/// [`Bandwidth::radius`].
-///
-/// A photon above this bound does not count in an estimate, because it lies on another surface.
+/// Largest distance from the query point to a photon's tangent plane at which the photon counts in
+/// a density estimate, divided by [`Bandwidth::radius`]. At a larger distance, the photon is taken
+/// to lie on another surface.
 pub(super) const MAX_RELATIVE_HEIGHT: f32 = 0.25;
 
 impl PhotonMap {
@@ -109,10 +109,10 @@ impl PhotonMap {
         self.estimate_radiance_in_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
     }
 
-    /// Estimates the reflected radiance at `p` by [`PhotonMap::estimate_radiance`] in
-    /// [`NESTED_DISC_COUNT`] nested discs, to measure how the estimate depends on the radius.
+    /// Estimates the reflected radiance at `p` in [`NESTED_DISC_COUNT`] concentric discs, to
+    /// measure how the estimate depends on the radius.
     ///
-    /// The largest disc gives the same bits as [`PhotonMap::estimate_radiance`].
+    /// The value of the largest disc is exactly the result of [`PhotonMap::estimate_radiance`].
     pub fn estimate_radiance_in_nested_discs(
         &self,
         p: Vec3,
@@ -188,12 +188,11 @@ impl PhotonMap {
     }
 
     /// Writes the k photons nearest to `p` to `scratch`, and returns the squared distance of the
-    /// k-th.
+    /// k-th. If fewer than k lie within `bandwidth.radius`, writes all of them and returns `None`.
     ///
-    /// Photons on other surfaces are left out, by their normals and tangent planes. If fewer than k
-    /// lie within `bandwidth.radius`, the function writes all of them and returns `None`. The
-    /// search radius grows from a first guess, because the kd-tree of crate kiddo cannot shrink a
-    /// radius during a query.
+    /// Photons on other surfaces, with another normal or tangent plane, are left out. The search is
+    /// repeated with growing radius until it finds k photons, because the kd-tree of crate kiddo
+    /// cannot shrink the radius of a search while it runs.
     fn find_k_nearest(
         &self,
         p: Vec3,
@@ -251,8 +250,8 @@ struct KernelSums<const N: usize> {
     /// Squared radius of the largest disc \[length²].
     r2: f32,
     inverse_r2: f32,
-    /// Partial sums in f32 since the last flush, over fewer than [`PHOTONS_PER_BLOCK`] photons; one
-    /// sum for each disc.
+    /// Sums in f32 of the photons that are not yet in `total`, fewer than [`PHOTONS_PER_BLOCK`];
+    /// one sum for each disc.
     block_sums: [Rgb; N],
     /// Number of photons whose contributions are in `block_sums`.
     block_photon_count: u32,
@@ -272,12 +271,12 @@ impl<const N: usize> KernelSums<N> {
         }
     }
 
-    /// Adds the kernel-weighted `reflected` = BRDF · flux of a photon at squared distance `d2` from
-    /// the query point.
+    /// Adds `reflected` = BRDF · flux of a photon at squared distance `d2` from the query point,
+    /// times the kernel, to the sum of each disc.
     ///
-    /// `height` is the distance between the query point and the photon's tangent plane, as a
-    /// fraction of the largest allowed distance for the largest disc. Smaller discs allow only
-    /// smaller distances, and leave out photons beyond them.
+    /// `height` is the distance from the query point to the photon's tangent plane, divided by the
+    /// largest distance that the largest disc allows. The limit of a smaller disc is lower in
+    /// proportion to its radius, and photons above it are left out of its sum.
     #[inline]
     fn add(&mut self, d2: f32, height: f32, reflected: Rgb) {
         let x = d2 * self.inverse_r2;
@@ -339,7 +338,7 @@ mod tests {
     use super::*;
     use crate::photon::Photon;
 
-    /// The distance to the k-th photon is exact, even if the map also holds a photon at distance
+    /// Finds the exact distance of the k-th photon, even if one photon of the map is as far away as
     /// 10⁶.
     #[test]
     fn kth_distance_ignores_scene_extent() {

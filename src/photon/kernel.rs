@@ -98,8 +98,8 @@ impl Kernel {
 mod tests {
     use super::*;
 
-    /// The integral of each kernel over its disc, and its `nested_difference_variance_ratio`, agree
-    /// with the midpoint rule over the distance. The error of the rule is O(n⁻²).
+    /// Checks two constants of each kernel against midpoint sums over the distance: the integral
+    /// over the disc, and `nested_difference_variance_ratio`. The error of these sums is O(n⁻²).
     #[test]
     fn kernel_constants_match_quadrature() {
         let n = 100_000;

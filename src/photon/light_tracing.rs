@@ -20,57 +20,59 @@ use crate::scene::{Interior, PathRay, Scene, SurfaceInteraction};
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
-/// Number of caustic photons per pixel and pass at which density estimates and splats each get half
-/// of the caustic flux, in the first pass.
+/// Number of caustic photons per pixel at which their flux is split equally in the first pass: half
+/// to density estimates, half to splats.
 ///
 /// In pixels with fewer photons, splats are noisier, so density estimates get more than half.
 const EQUAL_SHARE_PHOTON_COUNT: f64 = 0.5;
 
-/// Effective number of pilot splats that is enough to estimate the number of caustic photons per
-/// pixel. Splats are counted in a square of pixels around the pixel, which grows until it holds
-/// this number or has its largest size. For splats of values v, the effective number is (Σv)²/Σv².
+/// Number of splats that is enough to estimate the number of caustic photons per pixel. The splats
+/// of a small simulation before the render (pilot) are counted in a square around the pixel. The
+/// square grows until it holds this number or has its largest size. Splats of unequal values v
+/// count as (Σv)²/Σv².
 ///
-/// With fewer splats, the division of caustic flux between density estimates and splats would be
-/// noisy from pixel to pixel, and the noise would show in the picture.
+/// With fewer splats, the split of caustic flux between density estimates and splats would vary
+/// randomly from pixel to pixel, and this noise would show in the picture.
 const ENOUGH_SPLATS: f64 = 16.0;
 
-/// Largest half width \[pixels] of the square around a pixel in which pilot splats are counted. The
-/// largest square has 2·8 + 1 columns and rows.
+/// Largest half width \[pixels] of the square around a pixel in which splats are counted to
+/// estimate the number of caustic photons. The largest square has 2·8 + 1 columns and rows.
 const MAX_HALF_WIDTH: u32 = 8;
 
-/// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film. A
-/// splat by light tracing carries the remaining flux.
+/// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film. The
+/// rest of the flux goes to a splat, which adds it directly to the film (light tracing).
 ///
-/// The fraction falls from pass to pass. The mean of n passes divides the variance of splats by n,
-/// but it divides the bias of density estimates only by about the cube root of n.
+/// The fraction falls from pass to pass, because the mean of n passes divides the variance of
+/// splats by n, but the bias of density estimates only by about ∛n.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DensityEstimateShares {
     width: u32,
     height: u32,
-    /// Flux of splats divided by flux of density estimates in the first pass, for each pixel, by
-    /// rows from the top. It is infinite where splats get all flux.
+    /// Ratio of the caustic flux that splats carry to the flux that density estimates use, for each
+    /// pixel in the first pass, by rows from the top. It is infinite where splats carry all flux.
     first_pass_ratios: Vec<f32>,
 }
 
-/// Fraction of a caustic photon's flux that density estimates use in one pass, for each pixel of
-/// the film: [`DensityEstimateShares`] for a fixed pass.
+/// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film, in
+/// one given pass. [`DensityEstimateShares`] holds the data for all passes.
 #[derive(Clone, Copy, Debug)]
 pub struct PassDensityEstimateShares<'a> {
     shares: &'a DensityEstimateShares,
-    /// Factor by which a ratio of fluxes has grown since the first pass: the flux of splats divided
-    /// by the flux of density estimates. In pass i, counted from 0, the factor is (i + 1)^⅔.
+    /// Ratio of splat flux to density estimate flux in this pass, divided by the same ratio in the
+    /// first pass. In pass i, counted from 0, this growth is (i + 1)^⅔.
     ratio_growth: f32,
 }
 
 impl DensityEstimateShares {
-    /// Computes, for each pixel, the fraction of caustic flux that density estimates use, from the
-    /// `splats` of a pilot simulation.
+    /// Computes, for each pixel, the fraction of caustic flux that density estimates use. In pass
+    /// i, counted from 0, this fraction is 1/(1 + 4n²(i + 1)^⅔), where n is the estimated number of
+    /// caustic photons per pixel and pass.
     ///
-    /// In pass i, counted from 0, the fraction is 1/(1 + 4n²(i + 1)^⅔), where n is the estimated
-    /// number of caustic photons per pixel and pass. The number n is the effective number of
-    /// `splats` per pixel in a square around the pixel, times `ratio`. `ratio` is the number of
-    /// photon paths of a pass, divided by the number of photon paths of the pilot. The square of n
-    /// reduces the fraction quickly at foci, where density estimates have rare large errors.
+    /// The number n is estimated from the `splats` of a small simulation before the render: their
+    /// effective number per pixel, in a square around the pixel, times `ratio`. `ratio` is the
+    /// number of photon paths in a pass, divided by their number in that simulation. At foci, where
+    /// density estimates have rare large errors, n is large, and its square makes the fraction
+    /// small.
     #[must_use]
     pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
@@ -107,8 +109,8 @@ impl DensityEstimateShares {
         Self { width, height, first_pass_ratios }
     }
 
-    /// Creates shares that give all caustic flux to splats, in all pixels of a film of the given
-    /// width and height \[pixels].
+    /// Returns the split in which splats carry all caustic flux and density estimates none, for all
+    /// pixels of a film of the given width and height \[pixels].
     #[must_use]
     pub fn all_to_splats((width, height): (u32, u32)) -> Self {
         Self { width, height, first_pass_ratios: vec![f32::INFINITY; width as usize * height as usize] }
@@ -155,9 +157,8 @@ pub struct LightTracer<'a> {
     /// True if the scene has surfaces that a connection from a photon to the camera can pass
     /// through: null interfaces or thin sheets.
     connections_cross_surfaces: bool,
-    /// Fraction of a photon's flux that density estimates use, for each pixel; splats get the
-    /// remaining flux. If it is `None`, as in a pilot, density estimates and splats each get the
-    /// whole flux.
+    /// Fraction of a photon's flux that density estimates use, for each pixel; splats get the rest.
+    /// `None` gives the whole flux to both, for simulations whose splats are only counted.
     shares: Option<PassDensityEstimateShares<'a>>,
 }
 
@@ -165,8 +166,8 @@ impl<'a> LightTracer<'a> {
     /// Creates a light tracer for the camera of `scene`.
     ///
     /// `samples_lens` is true if camera rays start at random points of the lens, false if at its
-    /// center. `shares` divides the flux of photons between density estimates and splats. If
-    /// `shares` is `None`, density estimates and splats each get the whole flux.
+    /// center. `shares` splits the flux of photons between density estimates and splats. With
+    /// `None`, both get the whole flux.
     #[must_use]
     pub fn new(scene: &'a Scene, samples_lens: bool, shares: Option<PassDensityEstimateShares<'a>>) -> Self {
         let connections_cross_surfaces = scene.shadow_rays_cross_surfaces();
@@ -223,10 +224,10 @@ impl<'a> LightTracer<'a> {
         share
     }
 
-    /// Returns the radiance of a splat, integrated over the film, per watt of a photon at `surface`
-    /// \[pixel²/(m² sr)].
+    /// Returns the splat of a photon at `surface` per watt of its flux \[pixel²/(m² sr)]. A splat
+    /// is measured as radiance times film area.
     ///
-    /// The factor includes the BSDF and the cosine. It ignores media and occlusion. It is 0 if the
+    /// The factor includes the BSDF and the cosine, but not media and occlusion. It is 0 if the
     /// camera is behind a surface that does not transmit.
     fn splat_per_flux(&self, surface: &SurfaceInteraction<'_>, connection: &CameraConnection) -> Rgb {
         let normal = surface.facing_normal();
@@ -269,11 +270,11 @@ impl<'a> LightTracer<'a> {
     }
 }
 
-/// Copies each splat of a panorama to the other film positions of the same camera ray, if `filter`
-/// reaches the film from there.
+/// Copies each splat of a panorama to the other film positions that show the same direction, if the
+/// pixel filter reaches the film from there.
 ///
-/// Pixels at the seam and at the poles also filter light from beyond the edge of the film. Density
-/// estimates of that light are only a part of the caustic flux, so copied splats must add the rest.
+/// Pixels at the seam and at the poles also filter light from beyond the edge of the film. There,
+/// density estimates add only a part of the caustic flux, so copied splats must add the rest.
 pub fn add_splats_across_seams(splats: &mut Vec<Splat>, camera: &Camera, filter: &Filter) {
     // The centers of the outermost pixels lie half a pixel inside the film.
     let margin = filter.radius() - 0.5;

@@ -20,7 +20,7 @@ type Tree = KdTree<f32, PhotonAttributes, Eytzinger, VecOfArenas<f32, PhotonAttr
 pub struct PhotonMap {
     tree: Option<Tree>,
     len: usize,
-    /// Lower bound on the radii of k-nearest-neighbour estimates \[length].
+    /// Smallest radius to which the discs of k-nearest-neighbour estimates may shrink \[length].
     pub(super) min_radius: f32,
 }
 
@@ -40,11 +40,12 @@ const ROTATION: Mat3 = Mat3::from_cols(
     Vec3::new(0.394_739_8, -0.071_392_5, 0.916_015_1),
 );
 
-/// Number of photons at one position above which they are merged. The kd-tree holds all photons of
-/// one position in one leaf, which would grow beyond its normal size.
+/// Largest number of photons at one position; more photons are merged. The kd-tree keeps all
+/// photons of one position in one leaf, which would otherwise exceed its normal size.
 const MAX_COINCIDENT_PHOTONS: usize = LEAF_SIZE;
 
-/// Smallest number of windows of consecutive photons that one Rayon task tests for equal positions.
+/// Smallest number of photons that one Rayon task tests for equal positions. For each of them, the
+/// task looks at a window of consecutive photons in the list.
 const MIN_WINDOWS_PER_TASK: usize = 4096;
 
 /// Number of photons from which the two halves of a node of the kd-tree are built in parallel.
@@ -68,10 +69,10 @@ impl PhotonMap {
         Self { tree, len, min_radius: 0.0 }
     }
 
-    /// Returns the map with the lower bound `min_radius` \[length] on the radii of
-    /// k-nearest-neighbour estimates.
+    /// Returns the map with `min_radius` \[length] as the smallest radius of k-nearest-neighbour
+    /// estimates.
     ///
-    /// Without a bound, the radius approaches zero at a focus of a caustic.
+    /// Without this limit, the radius approaches zero at a focus of a caustic.
     #[must_use]
     pub fn with_min_radius(self, min_radius: f32) -> Self {
         Self { min_radius, ..self }
@@ -104,10 +105,10 @@ impl PhotonMap {
     }
 }
 
-/// Merges photons that have equal position, normal, wavelength and fraction for density estimates,
-/// at each position with more than [`MAX_COINCIDENT_PHOTONS`] photons.
+/// Merges photons at positions that more than [`MAX_COINCIDENT_PHOTONS`] photons share. Two photons
+/// are merged if their normal, wavelength and fraction for density estimates are equal, too.
 ///
-/// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
+/// A merged photon has the sum of the fluxes, and the mean of the directions weighted by flux.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {
     // Morton order makes photons at one position adjacent, unless other photons share their Morton
     // cell.

@@ -8,7 +8,7 @@ use crate::math::{Ray, rounding_error_bound};
 use glam::Vec3;
 use wide::f32x8;
 
-/// Number of points or beam pieces in a packet, which SIMD instructions process at once.
+/// Number of points or beam pieces in a packet. SIMD instructions process all of them at once.
 pub(super) const LANES: usize = 8;
 
 /// Eight 3D vectors, one in each SIMD lane: the x, y and z components.
@@ -88,12 +88,12 @@ impl PointPacket {
     }
 
     /// Returns a bit mask: bit i is set if point i of the packet may lie within `query`'s radius of
-    /// its line.
+    /// the query line.
     ///
-    /// The test is conservative: rounding never clears the bit of a point inside the radius. γ(n)
-    /// bounds the relative error of n roundings. The bound γ(24) covers the errors of the vector
-    /// from the line's origin, γ(1), of its projection on the line, γ(4), and of its perpendicular
-    /// component, γ(3), times √3 for three axes.
+    /// The test is conservative: a point inside the radius never loses its bit by rounding errors.
+    /// Let γ(n) bound the relative error of n roundings. The test allows the error γ(24). This
+    /// covers γ(1) of the vector from the line's origin, γ(4) of its projection on the line, and
+    /// γ(3) of its perpendicular component, times √3 for three axes.
     #[inline]
     pub fn points_near_line(&self, query: &LineQuery) -> u32 {
         let to = subtract(self.0, query.origin);
@@ -129,7 +129,8 @@ pub(super) struct BeamPiece {
     pub to: f32,
 }
 
-/// Up to eight beam pieces; unused lanes hold empty intervals.
+/// Up to eight beam pieces. A piece is a range of distances along a beam; in unused lanes, this
+/// range is empty, so they match no query.
 pub(super) struct BeamPiecePacket {
     beam_start: Vec3x8,
     direction: Vec3x8,
@@ -165,13 +166,13 @@ impl BeamPiecePacket {
     }
 
     /// Returns a bit mask: bit i is set if beam piece i of the packet may come within `query`'s
-    /// radius of its line.
+    /// radius of the query line.
     ///
-    /// The test is conservative: rounding never clears the bit of a piece inside the radius. The
-    /// error bound γ(16) covers all rounding errors, where γ(n) bounds the relative error of n
-    /// roundings. The vector normal to line and beam has error √3 γ(2) ≤ γ(4). Distances along this
-    /// normal have error γ(8), relative to the distance of the origins. Positions along the beam
-    /// have error γ(14), relative to that distance plus the position.
+    /// The test is conservative: a piece inside the radius never loses its bit by rounding errors.
+    /// Let γ(n) bound the relative error of n roundings. The test allows the error γ(16). The
+    /// vector normal to line and beam has the error √3 γ(2) ≤ γ(4). Distances along this normal
+    /// have the error γ(8), relative to the distance D of the two origins. A position s along the
+    /// beam has the error γ(14), relative to D + s.
     #[inline]
     pub fn beam_pieces_near_line(&self, query: &LineQuery) -> u32 {
         let error = f32x8::splat(rounding_error_bound(16));

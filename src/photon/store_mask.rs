@@ -37,13 +37,13 @@ pub struct StoreMask {
     pub after_caustic: bool,
     /// True to store photons of indirect light without a caustic ([`PhotonKind::AfterDirect`]).
     pub after_direct: bool,
-    /// True to store the indirect light of caustics ([`PhotonKind::AfterCaustic`]) in separate
-    /// lists, and to thin it.
+    /// True to store the photons of [`PhotonKind::AfterCaustic`] in separate lists, and only one of
+    /// [`AFTER_CAUSTIC_THINNING`].
     ///
-    /// The algorithm `hybrid` builds its indirect map from these photons, and so needs no second
-    /// photon pass. Few photons suffice, because their density is smooth. Russian roulette
-    /// therefore continues one in [`AFTER_CAUSTIC_THINNING`] paths after a caustic photon, and
-    /// multiplies the path's flux by that number.
+    /// The algorithm `hybrid` builds its map of indirect light from these photons, which saves a
+    /// second photon pass. Few photons suffice, because this light is smooth. So Russian roulette
+    /// ends most paths at their caustic photon. It continues one of [`AFTER_CAUSTIC_THINNING`]
+    /// paths, and multiplies its flux by this number.
     pub separates_after_caustic: bool,
     /// True to store photon beams in homogeneous media; false to store photons at scattering
     /// points.
@@ -59,8 +59,8 @@ impl StoreMask {
     /// Stores only indirect light: photons whose paths have scattered at one or more surfaces that
     /// store photons, or in media.
     pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
-    /// Stores no photons. [`StoreMask::stores_beams`] is true in this constant, so a mask that adds
-    /// kinds to it stores beams in homogeneous media.
+    /// Stores no photons. The field `stores_beams` is true, so that masks derived from this one
+    /// store beams in homogeneous media by default.
     pub const NONE: Self = Self {
         direct: false,
         caustic: false,
@@ -89,10 +89,10 @@ impl StoreMask {
         kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
-    /// True if a path may still store a photon. `kind` is the kind that its next photon has; later
-    /// photons may be of other kinds.
+    /// True if a path whose next photon would be of `kind` may still store a photon, now or later.
     ///
-    /// Always true for [`PhotonKind::Direct`], because such a path can still reach all kinds.
+    /// Always true for [`PhotonKind::Direct`], because such a path can still store photons of any
+    /// kind.
     pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,

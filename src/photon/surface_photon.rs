@@ -4,11 +4,11 @@ use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
 /// RGB flux \[W] in 8 bytes: the sum of the channels in f32, and the fractions of red and green in
-/// 16 bits each.
+/// this sum in 16 bits each.
 ///
-/// Between 10⁻³⁷ and 10³⁸ W, the sum has relative precision 2⁻²⁴. The precision falls to 2⁻¹⁹ if
-/// the lowest four bits of the sum store another number: the fraction of the flux that density
-/// estimates use. Each channel is precise to 1.5·10⁻⁵ of the sum.
+/// Between 10⁻³⁷ and 10³⁸ W, the sum has relative precision 2⁻²⁴. With light tracing, its lowest
+/// four bits store the fraction of the flux that density estimates use, and the precision falls to
+/// 2⁻¹⁹. Each channel is precise to 1.5·10⁻⁵ of the sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(super) struct PackedFlux {
     channel_sum: f32,
@@ -28,7 +28,8 @@ impl PackedFlux {
         Some(Self { channel_sum: sum, red_fraction: fraction(flux.x), green_fraction: fraction(flux.y) })
     }
 
-    /// Returns the flux with `steps` < 16 stored in the lowest four bits of its channel sum.
+    /// Returns a copy in which the lowest four bits of the channel sum hold the number `steps` <
+    /// 16.
     ///
     /// Density estimates use the fraction `steps`/[`SHARE_STEPS`] of the flux. Storing `steps`
     /// changes the flux by less than the factor 1 ± 2⁻¹⁹.
@@ -112,15 +113,15 @@ impl Photon {
     }
 }
 
-/// Number of steps from 0 to 1 of the fraction of a photon's flux that density estimates use. A
-/// photon stores this fraction as an integer up to `SHARE_STEPS`.
+/// Number that stands for the fraction 1 of a photon's flux. The fraction that density estimates
+/// use is stored as an integer from 0 to this number, in four bits.
 pub(super) const SHARE_STEPS: u8 = 15;
 
 /// Factor from a unit normal to its stored components, which are 8-bit integers.
 const NORMAL_SCALE: f32 = 127.0;
 
-/// Tangent plane at the query point of a density estimate. Its normal is scaled, so that it can be
-/// compared with the quantized normals of photons.
+/// Tangent plane at the query point of a density estimate, scaled so that dot products with the
+/// 8-bit normals of photons need no division.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentPlane {
     /// Query point, divided by [`NORMAL_SCALE`]. Its dot product with the stored normal of a photon
@@ -198,8 +199,8 @@ impl PhotonAttributes {
         Vec3::from(self.normal.map(f32::from)) / NORMAL_SCALE
     }
 
-    /// Returns this data with the tangent plane offset of `other`. The quantized normals of both
-    /// must be equal.
+    /// Returns this photon data with its tangent plane moved to that of `other`, which must have an
+    /// equal quantized normal.
     pub(super) fn with_plane_offset_of(self, other: &Self) -> Self {
         Self { plane_offset: other.plane_offset, ..self }
     }

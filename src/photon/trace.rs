@@ -20,8 +20,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct TracedPhotons {
     /// Photons and splats that the paths stored.
     pub deposits: Deposits,
-    /// Flux \[W] that the paths carried at emission, and that they lost by absorption, escape,
-    /// stopping and Russian roulette.
+    /// Flux \[W] of the paths at emission, and where it went: absorption, escape, early end of a
+    /// path and Russian roulette.
     pub audit: EnergyAudit,
     /// Number of traced rays: segments of photon paths, and connections to the camera.
     pub rays: u64,
@@ -32,15 +32,15 @@ pub struct TracedPhotons {
 /// Energy audit and number of rays, summed over several photon paths while they are traced.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PhotonTracingTotals {
-    /// Flux \[W] that the paths carried at emission, and that they lost by absorption, escape,
-    /// stopping and Russian roulette.
+    /// Flux \[W] of the paths at emission, and where it went: absorption, escape, early end of a
+    /// path and Russian roulette.
     pub audit: EnergyAudit,
     /// Number of rays that these paths traced, including connections to the camera.
     pub rays: u64,
 }
 
-/// Tracer of photon paths, with their scene and source, their largest length, and the kinds of
-/// photons to store.
+/// Tracer of photon paths. Holds their scene and source, the limit of their length, and the kinds
+/// of photons to store.
 #[derive(Debug)]
 pub struct PhotonTracer<'a> {
     /// Scene in which photons are traced.
@@ -72,11 +72,11 @@ impl PhotonTracer<'_> {
         self.trace_and_connect(pass_key, paths, None, &done)
     }
 
-    /// Traces photon paths as [`PhotonTracer::trace`] does, and connects their caustic photons to
-    /// the camera if there is a `light_tracer`. The connections add splats to the result.
+    /// Traces photon paths as [`PhotonTracer::trace`] does. With a `light_tracer`, also connects
+    /// their caustic photons to the camera, which adds splats to the result.
     ///
-    /// If `done` returns [`ControlFlow::Break`], all chunks of paths that have not begun are
-    /// skipped. The result is then incomplete, and its field `paths` also counts the skipped paths.
+    /// If `done` returns [`ControlFlow::Break`], chunks of paths that have not begun are skipped.
+    /// The result is then incomplete, but its field `paths` still counts the skipped paths.
     pub fn trace_and_connect(
         &self,
         pass_key: Key,
@@ -256,11 +256,12 @@ impl PhotonTracer<'_> {
     }
 
     /// Samples the distance \[length] along `segment` at which a path scatters in the medium;
-    /// `None` if the path passes through.
+    /// `None` if the path passes through without scattering.
     ///
     /// Calls `deposit` with a beam or a point if `mask` stores photons of kind `kind` in media.
-    /// `flux` \[W] is the flux at the last vertex. `weight` is the product of the distance sampling
-    /// weights since that vertex; the function multiplies it by the weight of this segment.
+    /// `flux` \[W] is the flux at the last vertex. `weight` is the factor by which distance
+    /// sampling has changed this flux since that vertex; the function multiplies `weight` by the
+    /// factor of this segment.
     #[inline]
     fn sample_distance_and_deposit<I: Interior>(
         &self,

@@ -16,32 +16,33 @@ pub struct VisiblePoint {
     pub position_error: Vec3,
     /// Unit geometric normal on the side from which photons count.
     pub normal: Vec3,
-    /// Importance of the point: camera path throughput times BSDF, which is the pixel's radiance
-    /// per irradiance at the point. Only ratios between points matter.
+    /// Importance of the point: camera path throughput times BSDF. This is the radiance that the
+    /// pixel gains per irradiance at the point, up to a factor that is equal for all points.
     pub weight: f32,
 }
 
-/// Visible points in a kd-tree, which give the importance of a photon for the picture. The
-/// importance is large near many visible points of large weight.
+/// Surface points that the camera sees, in a kd-tree. They tell how important a photon is for the
+/// picture: its importance is large near many of these points of large weight.
 ///
 /// Visible points correspond to the importons of Peter and Pietrek 1998, "Importance Driven
 /// Construction of Photon Maps".
 #[derive(Debug)]
 pub struct VisiblePointMap {
-    /// Visible points, stored as photons whose flux is the squared weight.
+    /// Visible points, stored as photons. The flux of such a photon is the squared weight of the
+    /// point.
     points: PhotonMap,
     bandwidth: Bandwidth,
-    /// Distance \[length] at which a search expects the 16th nearest visible point. It is the tenth
-    /// percentile of the distance from a visible point to its 16th nearest neighbour. A search
-    /// begins with 1.25 times this distance.
+    /// Distance \[length] at which a search expects the 16th nearest visible point; the search
+    /// begins with 1.25 times this distance. For one visible point in ten, the 16th neighbour is
+    /// nearer.
     expected_kth_distance: f32,
 }
 
 /// Number of nearest visible points from which the importance of a photon is estimated.
 const NEIGHBOURS: u32 = 16;
 
-/// Largest number of visible points for which the distance to the 16th nearest neighbour is
-/// measured. These distances determine the search radii.
+/// Number of visible points, at most, at which the distance to the 16th nearest neighbour is
+/// measured. The first search radius is derived from these distances.
 const MAX_RADIUS_SAMPLES: usize = 256;
 
 impl VisiblePointMap {

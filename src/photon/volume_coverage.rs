@@ -7,11 +7,12 @@ use crate::scene::Scene;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Largest number of probe rays of a [`KernelProbes`]; a kernel in three dimensions has this many.
+/// Largest number of probe rays in a [`KernelProbes`]. A kernel in three dimensions needs this
+/// number, kernels in one or two dimensions need fewer.
 const MAX_PROBES: usize = 12;
 
-/// Probe rays from the center of a kernel in a medium, each with the distance to the first surface
-/// it hits. Surfaces may hide a part of the kernel from its center.
+/// Probe rays that measure how much of a kernel in a medium is visible from its center. Each holds
+/// the distance to the first surface that it hits.
 ///
 /// Kernels of volumetric density estimates have one, two or three dimensions. The probe rays lie on
 /// the line, in the plane or in the space of the kernel.
@@ -63,11 +64,11 @@ impl KernelProbes {
         self.distances[0] > distance
     }
 
-    /// Returns the fraction, in \[1/20, 1], of the kernel's integral that is visible from the
-    /// kernel's center.
+    /// Returns the fraction of the kernel's integral that is visible from the kernel's center, but
+    /// at least 1/20.
     ///
-    /// The kernel has radius `radius` \[length]. The result is a mean over the probe rays, and
-    /// exactly 1 if none of them hits a surface within `radius`.
+    /// The kernel has the radius `radius` \[length]. The fraction is a mean over the probe rays,
+    /// and exactly 1 if none of them hits a surface within `radius`.
     #[must_use]
     pub fn visible_fraction(&self, radius: f32) -> f32 {
         let parts = self.distances[..self.count].iter().map(|d| kernel_fraction_within(d / radius, self.dimensions));

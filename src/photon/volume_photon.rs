@@ -11,8 +11,8 @@ use std::f64::consts::FRAC_1_PI;
 
 /// A photon stored at a scattering point in a medium, in 32 bytes.
 ///
-/// The direction is precise to 10⁻⁴ rad. Each flux channel is precise to 1.5·10⁻⁵ of the sum of
-/// channels.
+/// The stored direction is precise to 10⁻⁴ rad. The error of each flux channel is at most 1.5·10⁻⁵
+/// times the sum of the three channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumePhoton {
     /// Position of the scattering point.

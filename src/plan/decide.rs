@@ -4,12 +4,14 @@ use super::{EffectOverrides, SceneFeatures};
 use crate::scene::{CASTER_DESCRIPTION, Effect, Effects, Scene};
 use std::fmt;
 
-/// Reason why a render needs an effect of light, does not need it, or cannot simulate it.
+/// Reason for the decision whether a render simulates an effect of light, such as shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EffectReason {
-    /// Objects need the effect. Holds the number of these objects, and words that describe them.
+    /// Objects need the effect. Holds their number, and words that tell what kind of objects they
+    /// are.
     Objects(usize, &'static str),
-    /// Lights need the effect. Holds the number of these lights, and words that describe them.
+    /// Lights need the effect. Holds their number, and words that tell what kind of lights they
+    /// are.
     Lights(usize, &'static str),
     /// The scene has an environment light.
     EnvironmentLight,
@@ -17,7 +19,8 @@ pub enum EffectReason {
     MayOcclude,
     /// The algorithm cannot simulate the effect.
     UnsupportedByAlgorithm,
-    /// No light has power. For [`Effect::Interreflection`], no medium emits either.
+    /// No light emits any power. If the effect is [`Effect::Interreflection`], no medium emits
+    /// either.
     NoLight,
     /// No object is a caustic caster, such as a mirror or glass: see
     /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
@@ -56,7 +59,8 @@ pub enum EffectReason {
     AmbientMedium,
     /// No glass is dispersive.
     NoDispersion,
-    /// The effect requires another effect, which the scene does not need. Holds that other effect.
+    /// The effect has no consequence without another effect, which the scene does not need. Holds
+    /// that other effect.
     RequiredEffectUnneeded(Effect),
 }
 
@@ -171,8 +175,8 @@ impl Plan {
     }
 }
 
-/// Decides whether a scene with the given `features` needs `effect`. Returns the reason: as `Ok` if
-/// the scene needs the effect, as `Err` if not.
+/// Decides whether a scene with the given `features` needs `effect`. Returns `Ok` with the reason
+/// if the scene needs the effect, and `Err` with the reason if not.
 ///
 /// `before` holds the needed effects that precede `effect` in [`Effect::ALL`].
 fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<EffectReason, EffectReason> {

@@ -11,12 +11,12 @@ pub struct EffectOverrides {
 }
 
 impl EffectOverrides {
-    /// No effect is forced on or off: the plan decides about all effects.
+    /// Leaves the decision about every effect to the plan: none is forced on or off.
     pub const NO_OVERRIDES: Self = Self { forced_on: Effects::NONE, forced_off: Effects::NONE };
-    /// All effects are forced on.
+    /// Forces all effects on.
     pub const ALL_FORCED_ON: Self = Self { forced_on: Effects::ALL, forced_off: Effects::NONE };
-    /// All effects are forced off. Unshadowed direct light from the center of each light remains in
-    /// the picture.
+    /// Forces all effects off. The picture then shows only direct light without shadows, from the
+    /// center of each light.
     pub const ALL_FORCED_OFF: Self = Self { forced_on: Effects::NONE, forced_off: Effects::ALL };
 
     /// Returns the overrides with `effect` forced on.

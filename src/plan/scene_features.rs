@@ -6,9 +6,10 @@ use crate::math::BoundingSphere;
 use crate::scene::{ObjectSummary, Scene};
 use glam::Vec3;
 
-/// Scene features that determine which effects of light a render needs.
+/// Features of a scene that determine which effects of light a render needs.
 ///
-/// A feature that is uncertain has the value for which the plan simulates more effects.
+/// If a feature cannot be determined with certainty, it has the value with which more effects are
+/// simulated, so that no light is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct SceneFeatures {
     /// Number of shapes, meshes and planes with a material.

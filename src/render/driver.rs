@@ -31,9 +31,9 @@ pub struct StopCriteria<'a> {
     /// True to end the render when its noise is at most `target`, but bias alone keeps the error
     /// above `target`.
     ///
-    /// A render that has neither a limit of passes nor of time ends at such a bias even if this
-    /// flag is false, and with any noise. In both cases, at least 16 passes are made, and 0.8 times
-    /// the bias must exceed the target.
+    /// A render without limits of passes and time ignores this flag: it always ends if bias keeps
+    /// the error above `target`, whatever its noise. In all cases, the render makes at least 16
+    /// passes, and ends only if 0.8 times the bias exceeds the target.
     pub ends_at_bias_floor: bool,
     /// Flag that another thread sets to end the render after the current pass.
     pub interrupted: &'a AtomicBool,
@@ -67,7 +67,7 @@ impl ErrorTarget {
 pub enum EndReason {
     /// The largest number of passes was reached, or all requested passes are rendered.
     Passes,
-    /// The time limit was reached: no further pass would end nearer to it.
+    /// The time limit was reached: a further pass would not end nearer to the limit.
     Time,
     /// The error target was reached.
     Target,
@@ -84,13 +84,14 @@ pub enum EndReason {
 pub struct RenderResult {
     /// Numbers of the passes in `film`, counted from 0.
     pub pass_numbers: PassSet,
-    /// Film with the sums of all passes; its mean is the picture.
+    /// Film: for each pixel, the sum of its colors in all passes. The mean over the passes is the
+    /// picture.
     pub film: Film,
     /// Error estimator to which the passes were added; `None` if
     /// [`Integrator::estimates_error`] is false.
     pub estimator: Option<ErrorEstimator>,
-    /// Films of the light groups, whose means add up to the picture, in the order of
-    /// [`LightGroup::ALL`]; empty unless [`Integrator::groups_light`] is true.
+    /// Films of the light groups, in the order of [`LightGroup::ALL`]. Their mean pictures add up
+    /// to the picture. The list is empty unless [`Integrator::groups_light`] is true.
     pub light_group_films: Vec<Film>,
     /// Film of the radiance that clamping removed; `None` without clamping.
     pub clamping_loss_film: Option<Film>,
@@ -126,7 +127,7 @@ impl PassTimes {
     }
 }
 
-/// Progress of a render after a pass.
+/// Progress of a render, reported after each pass.
 #[derive(Clone, Copy, Debug)]
 pub struct PassProgress<'a> {
     /// Number of passes so far.
@@ -148,8 +149,8 @@ pub(super) const MIN_PASSES_BEFORE_GIVING_UP: u32 = 16;
 /// A render gives up its error target only if this factor times the bias exceeds the target.
 pub(super) const GIVE_UP_BIAS_FACTOR: f64 = 0.8;
 
-/// The render loop: adds passes to `rendered` and returns it. The passes have the numbers in
-/// `numbers` that `rendered` does not hold yet, in ascending order.
+/// The render loop: adds passes to `rendered` and returns it. `numbers` are the numbers of the
+/// requested passes. Those that `rendered` does not hold yet are rendered in ascending order.
 ///
 /// The loop ends when a criterion of `stop` holds or no pass is left.
 ///
@@ -311,7 +312,8 @@ impl RenderResult {
         Some((estimate, estimator.forecast(&estimate)?))
     }
 
-    /// True if the film, the error estimator and `pass_numbers` agree on the passes and the pixels.
+    /// True if all films, the error estimator and `pass_numbers` have the same number of passes,
+    /// and pictures of the same size.
     ///
     /// False for some results that were read from damaged files.
     pub(super) fn is_consistent(&self) -> bool {

@@ -95,10 +95,10 @@ impl Film {
     }
 }
 
-/// Returns the number of passes of two renders together.
+/// Adds the numbers of passes of two renders.
 ///
 /// # Errors
-/// [`MergeError::TooManyPasses`] if the number exceeds `u32::MAX`.
+/// [`MergeError::TooManyPasses`] if the sum exceeds `u32::MAX`.
 pub(super) fn total_pass_count(own: u32, other: u32) -> Result<u32, MergeError> {
     own.checked_add(other).ok_or(MergeError::TooManyPasses { own, other })
 }

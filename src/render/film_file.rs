@@ -61,15 +61,15 @@ pub struct FilmHeader {
     pub settings: Vec<String>,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Number of passes of the whole render, if this film holds only a part of them, as with
-    /// `--shard`; else `None`.
+    /// Number of passes of the whole render, if this film file holds only a part of the render, as
+    /// with `--shard`; else `None`.
     pub planned_passes: Option<u32>,
 }
 
 /// Content of a film file: the header, and the render so far.
 #[derive(Debug)]
 pub struct FilmFile {
-    /// Scene, settings and version, on which the passes depend.
+    /// Scene, settings and version on which the passes of the render depend.
     pub header: FilmHeader,
     /// The render so far: film, error estimator, pass numbers and statistics.
     pub rendered: RenderResult,
@@ -96,8 +96,8 @@ pub enum FilmFileError {
 }
 
 impl FilmHeader {
-    /// Returns the differences between two headers that forbid adding the passes of both renders,
-    /// one line each. The result is empty if the passes can be added.
+    /// Returns the differences between two headers, one line each, because of which the passes of
+    /// the two renders must not be added. The result is empty if they can be added.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let mut lines = Vec::new();
@@ -129,9 +129,10 @@ impl FilmHeader {
         lines
     }
 
-    /// Returns the passes that the whole render still lacks, if the passes `done` are made.
+    /// Returns the passes that are still missing from the whole render, if the passes `done` are
+    /// made.
     ///
-    /// The whole render has the planned passes, and at least all passes up to the last pass of
+    /// The whole render consists of the planned passes, and of all passes up to the last pass of
     /// `done`.
     #[must_use]
     pub fn missing_passes(&self, done: &PassSet) -> PassSet {
@@ -215,7 +216,7 @@ fn read_header(input: &mut impl Read) -> Result<FilmHeader, FilmFileError> {
 struct BlockReader<R> {
     input: R,
     block: Vec<u8>,
-    /// Index in `block` of the next byte.
+    /// Index in `block` of the next byte to read.
     next: usize,
     /// Largest number of bytes that further blocks may hold. A file with more is damaged.
     left: u64,
@@ -234,8 +235,8 @@ impl<R: Read> BlockReader<R> {
         Ok(())
     }
 
-    /// Fails unless all bytes of the block were read and the empty block that ends the file
-    /// follows.
+    /// Fails unless all bytes of the block were read, and the next block is the empty block that
+    /// ends the file.
     fn check_end(&mut self) -> Result<(), FilmFileError> {
         let is_read = self.next == self.block.len();
         self.read_next_block()?;

@@ -33,7 +33,8 @@ pub struct RenderLimits {
     pub time_limit: Option<Duration>,
     /// Estimated relative error at which the render ends; `None` for no limit. See [`ErrorTarget`].
     pub target_error: Option<f64>,
-    /// Required probability that the true error is at most the error at which the render ends.
+    /// Required probability that the true error is at most the target error, when the render ends
+    /// because of that target.
     pub confidence: Confidence,
     /// True for a preview, which ends at [`PREVIEW_TARGET_ERROR`] unless `target_error` is set.
     pub preview: bool,

@@ -15,8 +15,8 @@ const BASE_BYTES_PER_PIXEL: u64 = 88;
 /// Memory per pixel that an error estimate needs, in addition to [`BASE_BYTES_PER_PIXEL`] \[bytes].
 ///
 /// The error estimator holds 284 bytes per pixel, for noise and for density estimates with smaller
-/// radii. Both constants together are 470 bytes: 445 were measured, error maps take 17, and 8 are a
-/// reserve.
+/// radii. This constant and [`BASE_BYTES_PER_PIXEL`] together are 470 bytes: 445 were measured,
+/// error maps take 17, and 8 are a reserve.
 const ERROR_BYTES_PER_PIXEL: u64 = 382;
 
 /// Memory per pixel that light groups need, in addition to [`BASE_BYTES_PER_PIXEL`] \[bytes].

@@ -21,7 +21,7 @@ pub enum MergeError {
         /// Number of passes of the film whose passes are added.
         other: u32,
     },
-    /// Both renders hold some of the same passes.
+    /// Some passes are in both renders.
     #[error("both renders have passes {common}: a sum would count them twice")]
     CommonPasses {
         /// The passes that both renders hold.

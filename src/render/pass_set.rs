@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Set of pass numbers, which count from 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PassSet {
-    /// Disjoint ranges in ascending order, with gaps between them.
+    /// Disjoint ranges of pass numbers, in ascending order and with gaps between them.
     ranges: Vec<Range<u32>>,
 }
 

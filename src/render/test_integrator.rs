@@ -15,8 +15,8 @@ pub(super) const SIZE: (u32, u32) = (40, 40);
 pub(super) struct NoisyIntegrator {
     /// Standard deviation of each channel of a pixel.
     pub sigma: f32,
-    /// Constant error of each channel. It behaves like the blur of fixed gather radii in smooth
-    /// light.
+    /// Constant error of each channel. Error estimates treat this error like the blur of density
+    /// estimates with fixed gather radii in smooth light.
     pub bias: f32,
     /// True if the render estimates its error: value of [`Integrator::estimates_error`].
     pub estimates_error: bool,

@@ -8,14 +8,16 @@ pub struct DiscreteDistribution {
     total: f64,
 }
 
-/// Smallest probability above 0: the smallest normal f32.
+/// Smallest relative weight that an item keeps: the smallest normal f32. A smaller weight counts
+/// as 0, because its probability could round to 0, and samples are divided by their probability.
 const MIN_PROBABILITY: f64 = f32::MIN_POSITIVE as f64;
 
 impl DiscreteDistribution {
-    /// Creates the distribution with probabilities in proportion to `weights`.
+    /// Creates the distribution in which the probability of item i is wᵢ/Σw, for the given
+    /// `weights` w.
     ///
-    /// Weights below about 10⁻³⁸ of the sum count as 0. `None` if there are no weights, if one is
-    /// negative, or if their sum is 0 or not finite.
+    /// Weights below about 10⁻³⁸ of the sum count as 0. Returns `None` if there are no weights, if
+    /// one is negative, or if their sum is 0 or not finite.
     #[must_use]
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut cumulative: Vec<f64> = weights.into_iter().collect();
@@ -48,7 +50,7 @@ impl DiscreteDistribution {
         self.cumulative.len()
     }
 
-    /// Always false: `new` refuses an empty distribution.
+    /// Always false, because [`DiscreteDistribution::new`] returns `None` if there are no weights.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.cumulative.is_empty()
@@ -65,9 +67,10 @@ impl DiscreteDistribution {
         (i, self.probability(i))
     }
 
-    /// Returns a new uniform number in \[0, 1) from the number `u` with which item `i` was sampled.
+    /// Returns a new uniform number in \[0, 1), made from the number `u` that sampled item `i`.
     ///
-    /// The new number is the position of `u` within the item's interval of cumulative probability.
+    /// Item i is sampled by all u in an interval, whose length is the item's probability. The new
+    /// number is the relative position of `u` in this interval.
     #[inline]
     #[must_use]
     pub fn remapped_sample(&self, u: f32, i: usize) -> f32 {
@@ -76,11 +79,9 @@ impl DiscreteDistribution {
         (x as f32).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
     }
 
-    /// Returns the number in \[0, 1) at the position `within` of item `i`'s interval of cumulative
-    /// probability.
-    ///
-    /// This inverts sampling: [`DiscreteDistribution::sample`] of the result gives item `i`, and
-    /// [`DiscreteDistribution::remapped_sample`] gives `within`, up to rounding.
+    /// Inverse of sampling: returns the number u in \[0, 1) with which
+    /// [`DiscreteDistribution::sample`] samples item `i`, and
+    /// [`DiscreteDistribution::remapped_sample`] returns `within`, up to rounding.
     #[inline]
     #[must_use]
     pub fn inverse_sample(&self, i: usize, within: f32) -> f32 {

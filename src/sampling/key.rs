@@ -68,20 +68,22 @@ pub enum Purpose {
     VisiblePoints,
     /// Pilot simulation that trains the guiding of photon emission.
     EmissionGuiding,
-    /// Photon paths that each pass traces only to guide its final gather rays: the stored photons
-    /// show from which directions indirect light arrives.
+    /// Photon paths that guide the final gather rays of a pass, and are used for nothing else. The
+    /// photons show from which directions indirect light arrives.
     GatherRayGuides,
-    /// Pilot simulation that divides the work of a pass between camera rays and photons.
+    /// Pilot simulation that finds how many camera rays and how many photon paths a pass should
+    /// trace.
     RayPhotonBalance,
     /// Shutter times of passes and of camera rays.
     Shutter,
     /// Pilot simulation that finds, for each pixel, how much of the caustics comes from photon
     /// density estimates and how much from light tracing.
     DensityEstimateShares,
-    /// Prefix rays of the algorithm `hybrid`: extra camera paths that end at the first surface that
-    /// stores photons.
+    /// Extra camera paths of the algorithm `hybrid` that end at the first surface that stores
+    /// photons (prefix rays).
     PrefixRays,
-    /// Pilot simulation that divides indirect light between camera paths and photons.
+    /// Pilot simulation that finds how much of the indirect light camera paths should compute, and
+    /// how much photons.
     IndirectDivision,
     /// Random choice of the photon beams that a pass keeps. The pass drops the other beams to save
     /// time.
@@ -89,7 +91,7 @@ pub enum Purpose {
     /// Pilot simulation that finds the directions from which the environment light reaches each
     /// part of a scene.
     EnvironmentGuiding,
-    /// Rays that find surface AOVs, such as albedo and depth.
+    /// Camera rays for AOVs of the first surface, such as albedo and depth.
     SurfaceAovs,
     /// Pilot simulation that finds the parts of media that direct light reaches. Shadow rays from
     /// media then start there more often.
@@ -97,8 +99,8 @@ pub enum Purpose {
     /// Pilot simulation that finds where small lamps appear on the film, directly or over specular
     /// surfaces.
     LampImages,
-    /// Prefix rays that are aimed at the images of small lamps on the film. Prefix rays are extra
-    /// camera paths that end at the first surface that stores photons.
+    /// Extra camera paths that are aimed at the images of small lamps on the film, and end at the
+    /// first surface that stores photons (aimed prefix rays).
     AimedPrefixRays,
 }
 
@@ -133,8 +135,9 @@ pub enum Dimension {
     /// The algorithm `distributed` chooses the diffuse or the glossy lobe. The algorithm `hybrid`
     /// chooses whether the path ends or continues.
     ReceiverBranch,
-    /// Russian roulette in three places: before a camera path of low throughput shades a surface,
-    /// before shadow rays start in a medium, and after a caustic photon.
+    /// Russian roulette for shading, in three places: before a camera path of low throughput shades
+    /// a surface, before a shadow ray starts in a medium, and before a photon path continues after
+    /// a caustic photon.
     ShadingRoulette,
     /// Position on the lens of the camera.
     Lens,
@@ -158,20 +161,20 @@ pub enum Dimension {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(u64);
 
-/// Bit in the number from which [`Key::medium_tracking_key`] makes a key. The bit distinguishes
-/// keys for distance sampling in media from keys of path vertices and shadow rays.
+/// Bit that is set in the number from which [`Key::medium_tracking_key`] makes a child key. Numbers
+/// without this bit are left to the keys of path vertices and shadow rays.
 const MEDIUM_TRACKING_BIT: u64 = 1 << 63;
 
-/// Bit in the number from which [`Key::coincident_face_key`] makes a key. The bit distinguishes
-/// keys of coincident faces from keys of path vertices and shadow rays.
+/// Bit that is set in the number from which [`Key::coincident_face_key`] makes a child key. Numbers
+/// without this bit are left to the keys of path vertices and shadow rays.
 const COINCIDENT_FACE_BIT: u64 = 1 << 62;
 
-/// Bit in the number from which [`Key::nth_mix_choice_key`] makes a key. The bit distinguishes keys
-/// of choices in mix materials from keys of path vertices and shadow rays.
+/// Bit that is set in the number from which [`Key::nth_mix_choice_key`] makes a child key. Numbers
+/// without this bit are left to the keys of path vertices and shadow rays.
 const MIX_CHOICE_BIT: u64 = 1 << 61;
 
-/// Bit in the number from which [`Key::shutter_slice_key`] makes a key. The bit distinguishes keys
-/// of slices of the shutter interval from keys of photon paths.
+/// Bit that is set in the number from which [`Key::shutter_slice_key`] makes a child key. Numbers
+/// without this bit are left to the keys of photon paths.
 const SHUTTER_SLICE_BIT: u64 = 1 << 32;
 
 impl Key {
@@ -201,14 +204,15 @@ impl Key {
         self.child_key(u64::from(pass))
     }
 
-    /// Key of camera paths for integrators whose passes all trace the same camera paths.
+    /// Key of the camera paths of an integrator that traces the same camera paths in every pass.
+    /// `self` is the key of a purpose.
     #[must_use]
     pub fn shared_camera_paths_key(self) -> Self {
         self.child_key(0)
     }
 
-    /// Key of camera paths that only pass `pass` traces. It serves integrators whose passes share
-    /// all other camera paths.
+    /// Key of camera paths that differ from pass to pass, for an integrator that otherwise traces
+    /// the same camera paths in every pass. `self` is the key of a purpose.
     #[must_use]
     pub fn unshared_camera_paths_key(self, pass: u32) -> Self {
         self.child_key(u64::from(pass) + 1)
@@ -227,8 +231,8 @@ impl Key {
         self.child_key(SHUTTER_SLICE_BIT | u64::from(slice))
     }
 
-    /// Key of the photon path vertex that comes after `bounce` scattering events. `self` is the key
-    /// of the path.
+    /// Key of a vertex of a photon path: the one after `bounce` scattering events. `self` is the
+    /// key of the path.
     #[inline]
     #[must_use]
     pub fn photon_vertex_key(self, bounce: u32) -> Self {
@@ -250,34 +254,34 @@ impl Key {
         self.child_key(u64::from(y) << 32 | u64::from(x))
     }
 
-    /// Key of the random numbers that sample distances in media along the path segment that ends at
-    /// a vertex.
+    /// Key of the random numbers that sample distances in media, along the path segment that ends
+    /// at a vertex. `self` is the key of this vertex.
     ///
-    /// `self` is the key of this vertex. Passes may share the keys of camera paths, so the number
-    /// `pass` makes the key differ between passes.
+    /// Passes may share the vertex keys of camera paths. Their keys for distance sampling still
+    /// differ, because they depend on the number `pass`.
     #[inline]
     #[must_use]
     pub fn medium_tracking_key(self, pass: u32) -> Self {
         self.child_key(MEDIUM_TRACKING_BIT | u64::from(pass))
     }
 
-    /// Key of the random numbers that choose a component of a mix material, at choice number `n`
-    /// along a path segment.
+    /// Key of the random numbers for choice number `n` along a path segment. Each choice picks a
+    /// component of a mix material that the segment meets.
     ///
     /// `self` is the key of the vertex at the end of the segment, and is also the key of choice 0.
-    /// The path makes further choices if it crosses mixes that do not scatter it.
+    /// Further choices follow if the path crosses mixes that do not scatter it.
     #[inline]
     #[must_use]
     pub fn nth_mix_choice_key(self, n: u32) -> Self {
         if n == 0 { self } else { self.child_key(MIX_CHOICE_BIT | u64::from(n)) }
     }
 
-    /// Key of the random numbers that choose a component of a mix material for coincident faces:
-    /// faces that coincide with a boundary that a path segment crosses.
+    /// Key of the random numbers that choose a component of a mix material, for faces that coincide
+    /// with a boundary that a path segment crosses.
     ///
     /// `self` is the key of the path vertex that ends the segment. `boundary` is the number of
-    /// boundaries that the path has crossed since its last vertex. All faces with the same number
-    /// `group` make the same choice.
+    /// boundaries that the path has crossed since its last vertex. Faces with the same number
+    /// `group` get the same key, so they choose the same component.
     #[must_use]
     pub fn coincident_face_key(self, boundary: u32, group: u32) -> Self {
         self.child_key(COINCIDENT_FACE_BIT | u64::from(boundary) << 32 | u64::from(group))
@@ -291,15 +295,15 @@ impl Key {
         self.child_key(1)
     }
 
-    /// Key of repetition number `trial` of a pilot simulation. Repetitions have independent random
-    /// numbers.
+    /// Key of one of several repetitions of a pilot simulation. `trial` is the number of the
+    /// repetition; each has independent random numbers.
     #[must_use]
     pub fn pilot_trial_key(self, trial: u32) -> Self {
         self.child_key(u64::from(trial))
     }
 
-    /// Key of point number `point` on the film, in set number `set`. Pilot simulations use several
-    /// independent sets of film points.
+    /// Key of point number `point` in set number `set` of random points on the film. Pilot
+    /// simulations use several independent sets.
     #[must_use]
     pub fn film_point_key(self, set: u32, point: u32) -> Self {
         self.child_key(u64::from(set) << 32 | u64::from(point))
@@ -318,7 +322,7 @@ impl Key {
         self.child_key(u64::from(round))
     }
 
-    /// Returns 64 random bits for the decision `dimension`. Each decision has its own bits.
+    /// Returns 64 random bits for the decision `dimension`. Different decisions get different bits.
     #[inline]
     #[must_use]
     pub fn random_bits(self, dimension: Dimension) -> u64 {

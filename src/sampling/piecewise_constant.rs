@@ -14,10 +14,11 @@ pub struct PiecewiseConstant2d {
 }
 
 impl PiecewiseConstant2d {
-    /// Creates the distribution in proportion to `weight(column, row)` for `width` × `height`
-    /// cells.
+    /// Creates the distribution over a grid of `width` × `height` cells, in which the probability
+    /// of a cell is proportional to `weight(column, row)`.
     ///
-    /// `None` if there are no cells, if a weight is negative, or if their sum is 0 or not finite.
+    /// Returns `None` if there are no cells, if a weight is negative, or if their sum is 0 or not
+    /// finite.
     #[must_use]
     pub fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f64) -> Option<Self> {
         let mut negative = false;
@@ -32,10 +33,10 @@ impl PiecewiseConstant2d {
         (!negative).then_some(Self { rows, columns, width })
     }
 
-    /// Samples a point; returns its cell (column, row), its position in the cell in \[0, 1)², and
-    /// its pdf on the unit square.
+    /// Samples a point by the uniform point `u` in \[0, 1)².
     ///
-    /// `u` is uniform in \[0, 1)².
+    /// Returns three values: the cell of the sampled point as (column, row), the relative position
+    /// of the point in this cell in \[0, 1)², and the pdf on the unit square.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (UVec2, Vec2, f32) {
@@ -49,10 +50,10 @@ impl PiecewiseConstant2d {
         (cell, Vec2::new(columns.remapped_sample(u.x, column), within), self.pdf(cell))
     }
 
-    /// Returns the point in \[0, 1)² that [`PiecewiseConstant2d::sample`] maps to the position
-    /// `within` of `cell`.
+    /// Inverse of [`PiecewiseConstant2d::sample`]: returns the point in \[0, 1)² for which `sample`
+    /// returns `cell` and the position `within`.
     ///
-    /// `cell` is (column, row), and `within` is in \[0, 1)².
+    /// `cell` is (column, row), and `within` is the relative position in the cell, in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn inverse_sample(&self, cell: UVec2, within: Vec2) -> Vec2 {

@@ -33,8 +33,8 @@ impl Sampler {
 
     /// Sampler for the path vertex after `bounce` bounces.
     ///
-    /// `transmitted` distinguishes the two branches of a path that splits into reflection and
-    /// transmission.
+    /// At some vertices, a path splits into a reflected and a transmitted branch. `transmitted` is
+    /// true for the transmitted one, so that the two branches get different random numbers.
     #[inline]
     #[must_use]
     pub fn next_vertex_sampler(self, bounce: u32, transmitted: bool) -> Self {
@@ -58,16 +58,17 @@ impl Sampler {
         self.child_sampler(u64::from(pass) << 32)
     }
 
-    /// Sampler for one of several shadow rays of this vertex. `index` is the index of the light if
-    /// each light gets shadow rays, and of the ray if lights are chosen at random.
+    /// Sampler for one of several shadow rays of this vertex. If each light gets a shadow ray,
+    /// `index` is the index of the light. If lights are chosen at random, it is the number of the
+    /// ray.
     #[inline]
     #[must_use]
     pub fn nth_shadow_ray_sampler(self, index: usize) -> Self {
         self.child_sampler(index as u64)
     }
 
-    /// Sampler for subsample number `index`, if this sample is split into `count` subsamples. The
-    /// subsamples of all samples are stratified together.
+    /// Sampler for one of `count` subsamples into which this sample is split, the one with number
+    /// `index`. The subsamples of all samples together are stratified.
     #[inline]
     #[must_use]
     pub fn subsample_sampler(self, index: u32, count: u32) -> Self {
@@ -78,15 +79,16 @@ impl Sampler {
         }
     }
 
-    /// Key that belongs to this sample alone, for random numbers that are not stratified over the
-    /// samples.
+    /// Key for random numbers of this sample that need not be stratified over the samples. No other
+    /// sample has this key.
     #[inline]
     #[must_use]
     pub fn sample_key(self) -> Key {
         self.key.child_key(u64::from(self.index))
     }
 
-    /// Index of this sample, and the number of samples with its key.
+    /// Index of this sample, and the number of samples that share its key. The numbers of these
+    /// samples are stratified together.
     #[inline]
     #[must_use]
     pub fn sample_index_and_count(self) -> (u32, u32) {

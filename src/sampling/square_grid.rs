@@ -4,10 +4,10 @@ use glam::Vec2;
 
 /// Probability distribution on \[0, 1)² with a constant pdf in each of `side` × `side` cells.
 ///
-/// The row is sampled by inversion, then the column in the row. Stratified points stay stratified,
-/// since inversion is monotonic. Probabilities of rows, and of columns in a row, are multiples of
-/// 2⁻²⁴. Uniform random numbers are multiples of 2⁻²⁴, too, so even the smallest probabilities are
-/// exact.
+/// Sampling inverts the cumulative probabilities of the rows, then those of the columns in the
+/// sampled row. Inversion is monotonic, so stratified points stay stratified. Probabilities of
+/// rows, and of columns in a row, are multiples of 2⁻²⁴, like the uniform random numbers. So even
+/// the smallest probabilities are sampled exactly.
 #[derive(Clone, Debug)]
 pub struct SquareGridDistribution {
     side: usize,
@@ -15,24 +15,25 @@ pub struct SquareGridDistribution {
     row_cdf: Vec<f32>,
     /// Cumulative probabilities of the columns in each row: `side + 1` numbers per row.
     column_cdfs: Vec<f32>,
-    /// Lookup tables of [`first_candidates`], which speed up searches in the cumulative
-    /// probabilities. The table of the rows comes first, then one table for the columns of each
-    /// row. Each has `side` numbers.
+    /// Lookup tables made by [`first_candidates`], which speed up searches in the cumulative
+    /// probabilities: one table for `row_cdf`, then one for the columns of each row. Each table has
+    /// `side` numbers.
     first_candidates: Vec<u16>,
 }
 
 /// Number of steps between 0 and 1: probabilities are multiples of 1/`PROBABILITY_STEPS` = 2⁻²⁴.
 const PROBABILITY_STEPS: f64 = 16_777_216.0;
 
-/// Minimum probability of a row, or of a column in its row, in steps of 2⁻²⁴.
+/// Smallest probability, in steps of 2⁻²⁴, of a row or column whose weight is not 0. A weight of 0
+/// gives the probability 0.
 ///
-/// A weight of 0 keeps the probability 0. With fewer steps, samples would hit only a few distinct
-/// positions of the cell.
+/// Random numbers have the same steps. So a row of n steps can be sampled at only n distinct
+/// positions, and a small n would be too coarse.
 const MIN_CELL_STEPS: f64 = 64.0;
 
 impl SquareGridDistribution {
-    /// Creates the distribution in proportion to `weights`, one for each of `side` × `side` cells,
-    /// row by row.
+    /// Creates the distribution in which the probability of a cell is proportional to its weight.
+    /// `weights` lists `side` × `side` cells, row by row.
     ///
     /// Returns `None` unless `side` is a power of two up to 1024 and there are `side`² weights.
     /// Weights must be finite and at least 0, and one must be above 0.
@@ -93,18 +94,19 @@ impl SquareGridDistribution {
         &self.column_cdfs[row * stride..(row + 1) * stride]
     }
 
-    /// Pdf in a cell, from the probability `height` of the cell's row and the probability `width`
-    /// of its column in this row.
+    /// Pdf in a cell. `height` is the probability of the cell's row, and `width` is the probability
+    /// of the cell's column in this row.
     fn cell_pdf(&self, width: f32, height: f32) -> f32 {
         let side = self.side as f32;
         (width * side) * (height * side)
     }
 }
 
-/// Cumulative probabilities from 0 to 1 in proportion to `weights`, rounded to multiples of 2⁻²⁴.
+/// Returns cumulative probabilities from 0 to 1. The probability of item i is wᵢ/Σw for `weights`
+/// w, rounded to a multiple of 2⁻²⁴.
 ///
-/// Each weight above 0 gets a probability of at least [`MIN_CELL_STEPS`] such steps. The
-/// probabilities are equal if all weights are 0.
+/// Each weight above 0 gets at least [`MIN_CELL_STEPS`] such steps. If all weights are 0, all
+/// probabilities are equal.
 fn cumulative_probabilities(weights: &[f64]) -> Vec<f32> {
     let total: f64 = weights.iter().sum();
     let weight = |w: &f64| if total > 0.0 { *w / total } else { 1.0 / weights.len() as f64 };
@@ -118,18 +120,18 @@ fn cumulative_probabilities(weights: &[f64]) -> Vec<f32> {
     std::iter::once(0.0).chain(inner).collect()
 }
 
-/// Returns a lookup table for searches in the cumulative probabilities `bounds` of n intervals:
-/// number i is the index of the first bound above i/n.
+/// Returns a lookup table that speeds up searches in `bounds`, the cumulative probabilities of n
+/// intervals. Number i of the table is the index of the first bound above i/n.
 ///
-/// A search for u in \[i/n, (i + 1)/n) begins at number i, and takes few steps on average (cutpoint
-/// method, Chen and Asau 1974).
+/// A search for u in \[i/n, (i + 1)/n) begins at this bound, and takes few steps on average
+/// (cutpoint method, Chen and Asau 1974).
 fn first_candidates(bounds: &[f32]) -> impl Iterator<Item = u16> + '_ {
     let count = bounds.len() - 1;
     (0..count).map(move |i| bounds.partition_point(|b| *b <= i as f32 / count as f32) as u16)
 }
 
-/// Returns the index of the interval that contains `u`, the relative position of `u` in it, and its
-/// length, which is above 0.
+/// Returns three values for the interval that contains `u`: the index of the interval, the relative
+/// position of `u` in it, and the length of the interval, which is above 0.
 ///
 /// `bounds` are the ends of the intervals, from 0 to 1. The number of intervals must be a power of
 /// two. `candidates` is the lookup table that [`first_candidates`] makes of `bounds`.

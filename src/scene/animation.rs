@@ -15,15 +15,16 @@ use crate::shape::{Plane, Shape, TextureMapping, TextureMappingKind};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Time for which a scene is built: the middle of the shutter interval, which runs from 0 to 1.
+/// Time at which moving parts are placed when a scene is built: the middle of the shutter interval,
+/// which runs from 0 to 1.
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
 /// The moving shapes, planes, lights, camera, texture mappings and media of a scene, each with its
 /// motion.
 ///
-/// Each part is stored in its place before its motion is applied. The motion maps the stored part
-/// to its place at each time, in coordinates relative to [`Scene::origin`]. Media alone are stored
-/// in their place at time 0, with the motion applied.
+/// Each part is stored as it is before its motion is applied. The motion at time t maps the stored
+/// part to its place at t, in coordinates relative to [`Scene::origin`]. Media are an exception:
+/// they are stored in their place at time 0.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
@@ -33,10 +34,10 @@ pub(super) struct Animation {
     /// Moving delta lights: index in [`Scene::lights`], light before its motion is applied,
     /// strength and motion.
     pub lights: Vec<(usize, UnscaledDeltaLight, LightStrength, Motion)>,
-    /// The camera before its motion is applied, and its motion, whose rotations and scales are
-    /// about the camera's position.
+    /// The camera before its motion is applied, and the motion. The motion rotates and scales about
+    /// the camera's position. `None` if the camera rests.
     pub camera: Option<(Camera, Motion)>,
-    /// Moving texture mappings: index in the mappings of [`Scene`], kind and motion.
+    /// Moving texture mappings: index in the scene's list of texture mappings, kind and motion.
     pub mappings: Vec<(usize, TextureMappingKind, Motion)>,
     /// Media with a moving density grid: index in [`Scene::media`], the medium at time 0 (shutter
     /// opens), and the motion of the body that it fills.

@@ -23,7 +23,7 @@ pub enum LightStrength {
     /// Colour in the shading model of MIT course 6.837: the radiance that a white diffuse surface
     /// at the origin reflects when it faces the light.
     Mit6837Color(Rgb),
-    /// Intensity \[W/sr], or irradiance \[W/m²] of a directional light.
+    /// Intensity \[W/sr] of a light with a position; irradiance \[W/m²] of a directional light.
     Physical(Rgb),
     /// Flux \[W] of a light with a position; irradiance \[W/m²] of a directional light.
     Power(Rgb),

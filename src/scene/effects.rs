@@ -23,8 +23,8 @@ enum_with_all! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     #[repr(u16)]
     pub enum Effect {
-        /// Reflection and refraction on camera paths at casters, such as glass and mirrors.
-        /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
+        /// Specular reflection and refraction of camera paths at casters: objects such as glass and
+        /// mirrors. [`PhotonKind`](crate::photon::PhotonKind) defines casters.
         Specular,
         /// Caustics: light that mirrors, glass and other casters focus onto other surfaces.
         /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
@@ -39,8 +39,8 @@ enum_with_all! {
         Gathering,
         /// Shadows: shadow rays test whether surfaces block the light.
         Shadows,
-        /// Area lights of their true size: they cast soft shadows, and paths that hit an emitter
-        /// receive its light.
+        /// Area lights of their true size, instead of point-like ones: they cast soft shadows, and
+        /// paths that hit an emitter receive its light.
         SoftShadows,
         /// Light from an environment light.
         Environment,
@@ -203,7 +203,8 @@ impl Effects {
         Self(self.0 & !Self::bit_mask(effect))
     }
 
-    /// The type of [`Interior`](super::Interior) that paths need to simulate these effects.
+    /// Selects the type that tracks the bodies and media around a path: the simplest type of
+    /// [`Interior`](super::Interior) that suffices for these effects.
     #[must_use]
     pub const fn interior_kind(self) -> InteriorKind {
         match self.has(Effect::Interiors) {

@@ -30,7 +30,7 @@ impl FilmMotionMeter {
     /// the shutter \[pixels to the right and down].
     ///
     /// The point is at `p` at the time `time` in \[0, 1], and belongs to the object at `hit` of
-    /// `scene`. `None` if it is behind the camera at an end of the shutter interval.
+    /// `scene`. Returns `None` if the point is behind the camera at the opening or the closing.
     #[must_use]
     pub fn surface_point_displacement(&self, scene: &Scene, hit: &Hit, time: f64, p: Vec3) -> Option<Vec2> {
         let Some(motion) = motion_of_hit(scene, hit) else {
@@ -44,8 +44,8 @@ impl FilmMotionMeter {
     /// Returns the displacement on the film of a point at infinity in unit `direction`, from the
     /// opening to the closing of the shutter \[pixels to the right and down].
     ///
-    /// `None` if the point is behind the camera at an end of the shutter interval, or if the camera
-    /// is orthographic.
+    /// Returns `None` if the point is behind the camera at the opening or the closing, or if the
+    /// camera is orthographic.
     #[must_use]
     pub fn displacement_at_infinity(&self, direction: Vec3) -> Option<Vec2> {
         self.camera_at_opening.film_displacement_at_infinity(direction, &self.camera_at_closing)

@@ -30,7 +30,8 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Converts a hit in [`Geometry::resting_hierarchy`]: on a triangle or on a shape at rest.
+    /// Converts a hit that [`Geometry::resting_hierarchy`] found: on a triangle or on a shape at
+    /// rest.
     #[inline]
     pub(super) fn from_resting_primitive(hit: PrimitiveHit) -> Self {
         let uv = Vec2::new(hit.u, hit.v);
@@ -41,8 +42,8 @@ impl Hit {
         Self { t: hit.t, primitive }
     }
 
-    /// Converts a hit in [`Geometry::moving_hierarchy`]: on a moving shape. `first_moving` is the
-    /// index of the first moving shape in the list of all shapes.
+    /// Converts a hit that [`Geometry::moving_hierarchy`] found: on a moving shape. `first_moving`
+    /// is the index of the first moving shape in the list of all shapes.
     #[inline]
     pub(super) fn from_moving_primitive(hit: PrimitiveHit, first_moving: u32) -> Self {
         let (PrimitiveIndex::Triangle(i) | PrimitiveIndex::Other(i)) = hit.primitive;
@@ -68,8 +69,8 @@ pub(super) enum HitPrimitive {
     Plane(u32),
 }
 
-/// A set of objects whose boundaries count as one boundary, where a path crosses several coincident
-/// boundaries at once.
+/// A set of objects whose boundaries count as one boundary wherever they coincide. There, a path
+/// crosses all of them at once.
 ///
 /// Usually each object is a group of its own. All shapes that may share edges with neighbours form
 /// one group, because a ray through a common edge can hit two of them.
@@ -79,7 +80,8 @@ pub(super) struct CoincidenceGroup(u32);
 impl CoincidenceGroup {
     /// Coincidence group of all shapes for which [`Shape::may_share_edges`] is true.
     pub const SHARED_EDGES: Self = Self(u32::MAX);
-    /// Placeholder group for a boundary with which no other boundary coincides; never compared.
+    /// Placeholder for a boundary with which no other boundary can coincide, so that its group is
+    /// never compared.
     pub const UNUSED: Self = Self(0);
 
     /// Coincidence group that contains only the object with this index.
@@ -132,8 +134,8 @@ fn build_static_hierarchy(mesh: &Mesh, boxes: &[Bounds]) -> (Arc<Bvh>, Bounds) {
 
 impl Geometry {
     /// Builds the hierarchies over the given primitives. The shapes from index `first_moving` on
-    /// move; all others rest. Primitives at rest share the hierarchy of `earlier` if it is over the
-    /// same triangles and boxes.
+    /// move; all others rest. The hierarchy over primitives at rest is taken from `earlier` if it
+    /// was built from the same triangles and boxes.
     pub fn new(
         objects: Vec<ObjectAttributes>,
         shapes: Vec<Shape>,

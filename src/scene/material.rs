@@ -45,7 +45,8 @@ impl Material {
         Self { kind, normal_perturbation, clear_coat, mean_bsdf, textured, may_store_photons }
     }
 
-    /// This material with another scattering model, and with the same normals and clear coat.
+    /// This material with another scattering model, and the same clear coat and perturbation of
+    /// shading normals.
     fn with_kind(self, kind: MaterialKind) -> Self {
         if kind == self.kind {
             return self;
@@ -54,8 +55,8 @@ impl Material {
         self.clear_coat.map_or(uncoated, |coat| uncoated.with_clear_coat(coat.coverage, coat.alpha))
     }
 
-    /// This material under a clear coat of index 1.5 and roughness `alpha` in \[0, 1], which covers
-    /// the fraction `coverage` of the surface.
+    /// This material under a clear coat of refractive index 1.5 and roughness `alpha` in \[0, 1],
+    /// which covers the fraction `coverage` of the surface.
     ///
     /// Only diffuse, coated diffuse and metal materials can have a clear coat. Other materials do
     /// not change; see [`ClearCoat::over`].
@@ -219,8 +220,8 @@ impl Material {
         self.kind.as_dielectric().map(|(body, _)| body)
     }
 
-    /// This material with `body` as the dielectric body that it bounds; unchanged if it bounds
-    /// none.
+    /// This material with the body that it bounds replaced by `body`; unchanged if the material
+    /// bounds no body.
     #[must_use]
     pub fn with_body(self, body: Body) -> Self {
         self.with_kind(self.kind.with_body(body))
@@ -240,7 +241,7 @@ impl Material {
     }
 
     /// The BSDF at a point, where `parameters` evaluates constant and textured parameters; black
-    /// for a mix.
+    /// for a mix, which must be resolved to one of its components first.
     #[must_use]
     pub fn bsdf(&self, parameters: &impl ParameterEvaluator) -> Bsdf {
         let bsdf = self.kind.bsdf(parameters);
@@ -308,10 +309,10 @@ impl Material {
     /// only one transmits.
     ///
     /// The visited BSDFs have mean parameters. A conductor or coat with a roughness texture is also
-    /// visited with its least and its greatest roughness. A coat with α up to
-    /// [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA) is also visited alone,
-    /// without its base. A clear coat of any roughness is also visited alone, and so is the surface
-    /// under it.
+    /// visited with its least and its greatest roughness. A coat too smooth to store photons (α up
+    /// to [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA)) is also visited
+    /// alone, without its base. A clear coat of any roughness is also visited alone, and so is the
+    /// surface under it.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         let mut visit = |bsdf: Bsdf| {
             visit(bsdf);

@@ -74,11 +74,11 @@ pub struct Scene {
     glasses: Vec<DispersionFormula>,
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
-    /// True if the material of an object is, or may resolve to, one that shadow rays cross: a null
-    /// interface or a thin sheet.
+    /// True if shadow rays cross the surface of some object, because its material is, or may
+    /// resolve to, a null interface or a thin sheet.
     shadow_rays_cross_surfaces: bool,
     textures: Vec<Arc<Texture>>,
-    /// Texture mappings, by index. Objects that define none use the first one.
+    /// Texture mappings, by index. The first one is the default, for objects that define none.
     mappings: Vec<TextureMapping>,
     lights: Vec<Light>,
     /// Index of the environment light in `lights`; `None` if there is none.
@@ -166,8 +166,8 @@ impl Scene {
     }
 
     /// The lights with each emission texture replaced by its mean radiance, in the order of
-    /// [`Scene::lights`]. They are used without [`Effect::Textures`], and to sample lights only at
-    /// their centers.
+    /// [`Scene::lights`]. These lights replace [`Scene::lights`] if [`Effect::Textures`] is off, or
+    /// if each light is sampled only at its center.
     #[must_use]
     pub fn mean_emission_lights(&self) -> &[Light] {
         if self.mean_emission_lights.is_empty() { &self.lights } else { &self.mean_emission_lights }
@@ -183,8 +183,8 @@ impl Scene {
     /// Distance \[length] below which a surface point counts as touching the light with index
     /// `light`; 0 for area lights and lights at infinity.
     ///
-    /// A light that touches a surface illuminates both sides of the surface. Positions are rounded
-    /// to 2⁻²⁴ of their coordinates, so it is unknown on which side of the surface the light lies.
+    /// A light that touches a surface illuminates both sides of the surface. On which side the
+    /// light lies is unknown, because coordinates are rounded by up to 2⁻²⁴ of their values.
     #[inline]
     #[must_use]
     pub fn light_contact_distance(&self, light: usize) -> f32 {
@@ -213,8 +213,8 @@ impl Scene {
     /// for air.
     ///
     /// The medium fills a ball around the center of the [photon domain](Scene::photon_domain). The
-    /// ball's radius is twice the greatest distance of a light, the camera or the domain's edge
-    /// from this center.
+    /// ball's radius is 2d, where d is the greatest distance from this center to a light, the
+    /// camera or the domain's edge.
     #[must_use]
     pub fn ambient_medium(&self) -> Option<u32> {
         self.ambient_medium
@@ -222,9 +222,9 @@ impl Scene {
 
     /// The ball onto which lights at infinity emit photons.
     ///
-    /// It is the sphere through the corners of the box around all bounded objects. In a scene with
-    /// unbounded planes, its radius is four times as large. Without bounded objects, the distances
-    /// of the planes from the origin determine its radius.
+    /// The ball's surface passes through the corners of the box around all bounded objects. In a
+    /// scene with unbounded planes, the radius is four times as large. Without bounded objects, the
+    /// greatest distance of a plane from the origin determines the radius.
     #[must_use]
     pub fn photon_domain(&self) -> BoundingSphere {
         self.derived.photon_domain
@@ -237,7 +237,7 @@ impl Scene {
         self.origin
     }
 
-    /// Number of triangles, including those of instances.
+    /// Number of triangles. The triangles of a mesh count once for each of its instances.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         let instanced =

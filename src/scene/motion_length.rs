@@ -7,15 +7,16 @@ use crate::camera::Camera;
 use crate::math::Motion;
 use glam::{DVec3, Vec2};
 
-/// Number of equal time steps into which the shutter interval is divided. Points count as moving
-/// along a straight line in each step.
+/// Number of equal time steps into which the shutter interval is divided. During each step, points
+/// count as moving along a straight line.
 const STEPS: u32 = 16;
 
-/// Largest number of moving shapes whose motion is measured. If there are more, every n-th shape is
-/// measured.
+/// Largest number of moving shapes whose motion is measured. If there are more, only every n-th
+/// shape is measured, with the smallest n that suffices.
 const MAX_MEASURED_SHAPES: usize = 4096;
 
-/// Number of film points along each side of the film at which camera motion is measured.
+/// Number of columns and of rows of film points. The motion of the camera and of planes is measured
+/// at the scene points seen there.
 const FILM_POINTS_PER_SIDE: u32 = 5;
 
 /// Measures how far points move while the shutter is open, in pixels of the film.
@@ -24,8 +25,8 @@ struct MotionLengthMeter {
     cameras: Vec<Camera>,
     /// Width and height of the film \[pixels].
     size: Vec2,
-    /// Width of a pixel's footprint \[length] at the center of the
-    /// [photon domain](Scene::photon_domain), a ball around all bounded objects.
+    /// Width of a pixel's footprint \[length] at the distance of the center of the [photon
+    /// domain](Scene::photon_domain), a ball around all bounded objects.
     pixel_width: f64,
 }
 
@@ -51,7 +52,7 @@ impl MotionLengthMeter {
     ///
     /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
     /// Film positions outside the picture are clamped to its edge. A step does not count if the
-    /// point is behind the camera before or after it.
+    /// point is behind the camera at the start or end of the step.
     fn film_path_length_in_pixels(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         let film_position = |(step, camera): (u32, &Camera)| {
             let at = camera.connect_to_point(position(step).as_vec3(), None)?.film_position;
@@ -90,8 +91,8 @@ fn box_corners((min, max): (DVec3, DVec3)) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Returns a function from a number of steps (see [`STEPS`]) to the position of a moving point, in
-/// scene coordinates. `point` is its position at mid-shutter.
+/// Returns a function that maps a number of steps since the opening of the shutter (see [`STEPS`])
+/// to the position of a moving point, in scene coordinates. `point` is the position at mid-shutter.
 fn trajectory_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec3 + use<'_> {
     let before = motion.at_time(MID_SHUTTER).inverse().transform_point3(point);
     move |step| motion.at_time(step_time(step)).transform_point3(before)

@@ -6,22 +6,24 @@ use crate::accel::LeafList;
 use crate::math::{Bounds, Ray};
 use glam::Vec3;
 
-/// The primitives of a scene near a box, for many rays that stay in this box.
+/// The primitives of a scene that may meet a box, for many rays that stay in this box.
 ///
-/// One search of the hierarchies serves all rays. Hits are equal to those of [`Scene::intersect`]
+/// The hierarchies are searched once for all rays. Hits are equal to those of [`Scene::intersect`]
 /// bit for bit.
 pub struct NearPrimitives<'a> {
     geometry: &'a Geometry,
-    /// Leaves that overlap the box, from the hierarchy over triangles and shapes at rest. `None` if
-    /// there are too many for a list; rays then search the whole hierarchies.
+    /// Leaves (small groups of primitives) whose bounding boxes overlap the given box, from the
+    /// hierarchy over triangles and shapes at rest. `None` if there are too many for a list; rays
+    /// then search the whole hierarchies.
     resting: Option<LeafList>,
-    /// Leaves that overlap the box, from the hierarchy over moving shapes. `None` if there are too
-    /// many for a list, or if the scene has no moving shapes.
+    /// Leaves (small groups of primitives) whose bounding boxes overlap the given box, from the
+    /// hierarchy over moving shapes. `None` if there are too many for a list, or if the scene has
+    /// no moving shapes.
     moving: Option<LeafList>,
 }
 
 impl<'a> NearPrimitives<'a> {
-    /// Finds the primitives of `scene` near the box `bounds`.
+    /// Finds the primitives of `scene` that may meet the box `bounds`.
     #[must_use]
     pub fn new(scene: &'a Scene, bounds: &Bounds) -> Self {
         let geometry = &scene.geometry;
@@ -29,11 +31,12 @@ impl<'a> NearPrimitives<'a> {
         Self { geometry, resting: geometry.resting_hierarchy.leaves_overlapping_bounds(bounds), moving }
     }
 
-    /// True if the only primitive near the box is one shape at rest, and this shape contains the
-    /// whole disc of `radius` \[length] around `center` with the unit `normal`.
+    /// True if only one primitive may meet the box, and this primitive is a flat shape at rest that
+    /// contains the whole disc of `radius` \[length] around `center` with the unit `normal`.
     ///
-    /// `Shape::contains_disc` defines this for `tolerance` \[length]. The result is false if the
-    /// answer is not known.
+    /// The disc must lie within `tolerance` \[length] of the shape's plane, and at least
+    /// `tolerance` inside its edges. The result is also false if there are too many primitives to
+    /// tell.
     #[inline]
     #[must_use]
     pub fn only_shape_contains_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {

@@ -12,8 +12,8 @@ use crate::shape::SurfacePoint;
 use glam::{DVec3, Vec3};
 use rand::RngExt;
 
-/// The ray that continues a camera or light path from its last vertex, with the bodies around it
-/// and its ray cone.
+/// The ray that continues a camera or light path from its last vertex, with its ray cone and the
+/// bodies and media around its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct PathRay<I> {
     /// The current ray of the path, with a unit direction.
@@ -174,8 +174,8 @@ impl<I: Interior> PathRay<I> {
         }
     }
 
-    /// Continues the path from `surface` in unit `direction`; `transmitted` is true if it crosses
-    /// the surface.
+    /// Continues the path from `surface` in unit `direction`; `transmitted` is true if the path
+    /// crosses the surface.
     ///
     /// Returns the factor on the path throughput: 1, or the weight of a wavelength that the path
     /// sampled at this surface.
@@ -295,7 +295,7 @@ fn clip_ray_to_medium<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior:
 /// Returns `distance` if it is finite, else 0.
 ///
 /// A ray that never leaves a dielectric body entered it through a boundary that is not closed. With
-/// distance 0, the body absorbs nothing.
+/// distance 0 instead of an infinite distance, this body absorbs nothing.
 fn finite_or_zero(distance: f32) -> f32 {
     if distance.is_finite() { distance } else { 0.0 }
 }

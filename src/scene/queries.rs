@@ -15,7 +15,8 @@ use glam::Vec3;
 /// how to render the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
-    /// Bounding sphere; `None` for unbounded planes. It is tight for spheres.
+    /// Bounding sphere; `None` for unbounded planes. The bounding sphere of a sphere is the sphere
+    /// itself.
     pub bounding_sphere: Option<BoundingSphere>,
     /// Point and unit normal of the plane that contains the object; `None` if the object may not be
     /// flat.
@@ -33,8 +34,8 @@ pub struct LeafMaterial<'a> {
     pub bounded_body: Option<&'a Body>,
     /// One of the BSDFs that the material can have at a hit.
     ///
-    /// Its parameters are means, or the least or greatest value of a roughness texture. It may also
-    /// be a coat alone, or the surface under a clear coat.
+    /// Textured parameters have their mean values, or the least or greatest value of a roughness
+    /// texture. The BSDF may also be that of a coat alone, or of the surface under a clear coat.
     pub bsdf: Bsdf,
 }
 
@@ -59,9 +60,9 @@ impl Scene {
         self.animation.is_some()
     }
 
-    /// Number of moving shapes, and of all planes, lights and texture mappings. These parts are
-    /// copied by each call of [`Scene::at_time`], while other large parts are shared. The number
-    /// thus measures the cost of a call.
+    /// Number of parts that each call of [`Scene::at_time`] copies: moving shapes, and all planes,
+    /// lights and texture mappings. Other large parts are shared, so this number measures the cost
+    /// of a call.
     #[must_use]
     pub fn parts_copied_per_time(&self) -> usize {
         let Self { geometry, lights, mappings, .. } = self;
@@ -150,10 +151,11 @@ impl Scene {
     /// components of a mix that are no mixes themselves, or else the material itself.
     ///
     /// A conductor or coat with a roughness texture is visited with its mean, least and greatest
-    /// roughness, because only some of these BSDFs may store photons or be specular. A coat with α
-    /// up to [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA) is also visited
-    /// alone, without its base. A clear coat of any roughness is also visited alone, and so is the
-    /// surface under it.
+    /// roughness, because only some of these BSDFs may store photons or be specular. A coat too
+    /// smooth to store photons (α up to
+    /// [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA)) is also visited alone,
+    /// without its base. A clear coat of any roughness is also visited alone, and so is the surface
+    /// under it.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
         match material.mix_component_indices() {
@@ -236,10 +238,11 @@ impl Scene {
         PathRay { ray, interior, cone: RayCone::zero_width_cone(effects) }
     }
 
-    /// Returns `ray` with its origin moved back, behind all unbounded planes that lie behind the
-    /// origin.
+    /// Returns `ray` with its origin moved back along the ray, until no unbounded plane lies behind
+    /// the origin.
     ///
-    /// Photons of lights at infinity start there, so that they hit these planes first.
+    /// Photons of lights at infinity start at the moved origin, so that they hit these planes
+    /// first.
     #[must_use]
     pub(crate) fn move_origin_beyond_planes(&self, ray: Ray) -> Ray {
         let back = Ray::new(ray.origin, -ray.direction);
@@ -255,12 +258,13 @@ impl Scene {
     /// Unbiased estimate of the transmittance along a shadow ray; 0 if a surface blocks the ray.
     ///
     /// Shadow rays cross null interfaces and, if `effects` has
-    /// [`Effect::Specular`](super::Effect::Specular), thin sheets. The effects of textures apply to
-    /// sheets and mixes.
+    /// [`Effect::Specular`](super::Effect::Specular), thin sheets. `effects` also decides whether
+    /// textures of sheets and mixes are looked up.
     ///
-    /// `interior` holds the dielectric bodies and media around the ray's origin, and `key` is the
-    /// random key. If `ray.t_max` is finite, the direction of `ray` is the vector from its origin
-    /// to its end, so t = 1 at the end. If `ray.t_max` is infinite, the direction has unit length.
+    /// `interior` holds the dielectric bodies and media around the ray's origin, and `key` seeds
+    /// all random choices. If `ray.t_max` is finite, the direction of `ray` is the vector from its
+    /// origin to its end, so t = 1 at the end. If `ray.t_max` is infinite, the direction has unit
+    /// length.
     #[must_use]
     pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, interior: I, effects: Effects, key: Key) -> Rgb {
         path_ray::shadow_transmittance(self, ray, interior, effects, key)
@@ -269,8 +273,8 @@ impl Scene {
     /// Unbiased estimate of the transmittance along `ray`, which has a unit direction. Surfaces are
     /// ignored.
     ///
-    /// The dielectric bodies and media of `interior`, which surround the origin of the ray, are
-    /// assumed to fill its whole length.
+    /// `interior` holds the dielectric bodies and media around the origin of `ray`. They are
+    /// assumed to surround the whole ray.
     #[inline]
     #[must_use]
     pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, interior: &I, key: Key) -> Rgb {

@@ -19,9 +19,10 @@ pub struct RayCone {
     width: f32,
     /// Growth of the cone's diameter per unit of distance along the ray.
     spread: f32,
-    /// True for camera paths. False for light paths, whose cones have zero width.
+    /// True if the cone widens along the path, as for camera paths. False for light paths, whose
+    /// cones keep zero width.
     widens: bool,
-    /// True after a non-specular scattering event of the path.
+    /// True if the path has been scattered by a medium or by a surface that is not specular.
     has_nonspecular_scattering: bool,
     /// The effects that the path simulates.
     pub effects: Effects,
@@ -41,20 +42,20 @@ impl RayCone {
         }
     }
 
-    /// Creates a cone of zero width that never widens, as for light paths.
+    /// Creates a cone that has zero width and never widens, as for light paths.
     #[inline]
     #[must_use]
     pub const fn zero_width_cone(effects: Effects) -> Self {
         Self { width: 0.0, spread: 0.0, widens: false, has_nonspecular_scattering: false, effects }
     }
 
-    /// Widens the cone over `distance` \[length].
+    /// Widens the cone as the ray travels over `distance` \[length].
     #[inline]
     pub fn widen_over_distance(&mut self, distance: f32) {
         self.width += self.spread * distance;
     }
 
-    /// Adds the spread that scattering by `bsdf` causes, unless the cone never widens.
+    /// Adds the angular spread that scattering by `bsdf` causes, unless the cone keeps zero width.
     #[inline]
     pub(super) fn widen_at_surface(&mut self, bsdf: &Bsdf) {
         if self.widens {
@@ -63,7 +64,8 @@ impl RayCone {
         self.has_nonspecular_scattering |= !bsdf.is_specular();
     }
 
-    /// Adds the spread that scattering in a medium causes, unless the cone never widens.
+    /// Adds the angular spread that scattering in a medium causes, unless the cone keeps zero
+    /// width.
     #[inline]
     pub(super) fn widen_in_medium(&mut self) {
         if self.widens {

@@ -40,8 +40,8 @@ pub(super) trait BoundedShape: Sized {
 
     /// The shape transformed by the world-space map `map`.
     ///
-    /// The outer side stays the outer side, even if `map` mirrors. `None` if the result is another
-    /// kind of shape, or if the combined object-to-world map is singular.
+    /// The outer side stays the outer side, even if `map` mirrors. `None` if the transformed shape
+    /// is of another type, or if the combined object-to-world map is singular.
     fn transformed(&self, map: &Transform) -> Option<Self>;
 
     /// World-space area of the surface \[length²].
@@ -70,8 +70,8 @@ pub(super) trait BoundedShape: Sized {
     /// Pdf of `sample_solid_angle` per solid angle \[1/sr]; equal for all points visible from
     /// `from`.
     ///
-    /// It is 0 if the outer side is invisible from `from`, and `None` if the shape must be sampled
-    /// by area.
+    /// The pdf is 0 if the outer side is invisible from `from`, and `None` if the shape must be
+    /// sampled by area.
     #[inline]
     fn solid_angle_pdf(&self, _from: Vec3) -> Option<f32> {
         None
@@ -86,7 +86,8 @@ pub(super) trait BoundedShape: Sized {
         false
     }
 
-    /// Bound on the position error of a hit along the ray, relative to the distance of the hit.
+    /// Upper bound on the position error of a hit, measured along the ray and divided by the
+    /// distance from the ray's origin to the hit.
     #[inline]
     fn relative_hit_error(&self) -> f32 {
         f32::EPSILON

@@ -17,14 +17,15 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,
-    /// World-space area of one face perpendicular to each object-space axis \[length²].
+    /// World-space areas \[length²]: entry a is the area of a face perpendicular to the
+    /// object-space axis a.
     face_areas: DVec3,
     /// Length of the world-space gradient of each object-space coordinate \[1/length].
     gradient_lengths: DVec3,
 }
 
 impl Cuboid {
-    /// Box between the world-space corners `min` and `max`, along the axes; `None` if it has no
+    /// Axis-aligned box between the world-space corners `min` and `max`; `None` if it has no
     /// volume.
     #[must_use]
     pub fn new(min: DVec3, max: DVec3) -> Option<Self> {
@@ -71,7 +72,7 @@ impl Cuboid {
     }
 }
 
-/// Half of each edge vector, in world space: the columns of the linear part of the map.
+/// Halves of the three edge vectors, in world space: the columns of the linear part of the map.
 fn half_edges(to_world: &Transform) -> [DVec3; 3] {
     let m = to_world.forward().matrix3;
     [m.x_axis, m.y_axis, m.z_axis]

@@ -50,7 +50,7 @@ impl Disc {
 
     /// Returns the point `p` of the disc, moved towards the centre if it is too close to the rim.
     ///
-    /// [`EDGE_MARGIN`] explains why.
+    /// [`EDGE_MARGIN`] explains why surface points keep away from rims.
     #[inline]
     fn move_point_off_rim(&self, p: DVec3) -> DVec3 {
         let offset = p - self.center;

@@ -28,8 +28,8 @@ impl Ellipsoid {
         ellipsoid
     }
 
-    /// Ellipsoid to which the affine map `map` takes `sphere`; `None` if the combined map is
-    /// singular.
+    /// Ellipsoid to which the affine map `map` transforms `sphere`; `None` if the resulting
+    /// object-to-world map is singular.
     #[must_use]
     pub fn from_sphere(sphere: &Sphere, map: &Transform) -> Option<Self> {
         let place = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(sphere.radius)), translation: sphere.center };

@@ -18,8 +18,8 @@ const AREA_AZIMUTH_STEPS: u32 = 512;
 /// map.
 ///
 /// The radius ρ is linear in y, and the larger of ρ(0) and ρ(1) is 1. `shape_coords.y` of a
-/// [`ShapeHit`] is the number of the `FrustumPart`. The outer side faces away from the axis, also
-/// if the ends are open.
+/// [`ShapeHit`] is 0 for a hit on the side, 1 on the bottom cap and 2 on the top cap. The outer
+/// side faces away from the axis, even if the ends are open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
     to_world: Transform,
@@ -113,7 +113,7 @@ impl Frustum {
     /// Interval of arc length τ in which the line of `ray` is inside the infinite cone around the
     /// side.
     ///
-    /// [`ObjectRay`] defines τ. The interval may be infinite at one end or both, and may lie in the
+    /// [`ObjectRay`] defines τ. The interval may extend to −∞, +∞ or both, and may lie in the
     /// mirror image of the cone beyond its apex. `None` if the line misses the cone. The
     /// discriminant is computed from squared cross products, so it keeps its digits for grazing
     /// rays.
@@ -191,7 +191,8 @@ impl Frustum {
         SurfacePoint { shape_coords: Vec2::new(0.0, part as u32 as f32), ..point }
     }
 
-    /// Height y such that the side below y has the fraction `v` of the side's object-space area.
+    /// Height y for which the part of the side below y has the fraction `v` of the side's
+    /// object-space area.
     #[inline]
     fn height_at_area_fraction(&self, v: f64) -> f64 {
         let [bottom, top] = self.object_radii;

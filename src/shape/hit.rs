@@ -29,8 +29,7 @@ pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, v: f32) -> Option<Sh
         .map(|rounded| ShapeHit { t: rounded, shape_coords: Vec2::new((t / f64::from(rounded) - 1.0) as f32, v) })
 }
 
-/// First hit of `ray` with a convex shape; `None` if both intersections are outside (0,
-/// `ray.t_max`).
+/// First hit of `ray` with a convex shape; `None` if no intersection is in (0, `ray.t_max`).
 ///
 /// The ray's line crosses the surface twice. `near` and `far` each hold the ray parameter t of a
 /// crossing, and `shape_coords.y` of the [`ShapeHit`] there.

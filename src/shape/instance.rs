@@ -46,8 +46,8 @@ impl MeshWithBvh {
 /// Triangle mesh under an affine map to world space.
 ///
 /// Object-space ray directions are not normalised, so the ray parameter t of a point is the same in
-/// object space and in world space. `shape_coords` of a [`ShapeHit`] is (i, 0), where the bits of
-/// the f32 i are the triangle's index.
+/// object space and in world space. `shape_coords` of a [`ShapeHit`] is (i, 0), where i is an f32
+/// whose bits are the triangle's index.
 #[derive(Clone, Debug)]
 pub struct MeshInstance {
     mesh: Arc<MeshWithBvh>,
@@ -76,8 +76,8 @@ impl MeshInstance {
     /// returns the ray parameter t of this origin on `ray`.
     ///
     /// The origin is moved to two bounding-sphere radii before the point of the ray that is nearest
-    /// to the mesh's centre. It is not moved back. Rounding errors in f32 are then proportional to
-    /// the mesh's size, however far away the ray starts.
+    /// to the mesh's centre. A ray that starts beyond this place keeps its origin. Rounding errors
+    /// in f32 are then proportional to the mesh's size, however far away the ray starts.
     #[inline]
     fn object_ray_near_mesh(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = ray_to_object_space(ray, &self.to_world);

@@ -7,8 +7,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 /// Vertex indices of one triangle, counter-clockwise seen from outside.
 pub type TriangleIndices = [u32; 3];
 
-/// Triangle mesh with shared vertices. All its vectors are in one space, such as an instance's
-/// object space.
+/// Triangle mesh with shared vertices. All positions and normals are in one space, such as the
+/// object space of an instance.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Vertex positions.

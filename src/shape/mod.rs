@@ -63,7 +63,7 @@ pub enum Shape {
     Frustum(Frustum),
     /// Triangle mesh with its own bounding volume hierarchy, under an affine map.
     Instance(MeshInstance),
-    /// Surface of revolution: a spline curve turned around an axis.
+    /// Surface of revolution: the surface that a spline curve sweeps as it turns around an axis.
     Revolution(Revolution),
     /// Tensor-product surface: Bézier patch, B-spline or NURBS.
     Patch(Patch),
@@ -134,8 +134,8 @@ impl Shape {
         dispatch!(self, s, _w => s.bounds_f64())
     }
 
-    /// World-space sphere that contains the shape: exact for [`Sphere`], else around the bounding
-    /// box.
+    /// World-space sphere that contains the shape. For a [`Sphere`], it is the sphere itself; for
+    /// other shapes, it is the sphere around the bounding box.
     #[must_use]
     pub fn bounding_sphere(&self) -> math::BoundingSphere {
         let tight = dispatch!(self, s, _w => s.bounding_sphere());
@@ -188,7 +188,7 @@ impl Shape {
 
     /// World-space area of the surface \[length²].
     ///
-    /// For a mesh instance that is scaled unevenly, it is approximate.
+    /// The area is approximate for a mesh instance that is scaled unevenly.
     #[must_use]
     pub fn area(&self) -> f64 {
         dispatch!(self, s, _w => s.area())
@@ -240,7 +240,8 @@ impl Shape {
         dispatch!(self, s, _w => s.contains_disc(center, normal, radius, tolerance))
     }
 
-    /// Bound on the position error of a hit along the ray, relative to the distance of the hit.
+    /// Upper bound on the position error of a hit, measured along the ray and divided by the
+    /// distance from the ray's origin to the hit.
     #[inline]
     #[must_use]
     pub fn relative_hit_error(&self) -> f32 {

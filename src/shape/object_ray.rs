@@ -24,8 +24,8 @@ pub(super) struct ObjectRay {
     pub base: DVec3,
     /// Unit direction in object space.
     pub direction: DVec3,
-    /// Signed object-space distance from the ray's origin to `base`; negative if `base` is behind
-    /// it.
+    /// Signed object-space distance from the ray's origin to `base`; negative if `base` lies behind
+    /// the origin.
     pub distance_to_base: f64,
     /// Change of τ per unit of the ray parameter t: the length of the object-space direction.
     pub direction_length: f64,
@@ -46,7 +46,7 @@ impl ObjectRay {
         Self { base: base + direction * more, direction, distance_to_base: start + more, direction_length: length }
     }
 
-    /// Ray parameter t of the point at τ.
+    /// Ray parameter t of the point at arc length τ.
     #[inline]
     pub fn ray_parameter(&self, tau: f64) -> f64 {
         (self.distance_to_base + tau) / self.direction_length
@@ -59,7 +59,7 @@ impl ObjectRay {
     }
 }
 
-/// Bound on the absolute world-space coordinates of all points whose absolute object-space
+/// Upper bound on the absolute world-space coordinates of points, if their absolute object-space
 /// coordinates are at most `size`.
 #[inline]
 pub(super) fn world_coordinate_bound(to_world: &Transform, size: f64) -> f64 {

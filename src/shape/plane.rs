@@ -8,8 +8,8 @@ use glam::{DVec3, Vec2, Vec3};
 
 /// Cosine between ray and normal below which the ray counts as parallel to the plane.
 ///
-/// It exceeds the rounding error of the cosine: up to 2π·2⁻⁵³ from each of two rotations, and
-/// 3·2⁻⁵³ from the dot product.
+/// The value exceeds the rounding error of the cosine: up to 2π·2⁻⁵³ from each of two rotations,
+/// and 3·2⁻⁵³ from the dot product.
 const PARALLEL_COSINE: f64 = 8.0 * f64::EPSILON;
 
 /// Infinite plane `normal · x = offset`; the normal is a unit vector and points to the outer side.
@@ -46,8 +46,8 @@ impl Plane {
         ((self.normal * self.offset).as_vec3(), self.normal.as_vec3())
     }
 
-    /// Hit of `ray`, with `shape_coords` of zero; `None` if the ray is parallel to the plane or t
-    /// is outside (0, `ray.t_max`).
+    /// Hit of `ray`, with `shape_coords` of zero; `None` if the ray is parallel to the plane, or if
+    /// its ray parameter t at the plane is outside (0, `ray.t_max`).
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {

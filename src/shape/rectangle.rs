@@ -11,16 +11,16 @@ use libm::{atan2, sincos};
 
 /// Largest cosine of the angle between two edges that count as perpendicular.
 ///
-/// It is above 0 because transforms round the edges.
+/// The value is above 0 because transforms cause rounding errors in the edges.
 const PERPENDICULAR_COSINE: f64 = 1e-12;
 
-/// Solid angle \[sr] of a rectangle below which its points are sampled by area.
+/// Solid angle \[sr] below which a rectangle is sampled by area instead of by solid angle.
 ///
-/// Small solid angles are differences of larger angles, so they have few correct digits.
+/// Such solid angles are computed as differences of larger angles, so they have few correct digits.
 const MIN_SOLID_ANGLE: f64 = 1e-4;
 
-/// Squared ratio of the rectangle's diagonal to its distance, below which points are sampled by
-/// area.
+/// Squared ratio of a rectangle's diagonal to its distance from the viewpoint, below which the
+/// rectangle is sampled by area.
 ///
 /// For such distant rectangles, sampling by area has little more variance than sampling by solid
 /// angle, and takes a tenth of the time.
@@ -35,7 +35,7 @@ pub struct Rectangle {
     corner: DVec3,
     edges: [DVec3; 2],
     normal: DVec3,
-    /// Dual basis of the edges: its dot products with an offset from the corner give (x, y).
+    /// Dual basis of the edge vectors: its dot products with an offset from the corner give (x, y).
     dual_basis: [DVec3; 2],
     /// True if the edges are perpendicular.
     is_right_angled: bool,
@@ -77,7 +77,7 @@ impl Rectangle {
 
     /// Returns the point `p` of the rectangle, moved inward if it is too close to an edge.
     ///
-    /// [`EDGE_MARGIN`] explains why.
+    /// [`EDGE_MARGIN`] explains why surface points keep away from edges.
     #[inline]
     fn move_point_off_edges(&self, p: DVec3) -> DVec3 {
         let offset = p - self.corner;

@@ -23,7 +23,8 @@ impl Sphere {
         Self { center, radius }
     }
 
-    /// Ray parameters at which the line of `ray` meets the sphere, ascending; `None` if it misses.
+    /// Ray parameters at which the line of `ray` meets the sphere, ascending; `None` if the line
+    /// misses the sphere.
     ///
     /// The discriminant comes from the distance between line and centre, which avoids cancellation
     /// for distant spheres (Haines et al. 2019, Ray Tracing Gems, chapter 7).

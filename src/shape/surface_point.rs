@@ -11,7 +11,8 @@ pub struct SurfacePoint {
     pub p: Vec3,
     /// Bound on the error of `p` along each axis \[length].
     ///
-    /// It also covers the error of intersecting this surface with a next ray that starts at `p`.
+    /// The bound also covers the error of intersecting this surface with a next ray that starts at
+    /// `p`.
     pub position_error: Vec3,
     /// Geometric unit normal, on the outer side of the shape.
     pub ng: Vec3,
@@ -48,7 +49,7 @@ pub struct ShapeSample {
     pub pdf: f32,
     /// Numbers that locate the point on the shape, for
     /// [`Shape::tex_coord`](super::Shape::tex_coord); zero for shapes whose texture coordinates do
-    /// not depend on them.
+    /// not depend on these numbers.
     pub shape_coords: Vec2,
 }
 
@@ -74,23 +75,23 @@ pub enum SolidAngleSampleResult {
     Unsupported,
 }
 
-/// Bound on the position error of a triangle hit along the ray, relative to the distance of the
-/// hit.
+/// Upper bound on the position error of a hit on a triangle, measured along the ray and divided by
+/// the distance from the ray's origin to the hit.
 ///
 /// The triangle test shears the corners and rounds them to f32, which causes the error.
 pub const RELATIVE_TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Bound on the error of the surface point `p` along each axis \[length].
 ///
-/// It covers the rounding to f32. It also covers 32 f64 ulps of `scale`, for the intersection test
-/// of the next ray. `scale` bounds the coordinates of the shape.
+/// The bound covers the rounding to f32. It also covers 32 f64 ulps of `scale`, for the
+/// intersection test of the next ray. `scale` bounds the coordinates of the shape.
 #[inline]
 pub(super) fn position_error_bound(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)
 }
 
-/// Minimum distance of surface points from the edges of their face, in position errors along an
-/// axis.
+/// Minimum distance of surface points from the edges of their face, in units of the position error
+/// along an axis.
 ///
 /// The origin of the next ray is off by up to √3 errors. It is then offset along the normal by the
 /// same distance. Near an edge of two faces, the origin could end up behind the other face, and the

@@ -9,9 +9,9 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 pub struct TexCoord {
     /// Texture coordinates u and v.
     pub uv: DVec2,
-    /// Gradient of u in world space \[1/length]; only its tangential part is meaningful.
+    /// Gradient of u in world space \[1/length]; its part along the surface normal has no meaning.
     pub grad_u: DVec3,
-    /// Gradient of v in world space \[1/length]; only its tangential part is meaningful.
+    /// Gradient of v in world space \[1/length]; its part along the surface normal has no meaning.
     pub grad_v: DVec3,
 }
 
@@ -29,7 +29,7 @@ impl TexCoord {
     }
 }
 
-/// Function from object-space points to texture coordinates.
+/// Function that maps object-space points to texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TextureMappingKind {
     /// Longitude u and latitude v around `center`, both scaled to \[0, 1].
@@ -114,7 +114,7 @@ impl TextureMapping {
         Self { kind, to_world }
     }
 
-    /// Mapping for the object after a world-space translation by `by`.
+    /// Mapping for the object after its translation by the world-space vector `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..*self }

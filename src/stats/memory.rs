@@ -14,17 +14,19 @@ pub enum MemoryLimit {
     ProcessBytes(u64),
 }
 
-/// Bytes reserved for memory that is not allocated on the heap, such as code and thread stacks.
+/// Reserve \[bytes] in a memory limit for memory that is not allocated on the heap, such as code
+/// and thread stacks.
 ///
-/// With 2 threads, 10 to 13 MB of resident memory were measured beyond the allocations.
+/// With 2 threads, the resident memory exceeded the heap by 10 to 13 MB in measurements.
 const RESERVED_BYTES: u64 = 14_000_000;
 
 impl MemoryLimit {
     /// Returns the number of bytes that may still be allocated; `None` if no limit is known.
     ///
     /// Under [`MemoryLimit::ProcessBytes`], the number is the limit minus the bytes in use and a
-    /// fixed reserve, so that all machines refuse the same work. Under [`MemoryLimit::System`], it
-    /// is the memory that the system can give without swapping (Linux only).
+    /// fixed reserve. It does not depend on the machine, so all machines refuse the same work.
+    /// Under [`MemoryLimit::System`], it is the memory that Linux can give without swapping; other
+    /// systems have no known limit.
     #[must_use]
     pub fn available_bytes(self) -> Option<u64> {
         match self {
@@ -46,10 +48,11 @@ pub struct AllocationCounter {
 
 static COUNTER: OnceLock<AllocationCounter> = OnceLock::new();
 
-/// Registers the counters of this process's global allocator, for memory limits and reports.
+/// Registers the counters of this process's global allocator, for memory limits and reports. Only
+/// the first call has an effect.
 ///
-/// Without registered counters, the memory in use is taken as the resident anonymous memory that
-/// Linux reports, and as 0 on other systems. Only the first call has an effect.
+/// Without registered counters, the memory in use is unknown. The resident anonymous memory that
+/// Linux reports then takes its place, and 0 on other systems.
 pub fn set_allocation_counter(counter: AllocationCounter) {
     let _ = COUNTER.set(counter);
 }
@@ -71,8 +74,8 @@ pub fn peak_memory() -> Option<u64> {
     COUNTER.get().map_or_else(|| read_proc_bytes("/proc/self/status", "VmHWM:"), |counter| Some((counter.peak_bytes)()))
 }
 
-/// Reads the value of a line such as `VmHWM: 1024 kB` from a file in `/proc` \[bytes]; `None` if
-/// there is no such line.
+/// Reads a size from a file in `/proc` and returns it in bytes: the number in the line that begins
+/// with `key`, such as `VmHWM: 1024 kB`. Returns `None` if there is no such line.
 fn read_proc_bytes(file: &str, key: &str) -> Option<u64> {
     let text = std::fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(key))?;

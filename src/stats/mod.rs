@@ -9,12 +9,14 @@ pub use memory::{AllocationCounter, MemoryLimit, format_bytes, peak_memory, set_
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Counts of rays, photon density estimates, and samples or photons that were rejected.
+/// Counts of the work of a render, such as rays and photon density estimates, and of samples and
+/// photons that were rejected as invalid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct Counters {
     /// Number of camera rays through pixels.
     pub camera_rays: u64,
-    /// Number of rays that continue a camera path after a surface or a scattering event.
+    /// Number of camera path rays after the first: each starts at a surface or at a scattering
+    /// event in a medium.
     pub continuation_rays: u64,
     /// Number of shadow rays.
     pub shadow_rays: u64,
@@ -28,8 +30,8 @@ pub struct Counters {
     pub gathered_photons: u64,
     /// Number of camera samples rejected because their radiance was not finite.
     pub rejected_samples: u64,
-    /// Number of photons, photon beams and splats rejected because their position or flux was not
-    /// finite, or their flux was negative.
+    /// Number of photons, photon beams and splats that were rejected as invalid: their position or
+    /// flux was not finite, or their flux was negative.
     pub rejected_photons: u64,
 }
 

@@ -75,15 +75,15 @@ impl PictureCost {
     }
 }
 
-/// Cost of an effect: the cost of the picture with all effects of the plan, minus the cost of the
-/// picture without this effect.
+/// Cost that one effect adds: cost of the picture with all effects of the plan, minus the cost of
+/// the picture without this effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AddedCost {
     /// Time that the effect adds to a pass, mean over passes \[s].
     #[serde(rename = "seconds")]
     pub seconds_per_pass: f64,
-    /// Standard error of `seconds_per_pass` \[s], from the variance between passes; `None` with one
-    /// pass.
+    /// Standard error of `seconds_per_pass` \[s], from the variance between passes; `None` if only
+    /// one pass was made.
     #[serde(rename = "seconds_error")]
     pub seconds_standard_error: Option<f64>,
     /// Pass time with all effects, divided by the pass time without this effect.
@@ -157,14 +157,15 @@ pub struct EffectStudyResult {
 /// Study of effects that is ready to run: one picture with all effects of the plan, and for each
 /// effect one picture without it.
 ///
-/// All pictures share the seed and the numbers of rays and photons. Each random decision has a
-/// random number of its own, so leaving out an effect does not change the other decisions. Each
-/// picture has its own pilots (small simulations before the first pass), so the aim of photons and
-/// the gather radii may differ between pictures.
+/// All pictures share the seed and the numbers of rays and photons. Each random decision has its
+/// own random number, so leaving out an effect does not change the other decisions. Each picture
+/// has its own pilots (small simulations before the first pass). So photons may be aimed
+/// differently in each picture, and gather radii may differ.
 pub struct EffectStudy<'a> {
     size: (u32, u32),
     clock: ClockKind,
-    /// First the picture with all effects, then one picture without each simulated effect.
+    /// Pictures of the study: the first one has all effects; each other one leaves out one
+    /// simulated effect.
     runs: Vec<PictureInProgress<'a>>,
 }
 
@@ -211,8 +212,8 @@ impl<'a> EffectStudy<'a> {
         self.runs.len()
     }
 
-    /// Returns the expected photon counts of a pass. Each count is its maximum over all pictures of
-    /// the study.
+    /// Returns the photon counts that are expected for a pass. If a count differs between the
+    /// pictures of the study, its largest value is returned.
     #[must_use]
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         let all = self.runs.iter().map(|run| run.integrator.expected_photons());
@@ -223,10 +224,10 @@ impl<'a> EffectStudy<'a> {
         })
     }
 
-    /// Renders `passes` passes of each picture, but at least one, and returns the measured results.
+    /// Renders `passes` passes of each picture, at least one, and returns the measured results.
     ///
-    /// The pictures take turns. After each round, calls `after` with the number of passes that each
-    /// picture has. Stops early if `interrupted` becomes true.
+    /// The pictures take turns: each makes one pass per round. After each round, calls `after` with
+    /// the number of passes that each picture has. Stops early if `interrupted` becomes true.
     ///
     /// # Errors
     /// [`StudyError`] if a pixel is not finite.
@@ -307,8 +308,8 @@ fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Se
     fixed
 }
 
-/// Returns the mean over the pixels and channels of `image`. `channel_sums` supplies, for each
-/// pixel, the sum over its channels.
+/// Returns the mean of a quantity over the pixels and channels of a picture with the size of
+/// `image`. `channel_sums` yields, for each pixel, the sum of the quantity over the three channels.
 fn mean_over_image(channel_sums: impl Iterator<Item = f64>, image: &Image) -> f64 {
     channel_sums.sum::<f64>() / (3.0 * image.pixels().len() as f64)
 }

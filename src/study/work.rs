@@ -4,8 +4,8 @@
 use crate::integrate::Integrator;
 use crate::scene::{Effect, Effects};
 
-/// Numbers of rays and gathered photons of a pass, or differences of these numbers between two
-/// passes.
+/// Numbers of rays and gathered photons of a pass. Can also be the difference between a pass with
+/// an effect and a pass without it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounts {
     /// Number of rays of all kinds, such as camera rays and shadow rays.
@@ -14,12 +14,13 @@ pub struct WorkCounts {
     pub gathered_photons: i64,
 }
 
-/// Expected work of the first pass of a render: in total, and the part that each effect adds.
+/// Expected work of the first pass of a render, in total and for each effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpectedWork {
     /// Work of the first pass with all effects of the plan.
     pub total: WorkCounts,
-    /// Work that each simulated effect adds; effects are in the order of [`Effect::ALL`].
+    /// Work that each simulated effect adds to the first pass. Effects are in the order of
+    /// [`Effect::ALL`].
     pub effects: Vec<(Effect, WorkCounts)>,
 }
 

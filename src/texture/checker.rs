@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use glam::DVec2;
 
-/// Step of the finite differences of bump maps, as a fraction of the side of a checkerboard square.
+/// Step of the finite differences of bump maps, in sides of a checkerboard square.
 pub(super) const BUMP_STEP: f64 = 1e-3;
 
 /// A checkerboard of unit squares in texture coordinates (u, v): the first color where ⌊u⌋ + ⌊v⌋ is

@@ -3,8 +3,8 @@
 use crate::color::Rgb;
 use glam::{DMat2, DVec2, DVec3};
 
-/// Largest number of box lookups along a footprint. In footprints that need more, the boxes become
-/// longer.
+/// Largest number of box lookups along a footprint. A footprint that would need more gets longer
+/// boxes instead.
 const MAX_LOOKUPS: f64 = 16.0;
 
 /// Largest length of a footprint, in periods of the texture. Longer footprints are shortened to
@@ -20,7 +20,7 @@ const MAX_FOOTPRINT_PERIODS: f64 = 1e6;
 pub struct TextureEvalContext {
     /// Texture coordinates of the point.
     pub uv: DVec2,
-    /// Full axes of the footprint: the change of `uv` from one end of each axis to the other.
+    /// Full axes of the footprint. Each is the difference of `uv` between both ends of the axis.
     pub footprint_axes: [DVec2; 2],
     /// The point in object space.
     pub object_p: DVec3,

@@ -7,12 +7,12 @@ use glam::{DVec2, DVec3, Vec3};
 /// Continuation of a picture outside the unit square of texture coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WrapMode {
-    /// The picture repeats.
+    /// The picture repeats in both directions.
     #[default]
     Repeat,
-    /// The pixels at the edges extend outward.
+    /// The colors of the edge pixels extend outward.
     Clamp,
-    /// The picture repeats, mirrored every other time.
+    /// The picture repeats, and every other copy is mirrored.
     Mirror,
 }
 
@@ -37,7 +37,8 @@ pub enum MipMapError {
     },
 }
 
-/// A picture with a MIP map: each level is about half as wide as the one before.
+/// A picture with a MIP map: each level has about half as many columns and rows as the level
+/// before.
 ///
 /// The picture covers the unit square of texture coordinates, with (0, 0) at its lower left corner.
 /// Source: Williams 1983, "Pyramidal parametrics".
@@ -122,8 +123,7 @@ impl WrapMode {
     /// Maps coordinate `x` to an equivalent coordinate in \[0, 2], where the wrapped picture has
     /// the same value.
     ///
-    /// In this range, f64 has enough digits to tell pixels apart. The result is 0 if `x` is not
-    /// finite.
+    /// Near zero, f64 has enough digits to tell pixels apart. The result is 0 if `x` is not finite.
     fn wrap_coordinate_near_zero(self, x: f64) -> f64 {
         let folded = match self {
             Self::Repeat => x - x.floor(),
@@ -182,8 +182,8 @@ impl MipLevel {
     }
 }
 
-/// Returns (index, weight) of the pixels of a fine row that pixel `j` of a coarser row covers; the
-/// weights sum to 1.
+/// Returns the pixels of a fine row that pixel `j` of a coarser row covers, as pairs (index,
+/// weight). The weights sum to 1.
 ///
 /// The fine row has `n` pixels, and the coarser row has `m` pixels over the same length.
 fn covered_pixels(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {

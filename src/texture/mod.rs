@@ -33,7 +33,8 @@ impl Texture {
     /// Mean color of the texture over the footprint of `context`; the value at the point if the
     /// footprint has zero size.
     ///
-    /// The mean is approximate: boxes or a ball cover the footprint.
+    /// The mean is approximate: it is taken over boxes, or over a ball for solid textures, that
+    /// cover the footprint.
     #[must_use]
     pub fn evaluate_color(&self, context: &TextureEvalContext) -> Rgb {
         match self {
@@ -83,7 +84,8 @@ impl Texture {
         matches!(self, Self::Solid(_))
     }
 
-    /// Step of the finite differences of bump maps: a fraction of the texture's finest detail.
+    /// Step of the finite differences of bump maps: a small fraction of the size of the texture's
+    /// finest detail.
     ///
     /// The step is in units of the surface's texture coordinates. For a solid texture, it is an
     /// object-space length.

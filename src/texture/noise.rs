@@ -2,11 +2,12 @@
 
 use glam::DVec3;
 
-/// Footprint widths at which an octave of noise begins to fade, and at which it vanishes
-/// \[wavelengths of the octave].
+/// Two widths of a footprint, in wavelengths of an octave of noise: the octave begins to fade at
+/// the first width, and vanishes at the second.
 const FADE_WIDTHS: [f64; 2] = [0.25, 1.0];
 
-/// Offset of the noise position between two octaves, so that their lattices do not align.
+/// Offset that is added to the noise position from each octave to the next, so that the lattices of
+/// octaves do not align.
 const OCTAVE_OFFSET: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 
 /// Fractal noise at `p`, in (−2, 2): Σ 2⁻ⁱ·noise(2ⁱ·p + i·c) over the octaves i = 0 … `octaves` −

@@ -34,7 +34,7 @@ pub struct SolidTexture {
     pub octaves: u32,
     /// Frequency of the first octave of noise, and of veins and rings \[1/pattern-space length].
     pub frequency: f64,
-    /// Factor on the noise: for clouds the contrast, for veins and rings their displacement in
+    /// Factor on the noise: the contrast of clouds, or the displacement of veins and rings in
     /// wavelengths.
     pub amplitude: f64,
     /// Affine map from object space to pattern space, in which the pattern is defined.
@@ -73,8 +73,8 @@ impl SolidTexture {
         (self.colors[0] + self.colors[1]) * 0.5
     }
 
-    /// Factor from object-space to pattern-space lengths: the length of the longest of the three
-    /// transformed unit axes.
+    /// Largest factor from object-space to pattern-space lengths, approximately: the length of the
+    /// longest of the three transformed unit axes.
     fn max_scale(&self) -> f64 {
         let m = self.object_to_pattern.matrix3;
         m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
@@ -93,8 +93,8 @@ impl SolidTexture {
 
 /// Factor by which averaging over width `w`, in wavelengths, reduces the amplitude of a sine wave.
 ///
-/// The factor is sin(πw)/(πw) up to w = 1. Beyond, it is 0, because negative lobes would invert the
-/// pattern.
+/// The factor is sin(πw)/(πw) up to w = 1. For larger w, it is 0, because negative lobes would
+/// invert the pattern.
 fn sinc_attenuation(w: f64) -> f64 {
     if w < 1e-6 {
         1.0

@@ -14,9 +14,10 @@ use std::sync::OnceLock;
 /// Number of bytes of the header before the pixel values in the encoding of a [`Layer`].
 pub(super) const HEADER_BYTES: usize = 20;
 
-/// Binary exponent e: a layer is scaled so that its encoded absolute values are below 2ᵉ.
+/// Binary exponent e: layers are scaled so that the absolute values of half floats stay below 2ᵉ.
 ///
-/// Half floats hold values below 2¹⁶. Values below 2⁻¹⁴ lose digits.
+/// Half floats can hold values below 2¹⁶, so 15 leaves a factor of 2. Half floats below 2⁻¹⁴ are
+/// subnormal and lose digits.
 const MAX_EXPONENT: i32 = 15;
 
 /// Number of channel values that are converted to half floats at once.
@@ -34,32 +35,33 @@ enum_with_all! {
         Indirect,
         /// Caustic light of the picture \[W/(m² sr)], see [`LightGroup::Caustic`].
         Caustic,
-        /// Standard error of the mean radiance of the passes \[W/(m² sr)].
+        /// Noise: standard error of the picture, which is the mean of all passes \[W/(m² sr)].
         Noise,
-        /// Estimated bias of photon density estimates (blur) \[W/(m² sr)]; positive where the
-        /// picture is too bright.
+        /// Estimated bias \[W/(m² sr)]: the blur of photon density estimates. Values are positive
+        /// where the picture is too bright.
         Bias,
-        /// Mean gather radius of density estimates from the caustic map \[length].
+        /// Mean gather radius of density estimates with photons of caustics \[length].
         CausticRadius,
-        /// Mean gather radius \[length] of photon density estimates of all light except caustics.
-        /// They come from the indirect map and, in `hybrid`, from the interreflection map.
+        /// Mean gather radius of density estimates with photons of all light except caustics
+        /// \[length].
         IndirectRadius,
-        /// Mean number of photons in density estimates from the caustic map.
+        /// Mean number of photons in a density estimate of caustics.
         CausticPhotons,
-        /// Mean number of photons in density estimates of all light except caustics. They come from
-        /// the indirect map and, in `hybrid`, from the interreflection map.
+        /// Mean number of photons in a density estimate of all light except caustics.
         IndirectPhotons,
-        /// Albedo of the surface that the camera sees, in \[0, 1].
+        /// Albedo of the visible surface, in \[0, 1]. Like all surface AOVs, it describes the first
+        /// surface that is not specular: rays continue at mirrors and smooth glass.
         Albedo,
-        /// Shading normal of the surface that the camera sees, in world space.
+        /// Shading normal of the visible surface, in world space.
         Normal,
-        /// Length of the path from the camera to the surface that it sees \[length].
+        /// Length of the path from the camera to the visible surface, through mirrors and smooth
+        /// glass \[length].
         Depth,
-        /// Position of the surface that the camera sees, in world space \[length].
+        /// Position of the visible surface in world space \[length].
         Position,
-        /// Number of the object that the camera sees, from 1; 0 for none.
+        /// Number of the visible object, counted from 1; 0 where no object is visible.
         Object,
-        /// Number of the material that the camera sees, from 1; 0 for none.
+        /// Number of the visible material, counted from 1; 0 where no surface is visible.
         Material,
         /// Motion of the visible surface on the film while the shutter is open \[pixels; x to the
         /// right, y down].
@@ -67,7 +69,7 @@ enum_with_all! {
     }
 }
 
-/// Group of layers that are published together, as one [`LiveFrame`].
+/// Kind of [`LiveFrame`]: a group of layers that are published together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FrameKind {
     /// The picture and its light groups: direct, indirect and caustic light.
@@ -104,7 +106,7 @@ impl LayerKind {
         }
     }
 
-    /// Returns the kind of [`LiveFrame`] that holds layers of this kind.
+    /// Returns the kind of frame in which a layer of this kind is published.
     pub(super) fn frame_kind(self) -> FrameKind {
         match self {
             Self::Picture | Self::Direct | Self::Indirect | Self::Caustic => FrameKind::Picture,
@@ -139,15 +141,16 @@ impl LayerKind {
         matches!(self, Self::Object | Self::Material)
     }
 
-    /// Returns the kind that has the given [`url_name`](Self::url_name); `None` if there is none.
+    /// Returns the kind whose [`url_name`](Self::url_name) is `name`; `None` if there is no such
+    /// kind.
     #[must_use]
     pub fn from_url_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.url_name() == name)
     }
 }
 
-/// Pixels of one layer of a frame. They are encoded when a browser first asks for them, and the
-/// encoding is kept.
+/// Pixels of one layer of a frame. The pixels are encoded for browsers at the first request, and
+/// the result is kept for later requests.
 #[derive(Debug)]
 pub struct Layer {
     /// Kind of layer.
@@ -248,8 +251,8 @@ impl LiveFrame {
         Self::from_picture(0, (image.width(), image.height()), 0, image.pixels())
     }
 
-    /// Makes a frame of the maps of the estimated error; `None` if the error is not estimated, or
-    /// before [`MIN_ERROR_ESTIMATE_PASSES`] passes.
+    /// Makes a frame of the maps of the estimated error. `None` if the render does not estimate
+    /// errors, or has made fewer than [`MIN_ERROR_ESTIMATE_PASSES`] passes.
     #[must_use]
     pub fn from_error_maps(sequence: u32, rendered: &RenderResult) -> Option<Self> {
         let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_ERROR_ESTIMATE_PASSES)?;
@@ -277,10 +280,10 @@ impl LiveFrame {
 
     /// Returns the bytes that encode a layer for a browser; `None` if the frame lacks the layer.
     ///
-    /// Four 32-bit integers come first: sequence number, width, height and number of channels. A
-    /// 32-bit float follows, the scale. The pixel values follow as half floats, divided by the
-    /// scale. Object and material numbers follow as 32-bit floats instead, and their scale is 1.
-    /// All numbers are little-endian.
+    /// The header has four 32-bit integers (sequence number, width, height and number of channels)
+    /// and a 32-bit float, the scale. The pixel values follow as half floats, divided by the scale.
+    /// Object and material numbers are 32-bit floats instead, and their scale is 1. All numbers are
+    /// little-endian.
     #[must_use]
     pub fn encoded_layer(&self, kind: LayerKind) -> Option<Bytes> {
         let layer = self.layer(kind)?;
@@ -311,9 +314,9 @@ impl LiveFrame {
 
 /// Returns the scale, a power of two, by which `values` are divided before they become half floats.
 ///
-/// The largest finite absolute value becomes a number in \[2¹⁴, 2¹⁵), or a smaller one if all
-/// values are tiny. So values down to 2⁻²⁸ of the largest one keep all 11 bits of a half float. The
-/// scale is 1 if all values are 0 or subnormal.
+/// The largest finite absolute value is scaled to \[2¹⁴, 2¹⁵), or to less if all values are tiny.
+/// So values down to 2⁻²⁸ of the largest one keep all 11 bits of a half float. The scale is 1 if
+/// all values are below 2⁻¹²⁶ (zero or subnormal).
 fn layer_scale(values: &[f32]) -> f32 {
     let largest = values.iter().filter(|value| value.is_finite()).fold(0.0_f32, |largest, v| largest.max(v.abs()));
     if largest < f32::MIN_POSITIVE {

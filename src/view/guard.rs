@@ -13,11 +13,11 @@ const TOKEN_BYTES: usize = 16;
 /// Reason why an HTTP request is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum RequestRefusal {
-    /// The path of the request does not begin with the token of the page.
+    /// The path of the request does not begin with the secret token of the page.
     Token,
-    /// The header `Host` names no address of this server.
+    /// The header `Host` does not hold an address of this server, or is missing.
     Host,
-    /// The header `Origin` names another site.
+    /// The header `Origin` names another site: the request comes from a page of that site.
     Origin,
 }
 

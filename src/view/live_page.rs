@@ -9,7 +9,7 @@ use tokio::sync::watch;
 /// State of a render at one moment: status, picture, error maps and scene text.
 #[derive(Clone, Debug, Default)]
 pub struct LiveState {
-    /// Progress, limits and error of the render, as browsers receive them.
+    /// Progress, limits and estimated error of the render, as browsers receive them.
     pub status: LiveStatus,
     /// The newest picture or preview; `None` before the first one.
     pub picture: Option<Arc<LiveFrame>>,
@@ -36,20 +36,21 @@ impl PublishedState {
     }
 }
 
-/// Newest state of a render: the render publishes it here, and the web server reads it.
+/// Place where a render publishes its newest state, and from which the web server reads that state.
 ///
 /// Publishing replaces one pointer, so readers never delay the render. A slow reader skips states:
-/// it takes the newest one whenever it is ready.
+/// when the reader is ready again, it takes the newest state.
 #[derive(Debug)]
 pub struct LivePage {
-    /// Newest state, which the next publication changes. Readers get copies of it.
+    /// Working copy of the newest state. A publication changes this copy, then sends a clone to
+    /// readers.
     newest: Mutex<LiveState>,
     sender: watch::Sender<Arc<PublishedState>>,
     /// True if a browser has asked for error maps since the render last looked for such requests.
     wants_error_maps: AtomicBool,
     /// True if a browser has asked for surface AOVs since the render last looked for such requests.
     wants_surface_aovs: AtomicBool,
-    /// Reference picture for comparisons.
+    /// Reference picture with which the page compares the render; `None` without `--reference`.
     reference: Option<Arc<LiveFrame>>,
 }
 
@@ -57,7 +58,7 @@ impl LivePage {
     /// Makes a page for renders of the scene file `scene` by the algorithm `integrator`.
     ///
     /// `interactive` is true for `caustica view`, whose page can move the camera. `reference` is a
-    /// picture that the page compares with the render.
+    /// picture with which the page compares the render.
     #[must_use]
     pub fn new(scene: String, integrator: &'static str, interactive: bool, reference: Option<LiveFrame>) -> Self {
         let status = LiveStatus {
@@ -109,10 +110,11 @@ impl LivePage {
         render
     }
 
-    /// Applies `change` to the newest state and publishes it. Does nothing if a render with a
-    /// larger number than `render` has begun.
+    /// Applies `change` to the newest state and publishes the state. Does nothing if a render with
+    /// a larger number than `render` has begun.
     ///
-    /// `change` also receives the sequence number of this update, for a frame that it may add.
+    /// The second argument of `change` is the sequence number of this update. A frame that `change`
+    /// adds must carry this number.
     pub fn publish(&self, render: u32, change: impl FnOnce(&mut LiveState, u32)) {
         let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         if newest.status.render_number == render {
@@ -131,7 +133,8 @@ impl LivePage {
         self.sender.send_replace(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
     }
 
-    /// Returns true if a browser has asked for error maps since the last call of this function.
+    /// Returns true if a browser has asked for error maps since the last call of this function. The
+    /// request then counts as handled.
     pub fn take_error_map_request(&self) -> bool {
         self.wants_error_maps.swap(false, Ordering::Relaxed)
     }
@@ -142,6 +145,7 @@ impl LivePage {
     }
 
     /// Returns true if a browser has asked for surface AOVs since the last call of this function.
+    /// The request then counts as handled.
     pub fn take_surface_aov_request(&self) -> bool {
         self.wants_surface_aovs.swap(false, Ordering::Relaxed)
     }

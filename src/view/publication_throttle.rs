@@ -2,15 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-/// Shortest pause after a publication, as a multiple of the time that the publication took. So
-/// publications take at most 1 % of a render.
+/// Smallest ratio of the pause after a publication to the duration of the publication. At the ratio
+/// 100, publications take at most 1 % of the time of a render.
 const MIN_INTERVAL_FACTOR: u32 = 100;
 
-/// Shortest pause after a publication that took almost no time.
+/// Shortest pause after a publication, however short the publication was.
 const MIN_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Throttle for publishing the picture of a running render: tells whether the next publication is
-/// due.
+/// Throttle that limits how often a running render publishes its picture.
 #[derive(Debug, Default)]
 pub(super) struct PublicationThrottle {
     /// Earliest time of the next publication; `None` before the first one.

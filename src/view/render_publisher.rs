@@ -50,7 +50,8 @@ impl<'a> RenderPublisher<'a> {
         self.number
     }
 
-    /// Applies `change` to the state on the page and publishes it, unless a newer render has begun.
+    /// Applies `change` to the state on the page and publishes the state, unless a newer render has
+    /// begun. The second argument of `change` is the sequence number of this update.
     pub fn publish(&self, change: impl FnOnce(&mut LiveState, u32)) {
         self.page.publish(self.number, change);
     }
@@ -88,10 +89,10 @@ impl<'a> RenderPublisher<'a> {
     }
 
     /// Adds the error estimate of a pass, if there is one, to the error curve. Publishes the
-    /// picture, unless it was last published too recently. If a browser has asked for error maps,
-    /// publishes them too.
+    /// picture, unless the last publication was too recent. Also publishes error maps if a browser
+    /// has asked for them.
     ///
-    /// After the last pass, [`RenderPublisher::publish_end`] publishes the picture instead.
+    /// After the last pass, only [`RenderPublisher::publish_end`] publishes the picture.
     pub fn publish_pass_if_due(&mut self, progress: &PassProgress<'_>, stop: &StopCriteria<'_>) {
         if let Some((estimate, forecast)) = &progress.error
             && estimate.error.is_finite()
@@ -113,8 +114,9 @@ impl<'a> RenderPublisher<'a> {
         }
     }
 
-    /// If a browser has asked for surface AOVs, calls `find` and publishes the AOVs that it
-    /// returns. `size` is the width and height of the picture \[pixels].
+    /// Publishes surface AOVs if a browser has asked for them. Only then is `find` called, which
+    /// computes the AOVs; nothing is published if it returns `None`. `size` is the width and height
+    /// of the picture \[pixels].
     pub fn publish_wanted_surface_aovs(&self, size: (u32, u32), find: impl FnOnce() -> Option<SurfaceAovs>) {
         if self.page.take_surface_aov_request()
             && let Some(aovs) = find()
@@ -138,8 +140,8 @@ impl<'a> RenderPublisher<'a> {
         });
     }
 
-    /// Publishes the picture, times and counts of `rendered`, and the error curve and forecast of
-    /// this publisher.
+    /// Publishes the picture, times and counts of `rendered`, with the present error curve and
+    /// forecast.
     fn publish_result(&self, rendered: &RenderResult) {
         let seconds = self.load_start.elapsed().as_secs_f64();
         let frame = LiveFrame::from_render(0, rendered);

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Camera position relative to that of the scene file, on a sphere around a pivot: the point that
-/// the center of the picture shows.
+/// Camera position on a sphere around a pivot, relative to the camera position in the scene file.
+/// The pivot is the scene point in the center of the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Orbit {

@@ -34,8 +34,8 @@ const SCRIPTS: [&str; 8] = [
     include_str!("page/main.js"),
 ];
 
-/// Returns the HTML page with its style and scripts. Both carry the text `nonce`, because the
-/// browser refuses styles and scripts without it.
+/// Returns the HTML page with its style and scripts. The tags of style and scripts carry `nonce`;
+/// without this text, the browser refuses them.
 pub(super) fn page_html(nonce: &str) -> String {
     let script = format!("(() => {{\n\"use strict\";\n{}\n}})();", SCRIPTS.join("\n"));
     PAGE.replace("{nonce}", nonce).replace("{style}", STYLE).replace("{script}", &script)
@@ -63,11 +63,11 @@ impl Stream for StateEvents {
     }
 }
 
-/// Returns the response that streams each new state of the render to a browser, until `end`
-/// resolves.
+/// Returns the response that streams each new state of the render to a browser. The stream ends
+/// when the future `end` resolves.
 ///
-/// A state is sent only when the connection accepts it. A slow browser misses states, so none queue
-/// up. `permit` limits the number of such streams; it is held until the stream ends.
+/// A state is sent only when the connection accepts it. A slow browser misses states, so states do
+/// not pile up. `permit` limits the number of such streams, and is held until the stream ends.
 pub(super) fn state_events_response(
     page: &LivePage,
     end: impl Future<Output = ()> + Send + 'static,
@@ -88,13 +88,14 @@ pub(super) fn busy_response() -> Response {
 }
 
 /// Encoded pixels or picture file that is being sent to a browser. The permit limits the number of
-/// simultaneous responses with pixels. It is released when all bytes are sent.
+/// simultaneous responses with pixels. The permit is released when all bytes are sent.
 struct BytesInProgress {
     bytes: Bytes,
     _permit: OwnedSemaphorePermit,
 }
 
-/// Returns the body of a response that sends `bytes`. `permit` is held until all of them are sent.
+/// Returns the body of a response that sends `bytes`. `permit`, which limits the number of
+/// simultaneous responses, is held until all bytes are sent.
 fn limited_body(bytes: Bytes, permit: OwnedSemaphorePermit) -> Body {
     Body::from(Bytes::from_owner(BytesInProgress { bytes, _permit: permit }))
 }
@@ -105,7 +106,7 @@ impl AsRef<[u8]> for BytesInProgress {
     }
 }
 
-/// Query of a request for pixels: names the frame that the browser already shows.
+/// Query of a request for pixels. Tells which frame the browser already shows.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct KnownFrameQuery {
     /// Sequence number of the frame that the browser shows; 0 if it shows none.
@@ -114,13 +115,13 @@ pub(super) struct KnownFrameQuery {
 }
 
 /// Returns the response with the encoded pixels of the newest layer `name`. The name `reference`
-/// stands for the reference picture.
+/// stands for the reference picture, which is sent at every request.
 ///
-/// The response has no content if the browser already shows the frame, or if the newest frame lacks
-/// the layer. The status is 404 if no layer has this name.
+/// The response has no content if the browser already shows the newest frame, or if that frame
+/// lacks the layer. The status is 404 if no kind of layer has this name.
 ///
 /// A request for an error map also asks the render to make new maps. A request for a surface AOV
-/// asks the render for surface AOVs if there are none. The reference picture is always sent.
+/// asks the render for surface AOVs if there are none.
 pub(super) async fn layer_pixels_response(
     page: Arc<LivePage>,
     name: String,
@@ -177,9 +178,9 @@ pub(super) struct SaveOptions {
     tone: Option<String>,
 }
 
-/// Returns the response with the newest picture as a file to save; status 404 if there is only a
-/// preview or none. `file` ends with `.png` or `.exr`, which selects the format. `permit` limits
-/// the number of responses with pixels; it is held until all bytes are sent.
+/// Returns the response with the newest picture as a file to save. The status is 404 if no pass is
+/// finished. `file` ends with `.png` or `.exr`, which selects the format. `permit` limits the
+/// number of responses with pixels, and is held until all bytes are sent.
 pub(super) async fn saved_picture_response(
     page: Arc<LivePage>,
     file: String,
@@ -227,8 +228,8 @@ fn saved_file_name(scene: &str, frame: &LiveFrame, format: OutputFormat) -> Stri
     format!("{stem}-{}.{extension}", frame.passes)
 }
 
-/// Returns the picture of `frame` as the bytes of a file; `None` if encoding fails, as with an
-/// invalid exposure.
+/// Returns the picture of `frame` as the bytes of a file; `None` if encoding fails, for example
+/// because the exposure is invalid.
 fn encoded_picture(frame: &LiveFrame, format: OutputFormat, tone: ToneMap) -> Option<Vec<u8>> {
     let pixels = frame.layer(LayerKind::Picture)?.colors();
     let image = Image::from_pixels(frame.size.0, frame.size.1, pixels).ok()?;

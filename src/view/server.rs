@@ -26,7 +26,8 @@ use tokio::sync::{Semaphore, watch};
 /// Largest number of browsers that may follow the state of the render at one time.
 const MAX_READERS: usize = 64;
 
-/// Largest number of simultaneous responses with pixels. Each may hold the memory of one frame.
+/// Largest number of simultaneous responses with pixels. The limit bounds memory, since each
+/// response may hold one frame.
 const MAX_PIXEL_RESPONSES: usize = 32;
 
 /// Largest size of the body of an HTTP request \[bytes].
@@ -36,14 +37,15 @@ const MAX_BODY_BYTES: usize = 4096;
 /// last picture.
 const FINAL_FETCH_DELAY: Duration = Duration::from_millis(500);
 
-/// Time that open connections have to finish after the server has ended. Then they are closed.
+/// Time that open connections have to finish after the server has ended. Connections that are still
+/// open are then closed.
 const CONNECTION_CUT_DELAY: Duration = Duration::from_millis(500);
 
 /// Function that handles each [`Request`] of a browser, such as stopping the render. The function
-/// returns false if it refuses the request. It must not block.
+/// returns false if it refuses the request. The function must not block the server's thread.
 pub type RequestHandler = Box<dyn Fn(Request) -> bool + Send + Sync>;
 
-/// Web server of the live page. Dropping it ends the server.
+/// Web server of the live page. The server ends when this value is dropped.
 #[derive(Debug)]
 pub struct PageServer {
     url: String,
@@ -124,8 +126,8 @@ impl Drop for PageServer {
     }
 }
 
-/// Returns an address at which this machine reaches a server that listens at `ip`: the loopback
-/// address if `ip` stands for all addresses, else `ip`.
+/// Returns an address at which this machine reaches a server that listens at `ip`. If `ip` is
+/// unspecified (0.0.0.0 or ::, all addresses), the result is the loopback address, else `ip`.
 fn reachable_address(ip: IpAddr) -> IpAddr {
     match ip {
         IpAddr::V4(Ipv4Addr::UNSPECIFIED) => Ipv4Addr::LOCALHOST.into(),
@@ -159,7 +161,7 @@ async fn serve(listener: TcpListener, shared: Arc<RouteState>) {
     }
 }
 
-/// Waits until `end` becomes true, or until the server that would set it is dropped.
+/// Waits until the server ends: until the value of `end` is true, or its sender is dropped.
 async fn until_end(mut end: watch::Receiver<bool>) {
     // An error means that the sender was dropped with the server.
     let _ = end.wait_for(|end| *end).await;

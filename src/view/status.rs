@@ -12,7 +12,7 @@ use crate::stats::Counters;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Largest number of points of the forecast error curve.
+/// Largest number of points of the predicted error curve.
 const FORECAST_POINTS: u32 = 24;
 
 /// Stage of a render, as the live page shows it.
@@ -26,8 +26,8 @@ pub enum RenderStage {
     Failed,
     /// A preview of reduced size is being rendered.
     Preview,
-    /// Pilots (small simulations before the first pass) find gather radii, and how to divide the
-    /// work between camera rays and photons.
+    /// Pilots (small simulations before the first pass) choose gather radii, and divide the work
+    /// between camera rays and photons.
     Pilots,
     /// Passes are being rendered.
     Passes,
@@ -44,42 +44,44 @@ pub struct ErrorCurvePoint {
     pub seconds: f64,
     /// Number of passes made up to this point of the curve.
     pub passes: u32,
-    /// Estimated relative error.
+    /// Estimated relative error, √(noise² + bias²).
     pub error: f64,
     /// Lower end of the confidence interval of `error`.
     pub low: f64,
     /// Upper end of the confidence interval of `error`.
     pub high: f64,
-    /// Relative noise, the part of the error that more passes reduce. `error` is √(noise² + bias²).
+    /// Relative noise: the part of the error that falls as more passes are averaged.
     pub noise: f64,
-    /// Relative bias, the part of the error that all passes share. `error` is √(noise² + bias²).
+    /// Relative bias: the part of the error that averaging does not reduce, because all passes err
+    /// in the same direction.
     pub bias: f64,
 }
 
 /// Forecast of the relative error after more passes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForecastReport {
-    /// Relative error for which the number of passes is forecast: the target of the render, or half
-    /// of the present error if the render has no target.
+    /// Error for which the number of passes is predicted (relative). It is the error target of the
+    /// render; without a target, it is half of the present error.
     #[serde(rename = "target")]
     pub target_error: f64,
     /// True if `target_error` is the error target of the render; false if it is half of the present
     /// error.
     #[serde(rename = "ends_render")]
     pub is_render_target: bool,
-    /// Predicted number of passes at which a render with the error target `target_error` ends: 10 %
-    /// quantile, median and 90 % quantile.
+    /// Predicted number of passes after which a render with the error target `target_error` would
+    /// end: 10 % quantile, median and 90 % quantile.
     ///
-    /// All are `None` if the target is never reached. Median and 90 % quantile are `None` if they
-    /// are too far to predict. If the median is `None`, the first value is only a lower bound.
+    /// All three are `None` if the target is never reached. The median and the 90 % quantile are
+    /// `None` if they are too large to predict. Without a median, the first value is a lower bound
+    /// of the number of passes.
     #[serde(rename = "passes")]
     pub passes_to_target: [Option<u32>; 3],
-    /// Relative bias, which keeps the error above `target_error` after any number of passes; `None`
-    /// if `target_error` can be reached.
+    /// Relative bias that remains after any number of passes, if it keeps the error above
+    /// `target_error`; `None` if `target_error` can be reached.
     #[serde(rename = "floor")]
     pub bias_floor: Option<f64>,
-    /// Probability that the number of passes lies between the first and last value of
-    /// `passes_to_target`: 0.8, since these are the 10 % and 90 % quantiles.
+    /// Probability that the number of passes lies between the first and the last value of
+    /// `passes_to_target`. It is 0.8, because these are the 10 % and 90 % quantiles.
     #[serde(rename = "probability")]
     pub range_probability: f64,
     /// Predicted error curve: pairs of a number of passes and a relative error.
@@ -96,21 +98,21 @@ pub struct PlanReport {
     pub notes: Vec<String>,
 }
 
-/// Decision of the plan whether the render simulates one effect of light, with its reason.
+/// Decision whether the render simulates one effect of light, with the reason for the decision.
 #[derive(Clone, Debug, Serialize)]
 pub struct EffectReport {
     /// Name of the effect, as in `--effects`.
     pub name: &'static str,
     /// True if the render simulates the effect.
     pub on: bool,
-    /// True if the user forced the effect on although the scene does not need it, or off although
-    /// it does.
+    /// True if the user overruled the need of the scene: the effect is on although the scene does
+    /// not need it, or off although the scene needs it.
     pub forced: bool,
-    /// Reason why the scene needs the effect or does not need it, or the statement that the
-    /// algorithm cannot simulate it.
+    /// Reason why the scene needs the effect or does not need it. If the algorithm cannot simulate
+    /// the effect, the text says so instead.
     pub reason: String,
-    /// Visible flaw of a picture without the effect; `None` unless the scene needs the effect and
-    /// the render leaves it out.
+    /// Flaw that is visible in the picture because the render leaves out an effect that the scene
+    /// needs; `None` in all other cases.
     pub flaw: Option<&'static str>,
 }
 
@@ -154,7 +156,7 @@ pub struct FrameReport {
     pub height: u32,
     /// Number of passes from which the layers were computed; 0 for a preview.
     pub passes: u32,
-    /// True if the frame is a preview of reduced size.
+    /// True if the frame is a preview with fewer pixels than the full picture.
     pub preview: bool,
     /// Names of the frame's layers, such as `noise`.
     pub layers: Vec<&'static str>,
@@ -162,7 +164,7 @@ pub struct FrameReport {
 
 /// Status of a render, which the page sends to browsers as JSON at each update.
 ///
-/// Each status is complete, so a browser may miss some.
+/// Each status contains all facts, not only changes, so a browser may miss some statuses.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct LiveStatus {
     /// Version of the program.
@@ -196,7 +198,7 @@ pub struct LiveStatus {
     /// picture; `None` before the first maps.
     #[serde(rename = "maps")]
     pub error_maps: Option<FrameReport>,
-    /// Size of the surface AOVs; `None` until a browser asks for them.
+    /// Size and passes of the newest surface AOVs; `None` until a browser asks for them.
     #[serde(rename = "surfaces")]
     pub surface_aovs: Option<FrameReport>,
     /// Size of the reference picture \[pixels]; `None` without one.
@@ -210,35 +212,36 @@ pub struct LiveStatus {
     pub first_pixels_seconds: Option<f64>,
     /// Largest number of passes of the render; `None` for no limit.
     pub pass_limit: Option<u32>,
-    /// Time limit of the render \[s]; `None` for no limit. The limited time includes pilots (small
-    /// simulations before the first pass) and, in `caustica render`, loading. `seconds` includes
-    /// neither.
+    /// Time limit of the render \[s]; `None` for no limit. Pilots (small simulations before the
+    /// first pass) and, in `caustica render`, loading count towards this limit, but not towards
+    /// `seconds`.
     #[serde(rename = "time_limit")]
     pub time_limit_seconds: Option<f64>,
     /// Relative error at which the render ends; `None` for no error target.
     pub error_limit: Option<f64>,
-    /// Confidence level of the error interval from `low` to `high` in each point of `error_curve`;
-    /// `None` without an error target.
+    /// Confidence level of the interval from `low` to `high` of each point in `error_curve`; `None`
+    /// without an error target.
     #[serde(rename = "confidence")]
     pub interval_confidence: Option<Confidence>,
-    /// Curve of the estimated error so far, in the order of passes: one point for each error
-    /// estimate. Long curves are thinned out.
+    /// Curve of the estimated error so far, in the order of passes, with one point for each error
+    /// estimate. When the curve gets too long, every second point is removed.
     #[serde(rename = "curve")]
     pub error_curve: Arc<Vec<ErrorCurvePoint>>,
-    /// Forecast of the error from the last point of `error_curve`; `None` before the first
-    /// estimate.
+    /// Forecast of the error after more passes, from the last point of `error_curve`; `None` before
+    /// the first error estimate.
     pub forecast: Option<Arc<ForecastReport>>,
     /// Plan of the render; `None` until the pilots (small simulations before the first pass) have
     /// ended.
     pub plan: Option<Arc<PlanReport>>,
     /// Counts of rays and density estimates in all passes so far.
     pub counters: Counters,
-    /// Counts and flux of the photon paths that start in all directions.
+    /// Counts and flux of the unaimed photon paths, which leave the lights in all directions.
     pub unaimed: PhotonReport,
-    /// Counts and flux of the photon paths that are aimed at casters, such as glass or mirrors.
+    /// Counts and flux of the photon paths that start towards objects that cast caustics, such as
+    /// glass or mirrors.
     pub aimed: PhotonReport,
-    /// Revision number of the scene text and its errors. It rises when the scene file is read again
-    /// or its errors change; the page then fetches both.
+    /// Revision number of the scene text and its errors. The number rises when the scene file is
+    /// read again, or when its errors change. The page then fetches text and errors.
     pub source_revision: u32,
     /// Number of errors that keep the scene from being rendered. The page fetches their texts
     /// separately.
@@ -257,7 +260,7 @@ impl ErrorCurvePoint {
 
 impl ForecastReport {
     /// Forecasts how the error falls from `estimate` to the error target of `stop`. If `stop` has
-    /// no target, the forecast ends at half of the present error.
+    /// no target, half of the present error is the target.
     #[must_use]
     pub fn new(estimate: &ErrorEstimate, forecast: &ErrorForecast, stop: &StopCriteria<'_>) -> Self {
         let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };

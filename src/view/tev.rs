@@ -14,22 +14,22 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Port on which tev listens.
+/// Port on which the viewer tev listens by default.
 const TEV_PORT: u16 = 14158;
 
 /// Type byte of tev's packet that creates an image.
 const CREATE_IMAGE: u8 = 4;
 
-/// Type byte of tev's packet that sets pixels of several channels, each with an offset and a
-/// stride.
+/// Type byte of tev's packet that sets pixels of an image. The packet states an offset and a stride
+/// for each channel.
 const UPDATE_IMAGE: u8 = 6;
 
-/// Largest number of pixel values in a packet. A single row may exceed the limit, because a packet
-/// holds whole rows.
+/// Largest number of pixel values (all channels) in a packet. The limit is exceeded if a single row
+/// of pixels has more values, because a packet holds whole rows.
 const MAX_VALUES: usize = 1 << 18;
 
-/// Longest time to wait for a connection. Also the longest time to wait for a viewer that has
-/// stopped reading, and for the last images to be sent at the end.
+/// Longest time to wait for a connection, for a viewer that has stopped reading, or for the last
+/// images to be sent at the end of the render.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Address of the viewer tev: a host and a port.
@@ -39,7 +39,7 @@ pub struct TevAddress {
     port: u16,
 }
 
-/// Error: a text is not the address of a viewer.
+/// Error: a text is not a valid address of the viewer tev.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no address: write HOST or HOST:PORT, such as 127.0.0.1:14158")]
 pub struct TevAddressError(String);
@@ -91,7 +91,7 @@ struct WaitingImages {
     has_failed: bool,
 }
 
-/// State that the render thread shares with the thread that sends its images.
+/// State that the render thread shares with the thread that sends images to the viewer.
 #[derive(Debug, Default)]
 struct SenderState {
     waiting: Mutex<WaitingImages>,
@@ -104,7 +104,8 @@ impl SenderState {
         self.changed.notify_one();
     }
 
-    /// Waits for the next image to send and takes it; returns `None` after the last one.
+    /// Waits for the next image to send, and removes it from the queue. Returns `None` after the
+    /// last image.
     fn next_image(&self) -> Option<OutgoingImage> {
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
@@ -121,13 +122,13 @@ impl SenderState {
 
 /// Connection of a render to the viewer tev.
 ///
-/// A separate thread connects and sends queued images. A newer image replaces a queued one of the
+/// A separate thread connects and sends queued images. A new image replaces a queued image of the
 /// same name. The render waits for the thread only in [`finish`](Self::finish).
 #[derive(Debug)]
 pub struct TevClient {
     shared: Arc<SenderState>,
     throttle: PublicationThrottle,
-    /// Channel without messages. It closes when the sending thread ends.
+    /// Receiver whose channel closes when the sending thread ends. No messages are sent.
     ended: Receiver<()>,
 }
 
@@ -150,10 +151,10 @@ impl TevClient {
     }
 
     /// Queues the layers that `layers` returns, as image `name` of `size` (width, height) pixels.
-    /// If an image was queued too recently, does nothing and does not call `layers`.
+    /// If the last image was queued too recently, does nothing and does not call `layers`.
     ///
-    /// The pause between images is so long that `layers` takes at most 1 % of the time of the
-    /// render.
+    /// The pause between images is so long that calls of `layers` take at most 1 % of the time of
+    /// the render.
     pub fn queue_image_if_due(&mut self, name: &str, size: (u32, u32), layers: impl FnOnce() -> Vec<ExrLayer>) {
         let start = Instant::now();
         if self.throttle.is_due(start) {
@@ -173,8 +174,8 @@ impl TevClient {
         });
     }
 
-    /// Waits until all images are sent, but at most five seconds. Returns false if the time is over
-    /// before that. Returns true if all images are sent, or if the connection has failed.
+    /// Waits until all images are sent, but at most five seconds. Returns false if some images are
+    /// then not sent. Returns true if all images are sent, or if the connection has failed.
     #[must_use]
     pub fn finish(self) -> bool {
         self.shared.change_waiting(|waiting| waiting.is_closed = true);
@@ -182,7 +183,8 @@ impl TevClient {
     }
 }
 
-/// Connects to `address` and sends the images of `shared` until the last one.
+/// Connects to `address` and sends each image that is queued in `shared`, until the last image is
+/// sent.
 fn send_images(address: &TevAddress, shared: &SenderState) -> io::Result<()> {
     let mut stream = connect(address)?;
     stream.set_write_timeout(Some(TIMEOUT))?;
@@ -221,7 +223,8 @@ fn connect(address: &TevAddress) -> io::Result<TcpStream> {
     Err(last)
 }
 
-/// Returns the names of all channels with the prefix of their layer.
+/// Returns the names of the channels of all `layers`, such as `noise.R`, with the name of the layer
+/// as prefix.
 fn channel_names(layers: &[ExrLayer]) -> Vec<String> {
     let names = |layer: &ExrLayer| -> Vec<String> {
         layer.channels.iter().map(|(channel, _)| layer.full_channel_name(channel)).collect()
@@ -240,7 +243,8 @@ fn create_image_packet(name: &str, (width, height): (u32, u32), channels: &[Stri
 
 /// Returns the packet that sets the pixels in the rows `rows` of an image of `width` columns.
 ///
-/// `values` holds all pixels of each of the `channels`, by rows from the top.
+/// `values` holds one slice for each of the `channels`: all pixels of the image, in rows from the
+/// top.
 fn update_image_packet(
     name: &str,
     width: u32,

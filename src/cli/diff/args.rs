@@ -9,12 +9,12 @@ use std::path::PathBuf;
 pub enum ErrorMapKind {
     /// FLIP, from 0 to 1
     Flip,
-    /// Error divided by √(L² + m²), where L is the radiance of the reference around the pixel, and
-    /// m the radiance of a typical pixel
+    /// Error divided by √(L² + m²), where L is the mean radiance of the reference around the pixel,
+    /// and m the median of L over the pixels with L > 0
     Relative,
-    /// A minus B
+    /// Picture A minus picture B, the reference
     Signed,
-    /// Absolute difference
+    /// Absolute difference of the pictures
     Absolute,
 }
 
@@ -23,7 +23,7 @@ pub enum ErrorMapKind {
 pub enum FlipMetricModeArgument {
     /// LDR-FLIP: compares display values, clamped as in a PNG
     Ldr,
-    /// HDR-FLIP: maximum of LDR-FLIP over a range of exposures
+    /// HDR-FLIP: for each pixel, maximum of LDR-FLIP over a range of exposures
     Hdr,
 }
 
@@ -72,7 +72,7 @@ pub struct DiffArguments {
     #[arg(long, value_parser = parse_upper_bound, value_name = "X")]
     pub max_difference: Option<f64>,
 
-    /// Exit with code 4 if any pixel differs
+    /// Exit with code 4 if any pixel differs at all
     #[arg(long)]
     pub identical: bool,
 

@@ -5,14 +5,14 @@ use crate::image::{Image, OutputFormat, RelativeErrorWeights, diverging_color, s
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-/// Quantile of the absolute errors at which the colour scale of a PNG error map ends. Larger errors
-/// are clamped, so one firefly does not stretch the scale.
+/// Quantile of the absolute pixel errors that the last colour of a PNG error map shows. Larger
+/// errors have the same colour, so that one firefly does not stretch the scale.
 const SCALE_QUANTILE: f64 = 0.99;
 
 /// Colour scale of a PNG error map: the errors that its first and last colours show.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct ColorScale {
-    /// Error that the first colour of the scale shows.
+    /// Error that the first colour of the scale shows: 0, or `-last_color_error` for signed errors.
     #[serde(rename = "from")]
     pub first_color_error: f64,
     /// Error that the last colour of the scale shows. Larger errors have the same colour.
@@ -20,10 +20,10 @@ pub(super) struct ColorScale {
     pub last_color_error: f64,
 }
 
-/// Returns the pixels of an error map. For PNG, also returns their colour scale.
+/// Returns the pixels of an error map. For PNG, also returns the colour scale of these pixels.
 ///
-/// For PNG, the pixels are colours. For OpenEXR, they are errors by channel, and the scale is
-/// `None`. `flip` holds the FLIP error of each pixel of `a` and `b`.
+/// For PNG, the pixels are colours. For OpenEXR, they are the errors of red, green and blue, and
+/// the scale is `None`. `flip` holds the FLIP error of each pixel of `a` against `b`.
 pub(super) fn error_map(
     kind: ErrorMapKind,
     a: &Image,
@@ -42,7 +42,8 @@ pub(super) fn error_map(
     (means.iter().map(|v| color(v / to)).collect(), Some(ColorScale { first_color_error: from, last_color_error: to }))
 }
 
-/// Returns the error of each pixel by channel. FLIP and relative errors are equal in all channels.
+/// Returns the errors of red, green and blue of each pixel. FLIP and relative errors are one number
+/// per pixel, which is repeated in all channels.
 fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> Vec<DVec3> {
     let differences = a.pixels().iter().zip(b.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
     match kind {
@@ -56,10 +57,11 @@ fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> V
     }
 }
 
-/// Returns the error at the end of a PNG map's colour scale: the quantile [`SCALE_QUANTILE`] of the
-/// absolute `values`.
+/// Returns the error that the last colour of a PNG error map shows: the quantile [`SCALE_QUANTILE`]
+/// of the absolute `values`.
 ///
-/// If the quantile is 0, returns the largest absolute value. If this value is 0 too, returns 1.
+/// Returns the largest absolute value instead if the quantile is 0, and 1 if all values are 0,
+/// because a colour scale needs a positive length.
 fn color_scale_end(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     let index = ((sizes.len() - 1) as f64 * SCALE_QUANTILE) as usize;

@@ -147,8 +147,8 @@ fn comparison_failure(arguments: &DiffArguments, error: MetricError) -> CommandF
     CommandFailure::new(Exit::Input, report)
 }
 
-/// Returns the flags whose limits the difference of the pictures exceeds, such as `max-rmse`, each
-/// with an explanation.
+/// Returns the flags whose limits are exceeded, such as `max-rmse`, each with an explanation such
+/// as "an RMSE of 0.2 is more than 0.1".
 fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'static str, String)> {
     let limits = [
         ("max-rmse", "an RMSE", report.rmse, arguments.max_rmse),

@@ -8,7 +8,7 @@ use crate::study::text::three_digit_text;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Constant ε in the denominator of the relative MSE; see
+/// Constant ε in the denominator b² + ε of the relative MSE, where b is the reference; see
 /// [`relative_mse`](crate::image::metrics::relative_mse).
 pub(super) const RELATIVE_MSE_EPSILON: f64 = 0.01;
 
@@ -30,7 +30,7 @@ pub(super) struct DiffReport {
     pub differing_pixels: usize,
     /// Description of the written error map; `None` without `--output`, or if writing failed.
     pub map: Option<ErrorMapReport>,
-    /// Names of the flags whose limits the pictures' difference exceeds, such as `max-rmse`.
+    /// Names of the flags, such as `max-rmse`, whose limits are exceeded.
     pub exceeded: Vec<&'static str>,
 }
 
@@ -60,14 +60,14 @@ pub(super) struct LargestDifferences {
 pub(super) struct ErrorMapReport {
     pub file: String,
     pub kind: &'static str,
-    /// Errors at the ends of the colour scale of a PNG map; `None` for OpenEXR, which stores the
-    /// errors.
+    /// Errors that the first and last colours of a PNG map show; `None` for an OpenEXR map, whose
+    /// pixels are the errors themselves.
     #[serde(rename = "colors")]
     pub color_scale: Option<ColorScale>,
 }
 
 impl DiffReport {
-    /// Returns the largest absolute difference over all channels.
+    /// Returns the largest absolute difference over all pixels and channels.
     pub fn largest_difference(&self) -> f64 {
         let LargestDifferences { red, green, blue } = &self.largest;
         [red, green, blue].into_iter().flatten().map(|l| l.difference).fold(0.0, f64::max)

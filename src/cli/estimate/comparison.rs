@@ -7,8 +7,8 @@ use crate::study::text::percent_text;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Usage error: `--compare` names an algorithm that leaves out some light by design. Its estimated
-/// error does not contain the missing light, so a comparison would mislead.
+/// Usage error: `--compare` names an algorithm that leaves out some light by design. The estimated
+/// error of the algorithm does not contain the missing light, so a comparison would mislead.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("--compare cannot compare {name}, which leaves light out by design")]
 #[diagnostic(help("choose among hybrid, path, sppm, ppm and pm"))]
@@ -16,8 +16,8 @@ pub(super) struct AlgorithmOmitsLightError {
     name: &'static str,
 }
 
-/// Returns an error if one of `algorithms` leaves out some light by design, because its estimated
-/// error does not contain that light.
+/// Returns an error if one of `algorithms` leaves out some light by design. The estimated error of
+/// such an algorithm does not contain the missing light.
 pub(super) fn check_comparable(algorithms: &[Algorithm]) -> Result<(), AlgorithmOmitsLightError> {
     let is_complete = |algorithm: Algorithm| match algorithm {
         Algorithm::Hybrid | Algorithm::Path | Algorithm::Sppm | Algorithm::Ppm | Algorithm::Pm => true,

@@ -32,8 +32,9 @@ pub(super) struct CostEstimateReport {
     width: u32,
     height: u32,
     threads: usize,
-    /// True if the algorithm finds caustics of the scene only by chance. The estimated error then
-    /// leaves out the caustics that the pilot did not find.
+    /// True if the scene has caustics and the algorithm traces no photons, so that it finds
+    /// caustics only by chance. The estimated error then leaves out the caustics that the pilot did
+    /// not find.
     #[serde(rename = "misses_caustics")]
     pub(super) may_miss_caustics: bool,
     /// Estimated error of the pilot's picture.
@@ -47,16 +48,18 @@ pub(super) struct CostEstimateReport {
     #[serde(rename = "pass_photons")]
     photon_paths_per_pass: f64,
     peak_memory_bytes: Option<u64>,
-    /// Probability that the time of a render lies between `seconds_low` and `seconds_high` of its
-    /// [`CostEstimate`].
+    /// Probability that the time of a render lies between the fields `seconds_low` and
+    /// `seconds_high` of its [`CostEstimate`].
     #[serde(rename = "range_probability")]
     time_range_probability: f64,
     #[serde(rename = "prices")]
     pub(super) estimates: Vec<CostEstimate>,
-    /// Expected end of a render without limits on its command line; `None` if it is unknown.
+    /// Expected end of a render without `--passes`, `--time`, `--target-error` and `--preview`;
+    /// `None` if no limit is expected to end the render.
     #[serde(rename = "default")]
     default_end: Option<ExpectedEndReport>,
-    /// Expected end of a render whose only limit is `--preview`; `None` if it is unknown.
+    /// Expected end of a render whose only limit is `--preview`; `None` if no limit is expected to
+    /// end the render.
     #[serde(rename = "preview")]
     preview_end: Option<ExpectedEndReport>,
 }
@@ -78,26 +81,27 @@ struct ExpectedEndReport {
 pub(super) struct CostEstimate {
     #[serde(rename = "error")]
     pub(super) target_error: f64,
-    /// Predicted number of passes, the median of the forecast; `None` if it is unknown, or if no
-    /// number of passes reaches the target error.
+    /// Median of the predicted number of passes until the estimated error is at most the target
+    /// error. `None` if the pilot is too short to predict this number, or if bias stays above the
+    /// target error.
     passes: Option<u32>,
-    /// Expected time of the render, including loading and preparation \[s]; `None` if `passes` is
-    /// `None`.
+    /// Expected time of the render for `passes` passes, including loading and preparation \[s];
+    /// `None` if `passes` is `None`.
     pub(super) seconds: Option<f64>,
-    /// Lower end of the range of likely times of the render \[s]; a lower bound if `seconds` is
-    /// unknown. `None` if no number of passes reaches the target error.
+    /// Lower end of the range of likely times of the render \[s]. If `seconds` is unknown, the
+    /// render takes at least this time. `None` if bias stays above the target error.
     seconds_low: Option<f64>,
     /// Upper end of the range of likely times of the render \[s]; `None` if it is too far to
-    /// predict, or if no number of passes reaches the target error.
+    /// predict, or if bias stays above the target error.
     seconds_high: Option<f64>,
     /// Expected number of photon paths; `None` if `passes` is `None`.
     #[serde(rename = "photons")]
     photon_paths: Option<f64>,
-    /// Relative bias that remains in the picture after any number of passes; `None` if the target
-    /// error can be reached.
+    /// Relative bias that remains in the picture after any number of passes, if this bias is above
+    /// the target error; `None` if the target error can be reached.
     #[serde(rename = "floor")]
     pub(super) bias_floor: Option<f64>,
-    /// Flags of `caustica render` that reach the target error; `None` if it cannot be reached.
+    /// Flags with which `caustica render` stops at the target error; `None` if bias stays above it.
     #[serde(rename = "flags")]
     render_flags: Option<String>,
 }
@@ -107,8 +111,8 @@ impl CostEstimateReport {
     ///
     /// `misses_caustics` is true if that algorithm finds caustics of the scene only by chance.
     /// `setup` is the time before the first pass \[s]: loading the scene and preparing the
-    /// algorithm. `pass_seconds` is the time of each later pass \[s]. `default` holds the stop
-    /// criteria of a render without limits on the command line, and `preview` the criteria with
+    /// algorithm. `pass_seconds` is the time of each later pass \[s]. `default` and `preview` are
+    /// the stop criteria of a render without limits on the command line, and of a render with
     /// `--preview` alone.
     ///
     /// Returns an error if the pilot made too few passes to estimate its error.
@@ -229,9 +233,8 @@ impl CostEstimateReport {
 }
 
 impl ExpectedEndReport {
-    /// Returns a phrase that says how and when the render ends. `target` is its target error.
-    ///
-    /// The phrase completes the sentence "a render ends …".
+    /// Returns a phrase that completes the sentence "a render ends …": whether an error of
+    /// `target`, the time limit or bias ends the render, and after how many passes.
     fn text(&self, target: f64) -> String {
         let passes = count_with_noun(self.passes as usize, "pass", "passes");
         let (time, target, error) = (duration_text(self.seconds), percent_text(target), percent_text(self.error));

@@ -41,13 +41,13 @@ pub struct SlurmArguments {
     #[arg(short, long = "output", required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
 
-    /// Number of shards: the passes are divided among them, and each runs as one Slurm task. With
-    /// --target-error, the number in the first wave of jobs
+    /// Number of shards, which are parts of the passes. Each shard runs as one Slurm task. With
+    /// --target-error, later waves of jobs add shards
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub shards: u32,
 
-    /// Number of passes, whose mean is the picture. With --target-error, the number in the first
-    /// wave of jobs
+    /// Number of passes, whose mean is the picture. With --target-error, later waves of jobs add
+    /// passes
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub passes: u32,
 
@@ -59,25 +59,25 @@ pub struct SlurmArguments {
     #[arg(long, value_parser = parse_confidence, default_value = "90%", value_name = "PART")]
     pub confidence: Confidence,
 
-    /// Largest number of passes of all waves  [default: 100 times --passes]
+    /// Largest number of passes, summed over all waves of jobs  [default: 100 times --passes]
     #[arg(long, value_parser = parse_positive_count, value_name = "N", requires = "target_error")]
     pub max_passes: Option<u32>,
 
-    /// Folder of scripts, films and logs, which all machines share  [default: the first output with
-    /// .farm added]
+    /// Folder of scripts, films and logs, which all machines of the farm can reach  [default: the
+    /// first output with .farm added]
     #[arg(long, value_name = "FOLDER")]
     pub work_dir: Option<PathBuf>,
 
-    /// Partition of the jobs
+    /// Slurm partition in which the jobs run
     #[arg(long, value_name = "NAME")]
     pub partition: Option<String>,
 
-    /// Account that pays for the jobs
+    /// Slurm account to which the jobs are charged
     #[arg(long, value_name = "NAME")]
     pub account: Option<String>,
 
-    /// Time limit of a shard in Slurm's notation, such as 2:30:00. A shard that reaches it goes on
-    /// in the next round of jobs
+    /// Time limit of a shard in Slurm's notation, such as 2:30:00. Later jobs continue a shard that
+    /// reaches the limit
     #[arg(long, value_name = "TIME")]
     pub time_limit: Option<String>,
 
@@ -89,8 +89,8 @@ pub struct SlurmArguments {
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
 
-    /// Number of successive rounds of jobs without any new pass that the farm accepts before it
-    /// gives up
+    /// Number of rounds of jobs in a row that may fail to add any pass. After one more such round,
+    /// the farm gives up
     #[arg(long, value_parser = parse_count, default_value = "3", value_name = "N")]
     pub retries: u32,
 
@@ -102,7 +102,8 @@ pub struct SlurmArguments {
     #[arg(long)]
     pub dry_run: bool,
 
-    /// Time between two saves of a shard's film, such as 1m. The end of the shard saves it too
+    /// Time between two saves of a shard's film, such as 1m. The film is also saved when the shard
+    /// ends
     #[arg(long, value_parser = parse_duration, default_value = "5m", value_name = "TIME")]
     pub save_every: Duration,
 

@@ -4,10 +4,10 @@ use crate::cli::shard::Shard;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Division of a number of passes into shards of almost equal size.
+/// Division of a number of passes into shards: ranges of passes of almost equal size.
 ///
-/// If two divisions have the same number of passes per shard, shard k has the same passes in both.
-/// So shards can be added to a render later.
+/// Shard k covers the same passes in all divisions with the same number of passes per shard. So
+/// shards can be added to a render later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct ShardDivision {
     /// Number of shards. The shards are numbered from 1.
@@ -19,7 +19,7 @@ pub(super) struct ShardDivision {
 /// Tasks of one Slurm job array; each task renders one shard.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct ArrayTasks {
-    /// Number that is added to the number of a task to get the number of its shard.
+    /// Number of a task's shard minus the number of the task, equal for all tasks of the array.
     pub shard_offset: u32,
     /// Numbers of the tasks in sbatch's notation, such as `1-3,7`.
     pub tasks: String,
@@ -31,14 +31,14 @@ impl ShardDivision {
         Shard { number, count: self.shards }.passes(self.passes)
     }
 
-    /// True if both divisions have equal numbers of passes per shard. Each shard number that both
-    /// have then stands for the same passes.
+    /// True if both divisions have equal numbers of passes per shard. Shard k then covers the same
+    /// passes in both divisions.
     pub fn has_same_shard_passes(self, other: Self) -> bool {
         u64::from(self.passes) * u64::from(other.shards) == u64::from(other.passes) * u64::from(self.shards)
     }
 
-    /// Returns a division with `more` further shards of the same size. Returns `None` if it would
-    /// have more than `most` passes, or if shards have unequal sizes.
+    /// Returns a division with `more` further shards of the same size. Returns `None` if this
+    /// division has shards of unequal sizes, or if the new one would have more than `most` passes.
     pub fn with_more_shards(self, more: u32, most: u32) -> Option<Self> {
         let size = self.passes / self.shards;
         if size * self.shards != self.passes {
@@ -50,8 +50,8 @@ impl ShardDivision {
     }
 }
 
-/// Returns the job arrays that run `shards`, a list of ascending shard numbers. Task numbers are
-/// from 1 to `most`.
+/// Returns job arrays that together run `shards`, a list of ascending shard numbers. The tasks of
+/// each array have numbers from 1 to `most`.
 pub(super) fn job_arrays(shards: &[u32], most: u32) -> Vec<ArrayTasks> {
     let array_of = |shard: u32| (shard - 1) / most;
     let arrays = shards.chunk_by(|a, b| array_of(*a) == array_of(*b));

@@ -65,10 +65,10 @@ fn run_slurm(arguments: &SlurmArguments) -> Result<Exit, CommandFailure> {
     SlurmRender::new(arguments, &folder, header, &progress).run(division)
 }
 
-/// Returns the division into shards of the passes of the first wave of jobs.
+/// Divides the passes of the first wave of jobs into shards.
 ///
-/// With `--target-error`, the number of passes is rounded up to a multiple of the number of shards:
-/// only then can a later wave add shards.
+/// With `--target-error`, the number of passes is rounded up to a multiple of the number of shards.
+/// All shards then have equal sizes, so that later waves can add shards.
 fn first_division(arguments: &SlurmArguments) -> Result<ShardDivision, CommandFailure> {
     let SlurmArguments { shards, passes, .. } = *arguments;
     if shards > passes {
@@ -78,7 +78,7 @@ fn first_division(arguments: &SlurmArguments) -> Result<ShardDivision, CommandFa
     Ok(ShardDivision { shards, passes: equal.unwrap_or(passes) })
 }
 
-/// Returns the folder of `--work-dir`, or its default.
+/// Returns the folder of `--work-dir`; by default, the path of the first output with `.farm` added.
 fn work_folder_path(arguments: &SlurmArguments) -> PathBuf {
     let beside_output = || {
         let mut name = arguments.output.first().map(|path| path.as_os_str().to_owned()).unwrap_or_default();
@@ -88,10 +88,10 @@ fn work_folder_path(arguments: &SlurmArguments) -> PathBuf {
     arguments.work_dir.clone().unwrap_or_else(beside_output)
 }
 
-/// Loads the scene, and returns the header of the films of its shards.
+/// Loads the scene, and returns the header of the films of its shards. This finds errors of the
+/// scene before any job is submitted.
 ///
-/// So errors of the scene are found before any job is submitted. Returns a failure if an output
-/// would replace an input.
+/// Returns a failure if an output would replace an input.
 fn film_header_from_scene(
     arguments: &SlurmArguments,
     folder: &WorkFolder,
@@ -112,7 +112,7 @@ fn film_header_from_scene(
     make_film_header(&arguments.film_header_settings(), size, whole, &scene_file, &input_files)
 }
 
-/// Prints the scripts of the first round, and the commands that submit them.
+/// Prints the two job scripts, and the sbatch commands that submit the first jobs.
 fn print_scripts(folder: &WorkFolder, scripts: &JobScripts, division: ShardDivision) -> Result<Exit, CommandFailure> {
     // Without Slurm on this machine, assume the default limit of job arrays.
     let most = slurm::max_task_number().unwrap_or(slurm::DEFAULT_MAX_ARRAY_SIZE - 1);

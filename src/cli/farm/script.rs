@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 /// Number of bytes in a mebibyte, the unit of Slurm's `--mem`.
 const MEBIBYTE: u64 = 1 << 20;
 
-/// Error: a path or option cannot be written in a shell script.
+/// Error: a path or option has a line break or is not UTF-8, so that a shell script cannot contain
+/// it.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{text}` cannot stand in a script of Slurm: it has a line break or is not UTF-8")]
 #[diagnostic(help("choose another name"))]
@@ -24,7 +25,7 @@ pub(super) struct UnquotableWordError {
 /// Error: a job script cannot be made.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub(super) enum ScriptError {
-    /// A path or option cannot be written in a script.
+    /// A path or option has a line break or is not UTF-8, so that a script cannot contain it.
     #[error(transparent)]
     #[diagnostic(transparent)]
     UnquotableWord(#[from] UnquotableWordError),
@@ -45,8 +46,8 @@ pub(super) struct JobScripts {
 }
 
 impl JobScripts {
-    /// Returns the scripts for a render with `arguments`. `division` divides its passes into
-    /// shards, and `header` is the header of its films.
+    /// Returns the scripts for a render with `arguments`. `division` says which passes each shard
+    /// renders, and `header` is the header of the films of all shards.
     pub fn new(
         arguments: &SlurmArguments,
         folder: &WorkFolder,
@@ -162,7 +163,7 @@ fn script_head(
     Ok(head)
 }
 
-/// Returns the number of threads of a shard.
+/// Returns the number of threads of a shard: the value of `--threads`, or else 1.
 fn shard_threads(arguments: &SlurmArguments) -> u32 {
     arguments.scene.threads.unwrap_or(1)
 }

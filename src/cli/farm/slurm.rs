@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::io;
 use std::process::Command;
 
-/// Default of Slurm's setting `MaxArraySize`. Task numbers of a job array are below it.
+/// Default of Slurm's setting `MaxArraySize`. The number of a task in a job array must be less than
+/// this setting.
 pub(super) const DEFAULT_MAX_ARRAY_SIZE: u32 = 1001;
 
 /// Slurm's names of the states of jobs that have ended and will not start again.
@@ -48,7 +49,7 @@ pub(super) enum SlurmError {
         /// Message that the program printed.
         message: String,
     },
-    /// Slurm is configured without job arrays.
+    /// Slurm's setting `MaxArraySize` is 0 or 1 (the stored number), so that no job array can run.
     #[error("this Slurm allows no job arrays: its MaxArraySize is {0}")]
     #[diagnostic(help("ask its administrator for a MaxArraySize of at least 2"))]
     NoArrays(u32),
@@ -61,13 +62,13 @@ pub(super) struct SlurmTaskStatus {
     pub id: String,
     /// State in Slurm's words, such as `RUNNING`.
     pub state: String,
-    /// Reason why the task waits or failed, such as `Resources`; `None` is Slurm's word for no
+    /// Reason why the task waits or failed, such as `Resources`. Slurm writes `None` if there is no
     /// reason.
     pub reason: String,
 }
 
 impl SlurmTaskStatus {
-    /// True if the task waits or runs.
+    /// True if the task waits, runs or will start again: its state is none of Slurm's final states.
     pub fn is_active(&self) -> bool {
         !FINAL_STATES.contains(&self.state.as_str())
     }
@@ -112,7 +113,7 @@ pub(super) fn query_tasks(jobs: &[String]) -> Result<Vec<SlurmTaskStatus>, Slurm
     Ok(text.lines().filter_map(task).collect())
 }
 
-/// Cancels jobs. A failure is ignored: the jobs may have ended.
+/// Cancels jobs. Ignores errors of scancel, because the jobs may have ended already.
 pub(super) fn cancel(jobs: &[String]) {
     let jobs: Vec<&str> = jobs.iter().map(String::as_str).collect();
     let _ = run("scancel", &jobs);

@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 /// the first wave).
 const DEFAULT_MAX_PASSES_FACTOR: u32 = 100;
 
-/// Time without an answer of Slurm after which the command gives up.
+/// Time after which the command gives up if Slurm answers no query.
 const MAX_SLURM_SILENCE: Duration = Duration::from_secs(600);
 
 /// Longest wait for a network file system to show a file that a finished job wrote.
@@ -44,7 +44,7 @@ struct FolderOfOtherRenderError {
     differences: Vec<String>,
 }
 
-/// Error: several successive rounds of jobs made no further passes.
+/// Error: several rounds of jobs in a row added no pass to the films.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{what} after {rounds} without a new pass; the last messages of one job are:\n{log}")]
 #[diagnostic(help("remove the cause and give the same command again: finished passes are kept in `{}`", folder.display()))]
@@ -65,13 +65,13 @@ struct CancelledJobsError {
     folder: PathBuf,
 }
 
-/// Outcome of a round. A round submits jobs for all incomplete shards, and one job that merges
-/// them, and waits until all have ended.
+/// Outcome of a round. A round submits jobs for all incomplete shards and one job that merges the
+/// films of all shards, and waits until all these jobs have ended.
 enum RoundEnd {
-    /// All shards are complete and merged.
+    /// All shards have all their passes, and their films are merged.
     Complete,
-    /// All jobs ended, but passes or the merge are missing. Holds the last known states of the
-    /// tasks.
+    /// All jobs ended, but some shards lack passes or the films are not merged. Holds the last
+    /// known states of the tasks.
     Incomplete(Vec<SlurmTaskStatus>),
     /// A signal interrupted the command.
     Interrupted,
@@ -151,8 +151,8 @@ impl<'a> SlurmRender<'a> {
         }
     }
 
-    /// Returns the state from which to continue: the `earlier` state of this render, or a new one
-    /// with `division`.
+    /// Returns the state from which to continue: `earlier`, the state that the work folder stores,
+    /// or else a new state with `division`.
     fn initial_state(&self, division: ShardDivision, earlier: Option<FarmState>) -> Result<FarmState, CommandFailure> {
         let new = FarmState { header: self.header.clone(), division, last_round_jobs: Vec::new() };
         let Some(mut state) = earlier else { return Ok(new) };
@@ -173,11 +173,11 @@ impl<'a> SlurmRender<'a> {
         Ok(state)
     }
 
-    /// Submits rounds of jobs until all shards of `state` are complete and merged. First waits for
-    /// jobs of an earlier command that are still active.
+    /// Submits rounds of jobs until all shards of `state` have all their passes and are merged.
+    /// First waits for jobs of an earlier command that are still active.
     ///
-    /// Returns the exit code if a signal interrupts this. Returns a failure if jobs are cancelled,
-    /// or if too many rounds make no further pass.
+    /// Returns `None` on success, or the exit code if a signal interrupts the command. Returns a
+    /// failure if jobs are cancelled, or if too many rounds add no pass.
     fn complete_shards(&self, state: &mut FarmState, most_tasks: u32) -> Result<Option<Exit>, CommandFailure> {
         let mut failures = 0;
         if tasks_of_earlier_jobs(&state.last_round_jobs)?.iter().any(SlurmTaskStatus::is_active) {
@@ -212,7 +212,8 @@ impl<'a> SlurmRender<'a> {
         }
     }
 
-    /// True if the merge script in the folder is the one that this command writes.
+    /// True if the merge script in the folder is the one that this command would write. An earlier
+    /// command with other outputs left a different script.
     fn has_current_merge_script(&self, division: ShardDivision) -> Result<bool, CommandFailure> {
         let scripts = self.scripts(division)?;
         Ok(self.folder.has_file(MERGE_SCRIPT_NAME, scripts.merge_script.as_bytes()))
@@ -237,8 +238,8 @@ impl<'a> SlurmRender<'a> {
         Err(CommandFailure::new(Exit::Farm, error))
     }
 
-    /// Submits jobs for all incomplete shards, and one that merges them afterwards. If sbatch
-    /// refuses one of the jobs, cancels the others.
+    /// Submits jobs for all incomplete shards, and a job that merges all films afterwards. If
+    /// sbatch refuses one of the jobs, cancels those already submitted.
     fn submit_round(&self, state: &mut FarmState, most_tasks: u32) -> Result<(), CommandFailure> {
         let scripts = self.scripts(state.division)?;
         let folder = self.folder;
@@ -337,7 +338,7 @@ impl<'a> SlurmRender<'a> {
         }
     }
 
-    /// True if all shards are complete and merged.
+    /// True if all shards have all their passes, and their films are merged.
     fn is_complete(&self, division: ShardDivision) -> bool {
         self.folder.is_merged() && self.incomplete_shards(division).is_empty()
     }
@@ -356,7 +357,8 @@ impl<'a> SlurmRender<'a> {
         (1..=division.shards).map(|shard| self.folder.completed_shard_passes(shard).len()).sum()
     }
 
-    /// Returns the failure after `rounds` rounds of jobs without a further pass.
+    /// Returns the failure of a render that gives up after `rounds` rounds of jobs without a new
+    /// pass.
     fn no_progress_failure(
         &self,
         missing: &[u32],
@@ -434,7 +436,8 @@ fn sleep_was_interrupted(time: Duration) -> bool {
     }
 }
 
-/// Returns the tasks of `jobs`, which an earlier command submitted. Empty if there are no jobs.
+/// Returns the tasks of `jobs`, which an earlier command submitted; an empty list if `jobs` is
+/// empty.
 fn tasks_of_earlier_jobs(jobs: &[String]) -> Result<Vec<SlurmTaskStatus>, CommandFailure> {
     if jobs.is_empty() { Ok(Vec::new()) } else { slurm::query_tasks(jobs).map_err(slurm_failure) }
 }

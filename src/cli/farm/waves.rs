@@ -8,18 +8,18 @@ use crate::render::{EndReason, ErrorTarget, PassTimes, RenderResult, StopCriteri
 /// Decision after a wave of jobs: another wave, or the reason why none follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum WaveDecision {
-    /// Another wave of shards. Holds the division of all passes after that wave.
+    /// Another wave of shards. Holds the division of all passes, including those of that wave.
     Grow(ShardDivision),
     /// No further wave: the error is at most the target.
     TargetReached,
-    /// No further wave: more passes cannot reach the target, because of bias.
+    /// No further wave: bias keeps the error above the target after any number of passes.
     TargetUnreachable,
-    /// No further wave: it would exceed the largest number of passes.
+    /// No further wave: the total number of passes would exceed `--max-passes`.
     TooManyPasses,
 }
 
-/// Decides whether another wave of jobs follows after the passes of `rendered`, whose shards are
-/// those of `division`. All waves together make at most `most` passes.
+/// Decides whether another wave of jobs follows. `rendered` holds the passes so far, and `division`
+/// is their division into shards. All waves together make at most `most` passes.
 ///
 /// A wave has at most as many passes as all earlier ones together, because a forecast from few
 /// passes is uncertain.

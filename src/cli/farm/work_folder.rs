@@ -38,7 +38,7 @@ pub(super) struct FarmState {
     pub header: FilmHeader,
     /// Division into shards of all passes that were submitted so far.
     pub division: ShardDivision,
-    /// Slurm's numbers of the jobs that were submitted last.
+    /// Slurm's numbers of the jobs that the last round submitted.
     #[serde(rename = "jobs")]
     pub last_round_jobs: Vec<String>,
 }
@@ -106,8 +106,8 @@ impl WorkFolder {
         Ok((lock, state))
     }
 
-    /// True if the folder exists and holds anything but the log folder and the lock file of a farm
-    /// render.
+    /// True if the folder exists and holds files other than the log folder and the lock file, which
+    /// a farm render creates first.
     fn has_foreign_files(&self) -> io::Result<bool> {
         let entries = match fs::read_dir(&self.path) {
             Ok(entries) => entries,
@@ -124,7 +124,8 @@ impl WorkFolder {
         self.write(STATE_FILE_NAME, &json)
     }
 
-    /// Writes `bytes` to the file `name` in the folder. Replaces an existing file as a whole.
+    /// Writes `bytes` to the file `name` in the folder, atomically: by a temporary file and a
+    /// rename.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), WorkFolderError> {
         replace_file(&self.file_path(name), bytes).map_err(|e| self.error(io::Error::other(e)))
     }
@@ -142,12 +143,12 @@ impl WorkFolder {
         }
     }
 
-    /// True if the last merge succeeded.
+    /// True if the merge script has merged all films since [`Self::remove_merge_mark`] was called.
     pub fn is_merged(&self) -> bool {
         self.file_path(MERGE_MARK_NAME).is_file()
     }
 
-    /// Returns the indices of the passes in the film of shard `number`; an empty set without a
+    /// Returns the indices of the passes in the film of shard `number`; an empty set if there is no
     /// readable film.
     pub fn completed_shard_passes(&self, number: u32) -> PassSet {
         let file = File::open(self.file_path(&format!("shard-{number:06}.film")));

@@ -25,28 +25,29 @@ pub struct MeshArguments {
     #[arg(long)]
     pub repair: bool,
 
-    /// Merge vertices at most this far apart, measured after --scale, in units of the written mesh
-    /// [default with --repair: 1e-9 of the diagonal]
+    /// Merge vertices at most this far apart, in units of the written mesh (after
+    /// --scale)  [default with --repair: 1e-9 of the mesh's diagonal]
     #[arg(long, value_parser = parse_nonnegative_length, value_name = "LENGTH")]
     pub weld: Option<f64>,
 
-    /// Remove triangles that have the same vertices as an earlier one
+    /// Remove triangles that have the same vertices as an earlier triangle
     #[arg(long)]
     pub remove_duplicates: bool,
 
-    /// Remove triangles without area
+    /// Remove triangles whose area is zero
     #[arg(long)]
     pub remove_degenerate: bool,
 
-    /// Make the winding consistent; closed surfaces face outward
+    /// Give neighboring triangles the same winding; triangles of closed surfaces face outward
     #[arg(long)]
     pub orient: bool,
 
-    /// Reverse all triangles and normals, after --orient
+    /// Reverse the winding of all triangles and the sign of all normals, after --orient
     #[arg(long)]
     pub flip: bool,
 
-    /// Compute new normals, smooth across edges of at most this many degrees
+    /// Compute new vertex normals. Edges are shaded smooth if the normals of their two faces differ
+    /// by at most this many degrees, else sharp
     #[arg(long, value_parser = parse_degrees, value_name = "ANGLE")]
     pub smooth: Option<f64>,
 
@@ -54,11 +55,11 @@ pub struct MeshArguments {
     #[arg(long, conflicts_with = "smooth")]
     pub flat: bool,
 
-    /// Scale about the origin, before all other changes
+    /// Scale by this factor about the origin, before all other changes
     #[arg(long, value_parser = parse_positive_factor, value_name = "FACTOR")]
     pub scale: Option<f64>,
 
-    /// Translate, after --scale
+    /// Move the mesh by this vector, after --scale
     #[arg(long, value_parser = parse_point, allow_hyphen_values = true, value_name = "X,Y,Z")]
     pub translate: Option<DVec3>,
 

@@ -27,7 +27,7 @@ struct UnknownMeshFormatError {
     path: PathBuf,
 }
 
-/// Error: the requested changes leave no valid mesh.
+/// Error: the requested changes leave no triangle, or make coordinates too large.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum InvalidMeshResultError {
     #[error("the repair leaves no triangle of `{}`", .0.display())]
@@ -45,7 +45,7 @@ struct MeshCommandReport {
     version: &'static str,
     mesh: String,
     before: MeshReport,
-    /// Counts of repairs by kind; `None` if the arguments do not change the mesh.
+    /// Numbers of repairs of each kind; `None` if the command line asks for no change of the mesh.
     repaired: Option<RepairCounts>,
     after: Option<MeshReport>,
 }
@@ -96,9 +96,10 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
     failures.into_result(Exit::Success)
 }
 
-/// Memory that inspecting or repairing a mesh needs, including the mesh \[bytes per triangle].
+/// Memory that inspecting or repairing a mesh takes, including the mesh itself \[bytes per
+/// triangle].
 ///
-/// Measured on a grid of a million triangles: 165.
+/// The value is a measured 165 bytes (a grid of a million triangles) plus a reserve.
 const BYTES_PER_TRIANGLE: u64 = 200;
 
 /// Checks that there is enough memory to inspect or repair a loaded mesh.

@@ -19,16 +19,16 @@ use glam::Vec3;
 pub(super) struct RenderOutputs<'a> {
     pub arguments: &'a RenderArguments,
     pub rendered: &'a RenderResult,
-    /// Albedo, normal and other surface AOVs for `--aov`; `None` without this flag, or if they were
-    /// cancelled.
+    /// Albedo, normal and other surface AOVs for `--aov`; `None` without this flag, or if the user
+    /// cancelled their computation.
     pub aovs: Option<SurfaceAovs>,
     /// Film file of the render; `None` without `--film`.
     pub film_file: Option<&'a LockedFilmFile<'a>>,
 }
 
 impl RenderOutputs<'_> {
-    /// Writes all outputs and prints a summary. After an output that fails, the others are still
-    /// written.
+    /// Writes all outputs and prints a summary. An output that cannot be written does not keep the
+    /// others from being written.
     ///
     /// `limits` are the limits of the command line, and `stop` the stop criteria made from them.
     /// `lights_are_black` is true if the scene has lights, but none has any power.

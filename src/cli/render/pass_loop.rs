@@ -8,10 +8,11 @@ use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria, rende
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-/// Renders passes and adds them to the result `before`, until a criterion of `stop` holds or all
-/// passes with the indices `numbers` are made. Shows progress.
+/// Renders passes with the indices `numbers` and adds them to the result `before`. Ends when a
+/// criterion of `stop` holds or all these passes are made. Shows progress.
 ///
-/// Progress in plain lines shows the time since `start`. `after_pass` is called after each pass.
+/// Lines of progress in plain text show the time since `start`. `after_pass` is called after each
+/// pass.
 pub(super) fn render_passes(
     before: RenderResult,
     numbers: Range<u32>,
@@ -62,10 +63,9 @@ pub(super) fn render_passes(
     })
 }
 
-/// Returns the expected remaining time until the first stop criterion holds; `None` if it is
-/// unknown.
+/// Returns the expected time until the first stop criterion holds. Returns `None` if it is unknown,
+/// for example if there is an error target but the last pass did not estimate the error.
 ///
-/// The time is unknown if there is an error target, and the last pass did not estimate the error.
 /// `passes` is the number of passes so far. `elapsed` is the time since the first pass of this run
 /// began. `pass_seconds` is the mean time of a pass of this run \[s]. `forecast` predicts the
 /// number of passes that reach the error target; ignored if `stop` has no target.

@@ -6,9 +6,9 @@ use std::sync::atomic::Ordering;
 
 /// Calls `render` for each of `pictures`, and returns the exit code of the command.
 ///
-/// Ends early if a render fails or is interrupted. A picture that cannot be written does not end
-/// the series; its errors are returned at the end. If a signal ends the series, the exit code is
-/// [`Exit::Interrupted`], also if pictures could not be written.
+/// A failure or an interruption ends the series early. A picture that cannot be written does not:
+/// its errors are returned after the last picture. If a signal ends the series, the exit code is
+/// [`Exit::Interrupted`], even if pictures could not be written.
 pub(super) fn render_series<T>(
     pictures: impl IntoIterator<Item = T>,
     mut render: impl FnMut(T) -> Result<Exit, CommandFailure>,
@@ -45,8 +45,8 @@ pub(super) fn render_series<T>(
 mod tests {
     use super::*;
 
-    /// Runs a series of renders, the i-th of which returns `ends[i]`. Returns the result of the
-    /// series, and the number of renders that were started.
+    /// Runs a series in which render i returns `ends[i]`. Returns the result of the series, and the
+    /// number of renders that were started.
     fn series_outcome(ends: &[Result<Exit, Exit>]) -> (Result<Exit, (Exit, usize)>, usize) {
         let mut count = 0;
         let end = render_series(ends, |end| {

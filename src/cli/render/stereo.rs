@@ -24,11 +24,11 @@ struct MovingStereoCameraError;
 #[diagnostic(help("use PerspectiveCamera: a shift of other cameras shows no depth"))]
 struct StereoProjectionError;
 
-/// Renders the pictures of the left and of the right eye, and writes all their outputs. Ends early
-/// if the left picture fails or is interrupted, but not if it cannot be written.
+/// Renders the pictures of the left and of the right eye, and writes all their outputs. The right
+/// picture is left out if the left one fails or is interrupted, but not if it cannot be written.
 ///
-/// The cameras are parallel and `distance` apart \[scene units]. `camera` is the camera between the
-/// eyes as the scene describes it.
+/// The cameras are parallel and `distance` apart \[scene units]. `camera` is the camera midway
+/// between the eyes, in the coordinates of the scene description.
 pub(super) fn render_stereo_pair(
     arguments: &RenderArguments,
     distance: f32,

@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::study::text::percent_text;
 
 /// Prints the name of the scene and its numbers of triangles, shapes and lights. Prints a note if
-/// it has no objects, or no light with any power.
+/// the scene has no objects, or no light with any power.
 pub(super) fn print_scene_summary(name: &str, scene: &Scene, progress: &ProgressDisplay) {
     let (triangles, shapes, lights) = (scene.triangle_count(), scene.analytic_shape_count(), scene.lights().len());
     progress.print_line(&format!(
@@ -72,7 +72,8 @@ pub(super) fn print_render_summary(
 }
 
 /// Returns a line that says which default limit ended a render: error, time or bias. Returns `None`
-/// if the user or a limit of passes ended the render, or if `stop` lacks a target or a time limit.
+/// if the user or a limit of passes ended the render, or if `stop` has no error target or no time
+/// limit.
 fn default_end_line(stop: &StopCriteria<'_>, end_reason: EndReason) -> Option<String> {
     let (target, time) = (stop.target?, stop.time_limit?);
     let error = percent_text(target.error);

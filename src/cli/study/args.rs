@@ -10,8 +10,8 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// Fields of [`StudyModeArguments`] that configure a study of methods. Their flags conflict with
-/// `--effects`.
+/// Fields of [`StudyModeArguments`] that only a study of methods uses. Their flags conflict with
+/// `--effects`, which asks for a study of effects.
 const METHOD_STUDY_FLAGS: [&str; 8] =
     ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
 
@@ -25,8 +25,8 @@ pub struct StudyModeArguments {
     pub effects: bool,
 
     /// Measure how the error of these methods falls with time, such as path,sppm  [default, without
-    /// --variant and --knobs: those of path, pm, ppm, sppm and hybrid whose pictures of the scene
-    /// differ]
+    /// --variant and --knobs: path, pm, ppm, sppm and hybrid, without those that find no more light
+    /// than path in this scene]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
     pub methods: Vec<Algorithm>,
 
@@ -39,7 +39,7 @@ pub struct StudyModeArguments {
     #[arg(long, value_enum, value_name = "METHOD")]
     pub knobs: Option<Algorithm>,
 
-    /// Processor time per seed and method, such as 60s or 5m
+    /// Processor time of each picture, such as 60s or 5m; each method renders one picture per seed
     #[arg(long, value_parser = parse_duration, default_value = "60s", value_name = "TIME")]
     pub budget: Duration,
 
@@ -116,8 +116,8 @@ pub struct StudyArguments {
     #[arg(long, visible_alias = "wish", allow_hyphen_values = true, value_name = "EFFECTS", default_value = "auto")]
     pub simulate: EffectOverrides,
 
-    /// Number of passes of each picture of --effects, or largest number of passes of each method
-    /// [default: 4 with --effects, else limited by --budget]
+    /// With --effects, number of passes of each picture; else, largest number of passes of each
+    /// method  [default: 4 with --effects, else limited by --budget]
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub passes: Option<u32>,
 

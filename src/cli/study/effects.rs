@@ -24,10 +24,10 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::time::Instant;
 
-/// Default number of passes of each picture of the study.
+/// Default number of passes of each picture of `caustica study --effects`.
 const DEFAULT_PASSES: u32 = 4;
 
-/// File extensions of reports, each with the function that makes the text of the report.
+/// File extensions of reports, each with the function that makes the report as text.
 const REPORT_FORMATTERS: [(&str, ReportFormatter<EffectStudyResult>); 4] = [
     ("html", |arguments, result| effects_html_page(&effect_report_header(arguments), result).into_diagnostic()),
     ("csv", |_, result| Ok(csv_report(result))),
@@ -205,10 +205,11 @@ struct EffectResultReport<'f> {
     /// Time and counters of the picture without the effect; `None` if the effect is off.
     #[serde(rename = "without")]
     cost_without_effect: Option<PictureCostReport<'f>>,
-    /// Cost of the effect: time and rays of the picture with all effects, minus those without this
-    /// effect. `None` if the effect is off.
+    /// Cost of the effect: time and rays per pass of the picture with all effects, minus those of
+    /// the picture without this effect. `None` if the effect is off.
     cost: Option<AddedCost>,
-    /// Light that the effect adds to and removes from the picture; `None` if the effect is off.
+    /// Mean light that the effect adds to the picture, and mean light that it removes, such as by
+    /// shadows; `None` if the effect is off.
     #[serde(rename = "gain")]
     contribution: Option<EffectContribution>,
 }

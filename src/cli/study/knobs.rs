@@ -9,20 +9,19 @@ use crate::plan::EffectOverrides;
 use crate::scene::Scene;
 use clap::ValueEnum;
 
-/// Values of `--gather-k` that `--knobs` tries, one variant each.
+/// Values of `--gather-k` (photons in a density estimate) that `--knobs` tries, one variant each.
 const GATHER_COUNTS: [u32; 5] = [10, 20, 50, 100, 200];
 
-/// Values of `--radius` that `--knobs` tries, as multiples of the gather radius that a pilot found.
+/// Values of `--radius` that `--knobs` tries, divided by the gather radius that a pilot found.
 const RADIUS_FACTORS: [f32; 3] = [0.5, 1.0, 2.0];
 
-/// Numbers of photon paths that `--knobs` tries, as multiples of the numbers that a pilot chose.
+/// Numbers of photon paths that `--knobs` tries, divided by the numbers that a pilot chose.
 const PHOTON_FACTORS: [f64; 2] = [0.25, 4.0];
 
-/// Values of `--alpha` that `--knobs` tries besides the default of ⅔.
+/// Values of `--alpha` (shrinking of gather radii) that `--knobs` tries besides the default of ⅔.
 const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 
-/// Numbers of camera rays per pixel that `--knobs` tries, as multiples of the number that a pilot
-/// chose.
+/// Numbers of camera rays per pixel that `--knobs` tries, divided by the number that a pilot chose.
 const CAMERA_RAY_FACTORS: [f64; 2] = [0.5, 2.0];
 
 /// Settings that pilots (short simulations before the first pass) chose for a method.
@@ -51,12 +50,12 @@ impl PilotChosenSettings {
     }
 }
 
-/// Returns the method of `algorithm` with the `shared` flags of the study, and variants of it that
-/// each change one setting.
+/// Returns the method of `algorithm` with the `shared` flags of the study, and variants of the
+/// method that each change one setting.
 ///
 /// One pilot chooses the numbers of rays and photons for all variants. Variants of `--radius` scale
-/// a gather radius that the pilot found: the radius of the caustic map in `hybrid`, and of the
-/// indirect map in other algorithms.
+/// a gather radius that this pilot found: in `hybrid`, the radius of the caustic map; in other
+/// algorithms, the radius of the indirect map.
 pub(super) fn knob_study_variants(
     algorithm: Algorithm,
     shared: &MethodArguments,
@@ -68,10 +67,10 @@ pub(super) fn knob_study_variants(
     one_setting_variants(plain, &pilot)
 }
 
-/// Returns the method `plain`, and variants of it with one setting changed.
+/// Returns the method `plain`, and variants of the method with one setting changed.
 ///
-/// All variants have the numbers of rays and photons in `pilot`, except a variant that changes one
-/// of these numbers. Changed numbers and radii are multiples of the values in `pilot`.
+/// `plain` and all variants use the numbers of rays and photons in `pilot`, except variants that
+/// change these numbers. Changed numbers and radii are multiples of the values in `pilot`.
 fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) -> Vec<VariantArguments> {
     let VariantArguments { label: name, mut method } = plain;
     let algorithm = method.integrator;

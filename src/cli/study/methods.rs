@@ -29,7 +29,7 @@ use miette::IntoDiagnostic;
 /// Default processor time for each of the two references, as a multiple of `--budget`.
 const REFERENCE_BUDGET_FACTOR: f64 = 4.0;
 
-/// File extensions of reports, each with the function that makes the text of the report.
+/// File extensions of reports, each with the function that makes the report as text.
 const REPORT_FORMATTERS: [(&str, ReportFormatter<MethodStudyResult>); 4] = [
     ("html", |_, result| report::methods_html_page(result).into_diagnostic()),
     ("csv", |_, result| Ok(report::csv_report(result))),
@@ -37,8 +37,8 @@ const REPORT_FORMATTERS: [(&str, ReportFormatter<MethodStudyResult>); 4] = [
     ("md", |_, result| Ok(report::markdown_report(result))),
 ];
 
-/// Usage error: a flag that applies only to rendered references is given, but `--truth` names
-/// reference files.
+/// Usage error: `--truth` names reference files, but another flag applies only to references that
+/// the study renders.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} applies to rendered references, but --truth names files")]
 #[diagnostic(help("leave out one of the two flags"))]
@@ -175,8 +175,8 @@ fn study_variants(arguments: &StudyArguments, named: Vec<VariantArguments>, scen
     plain.chain(named).chain(knob_variants).map(|named| named.into_method_variant(overrides)).collect()
 }
 
-/// Renders two references, and writes them to the files of `--save-truth` if given. Returns `None`
-/// if interrupted.
+/// Renders two reference pictures, and writes them to the files of `--save-truth` if given. Returns
+/// `None` if a signal interrupts the render.
 fn render_references(
     arguments: &StudyArguments,
     scene: &Scene,

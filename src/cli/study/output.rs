@@ -82,8 +82,7 @@ pub(super) fn study_output_files(arguments: &StudyArguments) -> Vec<FileWithRole
     reports.chain(references.map(|path| FileWithRole::new("--save-truth", path))).collect()
 }
 
-/// Error: a reference picture is to be saved in another format than OpenEXR, which would clip
-/// radiance.
+/// Error: a reference picture is to be saved in a format that clips radiance, not as OpenEXR.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` cannot hold a reference: its format clips radiance", path.display())]
 #[diagnostic(help("give it the extension .exr"))]

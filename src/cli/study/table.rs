@@ -42,22 +42,23 @@ pub(super) fn checkpoints_table(result: &MethodStudyResult) -> String {
     text
 }
 
-/// Returns the square root of a squared error in percent; `-` if the estimate is not positive.
+/// Returns the square root of `square` in percent, or `-` if `square` is not positive. The estimate
+/// of a squared error can be negative if noise hides the error.
 pub(super) fn square_root_percent_text(square: f64) -> String {
     if square > 0.0 { percent_text(square.sqrt()) } else { "-".to_owned() }
 }
 
-/// Returns the root mean square of the renderer's own error estimates of all seeds, in percent;
-/// empty if there are none.
+/// Returns the root mean square, over all seeds, of the errors that the renderer estimated itself,
+/// in percent. Empty if there are no such estimates.
 fn rms_estimated_error_text(checkpoint: &ConvergenceCheckpoint) -> String {
     checkpoint.mean_square_of_estimated_error().map_or(String::new(), square_root_percent_text)
 }
 
-/// Returns the exponent k in error ∝ time^k between two checkpoints, for the RMS error and
-/// processor time.
+/// Returns the exponent k in error ∝ time^k between two checkpoints. The error is the root of the
+/// mean squared error over seeds, and the time is processor time.
 ///
-/// `None` if k is not finite, as between equal times, or if an estimated squared error is not
-/// positive.
+/// Returns `None` if k is not finite, as between equal times, or if an estimated squared error is
+/// not positive.
 fn convergence_rate(before: &ConvergenceCheckpoint, after: &ConvergenceCheckpoint) -> Option<f64> {
     let squares = [before, after].map(ConvergenceCheckpoint::mean_relative_squared_error);
     if squares.iter().any(|square| *square <= 0.0) {

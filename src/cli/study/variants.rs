@@ -7,7 +7,8 @@ use crate::plan::EffectOverrides;
 use crate::study::methods::MethodVariant;
 use clap::{Parser, ValueEnum};
 
-/// Flags that apply to the whole study. The text of a variant may not contain them.
+/// Flags that must be equal for all variants of the study, so that the text of a variant may not
+/// contain them.
 const STUDY_WIDE_FLAGS: [&str; 3] = ["--integrator", "--filter", "--seed"];
 
 /// Error: the value of `--variant` cannot be parsed.
@@ -28,7 +29,7 @@ struct VariantFlags {
     method: MethodArguments,
 }
 
-/// A method of a study: a label, and the arguments that select the algorithm and its settings.
+/// A method of a study: a label, and the arguments that select its algorithm and settings.
 pub(super) struct VariantArguments {
     pub label: String,
     pub method: MethodArguments,

@@ -6,8 +6,8 @@ use crate::view::Request;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// Largest number of events that wait for the session. While the queue is full, further events are
-/// refused.
+/// Largest number of events that wait for the session of `caustica view`. Further events are
+/// refused while so many wait.
 const MAX_EVENTS: usize = 64;
 
 /// Event to which the session of `caustica view` reacts.

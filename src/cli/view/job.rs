@@ -23,8 +23,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time without a camera movement after which a job begins the full render. While the user drags
-/// the camera, jobs only render previews.
+/// Time for which a moved camera must rest before its job begins the full render. While the user
+/// drags the camera, jobs only render previews.
 const SETTLING_TIME: Duration = Duration::from_millis(300);
 
 /// Time between two checks for requested surface AOVs while a render is paused.
@@ -33,7 +33,7 @@ const AOV_POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Time between two attempts to send an event while the queue of the session is full.
 const EVENT_RETRY_INTERVAL: Duration = Duration::from_millis(10);
 
-/// Number of rays per pixel with which surface AOVs are rendered for the page.
+/// Number of camera rays per pixel for the surface AOVs (albedo, normal and others) of the page.
 const AOV_PIXEL_RAYS: u32 = 4;
 
 /// Flags that pause or cancel a job, which is a render thread of `caustica view`.
@@ -49,7 +49,7 @@ struct JobControl {
 #[derive(Debug)]
 pub(super) struct JobHandle {
     control: Arc<JobControl>,
-    /// Sender that wakes a paused job. Dropping it ends a paused job.
+    /// Sender that wakes a paused job. If the sender is dropped, the job ends instead.
     resume_sender: SyncSender<()>,
 }
 
@@ -74,7 +74,7 @@ impl JobHandle {
     }
 }
 
-/// Progress monitor that ends the current pass once the job is cancelled. It shows no progress.
+/// Progress monitor that cancels the current pass once the job is cancelled. Shows no progress.
 struct JobMonitor<'a>(&'a JobControl);
 
 impl ProgressMonitor for JobMonitor<'_> {
@@ -88,7 +88,8 @@ impl ProgressMonitor for JobMonitor<'_> {
 
 /// Source of the scene that a job renders.
 pub(super) enum JobScene {
-    /// The scene file, which the job reads. Unchanged parts of the given earlier scene are reused.
+    /// The scene file, which the job reads. Parts that are unchanged since the earlier scene in
+    /// this variant are reused.
     File(Option<Arc<LoadedScene>>),
     /// A scene that an earlier job has read.
     Loaded(Arc<LoadedScene>),
@@ -105,7 +106,8 @@ pub(super) struct JobContext<'a> {
     pub render_lock: &'a Mutex<()>,
 }
 
-/// A render of `caustica view` in its own thread, from reading its scene to its end.
+/// A job of `caustica view`: one render in a thread of its own, from reading the scene until the
+/// job is cancelled.
 pub(super) struct Job<'a> {
     context: JobContext<'a>,
     live: RenderPublisher<'a>,
@@ -116,7 +118,7 @@ pub(super) struct Job<'a> {
 
 impl<'a> Job<'a> {
     /// Makes a job that publishes its render to `live`, and the handle that controls the job.
-    /// `orbit` is the position of the camera relative to the camera of the scene file.
+    /// `orbit` is the user's camera position, relative to the camera of the scene file.
     pub fn new(context: JobContext<'a>, live: RenderPublisher<'a>, orbit: Orbit) -> (JobHandle, Self) {
         let (resume, resumed) = sync_channel(1);
         let control = Arc::<JobControl>::default();
@@ -230,7 +232,8 @@ impl<'a> Job<'a> {
         self.render_passes(scene, &camera_paths, integrator.as_ref(), algorithm, start);
     }
 
-    /// Publishes surface AOVs of `scene` if a browser has asked for them.
+    /// Publishes the surface AOVs of `scene` (albedo, normal and others) if a browser has asked for
+    /// them.
     fn publish_requested_aovs(
         live: &RenderPublisher<'_>,
         scene: &Scene,
@@ -244,12 +247,12 @@ impl<'a> Job<'a> {
         });
     }
 
-    /// Renders passes until the job is cancelled. The render pauses when it reaches a limit. If the
-    /// user then resumes the render, it continues without limits. `start` is the time at which the
-    /// preparation of `algorithm` began.
+    /// Renders passes until the job is cancelled. The render pauses when it reaches a limit of the
+    /// command line; if the user then resumes it, it continues without limits. `start` is the time
+    /// at which the preparation of `algorithm` began.
     ///
-    /// If the user stops the render before a limit, the limits stay. The time limit then counts
-    /// from the moment at which the user resumes the render.
+    /// If the user stops the render before a limit, the limits stay, but the time limit counts from
+    /// the moment at which the user resumes the render.
     fn render_passes(
         &mut self,
         scene: &Scene,

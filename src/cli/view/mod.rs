@@ -54,8 +54,8 @@ pub struct ViewArguments {
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub passes: Option<u32>,
 
-    /// Pause after the pass whose end is nearest to this time, such as 60s or 5m; pilots count
-    /// [default: 5m; no limit with --passes or --target-error]
+    /// Pause after the pass whose end is nearest to this time, such as 60s or 5m. Pilots are part
+    /// of the time  [default: 5m; no limit with --passes or --target-error]
     #[arg(long, value_parser = parse_duration, value_name = "TIME")]
     pub time: Option<Duration>,
 
@@ -70,7 +70,8 @@ pub struct ViewArguments {
 }
 
 impl ViewArguments {
-    /// Returns the limits of the command line, at which a render pauses.
+    /// Returns the limits of passes, time and error at which a render pauses, from the command
+    /// line.
     fn limits(&self) -> RenderLimits {
         let Self { passes, time, target_error, confidence, .. } = *self;
         RenderLimits { max_passes: passes, time_limit: time, target_error, confidence, preview: false }

@@ -6,11 +6,13 @@ use crate::scene::Scene;
 use crate::view::Orbit;
 use glam::DVec3;
 
-/// Smallest angle between the view direction and the up or down axis to which the user can pitch
-/// the camera \[radians]. If the scene's own camera is closer to an axis, its angle is the limit.
+/// Smallest angle between the view direction and the up or down direction that the user can reach
+/// by pitching the camera \[radians]. If the scene's own camera has a smaller angle, that angle is
+/// the limit.
 const MIN_POLE_ANGLE: f64 = 0.05;
 
-/// Largest absolute value of the zoom [`Orbit::log_distance`].
+/// Largest absolute value of the zoom [`Orbit::log_distance`]. The distance of the camera from the
+/// pivot thus changes by a factor of at most e⁸ ≈ 3000.
 const MAX_LOG_ZOOM: f64 = 8.0;
 
 /// Returns the camera of `scene`, moved by `orbit` around the point that the center of the picture

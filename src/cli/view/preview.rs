@@ -4,8 +4,8 @@ use crate::color::Rgb;
 use crate::integrate::{Algorithm, ProgressMonitor, Settings};
 use crate::scene::Scene;
 
-/// Largest number of pixels of a preview. A preview may have slightly more, because its width and
-/// height are rounded.
+/// Largest number of pixels of a preview. The actual number may be slightly larger, because width
+/// and height are rounded.
 const MAX_PIXELS: f64 = 20_000.0;
 
 /// Number of camera paths per pixel of a preview.
@@ -23,12 +23,11 @@ fn preview_size((width, height): (u32, u32)) -> (u32, u32) {
     (width.min(MAX_PIXELS as u32), height.min(MAX_PIXELS as u32))
 }
 
-/// Renders a preview of `scene` by path tracing. Returns its width and height, and the radiance of
-/// its pixels \[W/(m² sr)].
+/// Renders a preview of `scene` by path tracing. Returns the width and height of the preview, and
+/// the radiance of its pixels \[W/(m² sr)].
 ///
-/// The preview lacks caustics that only photons find. `settings` are the settings of the full
-/// render. The preview uses them with its own number of samples per pixel, and without simulations
-/// before the first pass.
+/// `settings` are the settings of the full render. The preview takes fewer samples per pixel and
+/// makes no simulations before the first pass. Caustics that only photons find are missing.
 pub(super) fn render_preview(
     scene: &Scene,
     settings: &Settings,

@@ -33,7 +33,8 @@ impl LoadedScene {
     }
 }
 
-/// Result of reading a scene: its text and errors, its files, and the scene if there is no error.
+/// Result of reading a scene: its text and errors, its files, and the scene itself if it has no
+/// error.
 pub(super) struct SceneReadResult {
     pub source: SceneSource,
     pub files: WatchedFiles,
@@ -42,9 +43,9 @@ pub(super) struct SceneReadResult {
 
 /// Reads and builds the scene that the command line names.
 ///
-/// Unchanged parts are shared with the `previous` scene. If only the camera differs, everything
-/// else is shared (see [`scene_with_new_camera`]); otherwise unchanged meshes and bounding volume
-/// hierarchies are.
+/// Unchanged parts are shared with the `previous` scene: everything but the camera if only the
+/// camera differs (see [`scene_with_new_camera`]), or else unchanged meshes and bounding volume
+/// hierarchies.
 pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScene>) -> SceneReadResult {
     let path = &arguments.scene.scene;
     let name = path.display().to_string();

@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, Scope};
 use std::time::{Duration, Instant};
 
-/// Longest time between two checks for signals and for changed files.
+/// Longest time between two checks for interrupting signals and for changed files.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// One run of `caustica view`: it starts a [`Job`] whenever the scene or the camera changes.
@@ -30,8 +30,7 @@ pub(super) struct Session<'a> {
 /// Mutable state of a session of `caustica view`: the current render job, and data for later jobs.
 struct SessionState {
     job: JobHandle,
-    /// Number by which the page identifies the render of the current job, as [`Session::start_job`]
-    /// returned it.
+    /// Number by which the live page identifies the render of the current job.
     render_number: u32,
     /// True while the current job reads the scene file.
     reading: bool,
@@ -47,13 +46,13 @@ struct SessionState {
 
 impl<'a> Session<'a> {
     /// Makes a session whose renders run in `pool` and appear on `page`. The jobs of the session
-    /// report to `queue`.
+    /// send their events to `queue`.
     pub fn new(arguments: &'a ViewArguments, page: &'a LivePage, pool: &'a ThreadPool, queue: EventQueue) -> Self {
         Self { arguments, page, pool, queue, render_lock: Mutex::new(()) }
     }
 
-    /// Renders until the first interrupting signal. `events` is the receiving end of the session's
-    /// queue.
+    /// Renders until the first interrupting signal. `events` receives what browsers and jobs send
+    /// to the session's queue.
     pub fn run(&self, events: &Receiver<Event>) {
         thread::scope(|scope| {
             let mut watch = FileWatch::default();
@@ -136,11 +135,11 @@ impl SessionState {
         }
     }
 
-    /// Returns the scene to render with the moved camera; `None` if the camera has not moved, or no
-    /// scene has been read.
+    /// Returns the scene that a new job renders if the user has moved the camera. Returns `None` if
+    /// the camera has not moved, or no scene has been read.
     ///
-    /// Also `None` while the scene file is being read: a job with the earlier scene would cancel
-    /// the reading, and so lose the edit of the file.
+    /// Also returns `None` while the current job reads the scene file: a job with the earlier scene
+    /// would cancel the reading, and so lose the edit of the file.
     fn scene_for_moved_camera(&self) -> Option<JobScene> {
         self.loaded.clone().filter(|_| self.orbit_changed && !self.reading).map(JobScene::Loaded)
     }

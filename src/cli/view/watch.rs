@@ -16,7 +16,8 @@ impl WatchedFiles {
         Self(vec![(path.to_owned(), FileStamp::of_file(path))])
     }
 
-    /// Adds the files of `other` that this list lacks, with their stamps in `other`.
+    /// Adds those files of `other` that are not in this list, with their stamps (modification time
+    /// and length) in `other`.
     pub fn add_all(&mut self, other: &Self) {
         for (path, stamp) in &other.0 {
             if self.0.iter().all(|(known, _)| known != path) {
@@ -37,7 +38,7 @@ impl WatchedFiles {
         Self(self.0.iter().map(|(path, _)| (path.clone(), FileStamp::of_file(path))).collect())
     }
 
-    /// True if all files except the first, the scene file, are unchanged since their stamps were
+    /// True if no file but the scene file, the first of the list, has changed since its stamp was
     /// taken.
     pub fn has_unchanged_inputs(&self) -> bool {
         self.0.iter().skip(1).all(|(path, stamp)| FileStamp::of_file(path) == *stamp)
@@ -78,8 +79,8 @@ impl MeshReadMonitor for WatchedFileCollector {
 #[derive(Debug, Default)]
 pub(super) struct FileWatch {
     files: WatchedFiles,
-    /// Changed stamps that the last poll found; `None` if it found no change. The change is
-    /// reported if the next poll finds the same stamps.
+    /// Changed stamps (modification times and lengths) that the last poll found; `None` if it found
+    /// no change. The change is reported if the next poll finds the same stamps.
     unsettled: Option<WatchedFiles>,
 }
 
@@ -89,8 +90,8 @@ impl FileWatch {
         (self.files, self.unsettled) = (files, None);
     }
 
-    /// Polls all files. Returns true once after each change, when two calls in a row have found the
-    /// same changed stamps.
+    /// Polls all files. Returns true once per change: when two calls in a row have found the same
+    /// changed stamps.
     pub fn has_settled_change(&mut self) -> bool {
         let now = self.files.with_current_stamps();
         if now == self.files {

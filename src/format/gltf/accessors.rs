@@ -9,10 +9,12 @@ use std::rc::Rc;
 /// Buffers of a glTF file. Each buffer is read when it is first needed.
 pub(super) struct GltfBuffers<'a> {
     context: &'a FileContext<'a>,
-    /// Binary chunk of a `.glb` file; `None` if there is none. The first use of the buffer in this
-    /// chunk moves the chunk to `buffers`, and leaves `None` here.
+    /// Binary chunk of a `.glb` file, until the first read of the buffer that this chunk holds.
+    /// This read moves the bytes to `buffers`. `None` afterwards, or if the file has no binary
+    /// chunk.
     blob: RefCell<Option<Vec<u8>>>,
-    /// Bytes of each buffer; empty until the buffer is read.
+    /// Bytes of the file's buffers, by buffer index. The cell of a buffer is empty until that
+    /// buffer is read.
     buffers: Vec<OnceCell<Rc<[u8]>>>,
 }
 
@@ -22,7 +24,7 @@ pub(super) struct AccessorValues {
     pub components_per_element: usize,
     /// Components of all elements, one element after the other.
     ///
-    /// Normalized integers lie in \[−1, 1].
+    /// Numbers that the file stores as normalized integers are already decoded to \[−1, 1].
     pub numbers: Vec<f64>,
 }
 
@@ -93,8 +95,8 @@ impl<'a> GltfBuffers<'a> {
 
     /// Returns the numbers of an accessor.
     ///
-    /// Accepts all component types, normalized integers, strides and sparse accessors. Elements
-    /// without a buffer view are 0.
+    /// Accepts all component types, normalized integers, strides and sparse accessors. An accessor
+    /// without a buffer view has elements of 0, except where its sparse part replaces them.
     pub fn read_accessor(&self, accessor: &Accessor<'_>) -> ReadResult<AccessorValues> {
         let place = format!("accessors[{}]", accessor.index());
         let width = components_per_element(accessor.dimensions());
@@ -159,8 +161,8 @@ impl<'a> GltfBuffers<'a> {
 
     /// Returns the components of all elements of an accessor, decoded from a buffer view.
     ///
-    /// `offset` is the distance of the first element from the start of the view \[bytes]. Errors
-    /// name the accessor as `place`.
+    /// `offset` is the distance of the first element from the start of the view \[bytes]. `place`
+    /// is the name of the accessor in error messages.
     fn read_elements(
         &self,
         place: &str,
@@ -199,13 +201,15 @@ struct AccessorLayout {
     components_per_element: usize,
     /// Type of each component, such as `F32`.
     kind: DataType,
-    /// True if integers stand for fractions of their greatest value.
+    /// True if an integer component stands for a fraction: its value divided by the greatest value
+    /// of its type.
     is_normalized: bool,
 }
 
 /// Returns the number of components per element, such as 3 for `Vec3`.
 ///
-/// The importer reads no matrices, so this does not count the padding of their columns.
+/// Padding bytes between the columns of matrices are not counted: no accessor that the importer
+/// reads holds matrices.
 fn components_per_element(dimensions: Dimensions) -> usize {
     dimensions.multiplicity()
 }

@@ -12,7 +12,7 @@ use std::fmt::Display;
 use std::io::Read;
 use std::path::Path;
 
-/// Help text of errors without a more specific remedy.
+/// Help text of an error for which the importer has no more specific advice.
 const REMEDY: &str = "export the file again, or repair it: a glTF validator lists all its defects";
 
 /// Access to the glTF file that is imported and to the files that it names, with the options of the
@@ -20,7 +20,7 @@ const REMEDY: &str = "export the file again, or repair it: a glTF validator list
 pub(super) struct FileContext<'a> {
     /// Path of the glTF file.
     pub path: &'a Path,
-    /// Receives the path of each file that is read after the glTF file.
+    /// Observer that receives the path of each file that is read after the glTF file.
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the folder of the glTF file.
     pub options: &'a ImportOptions,

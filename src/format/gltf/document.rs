@@ -7,19 +7,20 @@ use gltf::json::{Image, Path as JsonPath, Root};
 use gltf::{Document, Semantic};
 use serde_json::Value;
 
-/// Estimated memory of each JSON object \[bytes]: its generic value (crate `serde_json`) and the
-/// glTF record that is made of this value (crate `gltf`).
+/// Estimated memory of each JSON object \[bytes]. It covers the object as a `serde_json` value, and
+/// the record that the crate `gltf` makes of this value.
 const MEMORY_PER_JSON_OBJECT: u64 = 1_200;
 
 /// Estimated memory of each element of a JSON array and each member of a JSON object \[bytes].
 const MEMORY_PER_JSON_VALUE: u64 = 100;
 
-/// Estimated memory per byte of the JSON text \[bytes], mostly for strings.
+/// Estimated memory for each byte of the JSON text \[bytes]. Most of it is taken by strings.
 const MEMORY_PER_BYTE: u64 = 4;
 
-/// Extensions that a glTF file may list as required, besides those that the crate `gltf` supports.
+/// Extensions that the importer supports in addition to those of the crate `gltf`.
 ///
-/// A file may also require extensions that the importer ignores. All others are refused.
+/// A file may require these extensions, and also those that the importer ignores. A file that
+/// requires any other extension is refused.
 const EXTRA_SUPPORTED_EXTENSIONS: [&str; 9] = [
     "EXT_mesh_gpu_instancing",
     "KHR_materials_clearcoat",
@@ -32,9 +33,9 @@ const EXTRA_SUPPORTED_EXTENSIONS: [&str; 9] = [
     "KHR_texture_basisu",
 ];
 
-/// Material extensions that the importer ignores, each with the message about it.
+/// Material extensions that the importer ignores, each with the message that tells the user so.
 ///
-/// A file may require these extensions, because they only refine materials.
+/// A file may require these extensions, because ignoring them changes only details of a material.
 pub(super) const IGNORED_MATERIAL_EXTENSIONS: [(&str, &str); 4] = [
     ("KHR_materials_anisotropy", "anisotropy is ignored: highlights are round"),
     ("KHR_materials_iridescence", "iridescence is ignored"),
@@ -51,7 +52,7 @@ const MAX_REPORTED_DEFECTS: usize = 3;
 
 /// A parsed and validated glTF document, and the binary chunk of a `.glb` file.
 pub(super) struct GltfFile {
-    /// The validated document.
+    /// Content of the glTF JSON, already checked for defects.
     pub document: Document,
     /// Binary chunk of a `.glb` file, which holds its first buffer; `None` if the file has none.
     pub blob: Option<Vec<u8>>,
@@ -84,7 +85,8 @@ pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mu
 
 /// Returns the JSON text and the binary chunk of a `.glb` file.
 ///
-/// The binary chunk is `None` if the second chunk is absent or of another type.
+/// The binary chunk is `None` if the file ends after the JSON, or if its second chunk is not of
+/// type `BIN`.
 fn split_container<'b>(context: &FileContext<'_>, bytes: &'b [u8]) -> ReadResult<(&'b [u8], Option<Vec<u8>>)> {
     let number = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let chunk = |at: usize| -> Option<(u32, &[u8])> {
@@ -115,11 +117,11 @@ fn split_container<'b>(context: &FileContext<'_>, bytes: &'b [u8]) -> ReadResult
     Ok((json, blob))
 }
 
-/// Removes `extensionsRequired` from the JSON. Fails if it lists an extension that the importer
-/// neither supports nor ignores.
+/// Removes the list `extensionsRequired` from the JSON, because the crate `gltf` would refuse some
+/// extensions that this importer accepts.
 ///
-/// The list is removed because the crate `gltf` would refuse some extensions that this importer
-/// accepts. Adds a note for each required extension that the importer ignores.
+/// Fails if the list contains an extension that the importer neither supports nor ignores. Adds a
+/// note for each required extension that the importer ignores.
 fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: &mut ImportNotes) -> ReadResult<()> {
     let Some(Value::Array(required)) = root.as_object_mut().and_then(|root| root.remove("extensionsRequired")) else {
         return Ok(());
@@ -143,8 +145,8 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
 
 /// Changes the JSON so that the crate `gltf` accepts it.
 ///
-/// Removes animations, because the crate refuses some, and notes each. Adds an empty list of nodes
-/// to each scene without one.
+/// Removes all animations, because the crate refuses some of them, and adds a note for each. A
+/// scene without a list of nodes gets an empty list, because the crate demands one.
 fn adapt_json_to_parser(root: &mut Value, notes: &mut ImportNotes) {
     let Some(root) = root.as_object_mut() else { return };
     if let Some(animations) = root.remove("animations") {

@@ -8,14 +8,14 @@ use glam::{DVec2, DVec3, DVec4};
 use gltf::mesh::Mode;
 use gltf::{Primitive, Semantic};
 
-/// Estimated memory of each vertex and each triangle corner \[bytes], for reading a primitive and
-/// merging its equal vertices.
+/// Estimated memory that the import of a primitive takes for each of its vertices, and again for
+/// each of its triangle corners \[bytes]. It includes the merging of equal vertices.
 const MEMORY_PER_CORNER: u64 = 200;
 
 /// Converts a primitive to a triangle mesh; `None` if it has no triangles.
 ///
 /// `texcoord_set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …);
-/// `None` if the material uses none. Messages call the primitive `place`.
+/// `None` if the material uses none. `place` is the name of the primitive in messages.
 pub(super) fn read_primitive(
     buffers: &GltfBuffers<'_>,
     context: &FileContext<'_>,

@@ -19,8 +19,10 @@ use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-/// Luminous efficacy of radiation at 555 nm \[lm/W]. Intensities of the file in candela and lux are
-/// divided by this constant, which gives W/sr and W/m².
+/// Luminous efficacy of radiation at 555 nm \[lm/W].
+///
+/// A file states intensities in candela and illuminances in lux. The importer divides both by this
+/// constant, which gives W/sr and W/m².
 const LUMENS_PER_WATT: f64 = 683.0;
 
 /// Estimated memory of each instance of a primitive \[bytes], in the scene description and in the
@@ -40,7 +42,7 @@ pub(super) struct GltfSceneContent {
     /// Lower and upper corner of the objects' bounds in world space; +∞ and −∞ if there are no
     /// objects.
     pub world_bounds: (DVec3, DVec3),
-    /// True if a surface emits light.
+    /// True if at least one object of the scene has a material that emits light.
     pub has_emissive_surfaces: bool,
 }
 
@@ -57,15 +59,16 @@ struct ImportedPrimitive {
     emits: bool,
 }
 
-/// State of the traversal of a scene's nodes. It collects the content of the imported scene.
+/// State of the walk through all nodes of a scene. It collects the content of the imported scene.
 struct NodeWalker<'w, 'a> {
     context: &'a FileContext<'a>,
     buffers: &'a GltfBuffers<'a>,
     document: &'w gltf::Document,
     materials: &'w mut GltfMaterials<'a>,
     notes: &'w mut ImportNotes,
-    /// Imported primitives, by mesh index and index in the mesh. A value is `None` for a primitive
-    /// without triangles or with alpha 0 everywhere.
+    /// Imported primitives. A key holds the index of the mesh in the file, and the index of the
+    /// primitive in this mesh. A value is `None` for a primitive without triangles or with alpha 0
+    /// everywhere.
     primitives: HashMap<(usize, usize), Option<ImportedPrimitive>>,
     content: GltfSceneContent,
 }

@@ -23,8 +23,8 @@ pub(super) struct TextureReference<'a> {
     pub texture: gltf::Texture<'a>,
     /// Index of the texture coordinates that the texture uses (`TEXCOORD_0`, …).
     pub texcoord_set: u32,
-    /// Transform from texture coordinates of the imported mesh to picture coordinates, both with v
-    /// upwards.
+    /// Transform from texture coordinates of the imported mesh to picture coordinates. In both, v
+    /// grows upwards.
     pub transform: TexcoordTransformDescription,
 }
 
@@ -33,7 +33,8 @@ pub(super) struct TextureReference<'a> {
 pub(super) enum GltfTextureUse {
     /// Colors, decoded from sRGB and multiplied by the given factor.
     Color(DVec3),
-    /// One linear channel, from 0 for red to 3 for alpha, multiplied by the given factor.
+    /// Index of one channel (0 for red to 3 for alpha), and a factor. The parameter is the linear
+    /// value of this channel, multiplied by the factor.
     Channel(usize, f64),
     /// GGX α: (green channel · given factor)².
     GgxAlpha(f64),
@@ -46,7 +47,7 @@ pub(super) enum GltfTextureUse {
 /// Result of converting a texture: a constant, or a texture of the imported scene.
 #[derive(Clone, Debug)]
 pub(super) enum GltfConvertedTexture {
-    /// Common value of all pixels.
+    /// Value of every pixel, if all pixels are equal.
     Constant(DVec3),
     /// Name of a texture in the imported scene, and the mean of its values.
     Texture(Spanned<String>, DVec3),
@@ -68,8 +69,11 @@ pub(super) struct GltfTextures<'a> {
     buffers: &'a GltfBuffers<'a>,
     /// Decoded pictures by image index; `None` for an image in an unsupported format.
     decoded_pictures: HashMap<usize, Option<Rc<QuantizedRgba>>>,
-    /// Converted images. A key holds the image index and the [`GltfTextureUse`] as text. A value
-    /// `Texture` holds the path of an embedded picture instead of a texture's name.
+    /// Results of image conversions. A key holds the image index, and the [`GltfTextureUse`] as
+    /// text.
+    ///
+    /// If the value is `GltfConvertedTexture::Texture`, its text is the path of an embedded
+    /// picture, and not the name of a texture as elsewhere.
     converted_pictures: HashMap<(usize, String), GltfConvertedTexture>,
     /// Names of the imported scene's textures. A key is a text that states picture path, wrap mode
     /// and transform, so that equal textures become one.
@@ -149,7 +153,7 @@ impl<'a> GltfTextures<'a> {
     /// Returns the name of the imported texture that shows the embedded picture `path`, with the
     /// wrap mode and transform of `reference`.
     ///
-    /// Adds the texture to the imported scene at its first use.
+    /// The first call for this combination adds the texture to the imported scene.
     fn texture_name(
         &mut self,
         reference: &TextureReference<'_>,
@@ -183,7 +187,8 @@ impl<'a> GltfTextures<'a> {
         name
     }
 
-    /// Returns the pixels of an image as integer levels; `None` if its format is not supported.
+    /// Returns the pixels of an image as integer levels, before any conversion to linear values.
+    /// `None` if the format of the image is not supported.
     ///
     /// Each image is decoded once.
     fn decoded_levels(
@@ -212,8 +217,8 @@ impl<'a> GltfTextures<'a> {
 
     /// Converts pixels for `texture_use`, and embeds them as a picture.
     ///
-    /// Returns a `Texture` that holds the path of the picture instead of a texture's name. If all
-    /// pixels are equal, returns a constant, and embeds nothing.
+    /// Returns `GltfConvertedTexture::Texture`, with the path of the picture in place of a
+    /// texture's name. If all pixels are equal, returns `Constant`, and embeds nothing.
     fn embed_converted_picture(
         &mut self,
         levels: &QuantizedRgba,
@@ -290,7 +295,8 @@ impl<'a> TextureReference<'a> {
     /// Returns a reference to `texture` with the transform of `extension`, the JSON object of
     /// KHR_texture_transform.
     ///
-    /// This reads the JSON because the crate `gltf` does not parse the extension for all textures.
+    /// Reads the transform from the JSON, because the crate `gltf` parses this extension only for
+    /// some kinds of textures.
     fn with_raw_transform(texture: gltf::Texture<'a>, texcoord_set: u32, extension: Option<&Value>) -> Self {
         let Some(extension) = extension else {
             return Self { texture, texcoord_set, transform: TexcoordTransformDescription::default() };

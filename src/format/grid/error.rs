@@ -29,7 +29,8 @@ pub enum GridError {
         path: PathBuf,
         /// Cells along x, y and z.
         size: [u32; 3],
-        /// Length that the size line implies for the densities \[bytes].
+        /// Length of the densities \[bytes], as it follows from the number of cells in the `size`
+        /// line.
         expected: u64,
         /// Length of the part of the file after the header \[bytes].
         found: u64,
@@ -59,7 +60,7 @@ pub enum GridError {
         cells: usize,
         /// Memory that reading the grid takes \[bytes].
         needed: u64,
-        /// Memory that is free \[bytes]; `None` if unknown. In that case, the system refused the
+        /// Memory that is free \[bytes]. `None` if this is unknown; then the system refused the
         /// allocation.
         free: Option<u64>,
     },

@@ -26,7 +26,8 @@ use std::path::Path;
 /// Largest accepted number of cells of a grid.
 pub const MAX_CELLS: u64 = 1 << 30;
 
-/// Upper bound of the memory per grid cell \[bytes]: 4 for its density, and 4 for majorants.
+/// Upper bound of the memory per grid cell \[bytes]: 4 for its density, and 4 for majorants (upper
+/// bounds of the density in blocks of cells).
 pub(super) const MEMORY_PER_CELL: u64 = 8;
 
 /// Largest accepted size of a header, with its empty line \[bytes].
@@ -53,7 +54,7 @@ pub enum GridEncoding {
     Text,
 }
 
-/// Header of a grid file.
+/// Content of a grid file's header, and the length of the header.
 struct GridHeader {
     size: [u32; 3],
     cell_count: usize,
@@ -74,10 +75,7 @@ pub fn read(path: &Path) -> Result<DensityGridData, GridError> {
 
 /// Reads a grid file. Fails before allocating if the grid takes more than `free` bytes.
 ///
-/// `None` sets no limit, for systems whose free memory is unknown.
-///
-/// # Errors
-/// [`GridError`].
+/// A `free` of `None` sets no limit, for systems whose free memory is unknown.
 pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<DensityGridData, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
     let (file, length) = open_file(path).map_err(unreadable)?;
@@ -226,8 +224,8 @@ struct GridBodyReader<'a> {
 impl GridBodyReader<'_> {
     /// Returns an empty list with capacity for the densities of all cells.
     ///
-    /// Fails if the memory for the grid and `more` further bytes exceeds the free memory, or if the
-    /// system refuses the allocation.
+    /// Fails if the grid and `more` bytes of other data, such as the file's text, exceed the free
+    /// memory, or if the system refuses the allocation.
     fn allocate_densities(&self, more: u64) -> Result<Vec<f32>, GridError> {
         let Self { path, header, free_memory: free, .. } = *self;
         let needed = MEMORY_PER_CELL * header.cell_count as u64 + more;

@@ -14,8 +14,8 @@ use crate::format::span::Spanned;
 ///
 /// [`field_table!`] implements it from a table.
 pub(in crate::format) trait BlockCodec: Sized {
-    /// Fields that the type's [`field_table!`] declares, in its order. Empty for a type without a
-    /// field table, whose fields the block's schema lists instead.
+    /// Fields that the type's [`field_table!`] declares, in the order of the table. Empty for a
+    /// type without a field table; the schema of its block lists the fields instead.
     const FIELDS: &'static [FieldList] = &[];
 
     /// Converts the parsed fields of a block to a description.
@@ -69,7 +69,8 @@ pub(in crate::format) use field_table;
 
 /// Entry of a field table: one field, or several fields that together give one value of type `T`.
 pub(in crate::format) trait FieldEntry<T> {
-    /// Returns the value that the fields of `f` give; its default if they are absent.
+    /// Returns the value that the fields of `f` give. If these fields are absent, returns their
+    /// default value.
     ///
     /// # Errors
     /// If a required field is absent, or if the value violates a rule.
@@ -78,7 +79,8 @@ pub(in crate::format) trait FieldEntry<T> {
     /// Writes `value` as fields of a block.
     fn write(&self, out: &mut SceneWriter<'_, '_>, value: &T) -> fmt::Result;
 
-    /// Returns the name of the texture in `value`; `None` if it holds none.
+    /// Returns the name of the texture that `value` refers to; `None` if `value` refers to no
+    /// texture.
     fn texture_name<'v>(&self, value: &'v T) -> Option<&'v Spanned<String>>;
 }
 
@@ -99,12 +101,14 @@ impl<T: FieldValue> FieldEntry<T> for FieldSchema {
     }
 }
 
-/// Function that fails if the value of a field violates a rule, alone or with other fields.
+/// Function that fails if the value of a field violates a rule. The rule may involve other fields
+/// of the block, such as "at most half of `angle`".
 ///
-/// It is called only if the block has the field.
+/// The function is called only if the block has the field.
 pub(in crate::format) type FieldCheck = fn(&BlockFields<'_>, &ParsedField<'_, '_>) -> Result<(), SceneError>;
 
-/// Table entry of a field whose value a function checks, for example against other fields.
+/// Entry of a field table: a field, and a function that checks its value, for example against the
+/// values of other fields.
 #[derive(Clone, Copy)]
 pub(in crate::format) struct FieldWithCheck {
     field: FieldSchema,
@@ -147,7 +151,8 @@ pub(in crate::format) struct FieldGroup<T: 'static> {
     pub parse: fn(&BlockFields<'_>) -> Result<T, SceneError>,
     /// Function that writes a value as fields of a block.
     pub write: fn(&T, &mut SceneWriter<'_, '_>) -> fmt::Result,
-    /// Function that returns the name of the texture in a value; `None` if it holds none.
+    /// Function that returns the name of the texture that a value refers to; `None` if it refers to
+    /// none.
     pub texture_name: fn(&T) -> Option<&Spanned<String>>,
 }
 

@@ -18,9 +18,8 @@ use crate::format::transform_step::TransformStep;
 pub(in crate::format) struct ParsedFieldValue {
     /// Parsed numbers, at most three, in x, y and z. Unused components are 0.
     pub(super) numbers: DVec3,
-    /// Text of a name, path or word.
-    ///
-    /// In a field that accepts numbers or a texture: the texture's name, or empty for numbers.
+    /// The name, path or word that the field holds. If the field accepts numbers or a texture: the
+    /// name of the texture, empty if the field holds numbers.
     pub(super) text: String,
     pub(super) steps: Vec<TransformStep>,
     /// Polynomial basis of a `profile` curve; `points` holds its control points.
@@ -39,20 +38,20 @@ pub(in crate::format) trait FieldValue: PartialEq + Sized {
     /// Writes the field `name` with this value.
     fn write(&self, out: &mut SceneWriter<'_, '_>, name: &str) -> fmt::Result;
 
-    /// Returns the value of an absent field whose schema has no default; `None` if the field must
-    /// be present.
+    /// Returns the value that an absent field stands for if its schema has no default; `None` if
+    /// such a field is an error.
     fn absent_value() -> Option<Self> {
         None
     }
 
-    /// Returns the name of the texture that the field may hold instead of numbers; `None` for
-    /// numbers and other values.
+    /// Returns the name of the texture if the field holds such a name instead of numbers; otherwise
+    /// `None`.
     fn texture_name(&self) -> Option<&Spanned<String>> {
         None
     }
 }
 
-/// Returns the value that `field` has if it is absent; `None` if it must be present.
+/// Returns the value that an absent `field` stands for; `None` if its absence is an error.
 pub(in crate::format) fn default_value<T: FieldValue>(field: &FieldSchema) -> Option<T> {
     let mut value = ParsedFieldValue::default();
     match field.default {
@@ -104,7 +103,7 @@ impl FieldValue for u32 {
     }
 }
 
-/// A whole number whose field has a range inside 0 to 255.
+/// A whole number of a field whose schema limits it to a range inside \[0, 255].
 impl FieldValue for u8 {
     fn from_parsed_value(value: &Spanned<ParsedFieldValue>) -> Self {
         value.numbers.x as Self
@@ -115,7 +114,7 @@ impl FieldValue for u8 {
     }
 }
 
-/// The words `yes` and `no`.
+/// A truth value, written as the word `yes` or `no`.
 impl FieldValue for bool {
     fn from_parsed_value(value: &Spanned<ParsedFieldValue>) -> Self {
         value.text == "yes"

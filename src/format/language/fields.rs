@@ -234,7 +234,7 @@ fn parse_weighted_points<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result
 
 /// Parses the curve block that follows the keyword `profile`.
 ///
-/// The returned span is that of the block's keyword, such as `BezierCurve`.
+/// The span of the result is the position of the block's keyword, such as `BezierCurve`.
 fn parse_profile_curve(parser: &mut Parser<'_>) -> Result<Spanned<ProfileCurve>, SceneError> {
     let keyword = parser.lexer.peek_token();
     let (block, basis) = match keyword.text {
@@ -278,7 +278,8 @@ impl<'a> BlockFields<'a> {
         })
     }
 
-    /// Returns the only field among `names` that is present in the block.
+    /// Returns the field of the block whose name is among `names`. The block must have exactly one
+    /// such field.
     ///
     /// # Errors
     /// If no field or more than one field of `names` is present.
@@ -297,8 +298,10 @@ impl<'a> BlockFields<'a> {
         Ok(ParsedField { block: self, field, keyword: *word, value })
     }
 
-    /// Returns the value of the only field among `variants` that is present in the block. The
-    /// variant's function converts the color to a `T`.
+    /// Returns the value of the only field among `variants` that is present in the block.
+    ///
+    /// Each of `variants` holds a keyword and the function that converts this field's color to a
+    /// `T`.
     ///
     /// # Errors
     /// If no field or more than one field of `variants` is present.
@@ -342,8 +345,8 @@ impl<'a> BlockFields<'a> {
         self.get(name).map(|field| field.value())
     }
 
-    /// Returns the word in the field `name`. If the field is absent, returns the schema's default
-    /// word.
+    /// Returns the word in the field `name`. If the field is absent, returns the default word of
+    /// the field's schema.
     ///
     /// # Errors
     /// If the field is absent and its schema has no default word.
@@ -372,7 +375,7 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         T::from_parsed_value(self.value)
     }
 
-    /// Returns the curve that has the control points in this field and the given polynomial
+    /// Returns a curve whose control points are those in this field, and whose polynomial basis is
     /// `basis`.
     ///
     /// # Errors

@@ -5,8 +5,8 @@ use crate::format::span::{Span, Spanned};
 
 /// Token of scene text: a word, a number or one of `{ } [ ] "`.
 ///
-/// The token is empty at the end of the scene text. A number token is also empty if no number
-/// stands there.
+/// The token is empty at the end of the scene text. It is also empty if the parser asked for a
+/// number and none follows.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::format) struct Token<'a> {
     pub text: &'a str,
@@ -24,9 +24,10 @@ impl Token<'_> {
     }
 }
 
-/// Lexer of scene text. Its tokens depend on the type that the parser asks for.
+/// Lexer of scene text. How long a token is depends on the type that the parser asks for.
 ///
-/// For example, `20width` starts with the number 20 if a number is asked for, else it is a word.
+/// For example, of `20width` the token is `20` if a number is asked for, and `20width` if a word
+/// is.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::format) struct Lexer<'a> {
     file_name: &'a str,

@@ -133,8 +133,8 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
 #[derive(Default)]
 struct SceneFileBlocks {
     camera: Option<Spanned<CameraDescription>>,
-    /// Radiance of the background \[W/(m² sr)], and the name of the medium outside all bodies;
-    /// `None` without a `Background` block.
+    /// Radiance of the background \[W/(m² sr)], and the name of the medium outside all bodies, if
+    /// one is set. `None` if no `Background` block was parsed.
     background: Option<(DVec3, Option<Spanned<String>>)>,
     lights: Vec<Spanned<LightDescription>>,
     textures: Vec<Spanned<TextureDescription>>,

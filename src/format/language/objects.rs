@@ -61,8 +61,8 @@ pub(in crate::format) fn parse_group<'a>(
 // The functions below are not inlined into `parse_group`: it recurses, and its stack frame must
 // stay small.
 
-/// Appends the parsed `item` to `items`, and returns `None`. If parsing failed, appends nothing and
-/// returns the error.
+/// Appends the entry in `item` to `items` if it was parsed without an error. Otherwise appends
+/// nothing and returns the error.
 #[inline(never)]
 fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Option<SceneError> {
     match item {
@@ -76,8 +76,8 @@ fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Ve
 
 /// Records `error`, and skips the rest of the group's entry that has this error.
 ///
-/// `mark` is the block nesting before the entry. If the text ended inside a block or the list of
-/// errors is full, records nothing and returns `Err(error)`.
+/// `mark` is the block nesting that was saved before the entry was parsed. If the text ended inside
+/// a block or the list of errors is full, records nothing and returns `Err(error)`.
 #[inline(never)]
 fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: SavedBlockNesting) -> Result<(), SceneError> {
     parser.record_error(error)?;

@@ -26,10 +26,10 @@ pub(in crate::format) struct Parser<'a> {
     has_unclosed_block: bool,
 }
 
-/// Numbers of open and closed blocks, saved before an entry of a block is parsed.
+/// Counts of open and closed blocks, saved before an entry of a block is parsed.
 ///
-/// After an error in the entry, the parser compares them with the current numbers to find the
-/// entry's end.
+/// If the entry has an error, the parser compares these counts with the current ones to find the
+/// end of the entry.
 #[derive(Clone, Copy)]
 pub(in crate::format) struct SavedBlockNesting {
     open_block_count: usize,
@@ -54,17 +54,16 @@ impl<'a> Parser<'a> {
     /// Joins the recorded errors and `last` into one [`SceneError`], in the order of the text;
     /// `None` without errors.
     ///
-    /// `last` is the error that stopped the parser, if any. If the text ends inside a block, an
-    /// earlier error is the likely cause. Then `last` is dropped unless it is the only error.
+    /// `last` is the error that stopped the parser, if any. If the text ends inside a block, `last`
+    /// is probably a consequence of an earlier error. Then `last` is dropped unless it is the only
+    /// error.
     pub fn into_joined_error(mut self, last: Option<SceneError>) -> Option<SceneError> {
         self.errors.extend(last.filter(|_| !self.has_unclosed_block || self.errors.is_empty()));
         SceneError::from_errors(self.errors)
     }
 
-    /// Calls `parse_entry`. If it fails, records the error and skips to the next entry of the
-    /// block.
-    ///
-    /// An entry starts with a word of `allowed`.
+    /// Calls `parse_entry` to parse one entry of a block. If it fails, records the error and skips
+    /// to the next entry, which starts with a word of `allowed`.
     ///
     /// # Errors
     /// The error of `parse_entry`, if the text ended inside a block or the list of errors is full.
@@ -106,7 +105,8 @@ impl<'a> Parser<'a> {
 
     /// Skips the rest of a block's entry that has a syntax error. An entry is a field or an object.
     ///
-    /// `mark` is the block nesting before the entry, and words of `allowed` start entries.
+    /// `mark` is the block nesting that was saved before the entry was parsed. Each word of
+    /// `allowed` can start an entry.
     ///
     /// - If the entry opened blocks that are still open, skips past their ends.
     /// - If the entry opened and closed a block, it has ended, so nothing is skipped.
@@ -189,8 +189,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Parses the `{` of a `Group`, `Transform` or `Moving` block. Fails if such blocks nest too
-    /// deep.
+    /// Parses the `{` of a `Group`, `Transform` or `Moving` block. Fails if such blocks nest deeper
+    /// than `MAX_NESTING_DEPTH`.
     pub fn open_nested_block(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
         if self.nesting_depth == MAX_NESTING_DEPTH {
             let message = format!("groups and transforms nest more than {MAX_NESTING_DEPTH} deep");
@@ -201,13 +201,14 @@ impl<'a> Parser<'a> {
         self.open_block(keyword)
     }
 
-    /// Decrements the nesting depth. The caller has parsed the `}` of a `Group`, `Transform` or
-    /// `Moving` block.
+    /// Counts a `Group`, `Transform` or `Moving` block as left: decrements the nesting depth. The
+    /// caller has parsed the block's `}`.
     pub fn decrement_nesting_depth(&mut self) {
         self.nesting_depth -= 1;
     }
 
-    /// True if a previous call found that the text ends inside a block.
+    /// True if the parser has reached the end of the text inside a block, that is, before the
+    /// block's `}`.
     pub fn has_unclosed_block(&self) -> bool {
         self.has_unclosed_block
     }
@@ -235,8 +236,8 @@ impl<'a> Parser<'a> {
         Err(self.lexer.error_at(token.span(), message, "here", format!("put `{mark}` before it")))
     }
 
-    /// Reads the next word of the innermost block; `None` at the block's `}`, which it reads and
-    /// closes.
+    /// Reads the next word of the innermost block. If the block's `}` follows instead, reads it,
+    /// closes the block and returns `None`.
     ///
     /// # Errors
     /// If the text ends inside the block.
@@ -301,7 +302,7 @@ impl<'a> Parser<'a> {
 
     /// Returns the error for a token that stands where a number after the keyword `owner` belongs.
     ///
-    /// `owner` needs `wanted` numbers; `kind` is "number" or "whole number".
+    /// `wanted` is how many numbers must follow `owner`; `kind` is "number" or "whole number".
     fn missing_number_error(&mut self, owner: Token<'a>, wanted: usize, kind: &str) -> SceneError {
         let token = self.lexer.peek_token();
         if token.is_empty() {
@@ -355,8 +356,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Fails if the text states a number of entries, `count`, that differs from the actual number
-    /// `found`.
+    /// Fails if `count`, the number of entries that the text states, differs from `found`, the
+    /// number of entries that were parsed.
     ///
     /// `name` is the keyword before the stated number. Error messages call an entry `what`.
     pub fn check_entry_count(

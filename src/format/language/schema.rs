@@ -14,7 +14,8 @@ const MAX_SINGLE_PRECISION: f64 = f32::MAX as f64;
 
 /// Largest accepted absorption or scattering coefficient \[1/length].
 ///
-/// Its products with densities and lengths still fit into single precision.
+/// Coefficients up to this value can be multiplied by densities and lengths without overflow in
+/// single precision.
 pub(in crate::format) const MAX_MEDIUM_COEFFICIENT: f64 = 1e12;
 
 /// Type of the value that follows a field's keyword.
@@ -71,8 +72,8 @@ pub(in crate::format) enum FieldRange {
     OpenInterval(f64, f64),
     /// Above the first bound, up to and including the second.
     LeftOpenInterval(f64, f64),
-    /// Range that this text describes. The schema does not check the range; the function that
-    /// converts the block does.
+    /// The text describes the range for the language reference. The schema does not check the
+    /// range; the function that converts the block does.
     DescribedOnly(&'static str),
 }
 
@@ -81,8 +82,8 @@ pub(in crate::format) enum FieldRange {
 pub(in crate::format) enum FieldDefault {
     /// The field must be present.
     Required,
-    /// The field may be absent, without a default value. The text states in the language reference
-    /// what absence means.
+    /// The field may be absent, and has no default value. The language reference prints this text,
+    /// which states what absence means.
     Optional(&'static str),
     /// The parser uses these numbers if the field is absent.
     Numbers(&'static [f64]),
@@ -212,8 +213,8 @@ impl FieldSchema {
         self
     }
 
-    /// Makes the field optional without a default value. `meaning` states in the language reference
-    /// what it means if the field is absent.
+    /// Makes the field optional, without a default value. The language reference prints `meaning`,
+    /// which states what the absence of the field means.
     pub const fn make_optional(mut self, meaning: &'static str) -> Self {
         self.default = FieldDefault::Optional(meaning);
         self
@@ -273,9 +274,10 @@ impl FieldSchema {
         (!ok).then(|| self.describe_violated_range(numbers))
     }
 
-    /// Returns the rule of the field's range for an error message about the value `numbers`.
+    /// Returns the rule that the field's range imposes, such as "must not be negative" for
+    /// `NonNegative`.
     ///
-    /// For example, the rule of `NonNegative` is "must not be negative".
+    /// The rule is part of the error message about the value `numbers`, which violates it.
     fn describe_violated_range(&self, numbers: &[f64]) -> String {
         let each = if numbers.len() > 1 { " in each component" } else { "" };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
@@ -497,7 +499,8 @@ fn join_in_backticks(words: &[&str]) -> String {
     words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// Displays a bound of a field's range: 0.5, but 1e6 and above in scientific notation.
+/// Displays a bound of a field's range: as a plain decimal such as 0.5 if its magnitude is below
+/// 10⁶, else in scientific notation such as 1e12.
 struct RangeBound(f64);
 
 impl std::fmt::Display for RangeBound {

@@ -15,15 +15,15 @@ pub(in crate::format) struct ParserScope<'a> {
     pub texture_names: Vec<String>,
     /// Names of the media of the latest `Media` block; each block replaces the one before.
     pub medium_names: Vec<String>,
-    /// Materials of the latest `Materials` block; each block replaces the one before. A material
-    /// index counts them from 0.
+    /// Materials of the latest `Materials` block; each block replaces the one before. Scene text
+    /// can refer to them by their indices in this list.
     pub materials: Vec<DefinedMaterial>,
     /// Index into `materials` of each named material, by name.
     pub material_indices: HashMap<String, usize>,
-    /// True if the last `Group` refers to a material.
+    /// True if the `Group` that was parsed last refers to a material.
     pub group_uses_materials: bool,
-    /// Keyword of a `Materials` block that follows a `Group` which refers to a material; `None` if
-    /// there is none.
+    /// Keyword of a `Materials` block after a `Group` in which a material is used; `None` if no
+    /// such block was parsed.
     ///
     /// Such a block is an error, because it replaces the materials that the group uses.
     pub late_materials_keyword: Option<Token<'a>>,
@@ -33,7 +33,7 @@ pub(in crate::format) struct ParserScope<'a> {
 pub(in crate::format) struct DefinedMaterial {
     /// Name of the material; `None` if objects can refer to it only by its index.
     pub name: Option<String>,
-    /// True if the material is a null interface.
+    /// True if the material is a null interface, a boundary that light crosses unchanged.
     pub is_null_interface: bool,
     /// Properties that limit the material's use in a mix.
     pub mix_constraints: MixConstraints,
@@ -42,8 +42,8 @@ pub(in crate::format) struct DefinedMaterial {
 /// Properties of a material that limit its use in a mix.
 #[derive(Clone, Copy, Default)]
 pub(in crate::format) struct MixConstraints {
-    /// Index into [`ParserScope::materials`] of the material that bounds a dielectric body: this
-    /// material, or one that it mixes. `None` if neither bounds such a body.
+    /// Index into [`ParserScope::materials`] of the dielectric in this material: the material
+    /// itself or, if it is a mix, one of its components. `None` if there is no dielectric.
     pub dielectric_material_index: Option<usize>,
     /// Nesting depth of mixes: 0 for a material that is no mix, 1 for a mix of such materials.
     pub mix_depth: u8,
@@ -61,14 +61,14 @@ impl ParserScope<'_> {
         self.material_indices.get(name).and_then(|&index| self.materials.get(index))
     }
 
-    /// Returns the [`MixConstraints`] of the material called `name`; for an unknown name, mix depth
-    /// 0 and no dielectric.
+    /// Returns the [`MixConstraints`] of the material called `name`. An unknown name counts as a
+    /// material that is no mix and contains no dielectric.
     pub fn mix_constraints(&self, name: &str) -> MixConstraints {
         self.material_by_name(name).map(|material| material.mix_constraints).unwrap_or_default()
     }
 
-    /// Fails if materials are already defined. `block` holds textures or media, which must precede
-    /// the `Materials` that use them.
+    /// Fails if a `Materials` block was parsed before `block`, a `Textures` or `Media` block.
+    /// Materials can use only textures and media that precede them.
     pub fn check_precedes_materials(&self, lexer: Lexer<'_>, block: Token<'_>) -> Result<(), SceneError> {
         if self.materials.is_empty() {
             return Ok(());

@@ -3,8 +3,8 @@
 /// Greatest length of an unknown word for which a similar word is suggested \[characters].
 const MAX_WORD_LENGTH: usize = 40;
 
-/// Words of other renderers and file formats, in lower case, each with its keyword in this
-/// language.
+/// Keywords of other renderers and file formats, in lower case, each with the keyword of the scene
+/// language that means the same.
 const SYNONYMS: [(&str, &str); 46] = [
     ("albedo", "reflectance"),
     ("ambientlight", "EnvironmentLight"),
@@ -54,7 +54,8 @@ const SYNONYMS: [(&str, &str); 46] = [
     ("trianglemesh", "TriangleMesh"),
 ];
 
-/// Returns the keyword in `allowed` for which other renderers use `word`; `None` if there is none.
+/// Returns the keyword in `allowed` that means the same as `word` does in other renderers; `None`
+/// if no keyword does.
 pub(in crate::format) fn keyword_synonym(word: &str, allowed: &[&str]) -> Option<&'static str> {
     let word = word.to_ascii_lowercase();
     SYNONYMS.iter().find(|(other, own)| *other == word && allowed.contains(own)).map(|(_, own)| *own)
@@ -62,9 +63,9 @@ pub(in crate::format) fn keyword_synonym(word: &str, allowed: &[&str]) -> Option
 
 /// Returns the candidate with the smallest edit distance to `word`, regardless of case.
 ///
-/// Candidates of more than [`MAX_WORD_LENGTH`] letters are skipped. `None` if `word` has more
-/// letters than that, or if no candidate is near enough. The distance may be at most a third of the
-/// length of `word` or of the candidate, whichever is longer.
+/// The distance may be at most a third of the length of `word` or of the candidate, whichever is
+/// longer. Returns `None` if no candidate is that near, or if `word` has more than
+/// [`MAX_WORD_LENGTH`] letters. Candidates with more letters are skipped.
 pub(in crate::format) fn nearest_word<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     let word: Vec<char> = word.chars().take(MAX_WORD_LENGTH + 1).flat_map(char::to_lowercase).collect();
     if word.len() > MAX_WORD_LENGTH {

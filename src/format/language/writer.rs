@@ -12,7 +12,8 @@ use crate::format::span::Spanned;
 pub(in crate::format) struct SceneWriter<'f, 'a> {
     out: &'f mut Formatter<'a>,
     indent_depth: usize,
-    /// Schema of the last started block that has a schema.
+    /// Schema of the current block: the block that was begun last, not counting blocks without a
+    /// schema.
     ///
     /// Debug builds check that this schema has each field that is written.
     block: Option<&'static BlockSchema>,
@@ -88,8 +89,7 @@ impl SceneWriter<'_, '_> {
         self.write_line(format_args!("MaterialName {}", QuotedIfNeeded(name)))
     }
 
-    /// Writes the field `name` with the name of a texture. The field is one that also accepts
-    /// numbers.
+    /// Writes the name of a texture as the value of the field `name`, which also accepts numbers.
     pub fn write_texture_name_field(&mut self, name: &str, texture: &Spanned<String>) -> Result {
         self.write_field(name, QuotedUnlessIdentifier(texture))
     }
@@ -138,7 +138,7 @@ impl Display for SpacedNumbers<'_> {
     }
 }
 
-/// Displays a path or name, in quotes only if it would not parse without them.
+/// Displays a path or name. Puts it in quotes only if the parser would misread it without them.
 struct QuotedIfNeeded<'a>(&'a str);
 
 impl Display for QuotedIfNeeded<'_> {
@@ -156,7 +156,7 @@ impl Display for QuotedIfNeeded<'_> {
 
 /// Displays the name of a texture or block, in quotes unless it is an identifier.
 ///
-/// Where such a name stands, the parser could misread other bare words as a number or `{`.
+/// Without quotes, the parser could take other words at this place for a number or for `{`.
 struct QuotedUnlessIdentifier<'a>(&'a str);
 
 impl Display for QuotedUnlessIdentifier<'_> {

@@ -149,8 +149,8 @@ impl LightBlock for RectangleLightDescription {
     }
 }
 
-/// Adds a light-emitting shape that reflects nothing. `motion` rotates and scales the shape about
-/// `center`.
+/// Adds a light-emitting shape that reflects nothing. `motion` moves the shape while the shutter is
+/// open; its rotations and scales are about `center`.
 fn add_area_light(
     r: &mut Resolver<'_>,
     shape: Shape,

@@ -91,8 +91,8 @@ impl PointLightStrength {
     }
 }
 
-/// Adds a light without area to the scene. `motion` rotates and scales the light about the light's
-/// own position.
+/// Adds a light without area to the scene. `motion` moves the light while the shutter is open; its
+/// rotations and scales are about the light's own position.
 pub(super) fn add_delta_light(
     r: &mut Resolver<'_>,
     kind: UnscaledDeltaLight,

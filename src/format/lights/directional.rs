@@ -17,7 +17,7 @@ use std::fmt;
 /// A directional light: parallel light from infinity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectionalLightDescription {
-    /// Direction in which the light travels, of any length.
+    /// Direction in which the light travels; need not have unit length.
     pub direction: DVec3,
     /// Irradiance, or color of the shading model of MIT course 6.837.
     pub strength: DirectionalLightStrength,
@@ -26,8 +26,8 @@ pub struct DirectionalLightDescription {
 /// Strength of a directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionalLightStrength {
-    /// Color c in the shading model of MIT course 6.837: irradiance π·c on a surface that faces the
-    /// light.
+    /// Color c in the shading model of MIT course 6.837: the light gives the irradiance π·c to a
+    /// surface perpendicular to it, in W/m².
     Mit6837Color(DVec3),
     /// Irradiance in W/m² of a surface perpendicular to the light.
     Irradiance(DVec3),

@@ -20,9 +20,9 @@ use std::fmt;
 pub enum EnvironmentRadiance {
     /// Constant radiance in W/(m² sr).
     Constant(DVec3),
-    /// An equirectangular picture of all directions.
+    /// Radiance given by an equirectangular picture of all directions.
     Picture {
-        /// Path of the picture as the text writes it: not empty, without line breaks.
+        /// Path of the picture, as the scene file states it: not empty, without line breaks.
         path: Spanned<String>,
         /// Factor from picture values to radiance in W/(m² sr), at least 0.
         scale: f64,

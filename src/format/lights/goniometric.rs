@@ -25,7 +25,7 @@ pub struct GoniometricLightDescription {
     pub pose: LightPose,
     /// Intensity in each direction, relative to `strength`.
     pub distribution: IntensityDistribution,
-    /// Total flux, or the intensity in directions where the distribution has the value 1.
+    /// Total flux, or the intensity in those directions where the distribution has the value 1.
     /// [`PointLightStrength::Mit6837Color`] is not allowed.
     pub strength: PointLightStrength,
 }

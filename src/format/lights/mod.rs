@@ -47,9 +47,9 @@ trait LightBlock: BlockCodec {
     /// True if lights of this kind are infinitely far away.
     const IS_INFINITE: bool;
 
-    /// Adds the light to the scene. `motion` rotates and scales the light about the light's own
-    /// position; an environment light ignores `motion`. `span` is the position of the block in the
-    /// scene text, for errors.
+    /// Adds the light to the scene. `motion` moves the light while the shutter is open; its
+    /// rotations and scales are about the light's own position. An environment light ignores
+    /// `motion`. `span` is the position of the block in the scene text, for errors.
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError>;
 
     /// Returns the path of the file that the light reads; `None` if it reads none.
@@ -127,8 +127,8 @@ macro_rules! light_kinds {
             out.end_block()
         }
 
-        /// Adds a described light to the scene. `motion` rotates and scales the light about the
-        /// light's own position.
+        /// Adds a described light to the scene. `motion` moves the light while the shutter is open;
+        /// its rotations and scales are about the light's own position.
         pub(super) fn add_light(
             r: &mut Resolver<'_>,
             light: &Spanned<LightDescription>,
@@ -168,7 +168,8 @@ light_kinds! {
 }
 
 impl LightDescription {
-    /// Returns the light inside all [`LightDescription::Moving`] that wrap `light`.
+    /// Returns `light` itself, or the light inside if `light` is [`LightDescription::Moving`],
+    /// however often nested.
     pub(super) fn innermost_light(mut light: &Spanned<Self>) -> &Spanned<Self> {
         while let Self::Moving { light: inner, .. } = &light.value {
             light = inner;

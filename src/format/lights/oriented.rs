@@ -17,8 +17,8 @@ pub struct LightPose {
     /// an intensity map lies in the direction of the axis. An intensity profile counts its angles
     /// from the axis.
     pub aim: DirectionOrTarget,
-    /// Direction toward the top of the light's picture or map, of any length. `None` for +y, or for
-    /// −z if the axis is nearly parallel to y.
+    /// Direction toward the top of the light's picture or map; need not have unit length. `None`
+    /// means +y, or −z if the axis is nearly parallel to y.
     pub up: Option<DVec3>,
 }
 
@@ -53,7 +53,7 @@ impl LightPose {
         self.up.map_or(Ok(()), |up| out.write_vec3("up", up))
     }
 
-    /// Returns the direction of the light's axis and its up direction, both of any length.
+    /// Returns the direction of the light's axis, and the up direction. Neither is normalized.
     pub(super) fn direction_and_up(&self) -> (DVec3, DVec3) {
         let direction = self.aim.direction_from(self.position);
         let vertical = direction.cross(DVec3::Y).length() < 1e-6 * direction.length();

@@ -24,7 +24,7 @@ pub struct ProjectorLightDescription {
     pub pose: LightPose,
     /// Full vertical angle of view \[degrees], inside (0, 180).
     pub vertical_fov_degrees: f64,
-    /// Path of the picture as the text writes it: not empty, without line breaks.
+    /// Path of the picture, as the scene file states it: not empty, without line breaks.
     pub path: Spanned<String>,
     /// Total flux, or the intensity in directions where the picture has the value 1.
     /// [`PointLightStrength::Mit6837Color`] is not allowed.

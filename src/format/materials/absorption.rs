@@ -55,8 +55,8 @@ pub(super) const ABSORPTION: FieldGroup<DielectricAbsorption> = FieldGroup {
     texture_name: |_| None,
 };
 
-/// Returns the absorption inside a dielectric, from the field `absorption` or `tint`; none if both
-/// are absent.
+/// Returns the absorption inside a dielectric, from the field `absorption` or `tint`. If both are
+/// absent, returns [`DielectricAbsorption::None`].
 fn parse_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneError> {
     f.forbid_both_fields("absorption", "tint")?;
     let Some(color) = f.optional_value("tint") else {
@@ -73,7 +73,7 @@ fn parse_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneEr
     Ok(attenuation)
 }
 
-/// Writes the fields that state the absorption; none for a body that absorbs nothing.
+/// Writes the fields that state the absorption. Writes no field for a body that absorbs nothing.
 fn write_absorption(absorption: &DielectricAbsorption, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
     match *absorption {
         DielectricAbsorption::None => Ok(()),

@@ -71,7 +71,7 @@ impl EmissionDescription {
 
     /// Returns the emission with its texture looked up.
     ///
-    /// Adds to `requirements` the surface properties that the texture needs.
+    /// Records in `requirements` that a texture is used, and whether it needs texture coordinates.
     pub(super) fn resolve(
         &self,
         r: &Resolver<'_>,

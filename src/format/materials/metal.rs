@@ -17,8 +17,8 @@ use crate::scene::ConductorIndex;
 use glam::DVec3;
 use std::fmt;
 
-/// Complex index of refraction of a conductor. The scene states the name of a metal, the numbers η
-/// and k, or the reflectance at normal incidence.
+/// Optical constants of a conductor. The scene states the name of a metal, the complex index η +
+/// ik, or the reflectance at normal incidence.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetalDescription {
     /// Name of a metal with a known complex index.
@@ -35,8 +35,8 @@ pub enum MetalDescription {
 }
 
 impl MetalDescription {
-    /// Returns the conductor index η + ik, with each component clamped to the range that materials
-    /// accept.
+    /// Returns a conductor with the complex index η + ik. Each component of η and k is clamped to
+    /// the range that materials accept.
     #[must_use]
     pub fn with_clamped_index(eta: DVec3, k: DVec3) -> Self {
         let [least, greatest] = [MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX].map(DVec3::splat);
@@ -98,7 +98,7 @@ fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
     Ok(MetalDescription::Index { eta: f.value_or_default("eta")?, k: f.value_or_default("k")? })
 }
 
-/// Writes the field for the name of the metal or the reflectance, or the fields for η and k.
+/// Writes the metal as one of three forms: its name, its reflectance, or the numbers η and k.
 fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
     match metal {
         MetalDescription::Named(name) => out.write_name_field("metal", name),
@@ -112,7 +112,8 @@ fn write_metal(metal: &MetalDescription, out: &mut SceneWriter<'_, '_>) -> fmt::
 
 /// Returns the complex refractive index of a metal, or its reflectance at normal incidence.
 ///
-/// Adds to `requirements` the surface properties that the texture of the reflectance needs.
+/// If a texture gives the reflectance, records in `requirements` that it is used, and whether it
+/// needs texture coordinates.
 pub(super) fn resolve_metal(
     r: &Resolver<'_>,
     described: &MetalDescription,

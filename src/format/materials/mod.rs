@@ -78,7 +78,7 @@ impl MaterialDescription {
 
     /// Returns the bump map or normal map with its texture looked up.
     ///
-    /// Adds to `requirements` the surface properties that the texture needs.
+    /// Records in `requirements` that a texture is used, and whether it needs texture coordinates.
     pub(super) fn resolve_normal_perturbation(
         &self,
         r: &mut Resolver<'_>,
@@ -137,8 +137,8 @@ fn defined_material(scope: &ParserScope<'_>, material: &MaterialDescription) -> 
     DefinedMaterial { name: material.name.clone(), is_null_interface: kind.is_null_interface(), mix_constraints }
 }
 
-/// Parses the optional name of a new material. Registers the name in the parser's scope with the
-/// index that the material will have.
+/// Parses the optional name of a new material. Adds the name to the parser's scope, with the index
+/// that the material will have in the list of materials.
 fn parse_and_register_name(parser: &mut Parser<'_>) -> Result<Option<String>, SceneError> {
     let Some(name) = parse_block_name(parser, "material")? else { return Ok(None) };
     if parser.scope.material_indices.contains_key(&name.value) {
@@ -181,11 +181,12 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
     out.end_block()
 }
 
-/// Adds all `materials` of the description to the scene. Their indices equal those in the
+/// Adds all `materials` of the description to the scene. Each keeps the index that it has in the
 /// description.
 ///
-/// Adds a white diffuse material if the description has no materials. Component materials of
-/// `Principled` materials follow after all others.
+/// Adds a white diffuse material if the description has no materials. Metal, glass and the other
+/// components of `Principled` materials become materials of their own, with the indices that
+/// follow.
 pub(super) fn add_materials<'a>(
     r: &mut Resolver<'a>,
     materials: &'a [Spanned<MaterialDescription>],
@@ -232,8 +233,9 @@ pub(super) fn add_materials<'a>(
 
 /// Returns `material` with its body filled by the medium that `described` names.
 ///
-/// Returns `material` unchanged if it bounds no body or no medium is named. If the body itself
-/// absorbs, adds a copy of the medium with this absorption to the scene.
+/// Returns `material` unchanged if it bounds no body or no medium is named. If the body has an
+/// absorption of its own, the body is filled by a copy of the medium to which this absorption is
+/// added.
 ///
 /// # Errors
 /// If no such medium exists, or if the body absorbs and the medium is heterogeneous.

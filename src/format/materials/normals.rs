@@ -13,8 +13,8 @@ use std::fmt;
 
 /// Perturbation of shading normals by the values of a texture: a bump map or a normal map.
 ///
-/// The field that refers to the texture holds its name. If no texture has the name, the field is
-/// the path of a picture.
+/// Both refer to the texture by its name. A name that no texture has is taken as the path of a
+/// picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalPerturbationDescription {
     /// Bump map (Blinn 1978): heights by which the surface is displaced along its normal for
@@ -40,7 +40,8 @@ pub(super) const NORMAL_PERTURBATION_FIELDS: &[FieldSchema] = &[
 ];
 
 impl NormalPerturbationDescription {
-    /// Parses the bump map with its height, or the normal map; `None` if the block has neither.
+    /// Parses the fields of a bump map or a normal map. Returns `None` if the block has no such
+    /// fields.
     pub(super) fn parse(f: &BlockFields<'_>) -> Result<Option<Self>, SceneError> {
         f.forbid_both_fields("bump", "normalMap")?;
         let Some(texture) = f.optional_value("bump") else {
@@ -75,8 +76,8 @@ impl NormalPerturbationDescription {
         }
     }
 
-    /// Returns the bump map or normal map with its texture looked up; none for a bump map of height
-    /// 0.
+    /// Returns the bump map or normal map with its texture looked up. A bump map of height 0 gives
+    /// no perturbation.
     ///
     /// Adds to `requirements` the surface properties that the texture needs.
     pub(super) fn resolve(

@@ -18,7 +18,8 @@ pub enum RefractiveIndexDescription {
     Constant(f64),
     /// Name of a glass with a known dispersion formula.
     NamedGlass(Spanned<String>),
-    /// Two-term Cauchy equation that has a given index and Abbe number.
+    /// Two-term Cauchy equation n(λ) = A + B/λ², whose A and B follow from an index and an Abbe
+    /// number.
     Abbe {
         /// Refractive index at the d line, 587.56 nm.
         index: f64,
@@ -37,8 +38,8 @@ impl From<f64> for RefractiveIndexDescription {
 
 /// Smallest refractive index that a material may have.
 pub const MIN_REFRACTIVE_INDEX: f64 = 0.001;
-/// Largest refractive index that a material may have. Ratios and squares of indices stay well
-/// within single precision.
+/// Largest refractive index that a material may have. Ratios and squares of indices then stay far
+/// within the range of single precision.
 pub const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 
 /// Schema of the field `indexOfRefraction` of dielectrics.
@@ -95,7 +96,7 @@ fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractiveIndexDescription, S
     }
 }
 
-/// Parses `indexOfRefraction`, and `abbe` if it is present.
+/// Parses the field `indexOfRefraction` and, if present, the Abbe number in the field `abbe`.
 fn parse_index_and_abbe(f: &BlockFields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
     let index = f.value_or_default("indexOfRefraction")?;
     let Some(field) = f.get("abbe") else { return Ok(RefractiveIndexDescription::Constant(index)) };
@@ -167,10 +168,11 @@ fn write_refraction(refraction: &RefractiveIndexDescription, out: &mut SceneWrit
     }
 }
 
-/// Returns a dielectric's refractive index at the d line (587.56 nm), and the position of its
-/// dispersion formula in the scene's list of glasses.
+/// Returns a dielectric's refractive index at the d line (587.56 nm). If the dielectric has
+/// dispersion, adds its dispersion formula to the scene's list of glasses, and also returns the
+/// formula's position in this list.
 ///
-/// Adds the formula to this list. Without dispersion, adds nothing, and the position is `None`.
+/// Without dispersion, adds nothing, and the position is `None`.
 pub(super) fn resolve_refractive_index(
     r: &mut Resolver<'_>,
     described: &RefractiveIndexDescription,

@@ -107,7 +107,8 @@ impl MeshError {
 
 /// Returns the bytes of the file at `path`.
 ///
-/// Fails before allocating if they exceed `free` \[bytes]. `free` is `None` without a memory limit.
+/// Fails before allocating if the file is longer than `free` bytes. A `free` of `None` sets no
+/// limit.
 pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
     let refused = |source: std::io::Error| match source.kind() {
         std::io::ErrorKind::NotFound => MeshError::MissingMeshFile { path: path.into() },

@@ -21,9 +21,9 @@ impl<T> DeduplicatedList<T> {
         Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
     }
 
-    /// Returns the index of the listed value whose key equals that of `value`.
+    /// Returns the index of the listed value that has the same key as `value`.
     ///
-    /// If there is none, appends `value` and returns its index.
+    /// If no listed value has this key, appends `value` and returns the index of `value`.
     #[inline]
     pub fn find_or_append<K: Hash + Eq>(&mut self, value: T, key: impl Fn(&T) -> K) -> u32 {
         let Self { hasher, table, list } = self;

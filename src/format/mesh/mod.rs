@@ -74,23 +74,24 @@ impl TriangleMesh {
 
     /// Merges vertices that are equal bit for bit, and removes unused vertices.
     ///
-    /// Afterwards, vertices are in the order in which the triangles use them. If one corner of a
-    /// triangle has no normal, its other corners lose theirs.
+    /// Afterwards, vertices are in the order in which the triangles use them. A triangle that has
+    /// no normal at one corner loses its normals at the others.
     pub fn merge_equal_vertices(&mut self) {
         merge::merge_equal_vertices(self);
     }
 
-    /// Numbers the distinct vertex positions from 0, in order of their first vertex.
+    /// Numbers the distinct vertex positions from 0, in the order of the vertices at which they
+    /// first occur.
     ///
-    /// Returns a list with the index of each vertex's position, and the count of distinct
+    /// Returns a list with the number of each vertex's position, and the count of distinct
     /// positions. Coordinates −0 and 0 are equal here.
     #[must_use]
     pub fn distinct_position_indices(&self) -> (Vec<u32>, usize) {
         merge::distinct_position_indices(self)
     }
 
-    /// Moves each vertex to the first earlier vertex within `tolerance` \[length] that has not
-    /// been moved itself. Then merges equal vertices and removes unused ones.
+    /// Moves each vertex to the position of the first vertex before it that lies within `tolerance`
+    /// \[length] and was not moved itself. Then merges equal vertices and removes unused ones.
     ///
     /// Returns the decrease in the number of distinct positions.
     pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
@@ -154,7 +155,8 @@ impl TriangleMesh {
         report::mesh_report(self)
     }
 
-    /// Returns the length of the bounding box's diagonal \[length]; 0 if it is not finite.
+    /// Returns the length of the bounding box's diagonal \[length]; 0 if the diagonal is not
+    /// finite.
     #[must_use]
     pub fn bounds_diagonal(&self) -> f64 {
         report::bounds_diagonal(self)
@@ -166,17 +168,18 @@ impl TriangleMesh {
         report::triangle_area(self, triangle)
     }
 
-    /// Returns the first defect that keeps the mesh from bounding a solid body.
+    /// Returns the first defect that keeps the mesh from bounding a solid body; `None` if the mesh
+    /// is closed and faces outward.
     ///
-    /// `None` means that the mesh is closed and faces outward. Shading normals decide which side of
-    /// a triangle is outside; without normals the winding decides. Triangles with two corners at
-    /// one position are ignored.
+    /// The shading normals of a triangle decide which of its sides is the outside. Without normals,
+    /// the winding decides. Triangles with two corners at one position are ignored.
     #[must_use]
     pub fn solid_defect(&self) -> Option<SolidDefect> {
         solid::solid_defect(self)
     }
 
-    /// Writes a mesh file, completely or not at all. Reading it back gives the same numbers.
+    /// Writes a mesh file. The file is written under a temporary name and then renamed, so that a
+    /// failure leaves an existing file unchanged. A reader gets exactly the numbers of the mesh.
     ///
     /// `libraries` are the paths of MTL files for the `mtllib` lines of an OBJ file. An OBJ file
     /// also names the material of each triangle. A PLY file has no materials.
@@ -255,8 +258,8 @@ pub fn load(path: &Path, monitor: &dyn MeshReadMonitor) -> Result<LoadedMesh, Me
 
 /// Reads a mesh file in one of the formats of [`load`].
 ///
-/// Fails before allocating if the mesh takes more than `free` bytes. `None` sets no limit, for
-/// systems whose free memory is unknown.
+/// Fails before allocating if the mesh takes more than `free` bytes. A `free` of `None` sets no
+/// limit, for systems whose free memory is unknown.
 ///
 /// # Errors
 /// [`MeshError`], which names the file.
@@ -311,7 +314,8 @@ fn point_bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }
 
-/// Returns `v` scaled to unit length; zero if its squared length is zero, subnormal or not finite.
+/// Returns `v` scaled to unit length. Returns zero if the squared length of `v` is zero, subnormal
+/// or not finite.
 ///
 /// A vector whose length differs from 1 only by rounding is returned unchanged. So normals keep
 /// their bits when they are written to a file and read back.

@@ -35,8 +35,8 @@ pub(super) fn face_normal(mesh: &TriangleMesh, triangle: [u32; 3]) -> DVec3 {
     normalize_without_overflow(normalize_without_overflow(b - a).cross(normalize_without_overflow(c - a)))
 }
 
-/// Returns the angle at one corner of a triangle \[radians]. Corner 3t + k is corner k of triangle
-/// t.
+/// Returns the angle at a corner of a triangle \[radians]. The index `corner` is 3t + k for corner
+/// k of triangle t.
 fn corner_angle(mesh: &TriangleMesh, corner: usize) -> f64 {
     let triangle = mesh.triangles[corner / 3];
     let [p, q, r] = [0, 1, 2].map(|k| mesh.positions[triangle[(corner + k) % 3] as usize]);
@@ -44,10 +44,11 @@ fn corner_angle(mesh: &TriangleMesh, corner: usize) -> f64 {
     libm::atan2(e.cross(f).length(), e.dot(f))
 }
 
-/// Returns the index of the smoothing group of each triangle corner.
+/// Returns the index of the smoothing group of each triangle corner. All corners of a group get the
+/// same shading normal.
 ///
-/// All corners of a group get one normal. Element 3t + k belongs to corner k of triangle t. Groups
-/// are numbered in the order of their first corners.
+/// Element 3t + k of the result belongs to corner k of triangle t. Groups are numbered in the order
+/// of their first corners.
 ///
 /// `faces` holds the normals of the triangles. Edges whose face normals differ by more than `angle`
 /// \[degrees] separate groups.
@@ -79,8 +80,8 @@ fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32
 /// Gives smooth normals to the triangles marked in `missing`. Splits vertices whose corners are in
 /// different groups.
 ///
-/// `groups` holds the group of each triangle corner, and `sums` the weighted sum of face normals of
-/// each group.
+/// `groups` holds the smoothing group of each triangle corner. `sums` holds, for each group, the
+/// sum of the face normals at its corners, weighted by the corner angles.
 fn assign_smoothing_group_normals(mesh: &mut TriangleMesh, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
     const KEEPS_NORMAL: u32 = u32::MAX;
     let mut new_vertices: DeduplicatedList<(u32, u32)> = DeduplicatedList::with_capacity(mesh.positions.len());

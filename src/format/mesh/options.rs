@@ -12,9 +12,9 @@ pub struct MeshOptions {
     /// True if the file's normals are ignored.
     pub ignores_normals: bool,
     /// Largest angle between two neighboring faces that share smooth normals, in degrees, inside
-    /// \[0, 180].
+    /// \[0, 180]. `None` leaves faces without normals flat.
     ///
-    /// Smooth normals are computed only for faces without normals: all faces if the file's normals
-    /// are ignored. With `None`, faces without normals are flat.
+    /// Smooth normals are computed only for faces without normals. These are all faces if the
+    /// file's normals are ignored.
     pub max_smoothing_angle: Option<f64>,
 }

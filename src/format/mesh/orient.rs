@@ -12,8 +12,8 @@ use std::f64::consts::TAU;
 /// in this number.
 const MAX_NESTED_COMPONENTS: usize = 256;
 
-/// Connected component of a mesh: its triangles are connected by edges that have exactly two
-/// triangles.
+/// Connected component of a mesh: triangles that reach each other across edges. Only an edge with
+/// exactly two triangles connects them.
 #[derive(Debug, Default)]
 struct ConnectedMeshComponent {
     faces: Vec<u32>,
@@ -107,7 +107,8 @@ fn six_times_signed_volume(mesh: &TriangleMesh, component: &ConnectedMeshCompone
     component.faces.iter().map(six).sum()
 }
 
-/// Returns, for each component, the number of closed components of its material that contain it.
+/// Returns the nesting depth of each component: the number of closed components that contain it and
+/// have the same material.
 ///
 /// Triangles marked in `is_flipped` count with reversed winding. Open and non-orientable components
 /// have depth 0. All depths are 0 if there are more than [`MAX_NESTED_COMPONENTS`] closed

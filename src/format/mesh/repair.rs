@@ -8,23 +8,25 @@ use serde::Serialize;
 /// Selection of repairs to make on a mesh. The repairs are made in the order of the fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshRepairOptions {
-    /// Distance within which vertex positions are merged \[length]; 0 merges only equal positions.
+    /// Distance within which vertex positions are merged \[length]. 0 merges only equal positions,
+    /// and `None` merges none.
     ///
-    /// `None` moves no position. Vertices that are equal bit for bit are always merged.
+    /// In every case, vertices that are equal bit for bit in all their data are merged.
     pub weld_tolerance: Option<f64>,
-    /// True to remove each triangle that has the same three positions as an earlier triangle, in
-    /// any order.
+    /// True if each triangle is removed that has the same three positions as an earlier triangle,
+    /// in any order.
     pub removes_duplicates: bool,
-    /// True to remove triangles of area 0, except those that keep the surface closed.
+    /// True if triangles of area 0 are removed, except for those that keep the surface closed.
     pub removes_degenerates: bool,
-    /// True to make windings consistent, see [`TriangleMesh::orient_outward`].
+    /// True if windings are made consistent and outward; see [`TriangleMesh::orient_outward`].
     pub orients_outward: bool,
 }
 
 impl MeshRepairOptions {
     /// Default merge distance of vertices, as a fraction of the diagonal of the mesh's bounds.
     ///
-    /// It is far below the single-precision rounding of coordinates as large as the diagonal.
+    /// It is far below 6·10⁻⁸, the relative rounding error of single precision. So it hardly merges
+    /// positions that differ in single precision, if the coordinates are as large as the diagonal.
     pub const DEFAULT_RELATIVE_WELD_TOLERANCE: f64 = 1e-9;
 }
 

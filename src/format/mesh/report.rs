@@ -7,14 +7,14 @@ use serde::Serialize;
 
 /// Measurements of a mesh.
 ///
-/// Topology is defined by vertex positions. So vertices that differ only by normals or texture
-/// coordinates are connected.
+/// Triangles are adjacent if they share vertex positions. Normals and texture coordinates that
+/// differ at a position do not separate them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeshReport {
     /// Number of vertices.
     pub vertices: usize,
-    /// Number of vertices that equal an earlier one bit for bit. Vertices that no triangle uses do
-    /// not count.
+    /// Number of vertices that equal an earlier vertex bit for bit, without the vertices that no
+    /// triangle uses.
     pub repeated_vertices: usize,
     /// Number of vertices that no triangle uses.
     pub isolated_vertices: usize,
@@ -43,8 +43,8 @@ pub struct MeshReport {
     /// True if every edge has at least two triangles; false for a mesh without triangles.
     #[serde(rename = "closed")]
     pub is_closed: bool,
-    /// True if each edge has at most two triangles, and all triangles around a vertex are connected
-    /// by edges.
+    /// True if each edge has at most two triangles, and the triangles around each vertex form a
+    /// single fan, connected by edges.
     #[serde(rename = "manifold")]
     pub is_manifold: bool,
     /// True if flipping triangles can make all windings consistent.
@@ -54,10 +54,11 @@ pub struct MeshReport {
     pub boundary_edges: usize,
     /// Number of edges with more than two triangles.
     pub non_manifold_edges: usize,
-    /// Number of vertex positions whose triangles are not all connected by edges at this position.
+    /// Number of non-manifold vertex positions. The triangles at such a position form several fans
+    /// that no common edge connects.
     pub non_manifold_vertices: usize,
-    /// Number of edges that their two triangles traverse in the same direction: one winding is
-    /// wrong.
+    /// Number of edges that both their triangles traverse in the same direction, so that the
+    /// winding of one of the two must be wrong.
     pub inconsistent_edges: usize,
     /// Number of triangles of area 0.
     #[serde(rename = "degenerate_faces")]
@@ -68,11 +69,11 @@ pub struct MeshReport {
     pub duplicate_triangles: usize,
     /// Number of connected components. Triangles with a common edge are connected.
     pub components: usize,
-    /// Euler characteristic: number of positions − edges + triangles. Triangles with two equal
-    /// positions do not count.
+    /// Euler characteristic: number of positions − number of edges + number of triangles. Triangles
+    /// with two equal positions are left out.
     pub euler_characteristic: i64,
-    /// Sum of the genera of all components; `None` if the mesh is open, not manifold or not
-    /// orientable.
+    /// Sum of the genera (numbers of handles) of all components; `None` if the mesh is open, not
+    /// manifold or not orientable.
     pub genus: Option<i64>,
 }
 
@@ -171,7 +172,8 @@ struct TopologyCounts {
     non_manifold_vertices: usize,
     inconsistent_edges: usize,
     is_orientable: bool,
-    /// True if, at each edge, equally many triangles traverse it in either direction.
+    /// True if half of the triangles at each edge traverse the edge in one direction, and half in
+    /// the other.
     has_balanced_edges: bool,
     components: usize,
 }

@@ -14,12 +14,12 @@ pub enum SolidDefect {
         /// Number of edges with one triangle.
         boundary_edges: usize,
     },
-    /// Triangles that share an edge disagree about which side is outside.
+    /// Triangles that share an edge disagree about which of their sides is outside.
     InconsistentWinding {
         /// Number of edges whose triangles disagree about the outer side.
         edges: usize,
     },
-    /// All windings agree, but the outer side faces the enclosed volume.
+    /// Triangles agree which side is outside, but this side faces the enclosed volume.
     InsideOut,
 }
 

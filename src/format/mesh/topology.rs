@@ -17,9 +17,10 @@ pub(super) struct HalfEdge {
 }
 
 impl HalfEdge {
-    /// Returns the corner at `position_indices[0]` and the corner at `position_indices[1]`.
+    /// Returns the triangle corners at the two ends of the half-edge, in the order of
+    /// `position_indices`.
     ///
-    /// Index 3t + k stands for corner k of triangle t.
+    /// A corner is given by its index 3t + k, for corner k of triangle t.
     pub fn corners_in_position_order(&self) -> [usize; 2] {
         let base = 3 * self.triangle as usize;
         let (start, end) = (base + self.corner as usize, base + (self.corner as usize + 1) % 3);
@@ -30,8 +31,8 @@ impl HalfEdge {
 /// Distinct positions and edges of a mesh.
 #[derive(Debug)]
 pub(super) struct MeshTopology {
-    /// Index, from 0, of each vertex's position among the distinct positions. Vertices at equal
-    /// positions have equal indices.
+    /// Number of each vertex's position in the list of distinct positions, counted from 0. Vertices
+    /// at equal positions have equal numbers.
     pub vertex_position_indices: Vec<u32>,
     /// Number of distinct positions.
     pub position_count: usize,
@@ -77,11 +78,11 @@ impl MeshTopology {
 
 /// Union-find of triangles or triangle corners (Tarjan 1975) that also tracks relative winding.
 ///
-/// Each element stores a parity: whether its winding is flipped relative to that of its parent.
+/// Each element stores a flag: whether its winding is opposite to the winding of its parent.
 #[derive(Debug)]
 pub(super) struct ParityUnionFind {
     parent: Vec<u32>,
-    /// True for each element whose winding is flipped relative to that of its parent.
+    /// True for each element whose winding is opposite to the winding of its parent.
     flipped_to_parent: Vec<bool>,
 }
 
@@ -90,8 +91,8 @@ impl ParityUnionFind {
         Self { parent: (0..n as u32).collect(), flipped_to_parent: vec![false; n] }
     }
 
-    /// Returns the root of the set that contains `i`, and true if `i` is flipped relative to the
-    /// root.
+    /// Returns the root of the set that contains `i`, and whether the winding of `i` is opposite to
+    /// that of the root.
     ///
     /// The root is the lowest element of the set.
     pub fn find_root(&mut self, i: usize) -> (usize, bool) {
@@ -114,8 +115,8 @@ impl ParityUnionFind {
     /// Joins the sets of `a` and `b`. `is_flipped` is true if the winding of `a` is flipped
     /// relative to `b`.
     ///
-    /// Returns false if both are in one set already and their relative winding there differs from
-    /// `is_flipped`; else true.
+    /// Returns false if `a` and `b` are in one set already, and their relative winding in this set
+    /// differs from `is_flipped`; else true.
     pub fn union_sets(&mut self, a: usize, b: usize, is_flipped: bool) -> bool {
         let ((a, a_is_flipped), (b, b_is_flipped)) = (self.find_root(a), self.find_root(b));
         let is_flipped = is_flipped ^ a_is_flipped ^ b_is_flipped;

@@ -21,17 +21,17 @@ pub(super) fn weld_vertices(mesh: &mut TriangleMesh, tolerance: f64) -> usize {
     before.saturating_sub(after)
 }
 
-/// Hash grid of the positions that vertices keep or move to.
+/// Hash grid of the positions at which vertices lie after welding.
 ///
-/// Cells are at least twice as wide as the merge tolerance.
+/// Cells are at least twice as wide as the merge tolerance, so that a search examines only 8 cells.
 struct WeldGrid {
     tolerance: f64,
     low: DVec3,
     cell_size: f64,
-    /// Index into `points` of the latest position in each cell, by cell coordinates.
+    /// Index into `points` of the position that was added last to each cell, by cell coordinates.
     last_in_cell: HashMap<[i64; 3], u32, RandomState>,
-    /// Positions in the grid, each with the index of the previous one in its cell; [`NO_POINT`] if
-    /// it is the first.
+    /// Positions in the grid. Each is followed by the index of the position that was added before
+    /// it to the same cell; [`NO_POINT`] if there is none.
     points: Vec<(DVec3, u32)>,
 }
 
@@ -49,9 +49,9 @@ impl WeldGrid {
         }
     }
 
-    /// Returns the earliest position in the grid within the tolerance of `p`.
+    /// Returns the position that was added first among those within the tolerance of `p`.
     ///
-    /// If there is none, adds `p` to the grid and returns `p`.
+    /// If the grid has no position so near, adds `p` and returns `p`.
     fn find_or_insert(&mut self, p: DVec3) -> DVec3 {
         let at = (p - self.low) / self.cell_size;
         let corner = at.floor();

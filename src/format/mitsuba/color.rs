@@ -15,7 +15,7 @@ pub(super) enum ColorValue {
     Sampled(Spectrum),
     /// Blackbody radiation: temperature in kelvin, and a factor for the radiance.
     Blackbody(f64, f64),
-    /// Illuminant D65, scaled to luminance 1 and then by this factor.
+    /// Radiation with the spectrum of illuminant D65. The stored factor is its luminance.
     IlluminantD65(f64),
 }
 
@@ -97,7 +97,10 @@ impl ColorValue {
         }
     }
 
-    /// Returns the color as linear RGB. `meaning` selects the conversion of a sampled spectrum.
+    /// Returns the color as linear RGB.
+    ///
+    /// `meaning` is the quantity that the color describes. It selects how a sampled spectrum
+    /// becomes RGB.
     pub fn to_rgb(&self, meaning: ColorMeaning) -> DVec3 {
         let spectrum = match self {
             Self::Rgb(rgb) => return *rgb,
@@ -114,7 +117,7 @@ impl ColorValue {
         }
     }
 
-    /// Returns the value as a function of wavelength; `None` for RGB, blackbodies and D65.
+    /// Returns a uniform or sampled color as a spectrum; `None` for RGB, blackbodies and D65.
     pub fn to_spectrum(&self) -> Option<Spectrum> {
         match self {
             Self::Sampled(spectrum) => Some(spectrum.clone()),

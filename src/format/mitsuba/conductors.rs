@@ -32,10 +32,9 @@ const METAL_NAMES: [(&str, &str); 14] = [
 
 /// Converts a conductor. An unknown metal becomes chromium, with a message.
 ///
-/// A conductor that states no metal is a perfect mirror; in files of version 0, it is copper.
-///
-/// `tint` (`specular_reflectance`) is the reflectance of a perfect mirror. For any other metal, the
-/// mean of `tint` multiplies the reflectance at normal incidence.
+/// A conductor that states no metal is a perfect mirror, but copper in files of version 0. `tint`
+/// (`specular_reflectance`) is the reflectance of a perfect mirror. The reflectance of a metal at
+/// normal incidence is multiplied by the mean of `tint` over its texture.
 pub(super) fn convert_conductor(
     context: &ImportContext<'_>,
     bsdf: &MitsubaObject,
@@ -78,7 +77,8 @@ pub(super) fn convert_conductor(
     Ok(single_scattering_conductor(metal, roughness))
 }
 
-/// Returns the metal with the complex index η + ik, divided by the index outside (`ext_eta`).
+/// Returns the metal with the relative complex index (η + ik) / η₀, where η₀ is the refractive
+/// index outside (`ext_eta`).
 ///
 /// `eta` and `k` are RGB values or spectra; `None` stands for 0. The result is clamped to the range
 /// that materials accept.
@@ -102,12 +102,14 @@ fn metal_from_index(
     Ok(MetalDescription::with_clamped_index(eta / outer, k / outer))
 }
 
-/// Returns a conductor whose rough surface has no multiple scattering, as in Mitsuba.
+/// Returns a conductor with the given roughness. Light that scatters several times between its
+/// microfacets is lost, as in Mitsuba.
 fn single_scattering_conductor(metal: MetalDescription, roughness: TexturedValue<f64>) -> MaterialKindDescription {
     MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, has_multiple_scattering: false })
 }
 
-/// Returns the reflectance of a metal at normal incidence; 1 for a texture or an unknown name.
+/// Returns the reflectance of a metal at normal incidence. Returns 1 if the reflectance is a
+/// texture, or if the name of the metal is unknown.
 fn normal_reflectance(metal: &MetalDescription) -> DVec3 {
     let (eta, k) = match metal {
         MetalDescription::Reflectance(TexturedValue::Constant(reflectance)) => return *reflectance,

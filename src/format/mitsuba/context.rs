@@ -69,8 +69,9 @@ impl ImportContext<'_> {
         self.add_note(message, object);
     }
 
-    /// Returns the objects of class `class` directly inside `object`. Each comes with the name
-    /// under which `object` holds it; the name is empty if the file gives none.
+    /// Returns the objects of class `class`, such as BSDFs, that `object` contains directly. Each
+    /// comes with the name that the file gives it inside `object`; the name is empty if there is
+    /// none.
     ///
     /// References are replaced by the objects to which they refer.
     ///

@@ -31,16 +31,16 @@ const REFRACTIVE_INDICES_BY_NAME: [(&str, f64); 23] = [
     ("water ice", 1.31),
 ];
 
-/// Greatest refractive index of the surroundings of a dielectric that counts as air or another gas.
-/// A higher index may mean that the dielectric is nested in another one.
+/// Greatest refractive index of a gas, such as air. If the surroundings of a dielectric have a
+/// higher index, they may be another dielectric in which the first one is nested.
 const MAX_GAS_INDEX: f64 = 1.001;
 
 /// Returns the refractive index of a dielectric, relative to its surroundings: inner index over
 /// outer index.
 ///
-/// But if the outer index is the inner index of another dielectric in the scene, this dielectric
-/// may be nested in the other one. Then returns the inner index alone, because nested bodies in
-/// Caustica have absolute indices.
+/// The exception is a dielectric that may be nested: its outer index is the inner index of another
+/// dielectric in the scene. Its result is the inner index alone, because Caustica expects absolute
+/// indices of nested bodies.
 pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &MitsubaObject) -> ReadResult<f64> {
     let inner = index_parameter(bsdf, "int_ior", if bsdf.plugin.contains("plastic") { 1.49 } else { 1.5046 })?;
     let outer = index_parameter(bsdf, "ext_ior", 1.000_277)?;

@@ -75,12 +75,13 @@ pub(super) fn unknown_reference_error(place: &MitsubaSourceLocation, id: &str) -
 /// State of the reader of a scene file and the files that it includes.
 struct TreeReader<'r, 'a> {
     files: &'r MitsubaSceneFiles<'a>,
-    /// Values of parameters, to which attributes refer as `$name`. The first definition counts.
+    /// Values of parameters, to which attributes refer as `$name`. If a parameter is defined
+    /// repeatedly, its first value stays.
     parameters: HashMap<String, String>,
     /// Objects by identifier.
     by_id: HashMap<String, Rc<MitsubaObject>>,
-    /// Second identifiers of objects (`alias`): the second identifier, the first one, and the
-    /// position of the element.
+    /// Elements `alias`, which give an object a second identifier. Each entry holds the second
+    /// identifier, the first one, and the position of the element.
     aliases: Vec<(String, String, MitsubaSourceLocation)>,
     /// Files that are being read, from the scene file to the innermost include.
     include_stack: Vec<PathBuf>,
@@ -121,7 +122,8 @@ struct CurrentFile {
 impl CurrentFile {
     /// Returns the position of an element in the file.
     ///
-    /// To save time, counts lines from the element that was read last, if this element comes later.
+    /// If the element follows the one that was read last, lines are counted from there, to save
+    /// time. Otherwise they are counted from the start of the file.
     fn element_place(&self, node: &Node<'_, '_>) -> MitsubaSourceLocation {
         let range = node.range();
         let (offset, line) = self.last_offset_and_line.get();
@@ -141,8 +143,8 @@ impl CurrentFile {
 impl TreeReader<'_, '_> {
     /// Parses the file at `path`, whose content is `bytes`.
     ///
-    /// Adds its objects and values to `contents`. `includer` is the position of the `include`
-    /// element; `None` for the scene file.
+    /// Adds the objects and values in the file to `contents`, the contents of the enclosing object.
+    /// `includer` is the position of the `include` element; `None` for the scene file.
     fn read_xml(
         &mut self,
         path: &Path,
@@ -270,8 +272,8 @@ impl TreeReader<'_, '_> {
         Ok(())
     }
 
-    /// Reads the file that an `include` element names, and adds its objects and values to
-    /// `contents`.
+    /// Reads the file that an `include` element names. Adds the objects and values in this file to
+    /// `contents`, the contents of the enclosing object.
     fn read_include(
         &mut self,
         node: &Node<'_, '_>,
@@ -424,7 +426,7 @@ impl TreeReader<'_, '_> {
     }
 }
 
-/// Returns the attribute `name` of an element. Fails if it has none.
+/// Returns the attribute `name` of an element. Fails if the element has no such attribute.
 fn required_attribute<'n>(node: &Node<'n, '_>, name: &str, place: &MitsubaSourceLocation) -> ReadResult<&'n str> {
     node.attribute(name).ok_or_else(|| {
         let message = format!("this `{}` has no attribute `{name}`", node.tag_name().name());

@@ -13,13 +13,14 @@ use crate::image::Image;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Relative tolerance within which the transform of an environment map counts as a rotation about
-/// y.
+/// Greatest deviation of an environment map's transform from a rotation about y, relative to the
+/// lengths of the transform's axes.
 ///
-/// A map with any other transform is resampled.
+/// A map with a smaller deviation is only rotated. Any other map is resampled.
 const UPRIGHT_TOLERANCE: f64 = 1e-6;
 
-/// Number of samples of the original map along each side of a pixel, for antialiasing.
+/// Number of samples along each side of a pixel of the resampled map, for antialiasing. Each sample
+/// is a value of the original map.
 const SAMPLES_PER_PIXEL_SIDE: u32 = 4;
 
 /// Returns the radiance of an `envmap` emitter, with its map embedded as a picture.

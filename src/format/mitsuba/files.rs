@@ -40,7 +40,7 @@ impl MitsubaSourceLocation {
 pub(super) struct MitsubaSceneFiles<'a> {
     /// Path of the scene file.
     pub path: &'a Path,
-    /// Receives the path of each file that is read after the scene file.
+    /// Observer that receives the path of each file that is read after the scene file.
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,
@@ -70,10 +70,11 @@ impl<'a> MitsubaSceneFiles<'a> {
         }
     }
 
-    /// Fails if `total`, the estimated memory of all elements or objects so far \[bytes], exceeds
-    /// the memory that was free at the start.
+    /// Fails if `total` \[bytes] exceeds the memory that was free at the start. `total` is the
+    /// estimated memory of all elements or all objects so far.
     ///
-    /// Unlike a query of the free memory, this check is fast enough for each element.
+    /// This check is fast enough for each element, because it does not ask for the memory that is
+    /// free now.
     pub fn check_total_memory(&self, total: u64) -> ReadResult<()> {
         match self.free_at_start {
             Some(free) if total > free => {

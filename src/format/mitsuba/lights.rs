@@ -28,10 +28,10 @@ const SPOT_PICTURE_SIZE: u32 = 512;
 /// The light becomes a projector. Its flat picture cannot reach 90 degrees from the axis.
 const MAX_TEXTURED_CUTOFF_DEGREES: f64 = 85.0;
 
-/// Converts an emitter to a light; `None` for an area light, a light of strength 0, or an unknown
-/// kind.
+/// Converts an emitter to a light. Returns `None` for a light of strength 0, and for an area light,
+/// which becomes emission of its shape.
 ///
-/// Emitters of unknown kind are left out with a message.
+/// Also returns `None` for an emitter of unknown kind, with a message.
 ///
 /// # Errors
 /// If a value or file is not valid, or if the emitter is a daylight model.

@@ -16,8 +16,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Greatest magnitude of the mean cosine g of a phase function. A phase function with |g| = 1 would
-/// be a delta function.
+/// Greatest magnitude of the mean cosine g of a phase function; larger magnitudes are clamped to
+/// it. A phase function with |g| = 1 would be a delta function.
 const MAX_MEAN_COSINE: f64 = 0.999;
 
 /// A Mitsuba volume: a constant or a grid, and its transform to world space.
@@ -41,7 +41,7 @@ pub(super) struct MitsubaMedia {
 }
 
 impl MitsubaMedia {
-    /// Returns the name of a medium in the imported scene. Converts the medium at its first use.
+    /// Returns the name of a medium in the imported scene. The first call for a medium converts it.
     pub fn medium_name(
         &mut self,
         context: &ImportContext<'_>,
@@ -227,11 +227,12 @@ fn read_volume(context: &ImportContext<'_>, volume: &MitsubaObject) -> ReadResul
     }
 }
 
-/// Returns the transform to the space of a `gridvolume` from the unit cube that its cells fill.
+/// Returns the transform from the unit cube that the cells of a `gridvolume` fill to the volume's
+/// own space.
 ///
-/// In files of version 0, the outermost values lie on the sides of the box that the file states. A
-/// value is at the center of its cell, so the cells reach half a cell beyond this box, with a
-/// message. In later files, the cells fill the unit cube, or the box if `use_grid_bbox` is true.
+/// In files of version 0, the file's box joins the centers of the outermost cells. The cells then
+/// reach half a cell beyond this box, with a message. In later files, the cells fill the unit cube,
+/// or the file's box if `use_grid_bbox` is true.
 fn grid_to_volume(context: &ImportContext<'_>, volume: &MitsubaObject, grid: &VolumeGrid) -> DMat4 {
     let is_old = context.tree.has_version_zero || ["send_data", "min"].iter().any(|k| volume.values.contains_key(*k));
     if !volume.boolean("use_grid_bbox", is_old) {

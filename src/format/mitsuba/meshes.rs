@@ -24,11 +24,11 @@ pub(super) enum TexcoordConvention {
     FlippedV,
 }
 
-/// Distance between a mesh and the smaller copy that bounds the medium inside it, relative to the
-/// diagonal of the mesh's bounds.
+/// Distance between the mesh of a thin pane and its smaller copy, which bounds the medium inside
+/// the pane. The unit is the diagonal of the mesh's bounds.
 const RELATIVE_INNER_DISTANCE: f64 = 1e-4;
 
-/// Estimated memory of a triangle that shares no vertices with others \[bytes].
+/// Estimated memory of a triangle whose vertices belong to no other triangle \[bytes].
 const MEMORY_PER_SPLIT_TRIANGLE: u64 = 3 * 64;
 
 /// Mesh from the file of a shape, or a part of such a mesh: all faces of one BSDF.
@@ -62,7 +62,8 @@ struct FileMeshKey {
 pub(super) struct MitsubaMeshes {
     /// Embedded meshes by path.
     pub embedded: BTreeMap<String, Arc<TriangleMesh>>,
-    /// Paths under which meshes from files are embedded.
+    /// Paths of the embedded meshes that come from files. A key states the mesh in its file, and
+    /// how the importer changed it.
     file_mesh_paths: HashMap<FileMeshKey, String>,
     /// Paths of the smaller copies that bound media inside thin panes, by the path of the original
     /// mesh.
@@ -72,8 +73,8 @@ pub(super) struct MitsubaMeshes {
 }
 
 impl MitsubaMeshes {
-    /// Returns the path of the embedded mesh of a shape's file. Reads and embeds it at its first
-    /// use.
+    /// Returns the path of the embedded mesh of a shape's file. The first call for a mesh reads and
+    /// embeds it.
     ///
     /// `texcoords` is the convention for texture coordinates that are added to a mesh without any;
     /// `None` if the material of the shape needs none.
@@ -100,12 +101,11 @@ impl MitsubaMeshes {
         Ok(path)
     }
 
-    /// Embeds `mesh` from the file of a shape, with the shape's parameters applied. Returns its
-    /// path.
+    /// Applies the parameters of a shape to `mesh`, embeds the result, and returns its path.
     ///
-    /// A mesh without normals gets smooth ones, unless its faces are flat or it repeats vertices. A
-    /// mesh without texture coordinates gets Mitsuba's default coordinates, unless `texcoords` is
-    /// `None`.
+    /// A mesh without normals gets smooth ones, unless its faces are flat, or its file repeats the
+    /// vertices for each face. A mesh without texture coordinates gets Mitsuba's default
+    /// coordinates, unless `texcoords` is `None`.
     pub fn embed_mesh_part(
         &mut self,
         context: &ImportContext<'_>,
@@ -139,7 +139,7 @@ impl MitsubaMeshes {
         Ok(self.embed_mesh(triangles))
     }
 
-    /// Returns the path of an embedded mesh of the cube \[−1, 1]³. Embeds it at its first use.
+    /// Returns the path of an embedded mesh of the cube \[−1, 1]³. The first call embeds this mesh.
     ///
     /// The texture coordinates of each side cover \[0, 1]².
     pub fn cube_path(&mut self) -> String {
@@ -166,10 +166,11 @@ impl MitsubaMeshes {
         path
     }
 
-    /// Returns the path of an embedded mesh of the unit sphere with inward normals. Embeds it at
-    /// its first use.
+    /// Returns the path of an embedded mesh of the unit sphere with inward normals. The first call
+    /// embeds this mesh.
     ///
-    /// Texture coordinates are u = φ / 2π and v = 1 − θ / π, with the angle θ from the z axis.
+    /// Texture coordinates are u = φ / 2π and v = 1 − θ / π, where θ is the angle from the z axis,
+    /// and φ is the angle about it.
     pub fn inward_sphere_path(&mut self) -> String {
         const STACKS: u32 = 128;
         const SLICES: u32 = 2 * STACKS;
@@ -213,8 +214,8 @@ impl MitsubaMeshes {
         path
     }
 
-    /// Returns the path of a slightly smaller copy of the embedded mesh `path`, just inside it.
-    /// Embeds the copy at its first use.
+    /// Returns the path of a slightly smaller copy of the embedded mesh `path`, just inside it. The
+    /// first call for a mesh embeds its copy.
     ///
     /// The copy bounds the medium inside a thin pane, because a pane cannot bound a medium.
     pub fn embed_shrunken_copy(&mut self, path: &str) -> String {
@@ -247,8 +248,8 @@ impl MitsubaMeshes {
     }
 }
 
-/// Returns the relation between Caustica's and Mitsuba's texture coordinates for a shape from a
-/// mesh file.
+/// Returns the texture-coordinate convention of a shape from a mesh file: whether v in Caustica
+/// equals v in Mitsuba, or is 1 minus it.
 pub(super) fn file_texcoord_convention(shape: &MitsubaObject) -> TexcoordConvention {
     // Mitsuba flips v of OBJ files by default, because v grows upwards in OBJ.
     let is_flipped = shape.boolean("flip_tex_coords", shape.plugin == "obj");
@@ -331,10 +332,11 @@ fn read_mesh_file(
     Ok(MitsubaFileMesh { triangles: decoded.mesh, is_flat: decoded.uses_flat_faces, is_split })
 }
 
-/// Gives each triangle Mitsuba's default texture coordinates (0, 0), (1, 0) and (0, 1), which
-/// Mitsuba uses for meshes without any.
+/// Gives each triangle the texture coordinates (0, 0), (1, 0) and (0, 1), which Mitsuba uses for
+/// meshes without any.
 ///
-/// Vertices of several triangles are split. `convention` decides how v is stored.
+/// A shared vertex is split if its triangles need different coordinates. With the convention
+/// `FlippedV`, 1 − v is stored instead of v.
 fn add_barycentric_texcoords(mesh: &mut TriangleMesh, convention: TexcoordConvention) {
     let corners: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
     mesh.positions = corners.iter().map(|v| mesh.positions[*v as usize]).collect();

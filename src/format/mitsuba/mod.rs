@@ -135,9 +135,8 @@ fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Imp
 
 /// Converts the lights of the scene, except area lights, which are emission of shapes.
 ///
-/// `has_emissive_surfaces` is true if a shape emits light. If neither a light nor such a shape is
-/// left, adds a white sky and a message. Leaves out environment emitters after the first one, with
-/// a message.
+/// Only the first environment emitter is kept; others are left out with a message. If there is no
+/// light, and `has_emissive_surfaces` is false (no shape emits), adds a white sky and a message.
 fn read_lights(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,

@@ -32,7 +32,7 @@ const MAX_INTEGRATOR_DEPTH: u32 = 16;
 /// Returns the flags of `caustica render` that correspond to the scene's integrator and pixel
 /// filter.
 ///
-/// The text is empty if there are none.
+/// The text is empty if neither of the two has a corresponding flag.
 pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<MitsubaObject>>) -> ReadResult<String> {
     let mut flags = Vec::new();
     let integrators = context.children_of_class(&context.tree.root, ObjectClass::Integrator)?;

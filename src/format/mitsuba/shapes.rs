@@ -37,7 +37,7 @@ pub(super) struct MitsubaShapes {
     /// Lower and upper corner of the objects' bounds in world space; `None` if there are no
     /// objects.
     pub world_bounds: Option<(DVec3, DVec3)>,
-    /// True if a surface emits light.
+    /// True if at least one converted shape emits light.
     pub has_emissive_surfaces: bool,
     /// Converted shapes of each shape group, by the address of the group's [`MitsubaObject`].
     groups: HashMap<*const MitsubaObject, Rc<Vec<PlacedShape>>>,
@@ -49,7 +49,8 @@ struct PlacedShape {
     /// Name of the material in the imported scene.
     material: String,
     shape: ShapeDescription,
-    /// Emitted radiance; `None` if the shape emits nothing, or emits by a texture of its material.
+    /// Emitted radiance. `None` if the shape emits nothing, or if its radiance is a texture, which
+    /// then belongs to the material.
     emission: Option<DVec3>,
     /// Transform from the shape's own space to world space, or to the space of its shape group.
     to_world: DAffine3,
@@ -127,7 +128,8 @@ impl MitsubaShapes {
         }
     }
 
-    /// Returns the converted shapes of a `shapegroup` or `merge`. Converts them at their first use.
+    /// Returns the converted shapes of a `shapegroup` or `merge`. The first call for a group
+    /// converts its shapes.
     fn shapes_of_group(
         &mut self,
         context: &ImportContext<'_>,
@@ -201,8 +203,8 @@ impl MitsubaShapes {
     /// built-in shape, such as a sphere.
     ///
     /// A thin pane around a medium becomes two shapes: the pane, and a null interface inside it.
-    /// The list is empty if the kind of shape is not supported, or if a null interface neither
-    /// emits nor contains a medium.
+    /// Returns an empty list for an unsupported kind of shape, and for a null interface that
+    /// neither emits nor contains a medium.
     fn convert_surface(
         &mut self,
         context: &ImportContext<'_>,
@@ -440,8 +442,8 @@ impl MitsubaShapes {
     }
 }
 
-/// Returns the relation between Caustica's and Mitsuba's texture coordinates for a shape that is
-/// not from a mesh file, such as a sphere.
+/// Returns the texture-coordinate convention of a shape without a mesh file, such as a sphere:
+/// whether v in Caustica equals v in Mitsuba, or is 1 minus it.
 fn built_in_texcoord_convention(shape: &MitsubaObject) -> TexcoordConvention {
     match shape.plugin.as_str() {
         "sphere" => TexcoordConvention::FlippedV,

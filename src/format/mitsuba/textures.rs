@@ -24,15 +24,16 @@ const MAX_TEXTURE_DEPTH: u32 = 8;
 
 /// Quantity that a texture describes. It selects the conversion of pixel values and their range.
 ///
-/// Some quantities are numbers. The number of a pixel is its luminance, and the number of a
-/// constant color is the mean of its channels.
+/// Some quantities are numbers, not colors. A pixel then gives its luminance as the number, and a
+/// constant color gives the mean of its channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum MitsubaTextureUse {
     /// Colors inside \[0, 1].
     Color,
     /// Numbers inside \[0, 1].
     Fraction,
-    /// Squares of numbers inside \[0, 1], such as GGX α = `roughness`².
+    /// Numbers that are clamped to \[0, 1] and then squared, such as `roughness` for GGX α =
+    /// `roughness`².
     SquaredFraction,
     /// Numbers of at least 0, such as heights.
     Height,
@@ -43,7 +44,8 @@ pub(super) enum MitsubaTextureUse {
 }
 
 impl MitsubaTextureUse {
-    /// Returns the quantity that constant colors describe. It selects the conversion of spectra.
+    /// Returns the quantity that a constant color describes where the file could also give a
+    /// texture. The quantity selects how a spectrum becomes RGB.
     fn color_meaning(self) -> ColorMeaning {
         match self {
             Self::Color => ColorMeaning::Reflectance,
@@ -99,11 +101,11 @@ pub(super) struct MitsubaTextures {
     /// Decoded picture files. A key holds the path, and a flag: true for raw values, false for
     /// values decoded from sRGB.
     decoded_pictures: HashMap<(PathBuf, bool), Rc<Image>>,
-    /// Converted picture files. A value `Texture` holds the path of an embedded picture instead of
-    /// a texture's name.
+    /// Results of converting picture files. A key holds the path of the file, a flag (true for raw
+    /// values), the [`MitsubaTextureUse`], and the bits of the factor that multiplies the values.
     ///
-    /// A key holds the path of the file, a flag (true for raw values), the [`MitsubaTextureUse`],
-    /// and the bits of the factor that multiplies the values.
+    /// If a value is `MitsubaConvertedTexture::Texture`, its text is the path of an embedded
+    /// picture, and not the name of a texture as elsewhere.
     converted_pictures: HashMap<(PathBuf, bool, MitsubaTextureUse, u64), MitsubaConvertedTexture>,
     /// Names of the imported textures. A key is the content of a texture as text, so equal textures
     /// become one.
@@ -337,8 +339,8 @@ impl MitsubaTextures {
         Ok(MitsubaConvertedTexture::Texture(name, mean))
     }
 
-    /// Returns the name of the imported texture with the content `kind`. Adds the texture to the
-    /// imported scene at its first use.
+    /// Returns the name of the imported texture with the content `kind`. The first call for this
+    /// content adds the texture to the imported scene.
     fn texture_name(&mut self, kind: TextureKindDescription) -> Spanned<String> {
         let next = format!("texture{}", self.descriptions.len());
         let name = self.texture_names_by_content.entry(format!("{kind:?}")).or_insert_with(|| next.clone()).clone();
@@ -350,10 +352,10 @@ impl MitsubaTextures {
     }
 }
 
-/// Returns the sign of the total factor of nested `scale` textures: −1 if it is negative, else 1.
+/// Returns the sign of the product of the factors of nested `scale` textures: −1 or 1.
 ///
-/// The height of a bump map takes over this sign, because converted texture values are never
-/// negative.
+/// The caller multiplies the height of a bump map by this sign, because converted texture values
+/// are never negative.
 pub(super) fn sign_of_scales(context: &ImportContext<'_>, texture: &Rc<MitsubaObject>) -> ReadResult<f64> {
     let (mut sign, mut texture) = (1.0, Rc::clone(texture));
     for _ in 0..=MAX_TEXTURE_DEPTH {
@@ -376,9 +378,10 @@ fn scale_factor(texture: &MitsubaObject) -> f64 {
     texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0)
 }
 
-/// Converts a constant color to the quantity `texture_use`, clamped to its range.
+/// Converts a constant color to the quantity `texture_use`, clamped to the range of this quantity.
 ///
-/// If the quantity is a number, all channels of the result are the color's channel mean.
+/// If the quantity is a number, all channels of the result are equal, from the mean of the color's
+/// channels.
 fn clamped_to_range(color: DVec3, texture_use: MitsubaTextureUse) -> DVec3 {
     let is_number = matches!(
         texture_use,
@@ -399,10 +402,10 @@ fn clamped_to_range(color: DVec3, texture_use: MitsubaTextureUse) -> DVec3 {
     }
 }
 
-/// Converts a pixel to the quantity `texture_use`, clamped to its range.
+/// Converts a pixel to the quantity `texture_use`, clamped to the range of this quantity.
 ///
-/// If the quantity is a number, all channels of the result are the pixel's luminance. A pixel with
-/// a channel that is not finite counts as black.
+/// If the quantity is a number, all channels of the result are equal, from the luminance of the
+/// pixel. A pixel with a channel that is not finite counts as black.
 fn value_for_use(pixel: Rgb, texture_use: MitsubaTextureUse) -> Vec3 {
     let pixel = if pixel.is_finite() { pixel } else { Rgb::ZERO };
     let pixel = match texture_use {
@@ -423,8 +426,8 @@ fn value_for_use(pixel: Rgb, texture_use: MitsubaTextureUse) -> Vec3 {
     }
 }
 
-/// Returns the affine map from a shape's texture coordinates in Caustica to the coordinates at
-/// which Mitsuba evaluates `texture`: its linear part and its offset.
+/// Returns an affine map of texture coordinates, as its linear part and its offset. The map goes
+/// from a shape's coordinates in Caustica to those at which Mitsuba looks up `texture`.
 ///
 /// The map includes the transform `to_uv` of the texture. A singular transform is ignored with a
 /// message.
@@ -457,13 +460,13 @@ fn mitsuba_texcoord_transform(
     }
 }
 
-/// Returns the given affine map of (u, v), followed by the flip of v to 1 − v.
+/// Returns the affine map of (u, v) that applies the given map first, and then replaces v by 1 − v.
 fn flipped_v((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
     let flip = DMat2::from_diagonal(DVec2::new(1.0, -1.0));
     (flip * linear, flip * offset + DVec2::Y)
 }
 
-/// Decomposes an affine map of texture coordinates into scale, then rotation, then offset.
+/// Converts an affine map of texture coordinates to three steps: scale, then rotation, then offset.
 ///
 /// A shear of the map is ignored with a message.
 fn texcoord_transform_description(

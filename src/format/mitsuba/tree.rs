@@ -108,7 +108,8 @@ pub(super) struct MitsubaObject {
     pub values: BTreeMap<String, (MitsubaValue, Cell<bool>)>,
     /// Nested objects, each with its name inside this object, in the order of the file.
     pub children: Vec<(String, ChildObject)>,
-    /// True if the importer has looked up a value of the object.
+    /// True if the importer has looked up a value of the object. Only such objects cause messages
+    /// about values that were never read.
     pub is_used: Cell<bool>,
 }
 
@@ -138,7 +139,8 @@ impl ObjectTree {
 }
 
 impl MitsubaObject {
-    /// Returns the objects that are nested in this one directly, without references.
+    /// Returns the objects that are nested in this one directly. Objects to which this one only
+    /// refers are not among them.
     pub fn own_children(&self) -> impl Iterator<Item = &Rc<Self>> {
         self.children.iter().filter_map(|(_, child)| match child {
             ChildObject::Own(child) => Some(child),

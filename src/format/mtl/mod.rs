@@ -18,7 +18,7 @@ pub use write::write;
 
 /// Upper bound of the memory for parsing an MTL file \[bytes per byte of the file].
 ///
-/// The worst case measured, a file of lines `newmtl a`, takes 76.
+/// Measured worst case: 76, for a file that consists of lines `newmtl a`.
 const MEMORY_PER_FILE_BYTE: u64 = 100;
 
 /// Material of an MTL file. A property that the file does not define is `None`.
@@ -107,9 +107,9 @@ pub fn load_mesh_materials(
     names.iter().map(find).collect()
 }
 
-/// Parses the bytes of an MTL file.
+/// Parses the bytes of an MTL file, whose path is `path`.
 ///
-/// Errors name `path`. Relative paths of pictures are joined to its folder.
+/// Errors name this path. Relative paths of pictures are joined to the folder of `path`.
 ///
 /// # Errors
 /// [`MeshError`].

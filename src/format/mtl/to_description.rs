@@ -9,15 +9,15 @@ use crate::format::line_error::MessageAndRemedy;
 use glam::DVec3;
 use std::path::{PathBuf, absolute};
 
-/// Index of refraction of transparent materials that define none: that of glass.
+/// Index of refraction of a transparent material whose MTL file states none: that of glass.
 const DEFAULT_REFRACTIVE_INDEX: f64 = 1.5;
 
 impl MtlMaterial {
     /// Returns the closest material of the scene language.
     ///
-    /// - Dielectric with index `Ni`, if the opacity `d` is below 1. Also if the illumination model
-    ///   is 4, 6, 7 or 9 (glass or refraction). The tint at distance 1 is `Tf`; no tint if `Tf`
-    ///   is white or a component is outside (0, 1].
+    /// - Dielectric with index `Ni`, if the opacity `d` is below 1, or if the illumination model is
+    ///   4, 6, 7 or 9 (glass or refraction). The dielectric's tint at distance 1 is `Tf`. It has no
+    ///   tint if `Tf` is white or a component of `Tf` is outside (0, 1].
     /// - Otherwise mirror with reflectance `Ks`, clamped to 1, if the model is 3, 5 or 8
     ///   (reflection), `Kd` is black, and there is no picture.
     /// - Otherwise Phong with diffuse color `Kd` times the picture. Its highlight has the color
@@ -70,8 +70,8 @@ impl MtlMaterial {
     }
 }
 
-/// Returns the absolute path of a picture. The scene language would resolve a relative path from
-/// the folder of the scene file, not of the MTL file.
+/// Returns `path` as an absolute path. A relative path would be looked up in the folder of the
+/// scene file, but it refers to the folder of the MTL file.
 fn absolute_texture_path(path: &PathBuf) -> Spanned<String> {
     let whole = absolute(path).unwrap_or_else(|_| path.clone());
     Spanned::new(whole.display().to_string(), Span::default())

@@ -6,7 +6,8 @@ use crate::image::{WriteError, replace_file};
 use std::fmt::Write;
 use std::path::{Path, absolute};
 
-/// Writes an MTL file completely or not at all.
+/// Writes an MTL file. The file is written under a temporary name and then renamed, so that a
+/// failure leaves an existing file unchanged.
 ///
 /// Paths of pictures are relative to the folder of `path` if they are inside it, else absolute.
 ///

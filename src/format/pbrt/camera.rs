@@ -63,15 +63,16 @@ pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportN
     Ok(FilmSize { whole: whole.map(|side| side as u32), crop: crop.unwrap_or(whole).map(|side| side as u32) })
 }
 
-/// Returns the times at which the shutter of a camera opens and closes.
+/// Returns the times at which the shutter of a camera opens and closes, the earlier one first.
 pub(super) fn shutter_times(parameters: &Parameters) -> [f64; 2] {
     let [open, close] = [parameters.number_or("shutteropen", 0.0), parameters.number_or("shutterclose", 1.0)];
     [open.min(close), open.max(close)]
 }
 
-/// Adds a message if the shutter of a camera is not open for a time of 1.
+/// Adds a message unless the exposure time of a camera is 1. This is the time for which its shutter
+/// is open.
 ///
-/// pbrt-v4 multiplies pixels by this time, and Caustica does not.
+/// pbrt-v4 multiplies pixels by the exposure time, and Caustica does not.
 pub(super) fn note_exposure_time(parameters: &Parameters, notes: &mut ImportNotes) {
     let [open, close] = shutter_times(parameters);
     if (close - open - 1.0).abs() > 1e-6 {

@@ -5,7 +5,8 @@ use crate::image::Image;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
-/// Number of samples of pbrt's map along each side of a pixel, for antialiasing.
+/// Number of samples along each side of a pixel of the converted map, for antialiasing. Each sample
+/// is a value of pbrt's map.
 const SAMPLES_PER_PIXEL_SIDE: u32 = 3;
 
 /// Mapping of directions to pixels in an environment map of pbrt.
@@ -20,8 +21,8 @@ pub(super) enum MapLayout {
 /// Converts an environment map of pbrt to an equirectangular one with +y at the top and −z at the
 /// left edge.
 ///
-/// `to_world` maps the light's own space to world space. Returns `None` if it is singular, or if
-/// the converted map would be too large.
+/// `to_world` maps the light's own space to world space. Returns `None` if `to_world` is singular,
+/// or if the converted map would be too large.
 pub(super) fn to_equirectangular(image: &Image, layout: MapLayout, to_world: DMat3) -> Option<Image> {
     let inverse = to_world.inverse();
     if !inverse.is_finite() {

@@ -37,7 +37,7 @@ impl PbrtSourceLocation {
 pub(super) struct PbrtSceneFiles<'a> {
     /// Path of the scene file.
     pub path: &'a Path,
-    /// Receives the path of each file that is read after the scene file.
+    /// Observer that receives the path of each file that is read after the scene file.
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,

@@ -26,8 +26,8 @@ impl MovingTransform {
         Some(Self([inverse(self.0[0])?, inverse(self.0[1])?]))
     }
 
-    /// Returns the part of the motion between two fractions of its duration: 0 is its start, and 1
-    /// its end.
+    /// Returns the transforms at two times of the motion. A time is a fraction of the motion's
+    /// duration: 0 at its start, and 1 at its end.
     ///
     /// Fractions are clamped to \[0, 1]. Translation and rotation have constant speed. If scale or
     /// shear change too, the matrices are interpolated linearly; a singular result is replaced by
@@ -67,12 +67,12 @@ impl MovingTransform {
 pub(super) struct ObjectMotion {
     /// Center of the rotation in world space: the object's origin at the start.
     pub rotation_center: DVec3,
-    /// List of the translation, and the rotation if there is any. The last step applies first.
+    /// Translation, and the rotation if there is any. The last step of the list applies first.
     pub steps: Vec<TransformStep>,
     /// True if the object's scale, shear or handedness also changes.
     ///
-    /// `steps` leave out this change. If shear or handedness changes, `steps` leave out the
-    /// rotation too.
+    /// `steps` do not contain this change. If shear or handedness changes, `steps` contain only the
+    /// translation.
     pub omits_deformation: bool,
 }
 
@@ -110,7 +110,8 @@ pub(super) struct AreaLightDirective {
 /// Material that applies to the shapes that follow.
 #[derive(Clone, Debug)]
 pub(super) enum MaterialReference {
-    /// Number of a material that the file has defined so far; 0 for pbrt's default material.
+    /// Index of a material among all that the file has defined so far; 0 for pbrt's default
+    /// material.
     Numbered(usize),
     /// Name of a material that the file has not defined so far, and the position of the directive
     /// that uses it.
@@ -135,10 +136,10 @@ pub(super) struct GraphicsState {
     pub area_light: Option<AreaLightDirective>,
     /// Names of the media inside and outside of the shapes that follow; empty for vacuum.
     pub medium_interface: [Rc<str>; 2],
-    /// Number of definitions of named materials before the block at whose start this state was
-    /// saved; 0 in pbrt-v4.
+    /// Number of definitions of named materials at the time this state was saved, at the start of a
+    /// block; 0 in pbrt-v4.
     ///
-    /// In pbrt-v3, the end of an attribute block or object block undoes all later definitions.
+    /// In pbrt-v3, the end of the attribute or object block undoes all definitions after these.
     pub named_definition_count: usize,
 }
 

@@ -34,7 +34,7 @@ const MAX_INCLUDE_DEPTH: usize = 32;
 /// Greatest number of included files.
 const MAX_INCLUDES: usize = 100_000;
 
-/// Greatest number of graphics states that nested attribute blocks save.
+/// Greatest number of graphics states that the open blocks of a file can save at one time.
 const MAX_SAVED_STATES: usize = 10_000;
 
 /// Estimated memory of each saved graphics state \[bytes].
@@ -79,7 +79,8 @@ pub(super) struct Interpreter<'a> {
     ///
     /// The camera needs the film, which may follow the `Camera` directive.
     camera_directive: Option<(Rc<Parameters>, String, MovingTransform)>,
-    /// Times of the first and second transform of each moving object (`TransformTimes`).
+    /// Start and end of the motion of objects (`TransformTimes`): the times at which a moving
+    /// object has its first and its second transform.
     transform_times: [f64; 2],
     /// Times at which the shutter opens and closes.
     shutter_times: [f64; 2],
@@ -437,8 +438,8 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    /// Returns the times at which the shutter opens and closes, as fractions of the motion of an
-    /// object: at 0, it has its first transform, and at 1, its second.
+    /// Returns the times at which the shutter opens and closes, as fractions of the time in which
+    /// objects move. An object has its first transform at fraction 0, and its second at fraction 1.
     fn shutter_fractions(&self) -> [f64; 2] {
         let [start, end] = self.transform_times;
         if start < end { self.shutter_times.map(|time| (time - start) / (end - start)) } else { [0.0, 1.0] }
@@ -451,7 +452,8 @@ impl<'a> Interpreter<'a> {
 
     /// Makes the camera from the last `Camera` directive, and sets `mirror`.
     ///
-    /// Does nothing if there was no `Camera` directive since the last call.
+    /// Does nothing if the file had no `Camera` directive, or if an earlier call has made its
+    /// camera.
     fn place_camera(&mut self) -> ReadResult<()> {
         let Some((parameters, name, to_world)) = self.camera_directive.take() else { return Ok(()) };
         let size = self.film_size.unwrap_or(FilmSize::DEFAULT);

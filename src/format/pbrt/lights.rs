@@ -26,7 +26,7 @@ const SPOT_MAP_ROWS: u32 = 1_440;
 /// Lights of the imported scene so far. All infinite lights become one environment light.
 #[derive(Default)]
 pub(super) struct PbrtLights {
-    /// True if a shape emits light.
+    /// True if at least one converted shape emits light.
     pub has_emissive_surfaces: bool,
     /// Lights of the imported scene, without infinite lights.
     descriptions: Vec<Spanned<LightDescription>>,
@@ -284,9 +284,9 @@ fn goniometric_map(
 
 /// Returns the picture of a projection light, and its full vertical field of view \[degrees].
 ///
-/// `axes` maps the light's space to world space. If these axes are right-handed, the picture is
-/// flipped left to right. In pbrt-v3, pictures are upside down. Negative channels become 0, and
-/// pixels that are not finite become black.
+/// The matrix `axes` maps the light's space to world space. If its columns are right-handed, the
+/// picture is flipped left to right. A picture of pbrt-v3 is flipped top to bottom. Negative
+/// channels become 0, and pixels that are not finite become black.
 fn projected_picture(
     parameters: &Parameters,
     axes: DMat3,
@@ -320,11 +320,12 @@ fn projected_picture(
     Ok((image, 2.0 * libm::atan(half_height).to_degrees()))
 }
 
-/// Returns the relative intensity of a spotlight of pbrt-v3 as an image of one column. Its rows go
-/// from 0 to 180 degrees from the light's axis.
+/// Returns the intensity of a spotlight of pbrt-v3, relative to its axis, as an image of one
+/// column. Rows go from 0 to 180 degrees from the axis.
 ///
 /// `cone` is the half angle of the cone, and `rim` is the width of the falloff inside it
-/// \[degrees]. The falloff is the fourth power of a linear function of the cosine.
+/// \[degrees]. In the falloff, the intensity is t⁴, where t is linear in the cosine: 0 at `cone`,
+/// and 1 at `cone` − `rim`.
 fn v3_spot_map(cone: f64, rim: f64) -> Result<Image, PictureSizeError> {
     let [cos_outer, cos_inner] = [cone, cone - rim].map(|degrees| libm::cos(degrees.to_radians()));
     let falloff = |row: u32| {
@@ -405,9 +406,9 @@ impl PbrtShapeEmission {
 
     /// Returns the radiance of a shape \[W/(m² sr)].
     ///
-    /// A flux Φ gives the radiance Φ / (π · area · number of sides that emit). `area` returns the
-    /// area that emits the flux, in world space: the shape, or one triangle of a mesh. It is called
-    /// only if the file states a flux.
+    /// A flux Φ gives the radiance Φ / (π · area · number of sides that emit). The function `area`
+    /// returns the area that emits the flux, in world space: that of the shape, or of one triangle
+    /// of a mesh. `area` is called only if the file states a flux.
     pub fn radiance(&self, area: impl FnOnce() -> f64) -> DVec3 {
         let sides = if self.is_two_sided { 2.0 } else { 1.0 };
         match self.strength {

@@ -143,9 +143,10 @@ impl PbrtMedia {
 
     /// Converts a grid medium with RGB absorption and scattering per cell (`rgbgrid`).
     ///
-    /// In Caustica, only the density varies over cells: it is the mean of the channels of
-    /// extinction. All cells share the density-weighted mean colors. A message is added if the
-    /// colors of cells differ: their absorption, scattering or emission per density.
+    /// In Caustica, only the density varies over cells. The density of a cell is the channel mean
+    /// of its extinction. Absorption, scattering and emission per density are equal in all cells:
+    /// the sum over the cells, divided by the sum of densities. A message is added if cells deviate
+    /// from these ratios.
     fn rgb_grid_medium(
         &mut self,
         parameters: &Parameters,
@@ -233,8 +234,8 @@ fn homogeneous_medium(
 
 /// Returns σa and σs \[1/length], multiplied by the parameter `scale`.
 ///
-/// A missing coefficient is 1 if `defaults_to_one` is true. Else it is that of whole milk, for a
-/// length unit of 1 mm.
+/// A coefficient that is missing in the file is 1 if `defaults_to_one` is true. Else it is the
+/// coefficient of whole milk per millimeter, as in pbrt-v3.
 fn absorption_and_scattering(
     parameters: &Parameters,
     defaults_to_one: bool,
@@ -250,10 +251,9 @@ fn absorption_and_scattering(
     Ok([value("sigma_a", DVec3::new(0.0011, 0.0024, 0.014))?, value("sigma_s", DVec3::new(2.55, 3.21, 3.77))?])
 }
 
-/// Returns the parameter `Le` of a medium: the radiance that it emits per optical depth of
-/// absorption; 0 if the medium does not emit.
+/// Returns the parameter `Le` of a medium, not yet multiplied by `Lescale`; 0 if it is missing.
 ///
-/// The factor `Lescale` is not included.
+/// `Le` times σa is the emission: radiance per length \[W/(m³ sr)].
 fn unscaled_emission(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<DVec3> {
     match parameters.find("Le") {
         Some(parameter) => linear_rgb(parameter, ColorMeaning::Emission { is_v3: false }, &parameters.place, files),
@@ -271,10 +271,10 @@ fn grid_size(parameters: &Parameters) -> ReadResult<[u32; 3]> {
 }
 
 /// Returns the values of the parameter `name`, with `N` numbers for each cell of a grid; `None` if
-/// it is missing.
+/// the parameter is missing.
 ///
-/// `size` is the number of cells along each axis. Fails if the number of values does not fit it, or
-/// if a value is negative or too large.
+/// `size` is the number of cells along each axis. Fails if the parameter does not have `N` values
+/// for each cell, or if a value is negative or too large.
 fn cell_values<'p, const N: usize>(
     parameters: &'p Parameters,
     name: &str,

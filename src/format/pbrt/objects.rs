@@ -72,7 +72,7 @@ impl PbrtObjects {
 
     /// Adds `shapes` of one material to the open definition, or else to the scene.
     ///
-    /// `emission` is the radiance that they emit \[W/(m² sr)]; `None` if they emit nothing.
+    /// `emission` is the radiance that the shapes emit \[W/(m² sr)]; `None` if they emit nothing.
     pub fn add_shapes(
         &mut self,
         material: String,
@@ -130,10 +130,11 @@ impl PbrtObjects {
     }
 }
 
-/// Returns `object` with `placement.transform` applied to it, and then `outer`.
+/// Returns `object` with two transforms: first `placement.transform`, then `outer`.
 ///
-/// `outer` is the mirror of the scene, or the identity inside an object definition. It replaces
-/// `placement.mirror`. The object moves if its transforms at shutter start and end differ.
+/// `outer` is the mirror of the scene, or the identity inside an object definition, because the
+/// definition's instances are mirrored as a whole. `placement.mirror` is not applied. The object
+/// moves if its transforms at shutter opening and closing differ.
 fn transformed_object(
     object: Spanned<ObjectDescription>,
     outer: DAffine3,

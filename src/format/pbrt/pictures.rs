@@ -53,7 +53,8 @@ impl LevelCurve {
         if is_v3 { Self::Linear } else { Self::Srgb }
     }
 
-    /// Returns the linear value of each integer level of a picture, from 0 to its greatest level.
+    /// Returns a table of linear values, by the integer level of a channel: from level 0 to the
+    /// greatest level of the picture's format.
     fn table(self, levels: &QuantizedRgba) -> Vec<f32> {
         let greatest = f64::from(levels.max_level);
         let by_level = |value: &dyn Fn(f64) -> f64| {

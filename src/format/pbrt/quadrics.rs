@@ -6,15 +6,17 @@ use crate::format::mesh::TriangleMesh;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Number of segments over a full turn about the z axis.
+/// Number of straight segments by which a mesh approximates a full turn about the z axis.
 const TURN_SEGMENTS: f64 = 64.0;
 
-/// Number of segments along a generatrix that is curved or sweeps a hyperboloid.
+/// Number of segments along the generatrix (the profile line of a surface of revolution) if it is
+/// curved, or if it is the line of a hyperboloid. Any other straight line has one segment.
 const CURVE_SEGMENTS: u32 = 32;
 
 /// Generatrix of a surface of revolution about the z axis: a polyline with a tangent at each point.
 ///
-/// The parameter v goes from 0 to 1 along it. Tangents point towards larger v, and have any length.
+/// The parameter v goes from 0 to 1 along the polyline. Tangents point towards larger v, and have
+/// any length.
 struct Generatrix {
     points: Vec<DVec3>,
     tangents: Vec<DVec3>,

@@ -80,7 +80,8 @@ pub(super) fn back_side_shape(
 /// Returns the area of a shape after the transform `to_world` \[length²].
 ///
 /// The area of meshes and discs is exact. The area of spheres and cylinders is exact only for
-/// transforms that keep angles. Any other shape gives +∞; the importer makes none.
+/// transforms that keep angles. For any other kind of shape, which the importer never makes, the
+/// result is +∞.
 pub(super) fn world_area(
     shape: &ShapeDescription,
     meshes: &BTreeMap<String, Arc<TriangleMesh>>,
@@ -125,11 +126,10 @@ pub(super) fn lamp_count(
     }
 }
 
-/// True if all lamps (separate area lights) that pbrt makes of a shape of type `kind` have equal
-/// areas after the transform `to_world`.
+/// True if all lamps that pbrt makes of a shape of type `kind` have equal areas after the transform
+/// `to_world`. A lamp is a separate area light: each triangle of a mesh is one.
 ///
-/// For a mesh of triangles, each triangle is a lamp. The result is false for any mesh of bilinear
-/// patches, and true for shapes that are no mesh.
+/// The result is false for any mesh of bilinear patches, and true for shapes that are no mesh.
 pub(super) fn lamps_have_equal_areas(
     kind: &str,
     shape: &ShapeDescription,
@@ -147,8 +147,8 @@ pub(super) fn lamps_have_equal_areas(
     most - least <= AREA_TOLERANCE * most
 }
 
-/// True if the shape is a mesh that stores pbrt's texture coordinates. Other shapes have
-/// Caustica's.
+/// True if the texture coordinates of the shape are those of pbrt: the shape is a mesh that stores
+/// them. All other shapes have Caustica's.
 pub(super) fn has_texcoords_of_pbrt(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<TriangleMesh>>) -> bool {
     let ShapeDescription::Mesh(MeshDescription { path, .. }) = shape else { return false };
     meshes.get(&path.value).is_some_and(|mesh| mesh.texcoords.is_some())

@@ -111,7 +111,7 @@ fn sampled_spectrum(pairs: &[f64], place: &PbrtSourceLocation) -> ReadResult<Spe
 
 /// Returns pbrt's built-in spectrum `name`, or else the spectrum in the file `name`.
 ///
-/// pbrt's metals and standard illuminants give RGB values. Its other built-in spectra are errors.
+/// pbrt's metals and standard illuminants give RGB values. Fails for its other built-in spectra.
 fn named_spectrum(name: &str, place: &PbrtSourceLocation, files: &PbrtSceneFiles<'_>) -> ReadResult<SpectralValue> {
     if let Some(metal) = name.strip_prefix("metal-") {
         let (metal, is_eta) = match (metal.strip_suffix("-eta"), metal.strip_suffix("-k")) {
@@ -143,10 +143,10 @@ fn named_spectrum(name: &str, place: &PbrtSourceLocation, files: &PbrtSceneFiles
     sampled_spectrum(&numbers, &PbrtSourceLocation { file, line: 1 }).map(SpectralValue::Spectrum)
 }
 
-/// Returns η or k of a metal's complex refractive index η + ik, for red, green and blue.
+/// Returns η (if `is_eta` is true) or k of a metal's complex refractive index η + ik, for red,
+/// green and blue. `None` if the metal is unknown.
 ///
-/// The result is η if `is_eta` is true, else k; `None` if the metal is unknown. The metals include
-/// the oxides that pbrt lists among them.
+/// MgO and TiO2 are known too, because pbrt lists these oxides among its metals.
 fn metal_eta_or_k(name: &str, is_eta: bool) -> Option<DVec3> {
     let oxide = match name {
         "MgO" => Some(1.737),

@@ -4,8 +4,8 @@ use crate::format::mesh::TriangleMesh;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Neighbors of a mesh vertex: their number, and the sums of their positions. Loop subdivision
-/// computes the vertex's new position from them.
+/// Number of neighbors of a mesh vertex, and the sums of their positions. From these, Loop
+/// subdivision computes the new position of the vertex.
 #[derive(Clone, Debug, Default)]
 struct Neighborhood {
     /// Number of edges at the vertex.
@@ -101,12 +101,13 @@ fn neighborhoods(positions: &[DVec3], edges: &EdgeTable) -> Vec<Neighborhood> {
     neighbors
 }
 
-/// Returns the weight β of each neighbor of an inner vertex in Loop subdivision (Warren 1995).
+/// Returns the weight β of Loop subdivision (Warren 1995). An inner vertex with n neighbors moves
+/// to (1 − n β) times its position, plus β times the sum of the positions of its neighbors.
 fn neighbor_weight(valence: u32) -> f64 {
     if valence == 3 { 3.0 / 16.0 } else { 3.0 / (8.0 * f64::from(valence)) }
 }
 
-/// Returns the position after one Loop subdivision of a vertex that the coarse mesh already has.
+/// Returns the new position of a vertex of the coarse mesh after one Loop subdivision.
 fn even_position(position: DVec3, neighborhood: &Neighborhood) -> DVec3 {
     match neighborhood.boundary_edge_count {
         0 if neighborhood.valence > 0 => {

@@ -106,8 +106,8 @@ pub(super) struct PbrtTextures {
 impl PbrtTextures {
     /// Adds the texture of a `Texture` directive.
     ///
-    /// `class` is its type, such as `imagemap`. `is_color` is true for a color texture, and false
-    /// for a number texture. `is_v3` is true for a scene of pbrt-v3.
+    /// `class` is the type of the texture, such as `imagemap`. `is_color` is true for a color
+    /// texture, and false for a number texture. `is_v3` is true for a scene of pbrt-v3.
     pub fn define_texture(
         &mut self,
         (name, class, is_color): (&str, &str, bool),
@@ -203,9 +203,9 @@ impl PbrtTextures {
 
     /// Returns the value of a parameter, which is a number, a color, or the name of a texture.
     ///
-    /// `is_color` is true if the parameter is a color, so that color textures are searched first;
-    /// else number textures are. Negative RGB values become 0. RGB values above 1 are kept, because
-    /// they may be factors: the caller clamps the product.
+    /// If `is_color` is true, a name is looked up among color textures first, else among number
+    /// textures first. Negative RGB values become 0. RGB values above 1 are kept, because they may
+    /// be factors: the caller clamps the product.
     pub fn parameter_value(
         &self,
         parameter: &Parameter,
@@ -237,7 +237,7 @@ impl PbrtTextures {
     /// Applies `map` to all values of a texture, and adds the result to the imported scene.
     ///
     /// Returns the name of the added texture, and the mean of its values. If all values are equal,
-    /// returns the value instead of a name, and adds no texture.
+    /// adds no texture, and returns this value in place of both.
     pub fn add_texture(
         &mut self,
         value: &PbrtTexture,
@@ -297,8 +297,8 @@ impl PbrtTextures {
 
 /// Returns the texture of an `imagemap`, with the pixels of its picture file.
 ///
-/// For a number texture, each pixel is the mean of its channels. In pbrt-v4, it is the alpha
-/// channel if the picture has one that is not 1 everywhere.
+/// For a number texture, the value of a pixel is the mean of its channels. In pbrt-v4, the value is
+/// alpha instead, if the picture has an alpha channel that is not 1 everywhere.
 fn image_map(
     parameters: &Parameters,
     (is_color, is_v3): (bool, bool),

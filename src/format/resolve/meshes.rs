@@ -19,8 +19,8 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Smallest number of triangles that instancing must save. If instancing saves fewer, meshes at
-/// rest do not become instances.
+/// Smallest number of triangles that instancing must save to be used for meshes at rest. Below this
+/// number, each use of a mesh gets its own copy of the triangles.
 const MIN_TRIANGLES_INSTANCING_SAVES: usize = 50_000;
 
 const MESH_REMEDY: &str = "repair the mesh or name another";
@@ -48,7 +48,8 @@ pub(in crate::format) struct AddedMeshFileMaterial {
 
 /// Adds the mesh of a file to the scene.
 ///
-/// If `options` select the file's materials, the mesh becomes one object for each material.
+/// The mesh becomes one object. If `options` select the file's materials, it becomes one object for
+/// each material.
 pub(in crate::format) fn add_mesh(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -68,7 +69,8 @@ pub(in crate::format) fn add_mesh(
     added
 }
 
-/// Adds a part of a mesh file with the current material.
+/// Adds one part of a mesh file: all its triangles, or those of one material. The caller has made
+/// the part's material the current material of `r`.
 fn add_file_part(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -89,7 +91,7 @@ fn add_file_part(
     Ok(())
 }
 
-/// Adds a mesh with the current material of `r`. Its surface emits the radiance `emission`.
+/// Adds a mesh with the material at `r.current_material_index` and the emitted radiance `emission`.
 ///
 /// The mesh becomes an instance if it moves. It also becomes one if it emits nothing and instancing
 /// saves at least [`MIN_TRIANGLES_INSTANCING_SAVES`] triangles.
@@ -119,8 +121,8 @@ fn add_mesh_part(
     Ok(())
 }
 
-/// Adds `triangles` to [`Resolver::bvh_triangle_count`]. Fails if building the BVHs of all counted
-/// triangles would exceed the memory limit.
+/// Adds `triangles`, a number of triangles, to [`Resolver::bvh_triangle_count`]. Fails if building
+/// BVHs over the sum would exceed the memory limit.
 fn claim_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
     r.bvh_triangle_count += triangles as u64;
     let needed = MEMORY_PER_TRIANGLE * r.bvh_triangle_count;
@@ -135,7 +137,7 @@ fn claim_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles
 }
 
 /// Returns the triangles of the mesh at `path`, split by material if `options` select the file's
-/// materials. A file is read once for each combination of options.
+/// materials. Uses of one file with the same options share one reading of the file.
 fn load_mesh_parts(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
@@ -161,8 +163,9 @@ fn load_mesh_parts(
     Ok(parts)
 }
 
-/// Returns the mesh in `file`, which the description names as `path`. A mesh that has not changed
-/// is shared with the earlier version of the scene.
+/// Returns the mesh in `file`, which the description names as `path`. If the mesh was read for the
+/// previous version of the scene and has not changed, returns that mesh instead of reading the
+/// file.
 fn prepare_mesh(
     r: &Resolver<'_>,
     path: &Spanned<String>,
@@ -190,9 +193,10 @@ fn prepare_mesh(
     Ok(Arc::new(PreparedMesh::new(mesh, libraries, source, options)))
 }
 
-/// Adds the materials that a mesh file names to the scene, but only once for each mesh file.
+/// Adds to the scene the materials that a mesh file uses, as its MTL files define them. A repeated
+/// call for the same file adds nothing.
 ///
-/// Returns them in the order of the mesh's material indices.
+/// Returns the materials in the order of the mesh's material indices.
 fn add_mesh_file_materials(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,

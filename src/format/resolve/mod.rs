@@ -30,8 +30,8 @@ pub(super) const SINGULAR_REMEDY: &str = "no scale may be zero, and no axis of a
 
 pub(super) const MEMORY_REMEDY: &str = "use a smaller file, or let the scene have more memory (--memory)";
 
-/// Component materials of composed materials such as `Principled`: metal, glass and coated base,
-/// for example. The scene description lists only the composed material.
+/// Components of materials such as `Principled`, for example metal, glass and coated base. The
+/// scene description lists only the `Principled` material.
 ///
 /// The components are added to the scene after all materials of the description.
 #[derive(Debug, Default)]
@@ -42,8 +42,8 @@ pub(super) struct MaterialParts {
 }
 
 impl MaterialParts {
-    /// Returns a mix of `first` and `second`, in which `second` has the weight `amount`. Adds both
-    /// materials to the list.
+    /// Returns a mix that selects `second` with the probability `amount`, and `first` otherwise.
+    /// Adds both materials to the list.
     ///
     /// If `amount` is constant 0 or 1, returns `first` or `second` and adds nothing.
     pub fn mix(&mut self, first: Material, second: Material, amount: MaterialParameter<f32>) -> Material {
@@ -64,8 +64,8 @@ pub(super) struct Resolver<'a> {
     pub source: &'a SourceText,
     pub folder: &'a Path,
     pub assets: &'a EmbeddedAssets,
-    /// Meshes of the previous version of the scene. Meshes whose files have not changed are taken
-    /// from there instead of being read again. `None` for a first version.
+    /// Meshes of the previous version of the scene, which are reused if their files have not
+    /// changed. `None` if there is no previous version.
     pub earlier_meshes: Option<&'a SceneMeshes>,
     /// Errors of lights and objects so far. Building continues after an error, to report several at
     /// once.
@@ -79,8 +79,8 @@ pub(super) struct Resolver<'a> {
     pub picture_textures: HashMap<(PathBuf, bool), AddedTexture>,
     /// Media of the description with their indices in the scene, by name.
     pub media: HashMap<&'a str, (u32, Medium)>,
-    /// Properties that objects need of their materials, by material index. A material whose index
-    /// is beyond the end of the list has the default properties.
+    /// Properties of the materials that were added so far, by material index, for the objects that
+    /// have them. A material whose index is beyond the end of the list has the default properties.
     pub materials: Vec<AddedMaterial>,
     /// Component materials of composed materials such as `Principled`, not yet added to the scene.
     pub material_parts: MaterialParts,
@@ -91,12 +91,13 @@ pub(super) struct Resolver<'a> {
     pub bvh_triangle_count: u64,
     /// Meshes that were read so far, each split by material. The key states file and options.
     pub mesh_parts: HashMap<MeshKey, Rc<[meshes::MeshPart]>>,
-    /// The meshes of `mesh_parts` without their materials in this scene. Later versions of the
-    /// scene can share them.
+    /// The meshes of `mesh_parts` without their materials in this scene. When the scene is edited
+    /// and built again, the next version can reuse these meshes.
     pub scene_meshes: SceneMeshes,
     /// Materials from the MTL files of each mesh file, in the order of the mesh's material names.
     pub mesh_file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
-    /// Number of objects that refer to each mesh file, by its path in the description.
+    /// Number of objects in the description that use each mesh file, by the path that the
+    /// description states.
     pub mesh_use_counts: HashMap<&'a str, usize>,
     /// Index of the material of the next object. The end of a group does not reset it.
     pub current_material_index: u32,
@@ -111,26 +112,27 @@ pub(super) struct AddedMaterial {
     /// Name in the scene text; `None` for a material without a name, and for materials of mesh
     /// files.
     pub name: Option<String>,
-    /// Emission of objects that have none of their own.
+    /// Emission of those objects for which the scene text sets no emission of their own.
     pub emission: MaterialEmission,
-    /// True if the material is a null interface.
+    /// True if the material is a null interface, which bounds a medium and does not affect light.
     pub is_null_interface: bool,
     /// Properties that the material's textures need of a surface, such as texture coordinates.
     pub texture_requirements: TextureRequirements,
 }
 
-/// Emission of a material.
+/// Radiance that a material emits: constant, or varied by a texture.
 #[derive(Clone, Copy, Default)]
 pub(super) struct MaterialEmission {
     /// Radiance in W/(m² sr); the mean radiance if a texture varies it.
     pub radiance: Rgb,
-    /// Index of the emission texture, and the factor from its values to radiance; `None` for
-    /// constant emission.
+    /// Index of the texture that varies the emission, and the factor from texture values to
+    /// radiance \[W/(m² sr)]; `None` for constant emission.
     pub texture: Option<(u32, Rgb)>,
 }
 
 impl Resolver<'_> {
-    /// Returns the properties of the material of the next object; `None` if all are the defaults.
+    /// Returns the properties of the material at `current_material_index`, which the next object
+    /// gets; `None` if all are the defaults.
     pub fn current_material(&self) -> Option<&AddedMaterial> {
         self.materials.get(self.current_material_index as usize)
     }
@@ -138,7 +140,8 @@ impl Resolver<'_> {
     /// Adds the error of `result`, if any, to `errors` and returns `Ok`, so that building can
     /// continue.
     ///
-    /// Returns the error instead if memory is exhausted, or if `MAX_REPORTED_ERRORS` is reached.
+    /// Returns the error instead if the error is lack of memory, or if `MAX_REPORTED_ERRORS` is
+    /// reached.
     pub fn record_error(&mut self, result: Result<(), SceneError>) -> Result<(), SceneError> {
         match result {
             Err(error) if error.is_out_of_memory() || self.errors.len() + 1 >= MAX_REPORTED_ERRORS => Err(error),
@@ -163,9 +166,10 @@ impl Resolver<'_> {
         SceneError::error_at_span(self.source, span, message, "here", help)
     }
 
-    /// Returns the matrix `to_world` with its inverse; an error if it is singular.
+    /// Returns the matrix `to_world` with its inverse. Fails if the matrix is singular.
     ///
-    /// The error points at the innermost transform, or at `span` if there is none.
+    /// The error points at the innermost transform around the object, or at `span` if there is
+    /// none.
     pub fn invertible_transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {
         Transform::new(to_world).map_err(|e| {
             let culprit = self.transform_span.unwrap_or(span);

@@ -16,8 +16,8 @@ pub(in crate::format) struct ObjectEmission {
     pub radiance: Rgb,
     /// True if the radiance is set on the object, not on its material.
     pub is_set_on_object: bool,
-    /// Index of the emission texture, and the factor from its values to radiance; `None` for
-    /// constant emission.
+    /// Index of the texture that varies the emission, and the factor from texture values to
+    /// radiance \[W/(m² sr)]; `None` for constant emission.
     pub texture: Option<(u32, Rgb)>,
 }
 
@@ -43,8 +43,8 @@ pub(in crate::format) struct NormalizedMesh {
 }
 
 impl NormalizedMesh {
-    /// Normalizes the mesh of `positions` and `triangles`, and builds its BVH. A mesh whose
-    /// bounding box is a point is not scaled.
+    /// Normalizes the mesh of `positions` and `triangles`, and builds its BVH. If all positions
+    /// coincide, the mesh is moved to the origin but not scaled.
     pub(in crate::format) fn new(
         positions: &[DVec3],
         normals: Option<&[DVec3]>,
@@ -75,10 +75,10 @@ pub(in crate::format) fn set_emission_texture(r: &mut Resolver<'_>, emission: &O
     }
 }
 
-/// Adds a shape with the current material of `r` that emits the radiance `emission`. Sets no
+/// Adds a shape with the current material of `r` and the emitted radiance `emission`. Sets no
 /// texture mapping and no emission texture.
 ///
-/// Fails if the transform at shutter opening leaves no valid shape.
+/// Fails if the transform at shutter opening squeezes the shape flat.
 pub(in crate::format) fn add_placed_shape(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -95,7 +95,7 @@ pub(in crate::format) fn add_placed_shape(
     Ok(())
 }
 
-/// True if the current material of `r` has a texture.
+/// True if the material at `r.current_material_index` has a texture.
 fn is_current_material_textured(r: &Resolver<'_>) -> bool {
     r.current_material().is_some_and(|material| material.texture_requirements.uses_textures)
 }
@@ -118,7 +118,8 @@ pub(in crate::format) fn set_texcoords_if_needed(r: &mut Resolver<'_>, texcoords
     }
 }
 
-/// Adds an instance of a mesh: one that moves, or one of several that share the triangles.
+/// Adds an instance of a mesh. Instances are used for a mesh that moves, and for several meshes
+/// that share triangles.
 ///
 /// Fails if the mesh emits light and its transform to world space scales the axes unequally. This
 /// is tested at four times of the shutter interval.
@@ -142,8 +143,8 @@ pub(in crate::format) fn add_instance(
     add_placed_shape(r, placement, shape, emission)
 }
 
-/// Adds the triangles of a mesh at rest, with the current material of `r` and the emitted radiance
-/// `emission`. `map` is the transform from object space to world space.
+/// Adds the triangles of a mesh at rest, with the material at `r.current_material_index` and the
+/// emitted radiance `emission`. `map` is the transform from object space to world space.
 pub(in crate::format) fn add_still_mesh(
     r: &mut Resolver<'_>,
     map: &Transform,
@@ -161,8 +162,8 @@ pub(in crate::format) fn add_still_mesh(
     r.builder.add_mesh(&positions, &normals, &triangles, r.current_material_index, emission);
 }
 
-/// Adds a shape with the current material of `r`, the shape's own texture mapping `mapping`, and
-/// its emission, which a texture may vary.
+/// Adds a shape with the material at `r.current_material_index`. Sets the texture mapping
+/// `mapping`, which belongs to this kind of shape, and the emission, which a texture may vary.
 pub(in crate::format) fn add_shape_object(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -176,8 +177,8 @@ pub(in crate::format) fn add_shape_object(
     Ok(())
 }
 
-/// Adds a box, cylinder or cone. Fails if `solid` is `None`, which stands for a solid without
-/// volume.
+/// Adds a box, cylinder or cone. Fails if `solid` is `None`, which means that the solid would have
+/// no volume.
 pub(in crate::format) fn add_solid(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,

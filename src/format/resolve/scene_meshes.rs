@@ -7,8 +7,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-/// Key of a mesh that was read: file, the two flags of [`MeshOptions`], and the smoothing angle's
-/// bits.
+/// Key of a mesh that was read: the file, both flags of its [`MeshOptions`], and the bits of the
+/// largest smoothing angle.
 pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 
 /// Returns the key of the mesh that is read from `file` with `options`.
@@ -19,9 +19,9 @@ pub(super) fn mesh_key(file: &Path, options: MeshOptions) -> MeshKey {
 
 /// Meshes of a scene as they were read, with the BVHs that their instances share.
 ///
-/// A later version of the scene shares the meshes that have not changed, see
-/// [`resolve_incrementally`](crate::format::SceneFile::resolve_incrementally). Meshes that only
-/// earlier versions used are not kept, so edits do not make the list grow.
+/// When the scene is edited and built again, the next version takes over the meshes that have not
+/// changed; see [`resolve_incrementally`](crate::format::SceneFile::resolve_incrementally). Meshes
+/// that the next version does not use are dropped, so edits do not make the list grow.
 #[derive(Clone, Default)]
 pub struct SceneMeshes(HashMap<MeshKey, Arc<PreparedMesh>>);
 
@@ -32,7 +32,8 @@ impl std::fmt::Debug for SceneMeshes {
 }
 
 impl SceneMeshes {
-    /// Returns the mesh with this key if its source is still `source`, else `None`.
+    /// Returns the mesh with this `key` if its triangles still come from an unchanged source:
+    /// `source` has the same file stamp or the same embedded mesh. Otherwise returns `None`.
     pub(super) fn find_unchanged(&self, key: &MeshKey, source: &MeshSource) -> Option<Arc<PreparedMesh>> {
         self.0.get(key).filter(|mesh| mesh.source.is_unchanged(source)).cloned()
     }
@@ -52,7 +53,8 @@ impl SceneMeshes {
 
 /// Source of a mesh's triangles: a file or the scene file itself.
 pub(super) enum MeshSource {
-    /// A mesh file with this stamp before reading; `None` if the system gives no stamp.
+    /// A mesh file, with its stamp (time of change and length) from before the file was read;
+    /// `None` if the system gives no stamp.
     File(Option<FileStamp>),
     /// A mesh that the scene file contains.
     Embedded(Arc<TriangleMesh>),
@@ -70,8 +72,8 @@ impl MeshSource {
     }
 }
 
-/// Mesh with the normals that its options select, split by material if its options select the
-/// materials of the file.
+/// A mesh that was read with given [`MeshOptions`], which select its normals. The mesh is split by
+/// material if the options select the materials of the file.
 pub(super) struct PreparedMesh {
     source: MeshSource,
     /// Arguments of the `mtllib` lines of an OBJ file.
@@ -87,13 +89,14 @@ pub(in crate::format) struct PreparedPart {
     /// Index of the material in [`PreparedMesh::material_names`]; `None` for triangles that have
     /// the material that the scene text sets.
     pub material: Option<usize>,
-    /// Geometry that instances share; built for the first of them.
+    /// The mesh in normalized coordinates, with the BVH that all instances share. Built when the
+    /// first instance is added.
     normalized: OnceLock<NormalizedMesh>,
 }
 
 impl PreparedMesh {
-    /// Prepares `mesh`, which was read from `source`, as `options` say. `libraries` are the
-    /// arguments of its `mtllib` lines.
+    /// Prepares `mesh`, which was read from `source`: drops or computes normals and splits the mesh
+    /// by material, as `options` select. `libraries` are the arguments of its `mtllib` lines.
     pub fn new(mut mesh: Arc<TriangleMesh>, libraries: Vec<String>, source: MeshSource, options: MeshOptions) -> Self {
         if options.ignores_normals && mesh.normals.is_some() {
             Arc::make_mut(&mut mesh).normals = None;

@@ -110,8 +110,8 @@ impl<'a> Resolver<'a> {
         Err(SceneError::error_at_span(self.source, name.span, message, "out of range", help))
     }
 
-    /// Returns the texture called `name`. If there is none, `name` is the path of a picture, and
-    /// the texture of this picture is returned.
+    /// Returns the texture called `name`. If no texture has this name, `name` is taken as the path
+    /// of a picture, and the picture becomes a texture.
     ///
     /// `content` says whether the picture holds colors or other data. A picture that is used for
     /// both becomes two textures.
@@ -136,7 +136,8 @@ impl<'a> Resolver<'a> {
     /// Converts a color parameter, which is constant or a texture. Texture values outside `range`
     /// are errors; a constant is not checked.
     ///
-    /// Adds the needs of the texture to `requirements`.
+    /// For a texture, records in `requirements` that it is used, and whether it needs texture
+    /// coordinates.
     pub(in crate::format) fn resolve_color_parameter(
         &self,
         value: &TexturedValue<DVec3>,
@@ -184,10 +185,10 @@ impl<'a> Resolver<'a> {
         self.resolve_color_parameter(value, &UNIT_RANGE, requirements)
     }
 
-    /// Returns the diffuse color of a `Phong` material: `diffuse` times the texture or picture
-    /// `texture`.
+    /// Returns the diffuse color of a `Phong` material: the product of `diffuse` and `texture`,
+    /// which names a texture or a picture.
     ///
-    /// Fails if both are textures.
+    /// Fails if `diffuse` is a texture too, because two textures are not multiplied.
     pub(in crate::format) fn resolve_phong_diffuse_parameter(
         &mut self,
         diffuse: &TexturedValue<DVec3>,

@@ -142,7 +142,7 @@ impl ShapeBlock for ConeDescription {
     }
 }
 
-/// Returns the centers of both ends of a cylinder or cone; an error if they coincide.
+/// Returns the centers of both ends of a cylinder or cone. Fails if the centers coincide.
 fn parse_ends(f: &BlockFields<'_>) -> Result<[DVec3; 2], SceneError> {
     let ends = [f.value_or_default("bottom")?, f.value_or_default("top")?];
     f.require_field("top")?.ensure_valid(ends[0] != ends[1], "must differ from `bottom`")?;

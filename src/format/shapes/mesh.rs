@@ -17,7 +17,7 @@ use std::fmt;
 /// A mesh in a file of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshDescription {
-    /// Path of the mesh file as the text writes it: not empty, without line breaks.
+    /// Path of the mesh file, as the scene file states it: not empty, without line breaks.
     pub path: Spanned<String>,
     /// Options that select which materials and which normals the triangles get.
     pub options: MeshOptions,

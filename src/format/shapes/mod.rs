@@ -44,13 +44,13 @@ use glam::DVec3;
 use std::fmt;
 
 /// A kind of shape in the scene language: the schema of its block, and its conversion to a shape of
-/// the scene. Its [`BlockCodec`] does not read or write the field `emission`.
+/// the scene. Its [`BlockCodec`] skips the field `emission`, which the caller reads and writes.
 trait ShapeBlock: BlockCodec {
     /// Schema of the block: keyword, fields and help.
     const BLOCK: &'static BlockSchema;
 
-    /// Adds the shape to the scene, with the current material of `r`, the shape's own texture
-    /// mapping, and `emission`.
+    /// Adds the shape to the scene with the material at `r.current_material_index`, the texture
+    /// mapping of this kind of shape, and `emission`.
     fn add(
         &self,
         r: &mut Resolver<'_>,
@@ -97,8 +97,8 @@ macro_rules! shape_kinds {
             }
         }
 
-        /// Writes a shape as scene text. `emission` is the emitted radiance \[W/(m² sr)] that
-        /// replaces the material's; `None` if the shape has none of its own.
+        /// Writes a shape as scene text. `emission` is the radiance \[W/(m² sr)] that is set on the
+        /// shape; `None` if the shape emits like its material.
         // Not inlined: its callers recurse, and their stack frames must stay small.
         #[inline(never)]
         pub(super) fn write_shape(
@@ -116,9 +116,9 @@ macro_rules! shape_kinds {
             out.end_block()
         }
 
-        /// Adds a shape of the description, with the current material of `r` and the given
-        /// `emission`. Fails if the shape's transform to world space is singular when the shutter
-        /// opens.
+        /// Adds a shape of the description with the material at `r.current_material_index` and the
+        /// given `emission`. Fails if the shape's transform to world space is singular when the
+        /// shutter opens.
         // Not inlined: its callers recurse, and their stack frames must stay small.
         #[inline(never)]
         pub(super) fn add_shape(
@@ -170,8 +170,8 @@ shape_kinds! {
 
 /// Parses a shape. The caller has read its keyword `word`.
 ///
-/// Returns the shape, and the emitted radiance \[W/(m² sr)] that replaces the material's; `None` if
-/// the shape has none of its own.
+/// Returns the shape, and the radiance \[W/(m² sr)] that is set on the shape; `None` if the shape
+/// emits like its material.
 // Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
 pub(super) fn parse_shape<'a>(

@@ -51,8 +51,8 @@ impl ShapeBlock for RevolutionDescription {
 
 /// Returns the surface of revolution of a profile curve.
 ///
-/// Fails if the curve is invalid, or if the surface takes more than `free` bytes; `None` sets no
-/// limit.
+/// Fails if the curve is invalid, or if the surface takes more than `free` bytes. A `free` of
+/// `None` sets no limit.
 fn make_revolution(profile: &ProfileCurve, free: Option<u64>) -> Result<Revolution, SplineError> {
     let basis = match profile.basis {
         CurveBasis::Bezier => SplineBasis::bezier_basis(profile.controls.len()),

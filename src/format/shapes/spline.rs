@@ -23,7 +23,8 @@ pub struct BezierPatchesDescription {
     /// Degrees along u and v, each from 1 to [`MAX_DEGREE`].
     pub degree: [u32; 2],
     /// Control points (x, y, z, weight): (degree u + 1) · (degree v + 1) for each patch. The index
-    /// along v varies fastest. The weight does not multiply x, y and z.
+    /// along v varies fastest. x, y and z are the point's position, not yet multiplied by the
+    /// weight.
     pub controls: Vec<DVec4>,
 }
 
@@ -37,8 +38,8 @@ pub struct NurbsDescription {
     /// Knots along u and v: count + degree + 1 nondecreasing numbers each, or an empty list for
     /// uniform knots.
     pub knots: [Vec<f64>; 2],
-    /// Control points (x, y, z, weight); the index along v varies fastest. The weight does not
-    /// multiply x, y and z.
+    /// Control points (x, y, z, weight); the index along v varies fastest. x, y and z are the
+    /// point's position, not yet multiplied by the weight.
     pub controls: Vec<DVec4>,
 }
 
@@ -178,10 +179,10 @@ fn check_patch_controls(f: &BlockFields<'_>, controls: &ParsedField<'_, '_>) -> 
     controls.ensure_valid(found > 0 && found.is_multiple_of(points_per_patch), &rule)
 }
 
-/// Returns the knots of the field `name`; empty if the field is absent.
+/// Returns the knots in the field `name`; an empty list if the field is absent.
 ///
 /// # Errors
-/// If the field does not hold `wanted` knots, or if the knots decrease.
+/// If the field does not hold exactly `wanted` knots, or if a knot is below the one before it.
 fn parse_knots(f: &BlockFields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>, SceneError> {
     let Some(knots) = f.get(name) else { return Ok(Vec::new()) };
     let list = knots.number_list();

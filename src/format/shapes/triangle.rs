@@ -22,9 +22,10 @@ use std::fmt;
 pub struct TriangleDescription {
     /// Corners of the triangle.
     pub vertices: [DVec3; 3],
-    /// Shading normals at the corners, of any length; `None` for the triangle's geometric normal.
+    /// Shading normals at the corners, of any length; `None` means the triangle's geometric normal
+    /// at all corners.
     pub normals: Option<[DVec3; 3]>,
-    /// Texture coordinates at the corners; `None` for (0, 0), (1, 0), (0, 1).
+    /// Texture coordinates at the corners; `None` means (0, 0), (1, 0) and (0, 1).
     pub texcoords: Option<Box<[DVec2; 3]>>,
 }
 

@@ -27,10 +27,10 @@ static RELATIVE_XYZ: LazyLock<(DMat3, DMat3)> = LazyLock::new(|| {
 /// Exponent q_c of Andersson et al. 2020: the difference of two colors is their HyAB distance to
 /// this power.
 const COLOR_EXPONENT: f64 = 0.7;
-/// Knee of the map from color difference to ꟻLIP error: p_c and p_t of Andersson et al. 2020.
+/// Knee of the piecewise linear map from color difference to ꟻLIP error: p_c and p_t of Andersson
+/// et al. 2020.
 ///
-/// The first number is the color difference at the knee, as a fraction of the largest difference.
-/// The second number is the error at the knee.
+/// A color difference of 0.4 times [`MAX_COLOR_DIFFERENCE`] has the error 0.95.
 const COLOR_ERROR_KNEE: (f64, f64) = (0.4, 0.95);
 
 /// Converts linear RGB to YCxCz, an opponent space that is linear in XYZ and scaled like CIELAB.
@@ -39,7 +39,7 @@ pub(super) fn rgb_to_ycxcz(rgb: Vec3) -> Vec3 {
     DVec3::new(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)).as_vec3()
 }
 
-/// Converts channel Y of YCxCz to luminance relative to white.
+/// Converts channel Y of YCxCz to luminance relative to white: (Y + 16) / 116.
 pub(super) fn ycxcz_y_to_luminance(y: f64) -> f64 {
     (y + 16.0) / 116.0
 }
@@ -71,7 +71,7 @@ fn hyab_distance(a: DVec3, b: DVec3) -> f64 {
     d.x.abs() + (d.y * d.y + d.z * d.z).sqrt()
 }
 
-/// Largest color difference in the RGB cube, between green and blue.
+/// Largest color difference between two colors of the RGB cube. It occurs between green and blue.
 ///
 /// A color difference is the HyAB distance to the power [`COLOR_EXPONENT`].
 static MAX_COLOR_DIFFERENCE: LazyLock<f64> = LazyLock::new(|| {

@@ -11,8 +11,8 @@ use std::f64::consts::PI;
 const LUMINANCE_CSF: (f64, f64) = (1.0, 0.0047);
 /// Parameters (a, b) of the filter of channel Cx, red-green; see [`LUMINANCE_CSF`] for the formula.
 const RED_GREEN_CSF: (f64, f64) = (1.0, 0.0053);
-/// Parameters (a, b) of two Gaussians whose sum is the filter of channel Cz, blue-yellow; see
-/// [`LUMINANCE_CSF`] for the formula.
+/// Parameters (a, b) of two Gaussians. The sum of both is the filter of channel Cz, blue-yellow;
+/// see [`LUMINANCE_CSF`] for the formula.
 const BLUE_YELLOW_CSF: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 
 /// Width of the edge detector from peak to trough \[degrees] (Andersson et al. 2020, section 4.2).
@@ -25,7 +25,8 @@ type FilterWeights = Vec<f32>;
 pub(super) struct FlipMetricFilters {
     luminance: FilterWeights,
     red_green: FilterWeights,
-    /// Weights and Gaussians whose weighted sum is the filter of channel Cz.
+    /// Two Gaussians for channel Cz, each with its weight. The weighted sum of both results is the
+    /// filtered channel.
     blue_yellow: [(f32, FilterWeights); 2],
     /// One-dimensional filters of the feature detectors: a Gaussian, its first and its second
     /// derivative.
@@ -60,7 +61,7 @@ impl FlipMetricFilters {
         }
     }
 
-    /// Largest radius of all filters \[pixels].
+    /// Radius of the widest filter \[pixels].
     fn max_radius(&self) -> usize {
         self.luminance.len().max(self.detector[0].len()) / 2
     }
@@ -103,13 +104,13 @@ fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
     weights.map(|w| w as f32).collect()
 }
 
-/// Results of all filters for one row of a picture, with the buffers to compute them.
+/// Results of all filters for one row of a picture, with working memory to compute them.
 pub(super) struct FlipRowFilter {
-    /// Buffer for one row after vertical filtering. Beyond both ends of the row, the end pixels are
-    /// repeated.
+    /// Working memory: one row, filtered vertically but not yet horizontally. Its end pixels are
+    /// repeated to the left and right, for the horizontal filter.
     padded: Vec<f32>,
-    /// Blurred channels Y, Cx and Cz. The fourth row is a buffer: Cz, blurred by its second
-    /// Gaussian.
+    /// Blurred channels Y, Cx and Cz, one row each. The fourth row is working memory: it holds Cz,
+    /// blurred by the second Gaussian of the filter of Cz.
     blurred: [Vec<f32>; 4],
     /// Responses of the edge detector along x and along y, then of the point detector along x and
     /// along y.
@@ -152,31 +153,34 @@ impl FlipRowFilter {
         DVec3::new(y[x].into(), cx[x].into(), cz[x].into())
     }
 
-    /// Strength of the luminance edge at column `x` of the filtered row, in relative luminance.
+    /// Strength of the edge that the detector finds at column `x` of the filtered row: a difference
+    /// of luminance relative to white.
     pub fn edge_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[0][x], self.features[1][x])
     }
 
-    /// Strength of an isolated point, such as a firefly, at column `x` of the filtered row, in
-    /// relative luminance.
+    /// Strength of an isolated point, such as a firefly, at column `x` of the filtered row: a
+    /// difference of luminance relative to white.
     pub fn point_strength(&self, x: usize) -> f64 {
         feature_magnitude(self.features[2][x], self.features[3][x])
     }
 }
 
-/// Returns the strength of an edge or point from the responses of its detector along x (`across`)
-/// and along y (`down`), in relative luminance.
+/// Returns the strength of an edge or a point as a difference of luminance relative to white. The
+/// arguments are the detector's responses along x (`across`) and along y (`down`).
 ///
-/// The weights of a detector sum to 0, so the offset between channel Y and luminance cancels.
+/// Channel Y of YCxCz is 116 times luminance minus 16. Detector weights sum to 0, so the offset 16
+/// has no effect.
 fn feature_magnitude(across: f32, down: f32) -> f64 {
     let scale = ycxcz_y_to_luminance(1.0) - ycxcz_y_to_luminance(0.0);
     let (a, d) = (f64::from(across), f64::from(down));
     scale * (a * a + d * d).sqrt()
 }
 
-/// Filters row `row` of `plane` vertically by `down` and horizontally by `across`, into `out`.
+/// Filters row `row` of `plane` with the vertical weights `down` and the horizontal weights
+/// `across`. The result is stored in `out`.
 ///
-/// Border pixels are repeated outside the picture. `padded` is a buffer.
+/// Border pixels are repeated outside the picture. `padded` is working memory.
 fn filter_row(plane: &[f32], row: usize, down: &[f32], across: &[f32], padded: &mut [f32], out: &mut [f32]) {
     let width = out.len();
     let height = plane.len() / width;

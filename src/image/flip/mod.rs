@@ -37,7 +37,8 @@ pub enum FlipMetricMode {
     /// HDR-ꟻLIP: the error of a pixel is its largest LDR error over exposures about one stop apart.
     ///
     /// The first exposure maps the brightest pixel of the reference close to white. The last
-    /// exposure maps the median of the reference, without black pixels, close to white.
+    /// exposure maps a typical pixel close to white: the median of all pixels of the reference that
+    /// are not black.
     Hdr,
 }
 
@@ -133,8 +134,8 @@ impl OpponentColorImage {
     }
 }
 
-/// Computes the ꟻLIP error of each pixel between `reference` and `test`. If the error is larger
-/// than the pixel's value in `map`, the error replaces this value.
+/// Computes the ꟻLIP error of each pixel between `reference` and `test`. `map` holds the largest
+/// error of each pixel so far, and is updated.
 fn accumulate_max_error(
     reference: &OpponentColorImage,
     test: &OpponentColorImage,

@@ -20,8 +20,10 @@ pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
     level.min(DVec3::ONE).as_vec3()
 }
 
-/// Returns the exposures of HDR-ꟻLIP \[stops] for a reference with finite pixels. A black reference
-/// has only the exposure 0.
+/// Returns the exposures of HDR-ꟻLIP \[stops]: about one stop apart, from the one that brings the
+/// brightest pixel of `reference` close to white, to the one that does so for the median pixel.
+///
+/// Black pixels are left out of the median. A black reference has only the exposure 0.
 pub(super) fn hdr_flip_exposures(reference: &Image) -> Vec<f64> {
     let luminance = |p: &Vec3| p.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722));
     let mut lit: Vec<f64> = reference.pixels().iter().map(luminance).filter(|y| *y > 0.0).collect();

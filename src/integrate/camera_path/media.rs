@@ -38,7 +38,8 @@ pub(super) fn advance_to_vertex<'a, I: Interior>(
     (event, phase)
 }
 
-/// Adds to `radiance` the light that one medium segment emits and scatters towards its start.
+/// Adds to `radiance` the light that the medium of `segment` emits and scatters towards the start
+/// of the segment, a part of the path's ray within one medium.
 ///
 /// Returns the distance \[length] at which the path scatters; `None` if it passes through. `weight`
 /// is the product of the throughput factors since the last vertex. The function multiplies `weight`

@@ -41,8 +41,8 @@ pub(in crate::integrate) struct MapBuildOptions {
     pub key: Key,
     /// Number of the pass, counted from 0.
     pub pass: u32,
-    /// Divisor d of the number of photon paths: 1/d of a pass's photon paths are traced. It is 1
-    /// for a whole pass, and more for a pilot or for a slice of the shutter interval.
+    /// Divisor d of the number of photon paths: 1/d of a pass's photon paths are traced. For a
+    /// whole pass, d is 1; for a pilot or a slice of the shutter interval, d is larger.
     pub photon_path_divisor: u32,
     /// Slice of the shutter interval in which photons are traced.
     pub slice: ShutterSlice,
@@ -64,8 +64,8 @@ impl MapBuildOptions {
         Self { key, pass, photon_path_divisor: divisor, slice, has_photon_limit: true, connects_to_camera: true }
     }
 
-    /// Returns the options of a pilot (small simulation before the first pass), which traces
-    /// 1/`divisor` of the photon paths of the first pass, without light tracing.
+    /// Returns the options of a pilot (small simulation before the first pass). The pilot traces
+    /// 1/`divisor` of the photon paths of the first pass, and connects no photons to the camera.
     pub fn for_pilot(key: Key, divisor: u32) -> Self {
         Self {
             key,

@@ -17,8 +17,8 @@ use crate::sampling::{Key, Purpose};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Divisor of the number of photon paths of a pass that are aimed at casters such as glass. The
-/// pilot that divides caustics between photon estimates and light tracing traces 1/4 of them.
+/// Number of photon paths of a pass that are aimed at casters such as glass, divided by the number
+/// in the pilot that divides caustics between photon estimates and light tracing.
 const SHARE_PILOT_PATH_DIVISOR: u32 = 4;
 
 /// Least number of photon paths of the pilot that divides caustics between photon estimates and
@@ -59,7 +59,7 @@ const MAX_INTERREFLECTION_GUIDING_PATHS: u32 = 1 << 15;
 /// The threshold exceeds 1, because guided paths take longer to sample.
 const MIN_GUIDING_GAIN: f64 = 1.5;
 
-/// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
+/// Memory of a photon beam with its bounding boxes, divided by the memory of a photon.
 const BEAM_MEMORY_IN_PHOTONS: usize = 4;
 
 /// Largest number of photon paths that are traced per map, to predict how many photons a pass
@@ -71,7 +71,8 @@ impl<'a> PhotonMapBuilder<'a> {
     /// before the first pass) finds that more efficient. Stores the reports on these pilots.
     ///
     /// Does nothing if media store photons, because the points that guide emission lie on surfaces.
-    /// Paths that start in all directions stay unguided if final-gathering rays read their photons.
+    /// Paths that start in all directions stay unguided if final-gathering rays read their photons,
+    /// because these rays need photons everywhere.
     pub(super) fn guide_emission(&mut self) {
         // Visible points lie on surfaces, so they cannot guide photons that are stored in media.
         if !self.traces_photons() || self.stores_volume_photons() {

@@ -13,21 +13,23 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Effect, Interior, MediumSegment};
 use glam::{Vec2, Vec3};
 
-/// Fraction of the scattering points on a medium segment that are sampled without the learned
-/// distribution (defensive sampling).
+/// Fraction of the scattering points on a medium segment that ignore the learned distribution
+/// (defensive sampling).
 ///
-/// This bounds the weight of a guided point: at most 1/0.25 = 4 times its weight without guiding.
+/// The fraction bounds the weight of a guided point: at most 1/0.25 = 4 times its weight without
+/// guiding.
 const DEFENSIVE_FRACTION: f32 = 0.25;
 
-/// Smallest expected number of guided scattering points on a medium segment, per shadow ray that a
-/// surface point would send. Below 1, Russian roulette decides whether a segment gets points.
+/// Smallest expected number of guided scattering points on a medium segment, divided by the number
+/// of shadow rays that a surface point would send. Russian roulette decides whether a segment gets
+/// a point if it expects less than one.
 const MIN_RELATIVE_POINT_COUNT: f32 = 0.125;
-/// Largest expected number of guided scattering points on a medium segment, per shadow ray that a
-/// surface point would send.
+/// Largest expected number of guided scattering points on a medium segment, divided by the number
+/// of shadow rays that a surface point would send.
 const MAX_RELATIVE_POINT_COUNT: f32 = 16.0;
 
-/// Number of scattering points on a medium segment while a pilot records the light that shadow rays
-/// find, per shadow ray that a surface point would send.
+/// Number of scattering points on a medium segment, divided by the number of shadow rays that a
+/// surface point would send. It applies while a pilot records the light that shadow rays find.
 const RECORDED_RELATIVE_POINT_COUNT: f32 = 12.0;
 
 /// Sampled scattering point on a segment of a camera path through a medium.
@@ -193,8 +195,8 @@ impl NextEventEstimator<'_> {
     /// `light` adds at the start of the segment. If the path `continues`, the radiance includes the
     /// MIS weight.
     ///
-    /// `rays` is the expected number of shadow rays to that light, by which the radiance is
-    /// divided.
+    /// `rays` is the expected number of shadow rays to that light; the radiance is divided by this
+    /// number.
     #[expect(clippy::too_many_arguments, reason = "one call's inputs, all of different kinds")]
     fn shadow_ray_contribution_in_medium<I: Interior>(
         &self,
@@ -243,8 +245,8 @@ impl NextEventEstimator<'_> {
     }
 }
 
-/// Samples a point on a segment in a homogeneous medium, at which a shadow ray to one light starts.
-/// `pivot` stands for the position of that light; for a point light, it is the position itself.
+/// Samples the start point of a shadow ray to one light, on a segment in a homogeneous medium.
+/// `pivot` is the position of a point light, or a representative point of another light.
 ///
 /// Returns `None` if the sampled distance is beyond the segment.
 fn sample_scatter_point_near<I: Interior>(

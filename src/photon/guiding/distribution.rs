@@ -5,9 +5,9 @@ use crate::light::{EmissionDimensions, Light};
 use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
-/// One photon path of the pilot of emission guiding, a small simulation before the render. Holds
-/// the random numbers (primary samples) that determine the path's emission, and its squared
-/// contribution to the picture.
+/// One photon path of the pilot, the small simulation before the render that trains emission
+/// guiding. Holds the random numbers that determine the emitted ray (primary samples), and the
+/// path's squared contribution to the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmissionGuidingSample {
     /// Index of the light that emits the path.
@@ -18,30 +18,27 @@ pub(super) struct EmissionGuidingSample {
     pub direction_sample: Vec2,
     /// Inverse of the joint pdf of the primary samples `position_sample` and `direction_sample`.
     pub inverse_primary_pdf: f64,
-    /// Sum of the squared contributions of the path's photons to the picture.
-    ///
-    /// In this sum, the path starts with the emitted flux alone: no division by the pdf, the
-    /// probability of the light or the number of paths has been made.
+    /// Sum of the squared contributions of the path's photons to the picture. The path starts with
+    /// the emitted flux, not divided by the pdf, the probability of the light and the number of
+    /// paths.
     pub squared_contribution: f64,
 }
 
-/// Smallest mean number of pilot samples per cell in the grid of a light's guided pdf, which is
-/// constant in each cell. The grid is not refined if the finer grid would have fewer samples per
-/// cell.
+/// Smallest mean number of pilot paths per grid cell. The grid holds the piecewise constant pdf of
+/// emission guiding. The grid is not refined if the finer grid would have fewer paths per cell.
 const MIN_SAMPLES_PER_CELL: usize = 4;
 
 /// Largest number of times that the grid of a light's guided pdf is subdivided. Each subdivision
 /// splits each cell into four, so the grid has at most 4096 cells.
 const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Weight of the parent cell's mean in the estimated mean of a cell (shrinkage estimator). A sample
-/// in the cell itself has weight 1.
-///
-/// The parent is the cell of the next coarser grid that contains the cell.
+/// Weight of the parent in the estimated mean of a grid cell. The parent is the cell of the next
+/// coarser grid that contains the cell. With n samples of mean m in the cell, and the parent's mean
+/// M, the estimate is (n·m + 8·M)/(n + 8) (shrinkage estimator).
 const PARENT_WEIGHT: f64 = 8.0;
 
-/// Numbers of subdivisions of a guiding grid over \[0, 1)⁴: of the unit square of positions, and of
-/// the unit square of directions.
+/// Subdivisions of a grid over \[0, 1)⁴ for emission guiding: the number for the unit square of
+/// positions, and the number for the unit square of directions.
 ///
 /// n subdivisions give 2ⁿ cells along each side of a square.
 type CellSubdivisions = (u32, u32);
@@ -95,25 +92,25 @@ impl EmissionGuidingCells {
     /// Returns the mean over all cells of √(mean squared contribution of a photon path to the
     /// picture).
     ///
-    /// The ideally guided pdf is proportional to this square root. With that pdf, the second moment
-    /// of a path's contribution is the square of the result.
+    /// The pdf of least variance is proportional to this square root. With this pdf, the root mean
+    /// square of contribution / pdf is the result.
     fn guided_root_mean_square(&self) -> f64 {
         self.mean_squared_contributions.iter().map(|s| s.sqrt()).sum::<f64>()
             / self.mean_squared_contributions.len() as f64
     }
 
-    /// Returns the guided pdf in each cell. It is the uniform pdf with weight `uniform` in \[0, 1],
-    /// plus a pdf proportional to √(mean squared contribution) with the rest of the weight.
+    /// Returns the pdf of emission guiding in each cell: `uniform` + (1 − `uniform`)·s/s̄. Here, s
+    /// is √(mean squared contribution) of the cell, and s̄ is the mean of s over all cells.
     ///
-    /// The result is 1 in all cells if no sample contributes.
+    /// The pdf is 1 in all cells if no sample contributes to the picture.
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
         let mean = self.guided_root_mean_square();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
         self.mean_squared_contributions.iter().map(pdf).collect()
     }
 
-    /// Estimates the second moment of path contributions under the guided pdf of these cells, times
-    /// the number of `samples`.
+    /// Estimates Σ (contribution / pdf)² for as many paths as there are `samples`, if their pdf
+    /// were the guided one of these cells.
     ///
     /// `uniform` is the weight of the uniform pdf in the guided pdf. The estimate is unbiased only
     /// if the cells were fitted to other samples.
@@ -137,8 +134,8 @@ fn cell_index(resolution: CellSubdivisions, position: Vec2, direction: Vec2) -> 
         + SquareGridDistribution::cell_index(directions, direction)
 }
 
-/// Guiding grid fitted to the pilot samples of one light: cells with the mean squared contribution
-/// of a photon path.
+/// Grid for emission guiding, fitted to the pilot paths of one light. Its cells hold the mean
+/// squared contribution of a photon path to the picture.
 #[derive(Clone, Debug)]
 pub(super) struct EmissionGuidingFit {
     cells: EmissionGuidingCells,
@@ -184,14 +181,15 @@ impl EmissionGuidingFit {
         Self { cells: best.1 }
     }
 
-    /// Returns the root mean square contribution to the picture of an ideally guided photon path of
-    /// this light. Guiding chooses lights in proportion to this number.
+    /// Returns the smallest root mean square of contribution / pdf that guiding can reach for this
+    /// light, where contribution is what a photon path adds to the picture. Lights are chosen with
+    /// probabilities proportional to this number.
     pub fn guided_root_mean_square(&self) -> f64 {
         self.cells.guided_root_mean_square()
     }
 
-    /// Returns the guided pdf, in which the uniform pdf has the weight `uniform`; `None` if the
-    /// grid has a single cell.
+    /// Returns the pdf of emission guiding, in which the uniform pdf has the weight `uniform`;
+    /// `None` if the grid has only one cell, so the pdf would be uniform.
     pub fn to_distribution(&self, uniform: f64) -> Option<EmissionGuidingDistribution> {
         let (p, d) = self.cells.subdivisions;
         if (p, d) == (0, 0) {

@@ -16,29 +16,30 @@ use crate::scene::{Interior, with_interior_type};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
-/// Least number of rounds of photon paths in the pilot of emission guiding, a small photon pass
-/// before the render. Each round is guided by the samples of all earlier rounds.
+/// Smallest number of rounds of the pilot, a small photon pass before the render that trains
+/// emission guiding. From the second round on, paths are guided by the results of all earlier
+/// rounds.
 const MIN_ROUNDS: u32 = 2;
 
-/// Largest number of rounds of photon paths in the pilot of emission guiding, a small photon pass
-/// before the render.
+/// Largest number of rounds of the pilot, a small photon pass before the render that trains
+/// emission guiding.
 const MAX_ROUNDS: u32 = 12;
 
-/// Number of photon paths with a contribution to the picture that is enough for the pilot of
-/// emission guiding. The pilot ends when it has found so many, after at least [`MIN_ROUNDS`]
-/// rounds.
+/// Number of contributing photon paths that ends the pilot, the small photon pass that trains
+/// emission guiding. A path contributes if one of its photons lies near a visible point. At least
+/// [`MIN_ROUNDS`] rounds are made in any case.
 ///
-/// If light enters through a small window, few paths of the first round contribute. Each round
-/// sends more paths through the window.
+/// If light enters through a small window, few paths of the first round contribute. Each later
+/// round sends more paths through the window.
 const ENOUGH_CONTRIBUTING_PATHS: usize = 2000;
 
 /// Number of photon paths that one Rayon task traces in a pilot.
 const PATHS_PER_TASK: u32 = 4096;
 
-/// Weight of the unguided pdf in the guided pdf (defensive sampling). The rest of the weight is on
-/// the pdf that was fitted to pilot samples.
+/// Weight w of the unguided pdf in the pdf of emission guiding (defensive sampling). The pdf that
+/// is fitted to pilot paths has the weight 1 − w.
 ///
-/// A guided path has at most 5 times the flux of the same path without guiding.
+/// The flux of a guided path is at most 1/w = 5 times the flux of the same path without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
 /// Settings of the pilot of emission guiding: a small photon pass that measures which emitted
@@ -50,11 +51,12 @@ pub struct EmissionGuidingPilotSettings<'a> {
     pub mask: StoreMask,
     /// Largest number of scattering events per path.
     pub max_bounces: u32,
-    /// Surface points that the camera sees. Their density gives the importance of a photon.
+    /// Surface points that the camera sees. A photon is important if many of these points are near
+    /// it.
     pub visible_points: &'a VisiblePointMap,
-    /// Number of photon paths of the first two rounds of the pilot together.
-    /// [`EmissionGuidingPilotSettings::DEFAULT_PATHS`] suffices for most scenes. More rounds, each
-    /// of half this number, follow if few paths contribute to the picture.
+    /// Number of photon paths in the first two rounds of the pilot together. Further rounds of half
+    /// this number follow if few paths contribute to the picture. The default
+    /// [`EmissionGuidingPilotSettings::DEFAULT_PATHS`] suffices for most scenes.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,
@@ -67,35 +69,36 @@ impl EmissionGuidingPilotSettings<'_> {
     pub const DEFAULT_PATHS: u32 = 1 << 17;
 }
 
-/// Work of the pilot simulation of emission guiding, and estimated benefit of the guiding.
+/// Cost of the pilot simulation that trains emission guiding, and estimated benefit of the guiding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReport {
     /// Number of photon paths that the pilot of emission guiding traced.
     pub paths: u64,
     /// Number of rays that the pilot of emission guiding traced.
     pub rays: u64,
-    /// Fraction of the unguided paths of the pilot that contribute to the picture, because one of
-    /// their photons lies near a visible point.
+    /// Fraction of the paths of the first round, which is not guided, that contribute to the
+    /// picture. A path contributes if one of its photons lies near a surface point that the camera
+    /// sees.
     #[serde(rename = "useful")]
     pub contributing_fraction: f64,
-    /// Estimated factor by which guiding reduces the variance of the picture, for the same number
-    /// of photon paths; 1 without guiding.
+    /// Estimated ratio of the picture's variance without guiding to that with guiding, for the same
+    /// number of photon paths; 1 without guiding.
     ///
-    /// The estimate is the second moment of path contributions without guiding, divided by that
-    /// with guiding. Both come from the guided paths of the last round.
+    /// The estimate is the ratio of the second moments of path contributions. Both moments are
+    /// computed from the guided paths of the last round.
     #[serde(rename = "gain")]
     pub variance_gain: f64,
 }
 
 impl PhotonSource<'_> {
-    /// Returns the source with its emission guided towards the visible points of `pilot`, and a
-    /// report of the pilot.
+    /// Returns the source with its emission guided towards the surface points that the camera sees,
+    /// and a report of the pilot that trains the guiding.
     ///
-    /// The guided pdf of lights, positions and directions is a mixture. Its main part is
-    /// proportional to the root mean squared contribution of a path to the picture, which minimises
-    /// the variance. The other part is the unguided pdf, so that no path gets a very small pdf and
-    /// a very large flux. If no pilot photon reaches a visible point, the source stays unguided.
-    /// The result depends only on the scene, this source and `pilot`.
+    /// The guided pdf of lights, positions and directions is a mixture of two pdfs. The main one is
+    /// proportional to the root mean square of a path's contribution to the picture, which
+    /// minimises the variance. The other one is the unguided pdf, which prevents tiny pdfs and huge
+    /// fluxes. If no pilot photon lies near a visible point, the source stays unguided. The result
+    /// depends only on the scene, this source and `pilot`.
     #[must_use]
     pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilotSettings<'_>) -> (Self, EmissionGuidingReport) {
         let unguided = self.light_distribution.clone();
@@ -245,8 +248,8 @@ struct PilotRoundSamples {
     samples: Vec<EmissionGuidingSample>,
     /// Sum over the round's paths of (contribution to the picture / pdf of the path)².
     second_moment_sum: f64,
-    /// Estimate of [`PilotRoundSamples::second_moment_sum`] for unguided paths, from the paths of
-    /// this round by importance sampling.
+    /// Estimate of `second_moment_sum` as it would be without guiding. It is computed from the
+    /// paths of this round, which are reweighted by importance sampling.
     unguided_second_moment_sum: f64,
     /// Number of rays that the round traced.
     rays: u64,

@@ -29,10 +29,11 @@ const NON_SMOOTH_BIAS_RATIOS: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), 
 /// at full disc area. It is the ratio at a straight edge of light.
 const MAX_HALF_DISC_RATIO: f64 = 0.841;
 
-/// Relative standard deviation of the extrapolated part of the blur, which is not measured.
+/// Relative standard deviation of the part of the blur L(r) − L(0) that is extrapolated from gather
+/// radius r/2 to 0, for the density estimate L(r) with gather radius r.
 ///
-/// An edge and a band of light may have similar density estimates L(r), L(r/√2) and L(r/2),
-/// although their blur differs by this fraction.
+/// An edge and a band of light may have similar estimates L(r), L(r/√2) and L(r/2), although their
+/// extrapolated parts differ by this relative amount.
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
 /// Means over the picture of squares and products of two differences, D₀ and D₁.
@@ -96,7 +97,7 @@ impl NestedDifferenceMoments {
         if measured > 0.0 { square / (square + 4.0 * self.d0_squared_variance) } else { 0.0 }
     }
 
-    /// Returns the measured ratio D₀·D₁ / ‖D₀‖², limited to the values that light can cause.
+    /// Returns the measured ratio D₀·D₁ / ‖D₀‖², clamped to values that are possible without noise.
     /// `d0_squared` must be positive.
     pub fn product_ratio(&self) -> f64 {
         let limit = (self.d1_squared / self.d0_squared).clamp(0.0, NON_SMOOTH_BIAS_RATIOS[2].0).sqrt();
@@ -112,8 +113,8 @@ pub(super) struct BlurEstimate {
     pub squared_blur: f64,
     /// Variance of the estimate `squared_blur`.
     pub squared_blur_variance: f64,
-    /// Blur at half the gather disc area, divided by the blur at full area: ½ in smooth light,
-    /// larger at edges.
+    /// Blur at half the gather disc area, divided by the blur at full area: ½ where the light is
+    /// smooth, larger at edges of light.
     pub half_disc_ratio: f64,
     /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2), for the
     /// density estimate L(r) with gather radius r.

@@ -34,8 +34,8 @@ impl ClampingLossSums {
         self.squares.merge(&other.squares);
     }
 
-    /// Returns the number of pixels; `None` if the two sums have different numbers, as in damaged
-    /// files.
+    /// Returns the number of pixels; `None` if the two sums have different numbers of pixels, as in
+    /// damaged files.
     pub fn pixel_count(&self) -> Option<usize> {
         (self.removed.pixel_count() == self.squares.pixel_count()).then(|| self.removed.pixel_count())
     }

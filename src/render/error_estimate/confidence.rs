@@ -23,8 +23,8 @@ impl Confidence {
         self.0
     }
 
-    /// Returns the half width, in standard deviations, of the central interval that contains this
-    /// probability of a Gaussian: 1.645 for 90 %.
+    /// Returns the number w for which a Gaussian variate lies within w standard deviations of its
+    /// mean with this probability: 1.645 for 90 %.
     #[must_use]
     pub fn gaussian_half_width(self) -> f64 {
         // 60 bisections reach f64 precision. Beyond 40 deviations the tail underflows.

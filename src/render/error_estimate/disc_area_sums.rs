@@ -2,19 +2,20 @@
 
 use crate::integrate::squared_radius_ratio;
 
-/// Number of leading passes that are summed one by one. Later passes are summed in groups.
+/// Number of passes, counted from the first, that are summed one by one. Later passes are summed in
+/// groups.
 pub(super) const EXACT_PASSES: u32 = 1024;
 
-/// Divisor for the size of a group of passes that is summed at once: after n passes, the group has
-/// n/`GROUP_DIVISOR` passes.
+/// Divisor for the size of a group of passes that is summed at once: after n summed passes, the
+/// next group has n/`GROUP_DIVISOR` passes.
 pub(super) const GROUP_DIVISOR: u32 = 128;
 
 /// Sums over passes of two powers of the gather disc area: area^−1 and area^`blur_exponent`. Areas
 /// are relative to the first pass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DiscAreaSums {
-    /// Parameter α of the radius law r²ᵢ₊₁ = r²ᵢ·(i + α)/(i + 1) of pass i, counted from 1; 1 for
-    /// fixed radii (Knaus and Zwicker 2011).
+    /// Parameter α of the radius law r²ᵢ₊₁ = r²ᵢ·(i + α)/(i + 1) (Knaus and Zwicker 2011). rᵢ is
+    /// the gather radius of pass i = 1, 2, …; it stays fixed if α is 1.
     alpha: f64,
     /// Exponent p: the blur of a pass is proportional to the p-th power of its gather disc area.
     blur_exponent: f64,

@@ -31,14 +31,15 @@ const LEADING_PASSES: usize = 8;
 /// L(r/√2), for the density estimate L(r) with gather radius r.
 const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 
-/// Sums over pixels from which the noise of a picture is estimated.
+/// Sums over pixels, from which the noise of a picture is estimated.
 #[derive(Default)]
 struct PictureNoiseSums {
     /// Sum over pixels of the squared relative noise c, clamped to 1.
     squared_noise: f64,
     /// Sum over pixels of c², where c is the squared relative noise, clamped to 1.
     fourth_power_noise: f64,
-    /// Sum over pixels of c²·(kurtosis − 1), where c is the squared relative noise, clamped to 1.
+    /// Sum over pixels of c²·(kurtosis − 1). c is the squared relative noise, clamped to 1. The
+    /// kurtosis is that of the pixel's values in the passes.
     kurtosis_weighted_noise: f64,
     /// Histogram of the pixels whose squared relative noise exceeds 1 before it is clamped.
     fireflies: FireflyHistogram,
@@ -51,14 +52,15 @@ struct PictureNoiseSums {
 /// order, by rounding.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct ErrorEstimator {
-    /// Law by which gather radii shrink from pass to pass; `None` without photon density estimates.
+    /// Law by which gather radii shrink from pass to pass; `None` if the integrator makes no photon
+    /// density estimates.
     radius_law: Option<RadiusLaw>,
     /// Number of added passes.
     passes: u32,
     variances: PixelVarianceSums,
     nested_differences: Option<NestedDifferenceSums>,
     shared_paths: SharedPathErrorSums,
-    /// Light that clamping removed; `None` if no pass was clamped.
+    /// Sums of the radiance that clamping removed from the passes; `None` if no pass was clamped.
     clamping_loss: Option<ClampingLossSums>,
     leading_pictures: LeadingPassPictures,
 }
@@ -83,12 +85,13 @@ struct NestedDifferenceSums {
     leading_pictures: LeadingPassPictures,
 }
 
-/// Sums over passes of the mean gather radius and photon count of one pixel, for one photon map.
+/// Gather discs of one pixel in one photon map: sums over passes of the mean gather radius and the
+/// mean photon count of a pass.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 struct GatherDiscTotals {
-    /// Sum over passes of the mean radius \[length].
+    /// Sum over passes of the mean gather radius in a pass \[length].
     radius_sum: f32,
-    /// Sum over passes of the mean photon count of a disc.
+    /// Sum over passes of the mean number of photons in a gather disc of a pass.
     mean_count_sum: f32,
     passes: u32,
 }
@@ -102,10 +105,12 @@ pub struct ErrorMaps {
     /// Estimated blur of the mean of the passes, by channel \[W/(m² sr)]; positive where the
     /// picture is too bright. The estimate is noisy.
     pub blur: Vec<Vec3>,
-    /// Mean radius and photon count of each pixel's density estimates from the caustic map.
+    /// Mean gather radius and mean photon count of each pixel's density estimates from the caustic
+    /// map, over all passes.
     pub caustic_discs: Vec<MeanGatherDisc>,
-    /// Mean radius and photon count of each pixel's density estimates from the indirect map. In the
-    /// integrator `hybrid`, the mean includes estimates from the interreflection map.
+    /// Mean gather radius and mean photon count of each pixel's density estimates from the indirect
+    /// map, over all passes. In the integrator `hybrid`, the mean includes estimates from the
+    /// interreflection map.
     pub indirect_discs: Vec<MeanGatherDisc>,
 }
 
@@ -192,7 +197,8 @@ impl ErrorEstimator {
             })
     }
 
-    /// True if both estimators hold sums of the same kinds for the same number of pixels.
+    /// True if both estimators have the same number of pixels, the same pixels with unshared camera
+    /// paths, and the same optional parts (density estimates, clamped light).
     fn has_same_pixels(&self, other: &Self) -> bool {
         let photon_pixels = |estimator: &Self| estimator.nested_differences.as_ref().map(|sums| sums.discs.len());
         self.variances.pixel_count() == other.variances.pixel_count()
@@ -289,8 +295,8 @@ impl ErrorEstimator {
         }
     }
 
-    /// Returns the weights for errors relative to the mean picture, after its estimated blur is
-    /// subtracted.
+    /// Returns the weights for relative errors. Errors are relative to the mean picture minus its
+    /// estimated blur.
     ///
     /// Blur brightens the surroundings of a caustic, so errors relative to the blurred picture
     /// would be too small there. `film` must hold exactly the passes added so far.
@@ -343,7 +349,7 @@ impl ErrorEstimator {
 }
 
 impl PictureNoiseSums {
-    /// Adds the sums of other pixels.
+    /// Adds `other`, the sums over other pixels.
     fn add_sums(&mut self, other: Self) {
         self.squared_noise += other.squared_noise;
         self.fourth_power_noise += other.fourth_power_noise;
@@ -403,8 +409,8 @@ impl NestedDifferenceSums {
         ((d0 + d1) * factor).as_vec3()
     }
 
-    /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, with variances of
-    /// D₀ and of the mean of D₀². All values are relative, by `error_weights`.
+    /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, and the variances
+    /// of D₀ in one pass and of the mean of D₀². All values are relative, by `error_weights`.
     ///
     /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather
     /// radius r. Each product combines two different passes, so its noise has mean zero.
@@ -454,8 +460,8 @@ impl GatherDiscTotals {
         self.passes += other.passes;
     }
 
-    /// Returns the mean radius and photon count over the passes with an estimate; 0 without such
-    /// passes.
+    /// Returns the mean gather radius and the mean photon count of a disc. The means are over the
+    /// passes that made a density estimate; 0 without such passes.
     fn mean(self) -> MeanGatherDisc {
         let n = self.passes.max(1) as f32;
         MeanGatherDisc { radius: self.radius_sum / n, mean_count: self.mean_count_sum / n }

@@ -1,7 +1,7 @@
 //! Fireflies: pixels whose relative squared noise exceeds 1.
 
 /// Number of classes of [`FireflyHistogram`], one per octave of relative squared noise. The last
-/// class also holds all fireflies above it.
+/// class also holds all brighter fireflies.
 const CLASS_COUNT: usize = 32;
 
 /// Histogram of fireflies by brightness.
@@ -12,20 +12,20 @@ const CLASS_COUNT: usize = 32;
 /// 1/m for large m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct FireflyHistogram {
-    /// Fraction of all pixels that are fireflies of class i, by i. Class i has relative squared
-    /// noise from 2^i to 2^(i + 1).
+    /// Entry i is the fraction of all pixels that are fireflies of class i: those with a relative
+    /// squared noise from 2^i to 2^(i + 1).
     fractions: [f64; CLASS_COUNT],
 }
 
 impl FireflyHistogram {
-    /// Adds pixels with relative squared noise `square` > 1, which make up the given `fraction` of
-    /// all pixels.
+    /// Adds fireflies, pixels with relative squared noise `square` > 1, which make up the given
+    /// `fraction` of all pixels.
     pub(super) fn add(&mut self, square: f64, fraction: f64) {
         let octave = libm::log2(square).clamp(0.0, (CLASS_COUNT - 1) as f64);
         self.fractions[octave as usize] += fraction;
     }
 
-    /// Adds the fireflies of other pixels.
+    /// Adds `other`, the histogram of other pixels of the same picture.
     pub(super) fn merge(&mut self, other: &Self) {
         self.fractions.iter_mut().zip(other.fractions).for_each(|(fraction, other)| *fraction += other);
     }
@@ -37,8 +37,8 @@ impl FireflyHistogram {
         self.fractions.iter().sum()
     }
 
-    /// Predicts the contribution of fireflies to the mean squared error after `factor` times as
-    /// many passes; at most 1.
+    /// Predicts the contribution of fireflies to the mean relative squared error after `factor`
+    /// times as many passes as made so far; at most 1.
     pub(super) fn firefly_squared_error_after(&self, factor: f64) -> f64 {
         let one = |(octave, part): (usize, &f64)| part * (libm::exp2(octave as f64 + 0.5) / (factor * factor)).min(1.0);
         (factor * self.fractions.iter().enumerate().map(one).sum::<f64>()).min(1.0)

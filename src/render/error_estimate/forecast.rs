@@ -8,8 +8,9 @@ pub(super) const MAX_FORECAST_PASSES: u32 = 10_000_000;
 
 /// Predicted error of a picture as a function of the number of passes n.
 ///
-/// Let aᵢ be the gather disc area in pass i, relative to pass 0. The variance of photon estimates
-/// falls as Σ(1/aᵢ)/n², all other variance as 1/n. Blur is proportional to the mean of aᵢ^p, with a
+/// Let aᵢ be the gather disc area in pass i, relative to the first pass. The variance of photon
+/// estimates falls as Σ(1/aᵢ)/n². All other variance falls as 1/n, except that the contribution of
+/// fireflies is predicted from their histogram. Blur is proportional to the mean of aᵢ^p, with a
 /// measured exponent p. The shared-path error and the bias of clamping are constant.
 ///
 /// Errors are relative, see [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
@@ -17,11 +18,11 @@ pub(super) const MAX_FORECAST_PASSES: u32 = 10_000_000;
 pub struct ErrorForecast {
     /// Error estimate from which the forecast starts.
     pub(super) estimate: ErrorEstimate,
-    /// Parameter α of the radius law, by which gather radii shrink from pass to pass; 1 for fixed
-    /// radii.
+    /// Parameter α of the radius law r²ᵢ₊₁ = r²ᵢ·(i + α)/(i + 1), for the gather radius rᵢ of pass
+    /// i = 1, 2, …; 1 for fixed radii.
     pub(super) alpha: f64,
-    /// Relative variance of the picture of one pass, without the variance of photon estimates and
-    /// of fireflies.
+    /// Relative variance of the picture of one pass. The variances of photon estimates and of
+    /// fireflies are left out, because they are predicted separately.
     path_variance: f64,
     /// Relative variance that photon estimates cause in the picture of the first pass.
     first_pass_photon_variance: f64,

@@ -21,24 +21,23 @@ pub(super) struct LeadingPassPictures {
     pictures: Vec<(u32, Vec<f32>)>,
 }
 
-/// Largest number of leading passes, the passes with the lowest numbers, that are stored.
+/// Largest number of stored leading passes. These are the passes with the lowest pass numbers.
 const MAX_LEADING_PASSES: usize = 8;
 
 /// Scalar products of pass deviations: entry \[a]\[b] is for the leading passes with the indices a
 /// and b. The deviation of a pass is its difference from the mean of all leading passes.
 type DeviationProducts = [[f64; MAX_LEADING_PASSES]; MAX_LEADING_PASSES];
 
-/// Effective sample count N that is assumed before passes measure it: the squared noise varies like
-/// the mean square of N independent Gaussian values.
+/// Effective sample count N that is assumed until passes have measured it. N means that the squared
+/// noise varies like the mean square of N independent Gaussian values.
 const PRIOR_EFFECTIVE_SAMPLE_COUNT: f64 = 100.0;
 
-/// Weight of [`PRIOR_EFFECTIVE_SAMPLE_COUNT`] in the weighted mean with the measured value: the
-/// assumed count weighs as much as two measured scalar products of pass differences.
+/// Weight of [`PRIOR_EFFECTIVE_SAMPLE_COUNT`] in the mean of assumed and measured values. The
+/// weight of the measured value is its number of independent scalar products of pass differences.
 const PRIOR_WEIGHT_IN_PRODUCTS: f64 = 2.0;
 
 impl LeadingPassPictures {
-    /// Adds the picture of pass `number`, if the pass is one of the `most` passes with the lowest
-    /// numbers.
+    /// Adds the picture of pass `number`, and keeps only the `most` passes with the lowest numbers.
     pub fn add(&mut self, number: u32, most: usize, picture: impl IndexedParallelIterator<Item = Rgb>) {
         let at = self.pictures.partition_point(|(other, _)| *other < number);
         if at < most.min(MAX_LEADING_PASSES) {
@@ -66,10 +65,10 @@ impl LeadingPassPictures {
     /// sample count: the squared noise varies like the mean square of N independent Gaussian
     /// values.
     ///
-    /// Few passes measure 1/N badly, so the result is a weighted mean with the value for
-    /// [`PRIOR_EFFECTIVE_SAMPLE_COUNT`]. The formula holds for Gaussian noise. `weights` holds a
-    /// factor for each pixel, on the square of its deviation from the mean of the leading passes.
-    /// The weighted square is clamped to `max`.
+    /// Few passes measure 1/N badly, so the result is a weighted mean of the measured value and of
+    /// the value for [`PRIOR_EFFECTIVE_SAMPLE_COUNT`]. The formula holds for Gaussian noise. For
+    /// each pixel, `weights` holds the factor on its squared deviation from the mean of the leading
+    /// passes. The product is clamped to `max`.
     pub fn squared_error_relative_variance(&self, weights: &[f64], max: f64) -> f64 {
         let n = self.pictures.len();
         if n < 2 {
@@ -120,8 +119,8 @@ impl LeadingPassPictures {
     /// Returns the weighted scalar products of the leading passes' deviations from their mean,
     /// divided by the number of pixels: one product for each pair of passes.
     ///
-    /// `weights` holds a factor on the square of each pixel's deviation. The weighted square is
-    /// clamped to `max`.
+    /// For each pixel, `weights` holds the factor on its squared deviation. The product is clamped
+    /// to `max`.
     fn deviation_products(&self, weights: &[f64], max: f64) -> DeviationProducts {
         let share = 1.0 / self.pictures.len() as f64;
         let add_pixel = |products: &mut DeviationProducts, pixel: usize| {

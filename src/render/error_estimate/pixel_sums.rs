@@ -8,8 +8,8 @@ pub(super) const MIN_PIXELS_PER_TASK: usize = 2048;
 /// Number of pixels that one Rayon task sums.
 const CHUNK: usize = 1024;
 
-/// Sums over the pixels from 0 to `pixels` − 1 in parallel. `add` adds a pixel to a partial sum.
-/// `join` adds the partial sum of the following pixels.
+/// Sums over the pixels from 0 to `pixels` − 1 in parallel. `add` adds one pixel to a partial sum.
+/// `join` adds the partial sum of one chunk of pixels to that of the chunks before it.
 ///
 /// Chunks of pixels have a fixed size and are joined in order. So the result does not depend on the
 /// number of threads.

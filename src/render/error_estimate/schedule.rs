@@ -13,8 +13,8 @@ pub struct EstimateSchedule {
 }
 
 impl EstimateSchedule {
-    /// Returns true if an error estimate is due after `passes` passes, and then advances to the
-    /// next one. `passes` must ascend from call to call.
+    /// Returns true if an error estimate is due after `passes` passes. If so, schedules the next
+    /// estimate. `passes` must ascend from call to call.
     pub fn advance_if_due(&mut self, passes: u32) -> bool {
         let due = f64::from(passes) >= self.next;
         if due {

@@ -9,7 +9,7 @@ use glam::DVec3;
 /// each block counts as one independent sample.
 const BLOCK_SIDE: u32 = 16;
 
-/// Sums over passes from which the error of shared camera paths is estimated, for a few pixels.
+/// Sums over passes, for a few pixels, from which the error of shared camera paths is estimated.
 ///
 /// Shared paths are the same in all passes; unshared paths differ from pass to pass. The error is
 /// the mean difference between radiance by shared paths and radiance by unshared paths.
@@ -47,8 +47,8 @@ impl SharedPathErrorSums {
         self.squares.merge(&other.squares);
     }
 
-    /// True if there is a sum for each recorded pixel, and if each pixel index is below `pixels`,
-    /// the number of pixels of the picture.
+    /// True if there is a sum for each index in `pixel_indices`, and if each index is below
+    /// `pixels`, the number of pixels of the picture.
     pub(super) fn is_consistent(&self, pixels: usize) -> bool {
         let count = self.pixel_indices.len();
         let are_pixels = self.pixel_indices.iter().all(|pixel| (*pixel as usize) < pixels);
@@ -62,7 +62,8 @@ impl SharedPathErrorSums {
     }
 
     /// Returns two numbers: the squared relative error of shared camera paths, as a mean over the
-    /// recorded pixels, and the variance of this estimate. Both are 0 without shared paths.
+    /// pixels that are also rendered with unshared paths, and the variance of this estimate. Both
+    /// are 0 without shared paths.
     ///
     /// The square of each pixel is clamped to \[−1, 1], and the mean to 0 or more. `columns` is the
     /// width of the picture \[pixels], and `n` the number of passes. The variance is measured

@@ -11,17 +11,18 @@ pub(super) struct SquaredErrorParts {
     /// effective sample count: the squared noise varies like the mean square of N independent
     /// Gaussian values.
     pub realised_noise_relative_variance: f64,
-    /// Relative variance of the estimate `noise` about the expected squared noise of the picture.
+    /// Relative variance of the estimate `noise` about the true value, the expected squared noise
+    /// of the picture.
     pub noise_estimate_relative_variance: f64,
     /// Squared relative blur of the picture: the squared bias of photon density estimates.
     pub blur: f64,
     /// Variance of the estimate `blur`.
     pub blur_variance: f64,
-    /// Squared relative error of camera paths that all passes share.
+    /// Squared relative error due to camera paths that are the same in all passes.
     pub shared_paths: f64,
     /// Variance of the estimate `shared_paths`.
     pub shared_paths_variance: f64,
-    /// Squared relative bias of clamped camera paths.
+    /// Squared relative bias due to the light that clamping removes from camera paths.
     pub clamping: f64,
     /// Variance of the estimate `clamping`.
     pub clamping_variance: f64,

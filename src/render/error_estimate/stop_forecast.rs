@@ -23,15 +23,15 @@ use std::sync::LazyLock;
 /// Probability that the number of passes at which a render ends lies in the forecast [`PassRange`].
 pub const RANGE_PROBABILITY: f64 = 0.8;
 
-/// Largest number of passes that a forecast considers, divided by the number of passes made.
+/// Largest number of passes that a forecast considers, divided by the number of passes made so far.
 const MAX_EXTRAPOLATION: u32 = 1000;
 
 /// Number of imagined renders of a forecast. Each is a simulated run of the render, with its own
 /// random values of the unknown quantities.
 const DRAW_COUNT: usize = 64;
 
-/// Relative standard deviation of the predicted noise variance after many more passes, because the
-/// forecast's model of noise is inexact.
+/// Relative standard deviation of the error in the predicted noise variance after many more passes.
+/// The error is due to the forecast's inexact model of noise.
 const NOISE_MODEL_DEVIATION: f64 = 0.2;
 
 /// Exponent e of the prior for the unknown blur: ‖D₀‖² has the prior density (‖D₀‖²)^−e. D₀ = L(r)
@@ -67,15 +67,15 @@ pub enum StopForecast {
     },
 }
 
-/// Range that contains the number of passes at which the render ends, with the probability
-/// [`RANGE_PROBABILITY`].
+/// Predicted range of the number of passes at which the render ends. The true number lies in the
+/// range with the probability [`RANGE_PROBABILITY`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassRange {
     /// Lower end of the range: the 10 % quantile.
     pub low: u32,
     /// Median of the predicted number of passes.
     pub median: u32,
-    /// Upper end of the range: the 90 % quantile; `None` if it is too far to predict.
+    /// Upper end of the range: the 90 % quantile; `None` if this end is too far to predict.
     pub high: Option<u32>,
 }
 
@@ -103,9 +103,9 @@ struct DrawnBlur {
     d0_squared: f64,
 }
 
-/// The [`DRAW_COUNT`] draws of every forecast. `noise_variate` is stratified. The other numbers are
-/// a quasirandom additive recurrence (Roberts 2018, "The unreasonable effectiveness of quasirandom
-/// sequences").
+/// The [`DRAW_COUNT`] draws of every forecast. The values of `noise_variate` are stratified. The
+/// other three numbers are points of a quasirandom additive recurrence (Roberts 2018, "The
+/// unreasonable effectiveness of quasirandom sequences").
 static ALL_DRAWS: LazyLock<Vec<ForecastDraw>> = LazyLock::new(|| {
     // Positive root of x⁴ = x + 1.
     let root: f64 = 1.220_744_084_605_759_5;
@@ -152,7 +152,8 @@ impl ErrorForecast {
         }
     }
 
-    /// Returns the largest number of passes that a forecast from this estimate considers.
+    /// Returns the largest number of passes that this forecast considers: a multiple of the passes
+    /// made so far, limited to [`MAX_FORECAST_PASSES`].
     fn max_imagined_passes(&self) -> u32 {
         self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_FORECAST_PASSES)
     }
@@ -276,7 +277,7 @@ impl ErrorForecast {
     }
 
     /// Returns the cumulative probabilities of the exponents [`BLUR_EXPONENTS`], given the measured
-    /// blur. The last one is not normalized to 1.
+    /// blur. The probabilities are not normalized, so the last one need not be 1.
     ///
     /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather
     /// radius r. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖². The difference between this
@@ -303,8 +304,8 @@ impl ErrorForecast {
     }
 
     /// Returns the posterior distribution of the expected ‖D₀‖², given its measurement: pairs
-    /// (value, cumulative probability) in ascending order. The last probability is not normalized
-    /// to 1.
+    /// (value, cumulative probability) in ascending order. The probabilities are not normalized, so
+    /// the last one need not be 1.
     ///
     /// D₀ = L(r) − L(r/√2), for the density estimate L(r) with gather radius r. The measured ‖D₀‖²
     /// has Gaussian noise. Its prior density is a power law ([`PRIOR_EXPONENT`]).

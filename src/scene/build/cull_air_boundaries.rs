@@ -3,8 +3,8 @@
 use super::object::{BoundsF64, MergedMeshes, ObjectGeometry, SceneObject};
 use crate::scene::Material;
 
-/// Removes objects that bound a [`Body`](crate::scene::Body) of air: refractive index 1, no
-/// absorption and no medium.
+/// Removes objects that only bound air: a [`Body`](crate::scene::Body) of refractive index 1,
+/// without absorption and without a medium.
 ///
 /// Such a body changes light only where it overlaps another body or the ambient medium. In a scene
 /// with an ambient medium, all objects are therefore kept. An object is also kept if it moves, if
@@ -49,8 +49,8 @@ pub(super) fn cull_air_boundaries(
     (objects, mesh)
 }
 
-/// True if `material` bounds a dielectric body other than air. For a mix: true if a component
-/// bounds a dielectric body, even one of air.
+/// True if `material` bounds a dielectric body other than air. A mix counts if any component bounds
+/// a dielectric body, even one of air.
 fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
     match material.mix_component_indices() {
@@ -59,7 +59,7 @@ fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     }
 }
 
-/// True if `material`, or any component of it if it is a mix, bounds a dielectric body.
+/// True if `material` bounds a dielectric body. For a mix: true if any component does.
 pub(super) fn may_bound_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
     match material.mix_component_indices() {

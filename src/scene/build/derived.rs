@@ -8,15 +8,16 @@ use crate::scene::Scene;
 use crate::scene::interiors::{InteriorStack, interior_stack_at};
 use glam::Vec3;
 
-/// Factor by which unbounded planes enlarge the [photon domain](Scene::photon_domain), the ball
-/// onto which lights at infinity emit photons. Without planes, this ball is the bounding sphere of
-/// all bounded objects.
+/// Factor by which the radius of the [photon domain](Scene::photon_domain) grows if the scene has
+/// unbounded planes. The domain is the ball onto which lights at infinity emit photons. Without
+/// planes, it is the bounding sphere of all bounded objects.
 const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
-/// Radius of the ball that the ambient medium fills, divided by a distance d.
+/// Ratio r/d, where r is the radius of the ball that the ambient medium fills.
 ///
 /// d is the greatest distance from the center of the photon domain to a light, the camera or the
-/// domain's edge. An unbounded medium would scatter most photons far away from the objects.
+/// domain's edge. The ball is limited, because an unbounded medium would scatter most photons far
+/// away from the objects.
 const AMBIENT_RADIUS_FACTOR: f32 = 2.0;
 
 /// Scene data that is computed from the placement of objects, lights and camera at one time.
@@ -29,10 +30,10 @@ pub(in crate::scene) struct DerivedSceneData {
     /// The dielectric bodies that contain the camera.
     pub camera_interior: InteriorStack,
     /// The dielectric bodies that contain each light, by light index. Only one point of the light
-    /// is tested.
+    /// is tested; `lights_across_boundaries` tells whether other points may lie in other bodies.
     pub light_interiors: Vec<InteriorStack>,
-    /// True if a light may lie partly inside a dielectric body, by light index. Its points may then
-    /// differ in the bodies that contain them.
+    /// One flag for each light: true if the light may lie partly inside a dielectric body.
+    /// Different points of such a light may lie in different bodies.
     pub lights_across_boundaries: Vec<bool>,
     /// Distance \[length] below which a surface point counts as touching a light, by light index:
     /// see [`Scene::light_contact_distance`].
@@ -88,8 +89,9 @@ pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
 ///
 /// `bounds` is the box around all bounded objects. `planes` are the distances of unbounded planes
 /// from the origin \[length]. Without planes, the ball is the bounding sphere of the box. With
-/// planes, the radius is multiplied by [`OPEN_DOMAIN_FACTOR`]. If the box is then empty or a point,
-/// the greatest distance of a plane replaces its radius; a distance of 0 counts as 1.
+/// planes, the radius is multiplied by [`OPEN_DOMAIN_FACTOR`]. If there are planes but the box is
+/// empty or a point, the greatest distance of a plane stands in for the radius of the box; a
+/// distance of 0 counts as 1.
 fn photon_domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> BoundingSphere {
     let ball = bounds.bounding_sphere();
     let Some(farthest) = planes.reduce(f32::max) else { return ball };

@@ -6,16 +6,16 @@ use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Factor from a position error to the contact distance: the distance from a light below which a
-/// surface point counts as touching the light. The position error is that of the light plus that of
-/// the surface.
+/// Contact distance, divided by a position error. A surface point counts as touching a light if it
+/// is nearer to the light than the contact distance. The position error is the sum of the errors of
+/// the light and of the surface.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
 /// Bound on the number of f64 rounding errors in the difference of two positions, with a safety
 /// factor of 2.
 ///
 /// Each position has up to six errors: four from a transform, one from a product of transforms, and
-/// one from the difference.
+/// one from the difference. The bound is 2 positions · 6 errors · 2 = 24.
 const POSITION_ROUNDINGS: f64 = 24.0;
 
 /// Distance \[length] below which a surface point counts as touching `light`: see

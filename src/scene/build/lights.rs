@@ -106,8 +106,8 @@ pub(super) fn collect_lights(
 }
 
 impl CollectedLights {
-    /// Adds a light, and the [`Mit6837Light`] that stands for it in algorithm `raycast`. Both get
-    /// the same index in their lists, which is returned.
+    /// Adds a light, and the [`Mit6837Light`] that stands for it in algorithm `raycast`. Returns
+    /// the index of the light, which is the same in both lists.
     fn add_light(&mut self, (light, mit_6837): (Light, Mit6837Light)) -> u32 {
         self.lights.push(light);
         self.mit_6837_lights.push(mit_6837);

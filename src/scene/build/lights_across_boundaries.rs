@@ -7,7 +7,8 @@ use crate::scene::geometry::Geometry;
 use crate::shape::{Plane, Shape};
 use glam::Vec3;
 
-/// Distance from the center of a sphere below which a point counts as inside, in radii.
+/// Fraction of a sphere's radius. A point counts as well inside the sphere if its distance from the
+/// center is below this fraction of the radius; the margin covers rounding errors.
 const INNER_RADIUS: f32 = 0.9999;
 
 /// Returns a flag for each light: true if it is a surface that may lie partly inside a dielectric
@@ -15,7 +16,7 @@ const INNER_RADIUS: f32 = 0.9999;
 ///
 /// This is the case if the light's box meets the boundary of a body: a plane, a sphere, the box of
 /// a triangle, or the box of another shape. The object of the light itself does not count, because
-/// light starts on its outer side.
+/// light starts on the outer side of this object.
 pub(super) fn find_lights_across_boundaries(scene: &Scene) -> Vec<bool> {
     let geometry = &scene.geometry;
     let mut flags = vec![false; scene.lights.len()];
@@ -58,8 +59,8 @@ fn object_bounds(geometry: &Geometry, object: usize) -> Bounds {
 /// True if the surface of the shape or mesh with index `object` may meet the box `bounds`, which
 /// overlaps the object's box.
 ///
-/// False if the box is well inside a sphere, or between the triangles of a mesh: then the same
-/// bodies surround all points of a light in the box.
+/// False if the box lies well inside a sphere, or overlaps the box of no triangle of a mesh. The
+/// surface then does not pass between points of a light in the box.
 fn object_may_meet_box(geometry: &Geometry, object: usize, bounds: &Bounds) -> bool {
     if let Some(mesh) = object.checked_sub(geometry.shapes.len()) {
         let mut triangles = geometry.mesh_ranges[mesh].clone();

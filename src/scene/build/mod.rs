@@ -44,7 +44,8 @@ pub struct SceneBuilder {
     ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
     objects: Vec<SceneObject>,
-    /// The triangles of all mesh objects. Instances of a mesh are shapes.
+    /// The triangles of all mesh objects. They do not include instances of a mesh, each of which is
+    /// a shape.
     mesh: MergedMeshes,
     delta_lights: Vec<DeltaLight>,
     camera_motion: Option<Motion>,
@@ -57,14 +58,15 @@ impl SceneBuilder {
         Self::default()
     }
 
-    /// Sets the radiance \[W/(m² sr)] of camera rays that hit nothing. It lights no surface.
+    /// Sets the radiance \[W/(m² sr)] of camera rays that hit nothing. The background does not
+    /// light surfaces.
     pub fn set_background(&mut self, color: Rgb) -> &mut Self {
         self.background = color;
         self
     }
 
-    /// Sets the environment light. It replaces an earlier one, and is visible in place of the
-    /// background.
+    /// Sets the environment light. It replaces an environment light that was set before. Camera
+    /// rays that hit nothing see it instead of the background.
     pub fn set_environment(&mut self, environment: EnvironmentLight) -> &mut Self {
         self.environment = Some(environment);
         self
@@ -149,8 +151,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Sets the texture mapping of the object added last; `to_world` maps its object space to the
-    /// world.
+    /// Sets the texture mapping of the object added last; `to_world` maps the object space of the
+    /// mapping to the world.
     ///
     /// Without this call, the object has its own texture coordinates (see [`Shape::tex_coord`]),
     /// and solid textures are evaluated in world space. Spheres, ellipsoids and planes have no
@@ -184,8 +186,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Adds a delta light that moves while the shutter is open. The light's position is the origin
-    /// of the motion's rotations and scales.
+    /// Adds a delta light that moves while the shutter is open. The motion rotates and scales about
+    /// the light's position.
     pub fn add_moving_delta_light(
         &mut self,
         kind: UnscaledDeltaLight,
@@ -197,8 +199,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Moves the camera while the shutter is open. The camera's position is the origin of the
-    /// motion's rotations and scales.
+    /// Moves the camera while the shutter is open. The motion rotates and scales about the camera's
+    /// position.
     pub fn set_camera_motion(&mut self, motion: Motion) -> &mut Self {
         self.camera_motion = Some(motion);
         self
@@ -281,8 +283,8 @@ impl SceneBuilder {
 /// Sets the flag `may_store_photons` of each mix in `materials`: true if a component may store
 /// photons.
 ///
-/// A mix may precede its components in the list. So the function repeats passes over all mixes,
-/// until the flags of all mixes are known.
+/// A mix may precede its components in the list. The function therefore passes over all mixes again
+/// and again, until the flags of all mixes are known.
 ///
 /// # Errors
 ///

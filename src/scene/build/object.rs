@@ -23,8 +23,8 @@ pub(super) struct SceneObject {
     /// Index of the emission texture, and the factor from texture values to radiance \[W/(m² sr)];
     /// `None` if the object emits uniformly or not at all.
     pub emission_texture: Option<(u32, Rgb)>,
-    /// Kind of the texture mapping, and the motion from its object space to the world; `None` for
-    /// the default mapping.
+    /// Kind of the object's texture mapping, and the motion from the mapping's object space to the
+    /// world; `None` for the default mapping.
     pub mapping: Option<(TextureMappingKind, Motion)>,
 }
 
@@ -57,8 +57,8 @@ impl SceneObject {
     /// Sort key of objects, in this order: shapes, meshes, planes. Moving shapes and planes follow
     /// those at rest.
     ///
-    /// Shapes at rest that emit light come first. A ray that hits coplanar shapes reports the one
-    /// of lowest index, so it reports the emitter that light sampling assumes.
+    /// Shapes at rest that emit light come first. Where shapes are coplanar, a ray hits the one of
+    /// lowest index. It thus hits the emitter, as light sampling assumes.
     pub fn object_sort_key(&self) -> u8 {
         match (&self.geometry, &self.motion) {
             (ObjectGeometry::Shape(_), None) if self.emits() => 0,

@@ -40,7 +40,7 @@ pub(super) struct PlacedGeometry {
 
 /// Texture mappings in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
 pub(super) struct PlacedTextureMappings {
-    /// All texture mappings. Objects that define none use the first one.
+    /// All texture mappings. The first one is the default, for objects that define none.
     pub texture_mappings: Vec<TextureMapping>,
     /// Index in `texture_mappings` of each object's texture mapping.
     pub mapping_of_object: Vec<u32>,
@@ -127,8 +127,9 @@ pub(super) fn place_camera(
 }
 
 impl PlacedGeometry {
-    /// Builds the geometry with its intersection hierarchies. Triangles and shapes at rest share
-    /// the hierarchy of `earlier` if that scene has the same ones.
+    /// Builds the geometry with its intersection hierarchies. The hierarchy over triangles and
+    /// shapes at rest is taken from the scene `earlier`, if that scene has the same triangles and
+    /// the same boxes of shapes.
     ///
     /// `light_of_object` holds the index of each object's area light; `None` if the object does not
     /// emit light.

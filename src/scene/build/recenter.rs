@@ -7,8 +7,8 @@ use crate::scene::animation::{MID_SHUTTER, shape_at_time};
 use crate::shape::Shape;
 use glam::{DVec3, Vec2};
 
-/// Limit for the choice of the origin, 2¹². The center of the union of all boxes becomes the origin
-/// if no object is farther from it than this limit times the object's own size.
+/// Largest accepted ratio of an object's distance from the origin to the object's size, 2¹². If the
+/// center of the union of all boxes keeps this limit for all objects, it becomes the origin.
 ///
 /// Single precision then rounds the object's coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of its size.
 const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
@@ -65,9 +65,9 @@ fn union_of_bounds((a, b): BoundsF64, (c, d): BoundsF64) -> BoundsF64 {
 /// Chooses the origin for objects with bounding boxes `boxes`; `None` if there are no boxes.
 ///
 /// The camera of `view` counts as an object whose size is the distance to the nearest shape. The
-/// origin is the center of the union of all boxes, if no object is farther from it than
-/// [`MAX_DISTANCE_IN_SIZES`] times its own size. Otherwise, as for small objects on a huge sphere,
-/// the origin minimizes the greatest ratio of an object's distance to its size.
+/// origin is the center of the union of all boxes, if no object is farther from this center than
+/// [`MAX_DISTANCE_IN_SIZES`] times the object's size. Otherwise, as for small objects on a huge
+/// sphere, the origin minimizes the greatest ratio of an object's distance to its size.
 fn origin_for_bounds(boxes: &[BoundsF64], view: Option<CameraAndNearestDistance>) -> Option<DVec3> {
     let (min, max) = boxes.iter().copied().reduce(union_of_bounds)?;
     let center = min * 0.5 + max * 0.5;
@@ -91,7 +91,8 @@ fn origin_for_bounds(boxes: &[BoundsF64], view: Option<CameraAndNearestDistance>
 /// Returns the camera position, and the distance of the nearest shape along the rays through the
 /// center and the corners of the image.
 ///
-/// Returns `None` if these rays hit none of `shapes`. Meshes and moving shapes are not among them.
+/// Returns `None` if these rays hit none of `shapes`, which are the shapes at rest. Meshes and
+/// moving shapes are not tested.
 fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<CameraAndNearestDistance> {
     let (position, (width, height)) = (camera.center(), camera.size());
     let local = camera.translated(-position);
@@ -108,8 +109,7 @@ fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<Cam
 /// distance from the origin along `axis`, divided by its size. The best origin is the one whose
 /// greatest ratio is smallest.
 ///
-/// This smallest value of the greatest ratio is found by bisection between 0 and its upper bound
-/// `max_ratio`.
+/// The greatest ratio of the best origin lies between 0 and `max_ratio`, and is found by bisection.
 fn minimax_coordinate(targets: &[FineDetailRegion], axis: usize, max_ratio: f64) -> f64 {
     let feasible_interval = |t: f64| {
         let ends =

@@ -14,8 +14,8 @@ const MAX_COORDINATE: f32 = 1e12;
 
 /// Smallest accepted value of a scene's greatest absolute coordinate, 2⁻³⁹ \[length].
 ///
-/// The rounding error of this coordinate is 2⁻⁶³, and the square of the error, 2⁻¹²⁶, is the least
-/// normal f32.
+/// Single precision rounds such a coordinate by up to 2⁻⁶³. The square of this error, 2⁻¹²⁶, is the
+/// least normal f32, so squared lengths of this order do not underflow.
 const MIN_FARTHEST_COORDINATE: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks that no unbounded plane emits, and that triangle indices fit 31 bits. Else the error is

@@ -11,9 +11,9 @@ pub struct Body {
     pub eta: f32,
     /// Absorption coefficient \[1/length].
     pub absorption: Rgb,
-    /// Priority where bodies overlap. The body of highest priority wins; among equals, the body
-    /// that the path entered last (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced
-    /// Images").
+    /// Priority where bodies overlap. The body of highest priority fills the overlap. Among bodies
+    /// of equal priority, `is_null_interface` decides, and then the body wins that the path entered
+    /// last (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
     pub priority: u8,
     /// Index of the dispersion formula in [`Scene::glasses`](crate::scene::Scene::glasses); `None`
     /// if the refractive index is the same at all wavelengths.
@@ -39,7 +39,8 @@ impl Body {
         Self { medium: Some(medium), is_null_interface: true, ..Self::new(1.0) }
     }
 
-    /// Sort key of overlapping dielectric bodies; the body with the greatest key fills the overlap.
+    /// Sort key of overlapping dielectric bodies: priority, and true unless the boundary is a null
+    /// interface. The body with the greatest key fills the overlap.
     pub(in crate::scene) fn overlap_priority(&self) -> (u8, bool) {
         (self.priority, !self.is_null_interface)
     }

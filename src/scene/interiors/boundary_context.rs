@@ -6,10 +6,12 @@ use crate::scene::{Hit, RayCone, Scene};
 use crate::shape::SurfacePoint;
 use glam::Vec3;
 
-/// Data on which random choices and texture lookups at a boundary depend.
+/// Data that determine the random choice of a mix component, and the lookup of textures, where a
+/// path meets a boundary.
 #[derive(Clone, Copy, Debug)]
 pub struct BoundaryContext {
-    /// Random key of the path vertex that ends the path segment.
+    /// Random key of the path segment that meets the boundary: the key of the vertex at which the
+    /// segment ends.
     pub key: Key,
     /// Number of boundaries that the path has crossed since its last vertex.
     pub crossed_boundary_count: u32,
@@ -23,8 +25,8 @@ impl BoundaryContext {
     ///
     /// `point` is the surface point of the hit, and `group` its coincidence group. `wo` is the
     /// direction from which the path arrives. All faces of one group make the same choice, because
-    /// a path through a common edge can hit two faces of one object. The choice does not depend on
-    /// the choice for the boundary that the path hit first, with which this one coincides.
+    /// a path through a common edge can hit two faces of one object. Choices for different groups
+    /// are independent, and so is the choice for the boundary that the path hit first.
     pub(super) fn leaf_material_at(
         &self,
         scene: &Scene,

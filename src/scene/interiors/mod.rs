@@ -42,8 +42,8 @@ pub enum InteriorKind {
 pub enum BoundaryEvent {
     /// The path scatters at the surface, or is absorbed there.
     Surface,
-    /// The path passes unchanged, because another dielectric body has priority here and fills both
-    /// sides. A shadow ray is blocked all the same.
+    /// The path passes unchanged, because another dielectric body of higher priority fills both
+    /// sides of the boundary. Shadow rays are blocked nevertheless.
     Hidden,
     /// Paths and shadow rays pass unchanged, because the boundary is a null interface.
     NullInterface,
@@ -76,9 +76,9 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
 
     /// Sets the uniform number in \[0, 1) from which the path samples its first wavelength.
     ///
-    /// The closure `sample` returns this number. It is called only if the path can meet dispersive
-    /// surfaces. If this method is not called, the path samples its first wavelength by the random
-    /// key of the vertex.
+    /// The closure `sample` returns this number. The closure is called only if the path can meet
+    /// dispersive surfaces. If this method is not called, the path samples its first wavelength by
+    /// the random key of the vertex.
     #[inline]
     fn set_wavelength_sample(&mut self, _: &Scene, _sample: impl FnOnce() -> f32) {}
 
@@ -113,8 +113,8 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
 
     /// Returns the event for a path that meets `surface`.
     ///
-    /// If `surface` bounds a dielectric body and is no null interface, the method also sets its
-    /// BSDF for the refractive indices on both sides.
+    /// If `surface` bounds a dielectric body and is no null interface, the method also sets the
+    /// BSDF of `surface` for the refractive indices on both sides.
     fn resolve_boundary(
         &mut self,
         scene: &Scene,
@@ -129,8 +129,8 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// Returns the factor by which the path throughput changes on arrival at `surface`, before
     /// scattering.
     ///
-    /// The factor is 1 unless the path samples its wavelength at `surface` and the surface is not
-    /// specular.
+    /// The factor is the weight of the wavelength if the path samples one at `surface` and the
+    /// surface is not specular. In all other cases, the factor is 1.
     #[inline]
     fn wavelength_weight_before_scattering(&mut self, _: &SurfaceInteraction<'_>) -> Rgb {
         Rgb::ONE
@@ -138,8 +138,10 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
 
     /// Returns the factor by which the path throughput changes after scattering at `surface`.
     ///
-    /// The factor is 1 unless the path has sampled its wavelength at `surface` and the surface is
-    /// specular. The last argument is true if the path is transmitted through the surface.
+    /// The factor is the weight of the wavelength if the path has sampled one at `surface` and the
+    /// surface is specular. A reflected path may instead get a factor with which it continues with
+    /// all wavelengths. In all other cases, the factor is 1. The last argument is true if the path
+    /// is transmitted through the surface.
     #[inline]
     fn wavelength_weight_after_scattering(&mut self, _: &SurfaceInteraction<'_>, _: bool) -> Rgb {
         Rgb::ONE
@@ -152,8 +154,8 @@ pub(super) fn exp_neg(depth: Rgb) -> Rgb {
     if depth == Rgb::ZERO { Rgb::ONE } else { (-depth).map(libm::expf) }
 }
 
-/// The [`Interior`] of paths that ignore dielectric bodies: nothing absorbs, and each body is
-/// surrounded by air.
+/// The [`Interior`] of paths that ignore dielectric bodies: no body absorbs light, and the outer
+/// side of each boundary is air.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NoInterior;
 

@@ -8,19 +8,18 @@ use crate::sampling::Dimension;
 use crate::scene::{Effect, Effects, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Range of Fresnel reflectances at a dispersive surface for which a reflected path keeps all
-/// wavelengths.
+/// Range of Fresnel reflectances at a dispersive surface. If the reflectance is in this range, a
+/// reflected path keeps all wavelengths.
 ///
-/// In this range, the reflectance varies by less than a third over the wavelengths. Outside the
-/// range, it may vary more: near total reflection, and where both refractive indices are nearly
-/// equal.
+/// Here, the reflectance varies by less than a third over the wavelengths. Outside the range, it
+/// may vary more: near total reflection, and where both refractive indices are nearly equal.
 const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 
 /// An [`InteriorStack`] for paths that pass through media, carry a wavelength, or both.
 ///
 /// A path samples its wavelength at the first dispersive surface, and usually keeps it. The
-/// exception is a reflection of low reflectance: the path then keeps all wavelengths, and samples
-/// another wavelength at its next dispersive surface.
+/// exception is a reflection where the reflectance is in a low range: the path then continues with
+/// all wavelengths, and samples a new wavelength at its next dispersive surface.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectralInterior {
     stack: InteriorStack,

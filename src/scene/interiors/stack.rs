@@ -8,8 +8,9 @@ use glam::Vec3;
 /// dropped.
 const MAX_BODIES: usize = 12;
 
-/// Stack of the dielectric bodies around a point of a path, by material index and in the order of
-/// entry (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
+/// Stack of the dielectric bodies that contain a point of a path, in the order in which the path
+/// entered them. Each body is given by its material index (Schmidt and Budge 2002, "Simple Nested
+/// Dielectrics in Ray Traced Images").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InteriorStack {
     /// Material indices of the bodies; only the first `count` are valid.
@@ -17,12 +18,12 @@ pub struct InteriorStack {
     count: u8,
 }
 
-/// The interface at the boundary of a dielectric body: the body on the outer side, and whether
+/// Properties of the boundary of a dielectric body: the other body on the outer side, and whether
 /// light interacts with the boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::scene) struct BodyInterface {
-    /// True if another dielectric body has priority here and fills both sides, so that light does
-    /// not interact with the boundary.
+    /// True if another dielectric body has priority and fills both sides of the boundary, so that
+    /// light does not interact with the boundary.
     pub is_hidden: bool,
     /// The dielectric body on the outer side of the boundary; `None` is air.
     pub outside: Option<Body>,

@@ -308,7 +308,8 @@ impl MaterialKind {
         }
     }
 
-    /// This kind with `body` as the dielectric body that it bounds; unchanged if it bounds none.
+    /// This kind with the body that it bounds replaced by `body`; unchanged if the kind bounds no
+    /// body.
     pub(super) fn with_body(self, body: Body) -> Self {
         match self {
             Self::Dielectric { roughness, scattering, .. } => Self::Dielectric { body, roughness, scattering },

@@ -6,8 +6,8 @@ use crate::shape::{SurfacePoint, TexCoord, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use glam::{DVec2, DVec3, Vec3};
 
-/// Lower bound of the cosine between ray and normal. It limits the length of footprints at grazing
-/// angles.
+/// Lower bound of the cosine between ray and normal when a footprint is computed. At grazing
+/// angles, the footprint is thus at most 1000 times as long as wide.
 const MIN_INCIDENCE_COSINE: f64 = 1e-3;
 
 /// The footprint of a ray cone on a surface, with derivatives of the texture coordinates.

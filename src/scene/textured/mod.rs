@@ -67,9 +67,9 @@ pub trait ParameterEvaluator {
     /// Evaluates the roughness α of a BSDF that stores photons only where α exceeds
     /// [`MIN_PHOTON_STORAGE_ALPHA`].
     ///
-    /// Camera paths and photon paths have different filter footprints, but must agree on whether α
-    /// exceeds this threshold. So the filtered value is clamped to the side of the threshold on
-    /// which the unfiltered value lies.
+    /// Camera paths and photon paths have different filter footprints, but must agree on whether a
+    /// point stores photons. So the filtered α is clamped to the side of
+    /// [`MIN_PHOTON_STORAGE_ALPHA`] on which the unfiltered α lies.
     fn evaluate_photon_storage_roughness(&self, parameter: &MaterialParameter<f32>) -> f32;
 }
 

@@ -7,8 +7,8 @@ use crate::texture::Texture;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Least cosine between perturbed shading normal and geometric normal. A normal that tilts farther
-/// is turned back to this angle.
+/// Least cosine between perturbed shading normal and geometric normal. A shading normal with a
+/// smaller cosine is turned back until it has this one.
 const MIN_SHADING_NORMAL_COSINE: f32 = 0.05;
 
 /// The way in which a material perturbs shading normals.
@@ -32,8 +32,8 @@ pub enum NormalPerturbation {
 
 /// Returns the unit shading normal at `point`, perturbed by `perturbation`.
 ///
-/// A perturbed normal is turned back until its cosine with the geometric normal is at least
-/// [`MIN_SHADING_NORMAL_COSINE`]. `width` is the diameter of the texture filter footprint
+/// A perturbed normal that tilts too far is turned back until its cosine with the geometric normal
+/// is [`MIN_SHADING_NORMAL_COSINE`]. `width` is the diameter of the texture filter footprint
 /// \[length].
 pub(in crate::scene) fn perturbed_normal(
     perturbation: NormalPerturbation,
@@ -80,11 +80,11 @@ pub(in crate::scene) fn perturbed_normal(
         .normalize()
 }
 
-/// Returns two unit tangents of the texture coordinates (u, v), perpendicular to `n` and to each
-/// other.
+/// Returns two unit tangents that follow the texture coordinates (u, v) along the surface. They are
+/// perpendicular to `n` and to each other.
 ///
-/// The first points along increasing u at constant v. The second points towards increasing v.
-/// Returns `None` if v is constant along the surface.
+/// The first tangent points along increasing u at constant v. The second points towards increasing
+/// v. Returns `None` if v is constant along the surface.
 fn texture_tangents(coords: &TexCoord, n: DVec3) -> Option<[DVec3; 2]> {
     let across = coords.grad_v.cross(n).try_normalize()?;
     let u = if across.dot(coords.grad_u) < 0.0 { -across } else { across };

@@ -5,10 +5,12 @@ use glam::DVec3;
 /// Number of children of a node.
 const ARITY: usize = 8;
 
-/// Bit of a child reference in a node: set if the child is a leaf.
+/// Bit of a child reference in a node: set if the child is a leaf, which is a box instead of
+/// another node.
 const LEAF_BIT: u32 = 1 << 31;
 
-/// Node with eight children; the bounds of an unused slot have lower corner +∞ and upper corner −∞.
+/// Node with eight children. An unused slot has the lower corner +∞ and the upper corner −∞, so no
+/// line hits it.
 #[derive(Debug)]
 struct BoxBvhNode {
     /// Bounds of the children, as `bounds[axis][side][child]` with side 0 lower and side 1 upper.
@@ -23,9 +25,9 @@ pub type BoxCorners = [DVec3; 2];
 /// Line in object space, with arc length τ as parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// Point at τ = 0.
+    /// Point of the line at arc length τ = 0.
     pub base: DVec3,
-    /// Unit direction.
+    /// Unit direction of the line.
     pub direction: DVec3,
     /// Reciprocal of each component of the direction; 10³⁰⁰ for a component within ±10⁻³⁰⁰.
     pub reciprocal_direction: DVec3,
@@ -54,8 +56,8 @@ impl BoxBvh {
         tree
     }
 
-    /// Appends the node over `boxes[i]` for all i in `order`, and all nodes below it; returns its
-    /// index.
+    /// Appends the node over `boxes[i]` for all i in `order`, and all nodes below it. Returns the
+    /// index of the topmost node.
     ///
     /// Every box is expanded by `margin`. Reorders `order`.
     fn build_subtree(&mut self, boxes: &[BoxCorners], order: &mut [u32], margin: f64) -> u32 {
@@ -90,8 +92,8 @@ impl BoxBvh {
         index as u32
     }
 
-    /// Calls `visit` with the index of each box that `line` hits within `range`, roughly from near
-    /// to far.
+    /// Calls `visit` with the index of each box that `line` hits within `range`, in order roughly
+    /// from near to far.
     ///
     /// `range` is an interval of arc length τ. If `visit` finds a hit, it moves the end of the
     /// interval to that hit.

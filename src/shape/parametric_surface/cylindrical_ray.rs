@@ -2,11 +2,12 @@
 
 use glam::{DVec2, DVec3};
 
-/// Squared sine of the angle between ray and y axis, below which a ray counts as nearly parallel to
-/// the axis.
+/// Squared sine of the angle between a ray and the y axis, below which the ray counts as nearly
+/// parallel to the axis.
 ///
-/// [`CylindricalRay::clip_to_ring`] then finds the ray's interval in a ring around the axis from
-/// the ring's heights only. The ring's radii only decide whether the ray misses the ring.
+/// A ring is a range of distances from the axis and a range of heights. For such a ray,
+/// [`CylindricalRay::clip_to_ring`] finds the interval inside a ring from the heights only. The
+/// distances only decide whether the ray misses the ring.
 const MIN_SLANT2: f64 = 1e-2;
 
 /// Interval of the arc length τ along a ray; empty unless `lo <= hi`.
@@ -23,21 +24,23 @@ impl ArcLengthInterval {
     }
 }
 
-/// Object-space line with its distance ρ from the y axis and its height y, by arc length τ.
+/// Object-space line, with its distance ρ from the y axis and its height y as functions of the arc
+/// length τ.
 ///
 /// τ is 0 at the point nearest to the object-space origin. ρ(τ) = |(x, z)| is convex, and y(τ) is
 /// linear.
 #[derive(Clone, Copy, Debug)]
 pub struct CylindricalRay {
-    /// Point at τ = 0.
+    /// Point of the line at arc length τ = 0.
     pub base: DVec3,
-    /// Unit direction.
+    /// Unit direction of the line.
     pub direction: DVec3,
-    /// Coefficients c of ρ² = c₀ + 2·c₁·τ + c₂·τ².
+    /// Coefficients c of the squared distance from the y axis, ρ² = c₀ + 2·c₁·τ + c₂·τ².
     pub radius2_coefficients: [f64; 3],
     /// Arc length τ of the point nearest to the y axis; not finite for rays parallel to the axis.
     pub tau_nearest_axis: f64,
-    /// Minimum of ρ², at τ = `tau_nearest_axis`; NaN for rays parallel to the axis.
+    /// Minimum of ρ², the squared distance from the y axis, at τ = `tau_nearest_axis`; NaN for rays
+    /// parallel to the axis.
     pub min_radius2: f64,
 }
 
@@ -67,7 +70,7 @@ impl CylindricalRay {
         (radius, slope)
     }
 
-    /// Height y at τ = `t`.
+    /// Height y at arc length `t`.
     #[inline]
     pub fn height_at(&self, t: f64) -> f64 {
         self.base.y + t * self.direction.y
@@ -123,7 +126,7 @@ impl CylindricalRay {
 
 /// Distance of the point `p` from the y axis, and the unit direction (x, z) from the axis to `p`.
 ///
-/// The direction is (1, 0) on the axis.
+/// If `p` lies on the axis, the direction is (1, 0).
 #[inline]
 pub fn polar_radius_and_direction(p: DVec3) -> (f64, DVec2) {
     let across = DVec2::new(p.x, p.z);

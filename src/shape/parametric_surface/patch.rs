@@ -17,11 +17,11 @@ use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Smallest length of ∂p/∂u × ∂p/∂v that gives a normal, relative to the length at the centre of
-/// the leaf. A leaf is a nearly flat piece of the patch.
+/// Threshold for the length of ∂p/∂u × ∂p/∂v, relative to its length at the centre of the leaf. A
+/// leaf is a nearly flat piece of the patch.
 ///
-/// The cross product is shorter at poles and collapsed edges. The normal is then taken from a point
-/// further inside the leaf.
+/// The cross product is shorter at poles and collapsed edges. The normal is then computed at a
+/// point further inside the leaf.
 const COLLAPSED_NORMAL_RATIO: f64 = 1e-7;
 
 /// Tensor-product surface: the points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ.
@@ -61,14 +61,15 @@ struct SubdividedPatch {
     half_extent: DVec3,
     /// Radius of the bounding sphere around the object-space origin.
     bounding_radius: f64,
-    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
+    /// Upper bound on the rounding error of a point that is computed from the leaves' polynomials
+    /// \[object-space length].
     point_error_bound: f64,
     /// Estimated memory that the patch takes \[bytes].
     memory_bytes: u64,
 }
 
 impl Patch {
-    /// Surface with control points (x, y, z, weight), row by row: v varies fastest.
+    /// Surface with control points (x, y, z, weight), row by row, so that v varies fastest.
     ///
     /// # Errors
     ///
@@ -78,7 +79,7 @@ impl Patch {
         Self::with_memory_limit(bases, controls, None)
     }
 
-    /// Creates a surface like [`Patch::new`], with at most `free` bytes of memory; `None` is no
+    /// Creates a surface like [`Patch::new`], with at most `free` bytes of memory; `None` for no
     /// limit.
     ///
     /// # Errors
@@ -159,7 +160,7 @@ impl Patch {
         self.subdivided.memory_bytes
     }
 
-    /// Line of `ray` in object space, followed by [`ObjectRay::distance_to_base`] and
+    /// Returns three values: the line of `ray` in object space, [`ObjectRay::distance_to_base`] and
     /// [`ObjectRay::direction_length`].
     ///
     /// `None` if the line misses the bounding sphere of the patch.
@@ -172,7 +173,7 @@ impl Patch {
 
     /// World-space surface point of a leaf (a nearly flat piece) at the position `at` in \[−1, 1]².
     ///
-    /// The point stores the surface parameters `uv`.
+    /// `uv` are the surface parameters that are stored in the result.
     fn surface_at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
         let subdivided = &*self.subdivided;
         let [p, ..] = subdivided.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
@@ -253,7 +254,8 @@ impl BoundedShape for Patch {
         self.area
     }
 
-    /// Chooses a leaf (a nearly flat piece) by object-space area, then uniform parameters in it.
+    /// Chooses a leaf (a nearly flat piece) with a probability proportional to its object-space
+    /// area, then uniform parameters in that leaf.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let subdivided = &*self.subdivided;
         let (leaf, _) = subdivided.leaf_distribution.sample(u.x);
@@ -294,8 +296,8 @@ impl Patch {
 }
 
 impl SubdividedPatch {
-    /// Returns leaf number `leaf`, a nearly flat part of the surface, with its polynomials. Rays
-    /// can intersect the result.
+    /// Returns leaf number `leaf`, a nearly flat piece of the surface, as polynomials that rays can
+    /// intersect.
     fn polynomial_piece_of_leaf(&self, leaf: usize) -> PatchPiece<'_> {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);

@@ -6,16 +6,15 @@ use super::polynomial::{Coefficient, bernstein_to_power_basis, split_bezier};
 use super::spline::{MIN_RELATIVE_KNOT_SPAN, SplineError};
 use glam::{DVec2, DVec3, Vec2};
 
-/// Largest relative change of the derivatives over a piece that counts as nearly flat.
-///
-/// A nearly flat piece is not divided further.
+/// Limit of the change of the derivatives over a piece, relative to the derivatives. A piece below
+/// this limit counts as nearly flat, and is not divided further.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
-/// Maximum number of times that a Bézier patch is halved, each time within the previous half. Only
-/// pieces at poles, cusps and collapsed edges reach this number, because they never become flat.
+/// Maximum number of nested halvings of a Bézier patch. Only pieces at poles, cusps and collapsed
+/// edges reach this number, because they never become flat.
 const MAX_HALVINGS: u32 = 14;
 
-/// Size of a piece below which it is not divided, relative to the size of its Bézier patch.
+/// Smallest size of a piece that is still divided, relative to the size of its Bézier patch.
 const MIN_RELATIVE_SIZE: f64 = 1.0 / 256.0;
 
 /// Memory of a leaf, a nearly flat piece of a patch \[bytes]. The bounding box of the leaf, and its
@@ -29,7 +28,7 @@ const BYTES_PER_LEAF: u64 = 512;
 pub(super) struct PatchLeaf {
     /// Centre of the parameter rectangle, as (u, v).
     pub parameter_center: DVec2,
-    /// Half the widths of the parameter rectangle along u and v.
+    /// Half widths of the parameter rectangle along u and along v.
     pub parameter_half_widths: DVec2,
     /// Position of the surface at the centre of the rectangle, in object space.
     pub center_point: DVec3,
@@ -49,9 +48,9 @@ pub(super) enum SubdivisionNode {
 /// Inner node of the subdivision tree: a piece divided into two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubdivisionCut {
-    /// Parameter that is divided: 0 for u, 1 for v.
+    /// Number of the parameter whose range is divided: 0 for u, 1 for v.
     pub axis: usize,
-    /// Value of the parameter at which the piece is divided.
+    /// Value of this parameter at which its range is divided.
     pub split_value: f64,
     /// Subtrees for parameter values below `split_value`, and for values from `split_value` on.
     pub children: [SubdivisionNode; 2],
@@ -200,12 +199,12 @@ impl PatchBuilder {
     }
 }
 
-/// First three components w·(x, y, z) of a homogeneous coefficient (w·x, w·y, w·z, w).
+/// Vector w·(x, y, z), the first three components of a homogeneous coefficient (w·x, w·y, w·z, w).
 fn homogeneous_xyz(c: &Coefficient<4>) -> DVec3 {
     DVec3::new(c[0], c[1], c[2])
 }
 
-/// Axis-aligned bounding box of the control points.
+/// Axis-aligned bounding box of the control points, which are given in homogeneous coordinates.
 fn control_point_bounds(controls: &[Coefficient<4>]) -> BoxCorners {
     let points = controls.iter().map(|c| homogeneous_xyz(c) / c[3]);
     points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], p| [min.min(p), max.max(p)])
@@ -213,8 +212,8 @@ fn control_point_bounds(controls: &[Coefficient<4>]) -> BoxCorners {
 
 /// Parameter along which to halve a piece: 0 for u, 1 for v; `None` if the piece is flat enough.
 ///
-/// `a` are the polynomial coefficients of the piece, `columns` for each power of its first
-/// parameter.
+/// `a` are the polynomial coefficients of the piece. For each power of the first parameter, there
+/// are `columns` of them.
 fn axis_to_halve(a: &[Coefficient<4>], columns: usize) -> Option<usize> {
     let (along_x, along_y) = (homogeneous_xyz(&a[columns]), homogeneous_xyz(&a[1]));
     let normal = along_x.cross(along_y);

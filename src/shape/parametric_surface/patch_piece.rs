@@ -22,7 +22,8 @@ pub struct PatchPiece<'a> {
     pub columns: usize,
     /// Constant and linear terms of `coefficients`, and bounds on the higher terms.
     pub linear_terms: LinearTermsWithBounds,
-    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
+    /// Upper bound on the rounding error of a point that is computed from the polynomials
+    /// \[object-space length].
     pub point_error_bound: f64,
 }
 
@@ -31,9 +32,10 @@ pub struct PatchPiece<'a> {
 pub struct LinearTermsWithBounds {
     /// Coefficients of the constant term, the term in y, and the term in x.
     linear: [Coefficient<4>; 3],
-    /// Bound on the sum of the terms aᵢⱼ xⁱ yʲ of degree 2 and above over the piece: Σ |aᵢⱼ|.
+    /// Bound on the sum of the terms aᵢⱼ xⁱ yʲ with i + j ≥ 2, for x and y in \[−1, 1]: Σ |aᵢⱼ|.
     higher_term_bounds: Coefficient<4>,
-    /// Bound on the change of the first derivatives over the piece: Σ (i + j)|aᵢⱼ|.
+    /// Bound on the change of the first derivatives from the centre of the piece to any other
+    /// point: Σ (i + j)|aᵢⱼ| over the terms with i + j ≥ 2.
     derivative_change_bounds: Coefficient<4>,
 }
 
@@ -55,9 +57,8 @@ impl LinearTermsWithBounds {
         bounds
     }
 
-    /// Bound on |w·(p − base)| along each axis, from bounds `sums` on |w·p| and w.
-    ///
-    /// w is the weight of a surface point p.
+    /// Bound on each component of |w·(p − base)|, for a surface point p of weight w. `sums` holds
+    /// bounds on the components of |w·p| and on w.
     #[inline]
     fn weighted_offset_bound(sums: &Coefficient<4>, base: DVec3) -> DVec3 {
         split_homogeneous(sums).0 + base.abs() * sums[3]
@@ -70,7 +71,8 @@ fn split_homogeneous(a: &Coefficient<4>) -> (DVec3, f64) {
     (DVec3::new(a[0], a[1], a[2]), a[3])
 }
 
-/// Converts homogeneous coordinates (w·p, w) to w·(p − base). Derivatives are converted equally.
+/// Converts homogeneous coordinates (w·p, w) to w·(p − base). The conversion is linear, so it also
+/// applies to derivatives.
 #[inline]
 fn weighted_offset_from_base(a: &Coefficient<4>, base: DVec3) -> DVec3 {
     let (p, w) = split_homogeneous(a);
@@ -78,7 +80,7 @@ fn weighted_offset_from_base(a: &Coefficient<4>, base: DVec3) -> DVec3 {
 }
 
 impl PatchPiece<'_> {
-    /// Parameters (x, y) of the nearest hit of `line`; `None` if it misses the piece.
+    /// Parameters (x, y) of the nearest hit of `line`; `None` if the line misses the piece.
     ///
     /// Only hits within `range`, an interval of arc length τ, count. Moves the end of `range` to
     /// the hit. `size` is the size of the whole surface \[object-space length].
@@ -123,7 +125,8 @@ impl PatchPiece<'_> {
         newton_step(self.coefficients, self.columns, &self.line_relative_to_center(line).0, at).0
     }
 
-    /// Object-space point at the parameters `at`, and its derivatives with respect to x and y.
+    /// Object-space point at the parameters (x, y) = `at`, and its derivatives with respect to x
+    /// and y.
     #[inline]
     pub fn point_and_derivatives(&self, at: DVec2) -> [DVec3; 3] {
         let [value, along_x, along_y] = evaluate_2d_with_derivatives(self.coefficients, self.columns, at.x, at.y);
@@ -199,7 +202,8 @@ impl PatchPiece<'_> {
         found
     }
 
-    /// Half the edge lengths of a box around the vectors w·(p − base); `None` if `line` misses it.
+    /// Halves of the edge lengths of a box around the vectors w·(p − base); `None` if `line` misses
+    /// this box.
     ///
     /// p is a point of the piece, w its weight, and base is `line.base`. `bounds` are those of the
     /// piece's polynomial. A hit counts only if its arc length τ on `line` is in `range`.
@@ -293,8 +297,8 @@ fn newton_step(a: &[Coefficient<4>], columns: usize, line: &Line, at: DVec2) -> 
 
 /// Parameters (x, y) and arc length τ of the only possible hit, by Newton's method from `start`.
 ///
-/// `None` if there is no hit. The iteration then converges more slowly than
-/// [`NEWTON_CONVERGENCE_RATE`], which it reaches if there is a root.
+/// `None` if there is no hit. If there is one, the steps shrink at least by the factor
+/// [`NEWTON_CONVERGENCE_RATE`]. Slower convergence therefore means that there is none.
 fn newton_root(
     a: &[Coefficient<4>],
     columns: usize,

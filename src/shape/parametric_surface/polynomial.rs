@@ -6,7 +6,7 @@
 /// Largest degree of a curve or surface; stack memory grows with its square.
 pub const MAX_DEGREE: usize = 24;
 
-/// One polynomial coefficient with `N` components.
+/// A polynomial coefficient that is a vector with `N` components.
 pub type Coefficient<const N: usize> = [f64; N];
 
 /// The sum a + s·b of two coefficients, component by component.

@@ -13,7 +13,8 @@ use arrayvec::ArrayVec;
 pub struct ProfilePiece<'a> {
     /// Coefficients (ρ, y) of the powers of x, from degree 0.
     pub coefficients: &'a [Coefficient<2>],
-    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
+    /// Upper bound on the rounding error of a point that is computed from the polynomials
+    /// \[object-space length].
     pub point_error_bound: f64,
 }
 
@@ -41,7 +42,8 @@ impl XInterval {
     }
 }
 
-/// Bounds on the terms aₖ xᵏ with k ≥ 2 of a polynomial over \[−1, 1], for each component.
+/// Two bounds on the terms aₖ xᵏ with k ≥ 2 of a polynomial, for x in \[−1, 1] and for each
+/// component.
 ///
 /// The first result bounds the sum of these terms: Σ |aₖ|. The second bounds the change of their
 /// derivative: Σ k|aₖ|.
@@ -58,8 +60,8 @@ fn higher_term_and_derivative_bounds(a: &[Coefficient<2>]) -> (Coefficient<2>, C
 }
 
 impl ProfilePiece<'_> {
-    /// Curve parameter x and arc length τ of the nearest hit of `ray`; `None` if it misses the
-    /// piece.
+    /// Curve parameter x and arc length τ of the nearest hit of `ray`; `None` if the ray misses the
+    /// surface that this piece sweeps around the axis.
     ///
     /// Only hits within `t`, an interval of τ, count. Moves the end of `t` to the hit. `size` is
     /// the size of the whole surface \[object-space length]. Intervals of x are halved until each
@@ -144,8 +146,8 @@ impl ProfilePiece<'_> {
     }
 }
 
-/// Tests whether a ray hits the surface of revolution of the profile piece with the coefficients
-/// `a`.
+/// Tests whether a ray hits the surface that a profile piece sweeps around the axis. `a` are the
+/// polynomial coefficients of the piece.
 ///
 /// A hit is an x in \[−1, 1] and a τ in `t` at which profile and ray have equal radius and height.
 /// `rest` and `turn` are the [`higher_term_and_derivative_bounds`] of `a`. `noise` bounds the
@@ -200,8 +202,8 @@ fn classify_roots(
 /// Curve parameter x and arc length τ of the only possible hit, by Newton's method.
 ///
 /// The search covers x in \[−1, 1] and τ within `half` of `at`. `start` is the first iterate, as
-/// (x, τ − `at`). A hit counts if it is at most `tolerance` half widths outside of this box. `None`
-/// if there is no hit.
+/// (x, τ − `at`). A hit also counts if it is outside this box by at most `tolerance` half widths of
+/// the box. `None` if there is no hit.
 fn newton_root(
     a: &[Coefficient<2>],
     ray: &CylindricalRay,

@@ -22,7 +22,7 @@ use libm::{atan2, hypot, sincos};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Longest accepted Newton step when a hit is refined along a ray, relative to the surface's size.
+/// Longest accepted Newton step, relative to the surface's size, when a hit is refined along a ray.
 ///
 /// A longer step means that the ray is nearly tangent.
 const MAX_RELATIVE_NEWTON_STEP: f64 = 1e-4;
@@ -44,7 +44,7 @@ pub struct Revolution {
     to_world: Transform,
     /// World-space area \[length²].
     area: f64,
-    /// Bound on the world-space coordinates of all points \[length].
+    /// Upper bound on the absolute world-space coordinates of all points of the surface \[length].
     coordinate_bound: f64,
 }
 
@@ -53,7 +53,7 @@ struct LeafHit {
     leaf: usize,
     /// Parameter of the leaf at the hit, from −1 at the start of the leaf to 1 at its end.
     x: f64,
-    /// Ray parameter of the hit, in the range of the ray.
+    /// Ray parameter t of the hit, within the ray's range (0, `t_max`).
     t: f32,
     /// Object-space point of the hit.
     point: DVec3,
@@ -68,7 +68,8 @@ struct RevolutionProfile {
     leaf_bvh: RingBvh,
     /// Upper bound on the object-space distance of the surface from the origin.
     bounding_radius: f64,
-    /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
+    /// Upper bound on the rounding error of a point that is computed from the leaves' polynomials
+    /// \[object-space length].
     point_error_bound: f64,
     /// Distribution that selects a leaf (a piece of the profile) in proportion to its object-space
     /// area.
@@ -86,7 +87,7 @@ impl Revolution {
         Self::with_memory_limit(basis, controls, None)
     }
 
-    /// Creates a surface like [`Revolution::new`], with at most `free` bytes of memory; `None` is
+    /// Creates a surface like [`Revolution::new`], with at most `free` bytes of memory; `None` for
     /// no limit.
     ///
     /// # Errors
@@ -144,7 +145,7 @@ impl Revolution {
         Self { profile, to_world, area, coordinate_bound }
     }
 
-    /// Line of `ray` in object space, followed by [`ObjectRay::distance_to_base`] and
+    /// Returns three values: the line of `ray` in object space, [`ObjectRay::distance_to_base`] and
     /// [`ObjectRay::direction_length`].
     ///
     /// `None` if the line misses the bounding sphere of the surface.
@@ -271,7 +272,8 @@ impl BoundedShape for Revolution {
         self.area
     }
 
-    /// Chooses a leaf (a piece of the profile) by object-space area, then uniform parameters in it.
+    /// Chooses a leaf (a piece of the profile) with a probability proportional to its object-space
+    /// area, then uniform parameters in that leaf.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.leaf_distribution.sample(u.x);
         let x = f64::from(self.profile.leaf_distribution.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
@@ -326,8 +328,8 @@ impl RevolutionProfile {
     }
 
     /// Unit direction (x, z) from the axis to the surface points at the azimuth θ = 2π·`turns` on a
-    /// leaf (a piece of the profile). The direction is (cos θ, sin θ), negated on a leaf at
-    /// negative x.
+    /// leaf (a piece of the profile). The direction is (cos θ, sin θ), but −(cos θ, sin θ) on a
+    /// leaf where the profile has x < 0.
     fn radial_direction(&self, leaf: usize, turns: f32) -> DVec2 {
         let (sin, cos) = sincos(f64::from(turns) * TAU);
         DVec2::new(cos, sin) * self.leaves[leaf].side_sign

@@ -5,14 +5,13 @@ use super::ring_bvh::RingBounds;
 use super::spline::{MIN_RELATIVE_KNOT_SPAN, SplineError};
 use libm::hypot;
 
-/// Largest relative change of the derivative over a piece that counts as nearly straight.
-///
-/// A nearly straight piece is not divided further, unless it crosses the axis.
+/// Limit of the change of the derivative over a piece, relative to the derivative. A piece below
+/// this limit counts as nearly straight, and is not divided further unless it crosses the axis.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
 /// Maximum number of nested halvings of a Bézier curve.
 ///
-/// It is reached at cusps and coincident control points, which never become straight.
+/// The maximum is reached at cusps and coincident control points, which never become straight.
 pub(super) const MAX_HALVINGS: u32 = 9;
 
 /// Memory of a leaf, a nearly straight piece of a profile curve \[bytes]. The bounding ring of the

@@ -10,7 +10,8 @@ const ARITY: usize = 8;
 /// 64 entries suffice for nine levels (1 + 9·7 = 64), which hold 8⁹ rings.
 const MAX_STACK_ENTRIES: usize = 8 * ARITY;
 
-/// Bit of a child reference in a node: set if the child is a leaf.
+/// Bit of a child reference in a node: set if the child is a leaf, which is a ring instead of
+/// another node.
 const LEAF_BIT: u32 = 1 << 31;
 
 /// Node with eight children, each bounded by a ring around the y axis.
@@ -40,13 +41,14 @@ impl RingBounds {
         Self { radius: expand(self.radius), height: expand(self.height) }
     }
 
-    /// True if the rings share a radius and a height.
+    /// True if the rings have a common point: their ranges of radii overlap, and so do their ranges
+    /// of heights.
     pub fn overlaps(&self, other: &Self) -> bool {
         let meet = |a: [f64; 2], b: [f64; 2]| a[0] <= b[1] && b[0] <= a[1];
         meet(self.radius, other.radius) && meet(self.height, other.height)
     }
 
-    /// Smallest ring around both rings.
+    /// Smallest ring that contains both rings.
     pub fn union(self, other: Self) -> Self {
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         Self { radius: join(self.radius, other.radius), height: join(self.height, other.height) }
@@ -68,7 +70,8 @@ impl RingBvh {
         tree
     }
 
-    /// Appends the node over `rings`, and all nodes below it; returns its index.
+    /// Appends the node over `rings`, and all nodes below it. Returns the index of the topmost
+    /// node.
     ///
     /// `first` is the index of `rings[0]` among all rings. Every ring is expanded by `margin`.
     fn build_subtree(&mut self, rings: &[RingBounds], first: usize, margin: f64) -> u32 {

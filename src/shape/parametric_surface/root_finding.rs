@@ -1,6 +1,6 @@
 //! Constants and results of the root finders for parametric surfaces.
 
-/// Factor by which the position error bound of parametric surfaces exceeds that of other shapes.
+/// Ratio of the position error bound of parametric surfaces to the bound of other shapes.
 ///
 /// The larger bound covers the errors of polynomial evaluation and the tolerance for tangent rays.
 pub(super) const PARAMETRIC_ERROR_FACTOR: f64 = 256.0;
@@ -14,12 +14,11 @@ pub(super) const GAUSS_LEGENDRE: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
 
-/// Largest relative change of the Jacobian J over a parameter box in which Newton's method surely
-/// converges.
+/// Largest change of the Jacobian J over a parameter box, relative to J at the centre of the box,
+/// for which Newton's method surely converges.
 ///
-/// Let q be this change, relative to J at the centre of the box. Let J̄ be the mean of J on the
-/// line from an iterate to the root. Then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which is
-/// [`NEWTON_CONVERGENCE_RATE`].
+/// Let q be this relative change, and J̄ the mean of J on the line from an iterate to the root.
+/// Then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which is [`NEWTON_CONVERGENCE_RATE`].
 pub(super) const MAX_DERIVATIVE_CHANGE: f64 = 0.25;
 
 /// Largest factor by which a Newton step multiplies the distance from the iterate to the root.
@@ -29,7 +28,7 @@ pub(super) const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
 
 /// Longest first Newton step to a root inside a box, in half widths of the box.
 ///
-/// The step is J⁻¹J̄ times the distance to the root, which is at most 2 half widths.
+/// The distance to the root is at most 2 half widths, and the step is J⁻¹J̄ times this distance.
 /// [`MAX_DERIVATIVE_CHANGE`] defines J and J̄.
 pub(super) const MAX_FIRST_NEWTON_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 
@@ -38,8 +37,8 @@ pub(super) const MAX_FIRST_NEWTON_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RA
 /// Adjacent pieces overlap by this distance, so no root is lost between them.
 pub(super) const PIECE_OVERLAP: f64 = 1e-10;
 
-/// Largest size of a piece of a surface, relative to the surface, at which a ray that lies in the
-/// piece counts as hitting one point.
+/// Size of a piece of a surface, relative to the whole surface, below which the piece counts as a
+/// point. A ray that lies in so small a piece then has one hit there.
 pub(super) const TANGENT_HIT_RELATIVE_SIZE: f64 = 1e-6;
 
 /// Result of a test whether a ray hits a surface within a box of surface parameters.

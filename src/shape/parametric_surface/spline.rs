@@ -9,7 +9,7 @@ pub enum SplineError {
     /// The degree is 0, or above [`MAX_DEGREE`].
     #[error("the degree is {0}, and must be from 1 to {MAX_DEGREE}")]
     InvalidDegree(usize),
-    /// The curve has too few control points: degree p needs more than p.
+    /// The curve has too few control points: degree p needs at least p + 1.
     #[error("{controls} control points are too few for degree {degree}: at least {} are needed", degree + 1)]
     TooFewControlPoints {
         /// Number of control points.
@@ -30,7 +30,8 @@ pub enum SplineError {
     /// The knot with this index is less than the knot before it.
     #[error("knot {0} (counted from 0) is less than the one before it")]
     DecreasingKnots(usize),
-    /// The first and the last knot of the curve's range are equal, or differ by a subnormal number.
+    /// The range of the curve is empty: its first and last knot are equal, or differ by a subnormal
+    /// number.
     #[error("the range of the curve, from knot {first} to knot {last} (counted from 0), has no length")]
     EmptyKnotRange {
         /// Index of the first knot of the curve's range.
@@ -60,7 +61,7 @@ pub enum SplineError {
     /// The surface takes more memory than its limit.
     #[error("the surface takes {} of memory or more, and {} are free", format_bytes(*needed), format_bytes(*free))]
     MemoryLimitExceeded {
-        /// Bytes needed when construction stopped; the whole surface needs at least as many.
+        /// Bytes needed when construction stopped. The whole surface needs this many or more.
         needed: u64,
         /// Memory limit in bytes.
         free: u64,
@@ -111,8 +112,8 @@ impl SplineBasis {
     ///
     /// # Errors
     ///
-    /// [`SplineError`] if the degree is invalid, if the control points are too few for it, or if
-    /// they are so many that knot spans are too narrow.
+    /// [`SplineError`] if the degree is invalid, if there are too few control points for the
+    /// degree, or so many that knot spans are too narrow.
     pub fn uniform_spline_basis(degree: usize, controls: usize) -> Result<Self, SplineError> {
         validate_degree(degree)?;
         let last = controls + degree;

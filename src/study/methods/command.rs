@@ -40,7 +40,8 @@ impl StudiedScene {
 }
 
 /// Returns a file name made from `label`, without an extension. Each run of characters other than
-/// ASCII letters, digits and dots becomes a dash. Runs at both ends are left out.
+/// ASCII letters, digits and dots becomes one dash; at the start and the end, such a run is
+/// removed.
 fn label_to_file_name(label: &str) -> String {
     let parts = label.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.')).filter(|part| !part.is_empty());
     parts.collect::<Vec<_>>().join("-")

@@ -14,8 +14,8 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Numbers that are added to the study's first seed to get the seeds of the two references. They
-/// keep these seeds far from the seeds of the compared methods.
+/// Numbers that are added to the study's first seed to get the seeds of the two references. The
+/// numbers are so large that no compared method uses the same seeds.
 const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
 /// First bytes of every PNG file.
@@ -27,13 +27,14 @@ pub enum ReferenceError {
     /// A reference file cannot be read.
     #[error(transparent)]
     Read(#[from] crate::image::ReadError),
-    /// The two reference files hold the same picture.
+    /// Both reference files hold the same picture, so their noise is not independent.
     #[error("`{}` equals the other reference, so its noise would count as bias: render it with another seed", path.display())]
     EqualPictures {
         /// Path of the second reference file.
         path: PathBuf,
     },
-    /// The file is a PNG, whose pixels are clipped and rounded.
+    /// The reference file is a PNG. Its pixels are clipped and rounded, so errors cannot be
+    /// measured.
     #[error("`{}` is a PNG, which is clipped and rounded: use OpenEXR or Radiance HDR", path.display())]
     NotLinear {
         /// Path of the reference file.
@@ -73,7 +74,7 @@ pub struct ReferencePictures {
 impl ReferencePictures {
     /// Makes reference pictures from `a` and `b`. Without `b`, `a` is taken as exact.
     ///
-    /// `source` is a text for reports about the origin of the pictures.
+    /// `source` is a text that tells in reports where the pictures come from.
     ///
     /// # Errors
     /// [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
@@ -111,10 +112,11 @@ impl ReferencePictures {
     /// Renders two references of `scene` with different seeds, by the algorithm that
     /// [`reference_algorithm`] chooses. Returns `None` if `interrupted` becomes true.
     ///
-    /// The camera path settings are `base_settings`, but with the default number of camera rays and
-    /// without adaptive sampling. Both references get equally many passes, at least one. Rendering
-    /// ends when the processor time per reference reaches `seconds` \[s]. After each pass, calls
-    /// `after` with the number of passes and the elapsed fraction of this time.
+    /// Camera paths have the settings `base_settings`, except for two: the number of camera rays is
+    /// the default, and adaptive sampling is off. Both references get equally many passes, at least
+    /// one. Rendering ends when the processor time per reference reaches `seconds` \[s]. After each
+    /// pass, calls `after` with the number of passes and the fraction of `seconds` that has been
+    /// used.
     ///
     /// # Errors
     /// [`ReferenceError`] if a pixel is not finite.
@@ -170,8 +172,8 @@ impl ReferencePictures {
     /// are measured against this mean.
     ///
     /// For the references A and B, the error is the noise of the mean: ½√(mean of (A − B)²), with
-    /// the weights of relative errors. A bias that both references share is not contained. The
-    /// error is `None` for a single reference, which is taken as exact.
+    /// the weights of relative errors. This noise does not show a bias that both references share.
+    /// The error is `None` for a single reference, which is taken as exact.
     #[must_use]
     pub fn mean_reference(&self) -> Reference {
         Reference { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
@@ -187,10 +189,11 @@ impl ReferencePictures {
         &self.relative_error_weights
     }
 
-    /// Returns an unbiased estimate of the squared error of the radiance `value` in pixel `i`.
+    /// Returns an unbiased estimate of the squared error of the radiance `value` in pixel `i`,
+    /// summed over channels.
     ///
-    /// The estimate is (I − A)(I − B), summed over channels, for the radiance I and the references
-    /// A and B. The noise of A and B is independent, so it cancels in the mean.
+    /// The estimate is (I − A)(I − B) for the radiance I and the references A and B. The noise of A
+    /// and B is independent, so it cancels in the mean over many pixels.
     pub(super) fn unbiased_squared_error(&self, i: usize, value: DVec3) -> f64 {
         let [a, b] = self.pair.each_ref().map(|image| image.pixels()[i].as_dvec3());
         ((value - a) * (value - b)).element_sum()

@@ -10,10 +10,12 @@ use serde::Serialize;
 pub struct ConvergenceCheckpoint {
     /// Number of passes that each seed has made.
     pub passes: u32,
-    /// Processor time of all passes so far, without setup, mean over seeds \[s].
+    /// Processor time of all passes so far, mean over seeds \[s]. Preparing the integrator is not
+    /// included.
     #[serde(rename = "seconds")]
     pub cpu_seconds: f64,
-    /// Wall time of all passes so far, without setup, mean over seeds \[s].
+    /// Wall time of all passes so far, mean over seeds \[s]. Preparing the integrator is not
+    /// included.
     #[serde(rename = "wall")]
     pub wall_seconds: f64,
     /// Number of rays of all kinds so far, mean over seeds.
@@ -24,12 +26,13 @@ pub struct ConvergenceCheckpoint {
     /// Relative squared error of each seed's picture, see
     /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
     ///
-    /// The estimate is unbiased, because the noise of the two references cancels in the mean. If
-    /// the error is small, noise can make the estimate negative.
+    /// Each value is an unbiased estimate, because it is computed from two references whose
+    /// independent noise cancels in the mean. If the error is small, noise can make the estimate
+    /// negative.
     #[serde(rename = "squares")]
     pub relative_squared_errors: Vec<f64>,
-    /// Relative squared noise: variance between the pictures of the seeds, with the pixel weights
-    /// of `relative_squared_errors`.
+    /// Relative squared noise: variance between the pictures of the seeds. Pixels are weighted as
+    /// in `relative_squared_errors`.
     #[serde(rename = "noise2")]
     pub squared_noise: f64,
     /// Estimates of the relative squared noise, one from each seed; their mean is `squared_noise`.
@@ -43,8 +46,8 @@ pub struct ConvergenceCheckpoint {
     /// estimate may be negative.
     #[serde(rename = "bias2")]
     pub squared_bias: f64,
-    /// Squares of the relative errors that the renderer itself estimates without a reference, one
-    /// from each seed with a finite estimate.
+    /// Squares of the relative errors that the renderer estimates by itself, without a reference.
+    /// There is one value for each seed whose estimate is finite.
     #[serde(rename = "estimated")]
     pub squared_estimated_errors: Vec<f64>,
     /// Root mean square error over pixels, channels and seeds \[W/(m² sr)], without the noise of
@@ -61,8 +64,8 @@ impl ConvergenceCheckpoint {
         self.relative_squared_errors.iter().sum::<f64>() / self.relative_squared_errors.len().max(1) as f64
     }
 
-    /// Returns the square of the relative error that the renderer itself estimates, as a mean over
-    /// the seeds with an estimate; `None` if no seed has one.
+    /// Returns the square of the relative error that the renderer estimates by itself, without a
+    /// reference. The result is a mean over the seeds with an estimate; `None` if no seed has one.
     #[must_use]
     pub fn mean_square_of_estimated_error(&self) -> Option<f64> {
         let n = self.squared_estimated_errors.len() as f64;
@@ -82,14 +85,14 @@ pub struct MethodResult {
     /// Processor time of preparing the integrator of the first seed, including pilots (small
     /// simulations before the first pass) \[s].
     pub setup_seconds: f64,
-    /// Exponent α by which gather radii shrink from pass to pass (radius law of Knaus and Zwicker
-    /// 2011); 1 for fixed radii.
+    /// Parameter α of the law by which gather radii r shrink (Knaus and Zwicker 2011): for pass
+    /// i + 1, r² is (i + α) / (i + 1) times the r² of pass i. With α = 1, radii are fixed.
     pub alpha: f64,
-    /// Largest gather radii of the first pass \[length]: first of the indirect photon map, then of
-    /// the caustic photon map. `None` if the algorithm has no photons.
+    /// Largest gather radii of the first pass \[length], one for each of two photon maps: indirect
+    /// light, and caustics. `None` if the algorithm has no photons.
     pub gather_radii: Option<[f32; 2]>,
-    /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass. If the last checkpoint has
-    /// less than 1.3 times the passes of the one before, that earlier checkpoint is left out.
+    /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass. The second-to-last checkpoint
+    /// is left out if the last one has less than 1.3 times as many passes.
     pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
     pub first_seed_picture: Image,
@@ -132,9 +135,9 @@ pub struct MethodStudyResult {
     pub seeds: u32,
     /// Time budget of each method: processor time per seed \[s].
     pub max_cpu_seconds_per_seed: f64,
-    /// Fraction of the wall time in which the program's threads ran: processor time / (wall time ·
-    /// threads). The value is the minimum over methods, at most 1. If processor time is unknown,
-    /// the value is 1.
+    /// Fraction of the wall time in which the program's threads ran on a processor, from 0 to 1:
+    /// processor time / (wall time · threads). The value is the minimum over methods, and 1 if the
+    /// system does not report processor time.
     pub thread_time_share: f64,
     /// Reference picture against which errors are measured.
     pub reference: Reference,

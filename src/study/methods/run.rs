@@ -18,11 +18,11 @@ use crate::stats::cpu_seconds;
 use crate::study::StudyError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Smallest ratio between the numbers of passes of a method's last checkpoint and of the one
-/// before. If the ratio is smaller, the earlier checkpoint is dropped.
+/// Smallest ratio between the passes of the last two checkpoints of a method. If the ratio is
+/// smaller, the earlier one of the two is dropped.
 const MIN_CHECKPOINT_PASS_RATIO: f64 = 1.3;
 
-/// Memory of a film and of its error estimator \[bytes per pixel].
+/// Memory of a film (50 bytes per pixel) and of its error estimator (284 bytes per pixel).
 const BYTES_PER_FILM_PIXEL: u64 = 50 + 284;
 
 /// Memory of a picture in single precision \[bytes per pixel].
@@ -41,8 +41,8 @@ pub struct StudyLimits {
 /// Progress event of a study that compares rendering methods.
 #[derive(Clone, Copy, Debug)]
 pub enum MethodStudyEvent<'s> {
-    /// Each method that has not reached a limit has made one more pass with each seed. Holds the
-    /// number of passes that each seed of these methods has made.
+    /// Each method that is still running has made one more pass with each seed. Holds the number of
+    /// passes that each of these seeds has made so far.
     PassFinished(u32),
     /// A method has reached a checkpoint. Holds the method's label and the measured checkpoint.
     Checkpoint(&'s str, &'s ConvergenceCheckpoint),
@@ -82,8 +82,8 @@ struct MethodRun<'a> {
 
 /// State of one seed of a rendering method: integrator, film and error estimator.
 struct SeedRun<'a> {
-    /// Integrator of this seed. The first seed of a method has it from the start. Other seeds have
-    /// `None` until their first pass.
+    /// Integrator of this seed, prepared in advance for the first seed of a method. For the other
+    /// seeds, the value is `None` until their first pass.
     integrator: Option<Box<dyn Integrator + 'a>>,
     film: Film,
     /// Error estimator of this seed; `None` before the first pass.
@@ -152,8 +152,8 @@ impl<'a> MethodStudy<'a> {
         Ok(Self { size, seeds, clock, runs })
     }
 
-    /// Returns the expected photon counts of a pass. Each count is its maximum over all methods of
-    /// the study.
+    /// Returns the photon counts that are expected for a pass. If a count differs between the
+    /// methods of the study, its largest value is returned.
     #[must_use]
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         self.runs.iter().map(|run| run.expected_photons).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {

@@ -48,7 +48,7 @@ pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> R
 ///
 /// Photon algorithms are left out if the scene has no light, or no surface or medium that stores
 /// photons. `hybrid` is also left out if neither caustics nor interreflection is simulated, because
-/// it then equals `path`.
+/// `hybrid` then makes the same picture as `path`.
 #[must_use]
 pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
     let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);

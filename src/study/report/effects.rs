@@ -11,9 +11,9 @@ use crate::image::Image;
 use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
-/// Threshold for showing one of the two difference pictures of an effect: the light that the effect
-/// adds, and the light that it removes. The weaker picture is shown only if its mean is at least
-/// this fraction of the mean of the stronger one. Below, it is mostly noise.
+/// Smallest ratio at which both difference pictures of an effect are shown: the light that the
+/// effect adds, and the light that it removes. The ratio is the mean of the weaker picture, divided
+/// by the mean of the stronger one. A picture below the ratio is mostly noise and not shown.
 const MIN_SHOWN_RATIO: f64 = 0.1;
 
 const STYLE: &str = "\

@@ -7,8 +7,8 @@ use glam::{DVec3, Vec3};
 /// Error at the dark end of a logarithmic colour ramp, divided by the error at the bright end.
 pub(super) const RAMP_END_ERROR_RATIO: f64 = 0.01;
 
-/// Quantile of the pixel errors that determines the upper end of a colour scale. Larger errors are
-/// clamped.
+/// Quantile of the pixel errors at which a colour scale ends. Larger errors get the colour of the
+/// end.
 const SCALE_QUANTILE: f64 = 0.99;
 
 /// Side length of a crop \[pixels]. A crop is a square window of a picture that a report enlarges.
@@ -69,8 +69,8 @@ pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f
     Some(rounded_digit * decade)
 }
 
-/// Draws the relative error of each pixel with a logarithmic colour ramp. `most` is the error at
-/// the bright end of the ramp.
+/// Draws the relative error of each pixel with a logarithmic colour ramp, which is brightest at the
+/// error `most`.
 pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, PictureSizeError> {
     let colour = |e: &f32| {
         let e = f64::from(*e);
@@ -87,8 +87,8 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, Pictu
 /// Returns the relative difference of each pixel from the reference: the mean of `difference` over
 /// channels, divided by √(L² + m²).
 ///
-/// L is the radiance of the reference around the pixel, and m the radiance of a typical pixel; see
-/// [`RelativeErrorWeights`].
+/// L is the mean radiance of the reference near the pixel. m is the median of L over the reference,
+/// see [`RelativeErrorWeights`].
 pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeights) -> Vec<f64> {
     // Each weight contains a factor of 1/3 for the mean over channels.
     let pairs = difference.pixels().iter().zip(scale.pixel_weights());

@@ -4,7 +4,7 @@ use crate::image::{Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneCurve, ToneMap, 
 use crate::study::StudyError;
 use glam::Vec3;
 
-/// Fraction of the non-black pixels that automatic exposure may clip.
+/// Fraction of the pixels that automatic exposure may clip to white. Black pixels are not counted.
 const MAX_CLIPPED_FRACTION: f64 = 0.01;
 
 /// Returns `image` as the bytes of a PNG file, at an exposure of `stops` \[stops].
@@ -29,8 +29,8 @@ fn map_pixels(difference: &Image, map: fn(Vec3) -> Vec3) -> Result<Image, StudyE
     Ok(Image::from_pixels(difference.width(), difference.height(), pixels)?)
 }
 
-/// Returns the largest exposure in whole stops at which at most about 1 % of the non-black pixels
-/// of `image` are clipped; `None` if `image` is black.
+/// Returns the largest exposure, in whole stops, that clips at most about 1 % of the pixels of
+/// `image` to white. Black pixels are not counted; `None` if all pixels are black.
 pub(super) fn auto_exposure_stops(image: &Image) -> Option<f32> {
     let mut peaks: Vec<f32> = image.pixels().iter().map(|p| p.max_element()).filter(|p| *p > 0.0).collect();
     if peaks.is_empty() {

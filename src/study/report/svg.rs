@@ -30,7 +30,8 @@ pub(super) enum LineStyle {
 
 /// Line and markers of one data series in a plot.
 ///
-/// Points with a coordinate that is not positive and finite are skipped.
+/// A point is skipped if its time or its error is not positive and finite, as it has no place on a
+/// logarithmic axis.
 #[derive(Clone, Debug)]
 pub(super) struct PlotSeries {
     pub(super) label: String,
@@ -39,8 +40,8 @@ pub(super) struct PlotSeries {
     pub(super) stroke: LineStyle,
     /// Processor time \[s] and relative error of each point.
     pub(super) points: Vec<(f64, f64)>,
-    /// Confidence interval of each point's error; `None` if unknown. The list may be shorter than
-    /// `points`.
+    /// Confidence intervals of the errors of `points`, in the same order; `None` if unknown. Points
+    /// beyond the end of this list have no interval.
     pub(super) confidence_intervals: Vec<Option<[f64; 2]>>,
 }
 
@@ -339,8 +340,8 @@ fn shortened_label(label: &str) -> String {
     label.chars().take(MAX_LABEL_LETTERS - 1).chain(['…']).collect()
 }
 
-/// Returns vertical positions of labels \[px, downwards] that do not overlap, near the sorted
-/// wanted positions `heights`.
+/// Returns vertical positions of labels \[px, downwards] that do not overlap. The positions are
+/// near the wanted positions `heights`, which are sorted.
 ///
 /// Labels are first moved down until all are below `top` and apart from each other. Then they are
 /// moved up until none is below `bottom`. If there is too little room, some labels end above `top`.

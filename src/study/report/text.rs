@@ -19,8 +19,7 @@ pub fn count_text(n: f64) -> String {
     }
 }
 
-/// Half of 0.1, the step between numbers with one decimal place. Numbers below this value would be
-/// written as 0.0.
+/// Smallest number that is not rounded to 0.0 when it is written with one decimal place.
 const HALF_STEP: f64 = 0.05;
 
 /// Returns the text of a count with its sign, such as `+1.9 k`, `0` or `-12`.
@@ -37,8 +36,8 @@ pub fn signed_milliseconds_text(seconds: f64) -> String {
     if ms.abs() < HALF_STEP { "0.0".to_owned() } else { format!("{ms:+.1}") }
 }
 
-/// Returns the text of the fraction `part` in percent, such as `0 %`, `< 0.1 %`, `2.3 %` or `120
-/// %`.
+/// Returns the text of a fraction in percent, such as `0 %`, `< 0.1 %`, `2.3 %` or `120 %`. The
+/// argument `part` is 1 for 100 %.
 #[must_use]
 pub fn percent_text(part: f64) -> String {
     match 100.0 * part {
@@ -50,7 +49,7 @@ pub fn percent_text(part: f64) -> String {
 }
 
 /// Returns the text of a relative error in percent with three significant digits, such as `12.3 %`
-/// or `0.0450 %`.
+/// or `0.0450 %`. The argument `part` is 1 for 100 %.
 #[must_use]
 pub fn error_percent_text(part: f64) -> String {
     format!("{} %", three_digit_text(100.0 * part))
@@ -80,7 +79,7 @@ pub fn duration_text(seconds: f64) -> String {
 
 /// Returns the text of a duration in two units, such as `4 min 10 s`.
 ///
-/// `small` is the duration in the small unit. The large unit is 60 small units.
+/// `small` is the whole duration in `small_unit`. One `large_unit` is 60 times as long.
 fn two_unit_duration_text(small: f64, large_unit: &str, small_unit: &str) -> String {
     let (large, rest) = ((small / 60.0).floor(), small % 60.0);
     if rest == 0.0 {

@@ -32,10 +32,12 @@ const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
 /// at 720 nm to 5.1 at 380 nm.
 const MIN_ABBE_NUMBER: f64 = 2.0;
 
-/// Largest refractive index of glass with dispersion. A larger index is constant over wavelength.
+/// Greatest refractive index of glass with dispersion. Glass with a greater index is imported
+/// without dispersion: its index is equal at all wavelengths.
 const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 
-/// Parameters of glTF's metallic-roughness model, without metalness and transmission.
+/// Parameters of glTF's metallic-roughness model from which its parts are made: metal, opaque
+/// dielectric and glass. Metalness and transmission, which blend these parts, are not included.
 pub(super) struct MetallicRoughnessSurface<'a> {
     /// Base color in \[0, 1], which multiplies `base_texture`.
     pub base_color: DVec3,
@@ -58,7 +60,7 @@ pub(super) struct GltfMaterialConverter<'m, 'a> {
     /// Name of the material in the imported scene, also for messages.
     pub name: String,
     /// Index of the texture coordinates that the material's first texture uses (`TEXCOORD_0`, …);
-    /// `None` before any texture.
+    /// `None` as long as no texture has been converted.
     pub texcoord_set: Option<u32>,
     /// Normal map of the material; `None` without one.
     pub normal: Option<NormalPerturbationDescription>,
@@ -117,7 +119,8 @@ impl GltfMaterialConverter<'_, '_> {
         Ok(GltfImportedMaterial { name: self.name.clone(), texcoord_set: self.texcoord_set, is_invisible, emits })
     }
 
-    /// Converts the reflection and transmission of a material. Leaves out alpha and emission.
+    /// Converts the reflection and transmission of a material. The caller adds opacity and
+    /// emission.
     ///
     /// The base color is `base` times `base_texture`. Also stores the normal map in `self.normal`.
     fn surface_description<'t>(
@@ -333,8 +336,8 @@ impl GltfMaterialConverter<'_, '_> {
 
     /// Returns the opacity of a material in \[0, 1], by its alpha mode, as a constant or a texture.
     ///
-    /// Alpha is `factor` times the alpha channel of `texture`. Mode `OPAQUE` gives 1, `BLEND` gives
-    /// alpha, and `MASK` gives 0 or 1.
+    /// Alpha is `factor` times the alpha channel of `texture`. The opacity is 1 in mode `OPAQUE`
+    /// and alpha in mode `BLEND`. In mode `MASK`, it is 1 where alpha reaches the cutoff, else 0.
     fn opacity(
         &mut self,
         material: &gltf::Material<'_>,
@@ -381,7 +384,8 @@ impl GltfMaterialConverter<'_, '_> {
         })
     }
 
-    /// Returns `emission` times `alpha`, because only the opaque fraction of a surface emits.
+    /// Returns `emission` times the opacity `alpha`, because only the opaque fraction of a surface
+    /// emits.
     ///
     /// If `alpha` is a texture, returns `emission` unchanged and adds a note.
     fn emission_times_alpha(
@@ -448,11 +452,11 @@ impl GltfMaterialConverter<'_, '_> {
         })
     }
 
-    /// Converts `texture` to a number parameter in \[0, 1]. Returns it as a constant or a texture,
-    /// and its mean over all pixels.
+    /// Returns a number parameter in \[0, 1], as a constant or a texture, and its mean over all
+    /// pixels.
     ///
-    /// `texture_use` selects the conversion of pixels, and holds a factor. Without a texture, the
-    /// result depends only on the factor.
+    /// `texture_use` states the parameter: it selects the channel of `texture`, and holds the
+    /// parameter's factor in the file. Without a texture, the channel counts as 1.
     pub(super) fn textured_scalar_and_mean(
         &mut self,
         texture: Option<&TextureReference<'_>>,
@@ -471,8 +475,8 @@ impl GltfMaterialConverter<'_, '_> {
         })
     }
 
-    /// Converts the pixels of `texture` for `texture_use`, such as a color. `None` without a
-    /// texture, or if its picture has an unsupported format.
+    /// Converts the pixels of `texture` for the parameter `texture_use`, such as a color. Returns
+    /// `None` if there is no texture, or if its picture has an unsupported format.
     ///
     /// All textures of a material share one set of texture coordinates, the set of the first
     /// texture. A later texture with another set becomes a constant: the mean of its pixels.
@@ -495,7 +499,7 @@ impl GltfMaterialConverter<'_, '_> {
 
     /// Adds one of the two materials of a mix to the imported scene, and returns its name.
     ///
-    /// This name is the name of the mix, followed by `suffix`.
+    /// The name of the added material is the name of the mix, followed by `suffix`.
     pub(super) fn add_mix_component(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
         let name = self.materials.list.unique_name(&format!("{} {suffix}", self.name));
         let normal = if kind.mix_material_names().is_none() { self.normal.clone() } else { None };

@@ -50,7 +50,8 @@ impl<'a> GltfMaterialConverter<'_, 'a> {
         Ok(Some(GltfClearCoat { amount, ggx_alpha }))
     }
 
-    /// Converts an opaque surface under a clear coat. `metallic` is the metalness in \[0, 1].
+    /// Converts an opaque surface under a clear coat. `metallic` is the metalness of this surface
+    /// in \[0, 1].
     pub(super) fn clear_coated_description(
         &mut self,
         surface: &MetallicRoughnessSurface<'_>,
@@ -78,8 +79,8 @@ impl<'a> GltfMaterialConverter<'_, 'a> {
     /// Converts the part of a dielectric that is not glass: an opaque surface, a sheet that
     /// transmits light diffusely (KHR_materials_diffuse_transmission), or a mix of both.
     ///
-    /// As in the specification, diffuse transmission of factor f reduces diffuse reflection to 1 −
-    /// f of its value.
+    /// A factor f of diffuse transmission multiplies the diffuse reflection by 1 − f, as the
+    /// specification demands.
     pub(super) fn sheet_or_opaque_description(
         &mut self,
         material: &gltf::Material<'_>,

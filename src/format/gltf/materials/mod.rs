@@ -12,7 +12,8 @@ use converter::GltfMaterialConverter;
 use glam::DVec4;
 use std::collections::HashMap;
 
-/// A material of the imported scene, with the properties that objects depend on.
+/// A material of the imported scene, with those of its properties that the objects with this
+/// material need.
 #[derive(Clone, Debug)]
 pub(super) struct GltfImportedMaterial {
     /// Name of the material in the imported scene.
@@ -32,8 +33,11 @@ pub(super) struct GltfMaterials<'a> {
     pub textures: GltfTextures<'a>,
     /// Materials of the imported scene.
     pub list: ImportedMaterials,
-    /// Imported materials. A key holds the material index in the file (`None` for the default
-    /// material of glTF) and the bits of the vertex color: red, green, blue, alpha.
+    /// Imported materials. One material of the file becomes several if primitives with different
+    /// vertex colors use it.
+    ///
+    /// A key holds the material index in the file (`None` for the default material of glTF) and the
+    /// vertex color: the bits of its red, green, blue and alpha.
     converted_materials: HashMap<(Option<usize>, [u64; 4]), GltfImportedMaterial>,
 }
 
@@ -43,8 +47,8 @@ impl<'a> GltfMaterials<'a> {
         Self { textures, list: ImportedMaterials::default(), converted_materials: HashMap::new() }
     }
 
-    /// Returns the material of the imported scene that corresponds to the file's `material`.
-    /// Converts it at its first use.
+    /// Returns the material of the imported scene for the file's `material`. The first call for a
+    /// pair of material and vertex color converts the material.
     ///
     /// `vertex_color` multiplies the base color and alpha; `None` stands for white.
     pub fn imported_material(

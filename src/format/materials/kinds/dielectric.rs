@@ -27,8 +27,9 @@ pub struct DielectricDescription {
     /// True if light that several microfacets scatter in turn is included; false if this light is
     /// lost, as in pbrt-v4 and Mitsuba 3.
     pub has_multiple_scattering: bool,
-    /// Priority where bodies overlap (Schmidt and Budge 2002): the highest wins. Among equal
-    /// priorities, the body that was entered last wins.
+    /// Priority of the body (Schmidt and Budge 2002). Where bodies overlap, the body with the
+    /// highest priority fills the overlap; among equal priorities, the body that a ray entered
+    /// last.
     pub priority: u8,
 }
 

@@ -19,8 +19,8 @@ pub(super) const PRIORITY_FIELD: FieldSchema =
         .with_range(FieldRange::ClosedInterval(0.0, 255.0))
         .with_default_numbers(&[0.0]);
 
-/// Returns `material` unchanged if `multiple_scattering` is true. Otherwise returns it without the
-/// light that several microfacets scatter in turn.
+/// Returns `material` unchanged if `multiple_scattering` is true. Otherwise returns a copy that
+/// loses the light that several microfacets scatter in turn.
 pub(super) fn with_multiple_scattering(material: Material, multiple_scattering: bool) -> Material {
     if multiple_scattering { material } else { material.with_single_microfacet_scattering() }
 }

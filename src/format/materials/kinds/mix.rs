@@ -20,7 +20,8 @@ use crate::scene::Material;
 /// Largest accepted nesting depth of mixes. Each level can double the number of materials in a mix.
 pub(in crate::format) const MAX_MIX_DEPTH: u8 = 8;
 
-/// Stochastic mix: one of two materials, chosen at random at each point.
+/// Stochastic mix of two materials: wherever a ray hits the surface, one of them is chosen at
+/// random.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MixDescription {
     /// Name of the first material, which the scene file defines before the mix.
@@ -64,9 +65,11 @@ impl MaterialBlock for MixDescription {
 }
 
 impl MixConstraints {
-    /// Returns the constraints of a material that has the given kind and index.
+    /// Returns the properties that limit the use of a material in a mix. The material has the given
+    /// kind and index.
     ///
-    /// If the material is a mix, `constraints_by_name` looks up the constraints of its components.
+    /// If the material is itself a mix, `constraints_by_name` looks up these properties of its
+    /// components.
     pub(in crate::format) fn of_material(
         kind: &MaterialKindDescription,
         index: usize,
@@ -99,8 +102,8 @@ impl MixConstraints {
     }
 }
 
-/// Returns the name of a material that a `Mix` refers to in `field`. Fails unless the text defines
-/// this material before the mix.
+/// Returns the name in `field`, by which a `Mix` refers to one of its two materials. Fails unless
+/// the text defines a material of this name before the mix.
 fn parse_mix_component<'a>(parser: &Parser<'a>, field: ParsedField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
     let name: Spanned<String> = field.value();
     let help = "a mix is made of materials that stand before it";

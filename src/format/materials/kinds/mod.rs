@@ -54,36 +54,38 @@ trait MaterialBlock: BlockCodec {
     /// Kind of body that a surface of this material encloses.
     const BOUNDED_BODY: BoundedBody;
 
-    /// Converts the parsed fields of a block, without emission, normal perturbation and medium.
+    /// Converts the parsed fields of this kind's own parameters. The caller handles the fields for
+    /// emission, bump or normal map, and medium, which several kinds share.
     ///
     /// A mix looks up its components in the parser, which knows all earlier materials of the text.
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         Self::parse_fields(f)
     }
 
-    /// Converts the description to a material of the renderer, without emission, normal
-    /// perturbation and medium.
+    /// Converts the description to a material of the renderer. The caller adds emission, bump or
+    /// normal map, and medium.
     ///
-    /// Adds to `requirements` the surface properties that the material's textures need.
+    /// Adds to `requirements` what the material's textures need of a surface, such as texture
+    /// coordinates.
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError>;
 
-    /// Returns the names of the textures that the parameters use, without those of bump maps and
-    /// emission.
+    /// Returns the names of the textures in this kind's own parameters. The caller adds those of
+    /// bump maps, normal maps and emission.
     fn texture_names(&self) -> Vec<&Spanned<String>> {
         self.field_textures()
     }
 
-    /// Returns the value of the field that may hold the name of a texture or the path of a picture
-    /// file.
+    /// Returns the name in the field `texture` of a `Phong` material. It is the name of a texture
+    /// or, if no texture has this name, the path of a picture file.
     ///
-    /// `None` if the field is absent, or if this kind of material has no such field.
+    /// `None` if the field is absent, and for all other kinds of materials.
     fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>>;
 }
 
 /// Kind of body that a closed surface encloses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BoundedBody {
-    /// No body. Components of a mix or of a principled material may still enclose one.
+    /// No body. The components of a mix or of a `Principled` material may still enclose one.
     None,
     /// A dielectric body.
     Dielectric,
@@ -130,18 +132,19 @@ macro_rules! material_kinds {
                 }
             }
 
-            /// Writes the fields of the material's block, without emission, normal perturbation and
-            /// medium.
+            /// Writes the fields of this kind's own parameters. The caller writes emission, bump or
+            /// normal map, and medium.
             pub(super) fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
                 match self {
                     $(Self::$kind(kind) => kind.write_fields(out),)*
                 }
             }
 
-            /// Converts the description to a material of the renderer, without emission, normal
-            /// perturbation and medium.
+            /// Converts the description to a material of the renderer. The caller adds emission,
+            /// bump or normal map, and medium.
             ///
-            /// Adds to `requirements` the surface properties that the material's textures need.
+            /// Adds to `requirements` what the material's textures need of a surface, such as
+            /// texture coordinates.
             pub(in crate::format) fn resolve(
                 &self,
                 r: &mut Resolver<'_>,
@@ -152,18 +155,18 @@ macro_rules! material_kinds {
                 }
             }
 
-            /// Returns the names of the textures that this kind's parameters use, without bump maps
-            /// and emission.
+            /// Returns the names of the textures in this kind's own parameters. The caller adds
+            /// those of bump maps, normal maps and emission.
             pub(super) fn texture_names(&self) -> Vec<&Spanned<String>> {
                 match self {
                     $(Self::$kind(kind) => kind.texture_names(),)*
                 }
             }
 
-            /// Returns the value of the field that may hold the name of a texture or the path of a
-            /// picture file.
+            /// Returns the name in the field `texture` of a `Phong` material. It is the name of a
+            /// texture or, if no texture has this name, the path of a picture file.
             ///
-            /// `None` if the field is absent, or if this kind of material has no such field.
+            /// `None` if the field is absent, and for all other kinds of materials.
             pub(super) fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
                 match self {
                     $(Self::$kind(kind) => kind.ambiguous_texture_reference_mut(),)*
@@ -194,7 +197,8 @@ material_kinds! {
     DiffuseTransmission(DiffuseTransmissionDescription),
     /// Metallic-roughness model: a mix of metal, glass and a coated diffuse base.
     Principled(PrincipledDescription),
-    /// Stochastic mix: one of two materials, chosen at random at each point.
+    /// Stochastic mix of two materials: wherever a ray hits the surface, one of them is chosen at
+    /// random.
     Mix(MixDescription),
 }
 
@@ -211,14 +215,15 @@ impl MaterialKindDescription {
         self.bounded_body() == BoundedBody::Dielectric
     }
 
-    /// True if the surface bounds a dielectric body, wholly or in part: a dielectric, or a
-    /// principled material with transmission. Components of a mix do not count.
+    /// True for a `Dielectric`, which bounds a dielectric body, and for a `Principled` material
+    /// with transmission, which does so with its glass component. False for mixes, whatever they
+    /// mix.
     pub(in crate::format) fn bounds_dielectric(&self) -> bool {
         self.is_dielectric() || self.has_dielectric_component()
     }
 
-    /// True if only a component of the material bounds a dielectric body: for a `Principled`
-    /// material with transmission. False for a `Dielectric`.
+    /// True for a `Principled` material with transmission: its glass component bounds a dielectric
+    /// body. False for all other kinds, including `Dielectric`.
     pub(super) fn has_dielectric_component(&self) -> bool {
         if let Self::Principled(principled) = self { principled.transmits() } else { false }
     }

@@ -18,7 +18,8 @@ use std::fmt;
 /// Null interface: bounds a region of a medium. Light crosses it unchanged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NullInterfaceDescription {
-    /// Priority where bodies overlap: the highest wins.
+    /// Priority of the region. Where bodies overlap, the body with the highest priority fills the
+    /// overlap.
     pub priority: u8,
 }
 

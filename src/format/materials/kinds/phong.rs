@@ -22,8 +22,8 @@ pub struct PhongDescription {
     pub specular: TexturedValue<DVec3>,
     /// Phong exponent, at least 0.
     pub shininess: f64,
-    /// Name of a texture that multiplies kd. If no texture has this name, the text is the path of a
-    /// picture file, which multiplies kd instead.
+    /// Name of a texture that multiplies kd. If no texture has this name, it is the path of a
+    /// picture, and the picture multiplies kd.
     pub texture: Option<Spanned<String>>,
 }
 

@@ -19,14 +19,15 @@ use glam::DVec3;
 /// A surface of the metallic-roughness model: a mix of metal, glass and a coated diffuse base.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrincipledDescription {
-    /// Reflectance of the diffuse base, and of the metal at normal incidence, inside \[0, 1].
+    /// Color of the surface, inside \[0, 1]: reflectance of the diffuse base, and reflectance of
+    /// the metal at normal incidence.
     pub base_color: TexturedValue<DVec3>,
     /// Fraction of the surface that is metal, inside \[0, 1].
     pub metallic: TexturedValue<f64>,
     /// GGX α of metal, glass and coat, inside \[0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
-    /// Index of refraction, inside \[1, 4]. For the coat of the diffuse base, it is relative to the
-    /// surroundings; for the glass, it is the absolute index.
+    /// Index of refraction, inside \[1, 4]. The coat of the diffuse base has this index relative to
+    /// the surroundings; the glass has it as its absolute index.
     pub eta: f64,
     /// Fraction of the non-metal part that is glass, inside \[0, 1].
     pub transmission: TexturedValue<f64>,

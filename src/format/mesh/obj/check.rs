@@ -19,8 +19,8 @@ pub(super) struct InvalidObjLine {
     pub defect: MessageAndRemedy,
 }
 
-/// Flags of a face corner: true if it has an index of a position, of a texture coordinate, of a
-/// normal.
+/// Three flags of a face corner: whether it has the index of a position, of a texture coordinate,
+/// and of a normal, in this order.
 type PresentIndices = [bool; 3];
 
 /// Names, for error messages, of the items that the three indices of a face corner refer to.
@@ -32,7 +32,8 @@ pub(super) struct CheckedObjFile {
     /// Valid lines `v`, `vt`, `vn` and `f` in the order of the file, one text per chunk.
     ///
     /// Lines `g`, which the check inserts, divide the faces into groups. All faces of a group have
-    /// one material, and all their corners have the same kinds of indices.
+    /// one material. Texture coordinates are given at all corners of a group or at none, and so are
+    /// normals.
     pub chunk_texts: Vec<String>,
     /// Name of each group's material; empty for groups without material.
     pub group_material_names: Vec<String>,
@@ -173,19 +174,19 @@ struct ObjChunkChecker<'u> {
     valid_lines: String,
     /// Numbers of lines `v`, `vt` and `vn` read so far, counted from the start of the file.
     v_vt_vn_counts_so_far: [usize; 3],
-    /// Kinds of indices and material index of the group that the last face belongs to; `None`
-    /// before the first face. `group_material_indices` explains the material index.
+    /// Group that the last face belongs to: the indices that its face corners have, and its
+    /// material index, which `group_material_indices` explains. `None` before the first face.
     current_group: Option<(PresentIndices, usize)>,
-    /// Names on the `usemtl` lines of the chunk, in order. Material index 0 stands for the last
-    /// material of the previous chunk, and index i + 1 for name i.
+    /// Names on the `usemtl` lines of the chunk, in order.
     usemtl_names: Vec<String>,
-    /// Material index of each face group: 1 plus an index into `usemtl_names`, or 0 for the last
-    /// material of the previous chunk.
+    /// Material of each face group. Index i + 1 stands for name i of `usemtl_names`, and index 0
+    /// for the last material of the previous chunk.
     group_material_indices: Vec<usize>,
     mtllib_arguments: Vec<String>,
     /// Number of corners of the chunk's faces.
     corner_count: usize,
-    /// True for each vertex position of the file that a face uses. All chunks share this list.
+    /// Flags of all vertex positions of the file: true once a face uses the position. The checkers
+    /// of all chunks set flags in this one list.
     used_positions: &'u [AtomicBool],
 }
 
@@ -230,11 +231,10 @@ impl<'u> ObjChunkChecker<'u> {
         }
     }
 
-    /// Copies the numbers of a line `v`, `vt` or `vn` to the valid lines. The copy has exactly
-    /// `most` numbers.
+    /// Copies the numbers of a line `v`, `vt` or `vn` to the valid lines. The line must hold at
+    /// least `fewest` numbers, and the copy has exactly `most`.
     ///
-    /// The line must hold at least `fewest` numbers. Missing ones become 0, and surplus ones are
-    /// dropped.
+    /// Numbers that the line lacks become 0, and surplus numbers are dropped.
     fn append_valid_numbers<'w>(
         &mut self,
         list: usize,

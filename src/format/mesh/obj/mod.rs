@@ -17,11 +17,12 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 pub(super) use write::write;
 
-/// Memory per coordinate \[bytes]: 8 in a list of `tobj`, 8 in its mesh, 8 in [`TriangleMesh`].
+/// Memory per coordinate \[bytes]: 8 each in a list of `tobj`, in the mesh that `tobj` returns, and
+/// in [`TriangleMesh`].
 const MEMORY_PER_COORDINATE: u64 = 8 * 3;
 
-/// Memory per corner of a face \[bytes]: three indices in `tobj` (24), one in its mesh (4), and
-/// one in [`TriangleMesh`] (4).
+/// Memory per corner of a face \[bytes]: 24 for three indices in `tobj`, 4 for an index in the mesh
+/// that `tobj` returns, and 4 for an index in [`TriangleMesh`].
 const MEMORY_PER_CORNER: u64 = 32;
 
 /// Reads a mesh from the bytes of an OBJ file. Ignores line and point elements, groups and object
@@ -89,8 +90,8 @@ impl BufRead for MonitoredObjReader<'_> {
 }
 
 impl MonitoredObjReader<'_> {
-    /// Removes empty texts from the front of the list, because a caller takes an empty buffer for
-    /// the end of the file.
+    /// Removes empty texts from the front of the list. An empty text would give the caller an empty
+    /// buffer, which means the end of the file.
     fn skip_empty_texts(&mut self) {
         while let [first, rest @ ..] = self.texts
             && first.is_empty()
@@ -110,7 +111,7 @@ impl Read for MonitoredObjReader<'_> {
 
 /// Joins the meshes of all face groups into one mesh, and merges its equal vertices.
 ///
-/// `None` if the mesh has more than `i32::MAX` vertices before merging.
+/// Returns `None` if these meshes have more than `i32::MAX` vertices in total.
 fn join_obj_groups(models: &[tobj::Model], checked: &CheckedObjFile) -> Option<TriangleMesh> {
     let mut mesh = TriangleMesh::default();
     let has = |list: fn(&tobj::Mesh) -> &Vec<f64>| models.iter().any(|model| !list(&model.mesh).is_empty());

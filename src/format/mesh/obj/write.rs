@@ -7,7 +7,7 @@ use std::io::{Result, Write};
 /// Writes a mesh as OBJ text with one line for each distinct position, texture coordinate and
 /// normal.
 ///
-/// `libraries` are the paths on its `mtllib` lines.
+/// `libraries` are the paths of MTL files for the `mtllib` lines.
 pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &mut impl Write) -> Result<()> {
     writeln!(out, "# Caustica {}", env!("CARGO_PKG_VERSION"))?;
     for library in libraries {
@@ -62,7 +62,8 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
     Ok(())
 }
 
-/// Numbers the distinct keys. Returns the number of each key, and the list of distinct keys.
+/// Gives each distinct key an index, counted from 0. Returns the index of each of `keys`, and the
+/// list of distinct keys.
 fn deduplicate_keys<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
     let mut distinct = DeduplicatedList::with_capacity(keys.len());
     let list = keys.map(|key| distinct.find_or_append(key, |key| *key)).collect();

@@ -182,7 +182,8 @@ impl PlyMeshReader<'_> {
 
     /// Reserves capacity in the mesh for all vertices or faces that `element` declares.
     ///
-    /// The count is safe: the header check ensured that the file can hold it.
+    /// The declared count is plausible: the header check ensured that the file is long enough for
+    /// so many elements.
     fn reserve_mesh_memory(&mut self, element: &PlyElement) {
         let mesh = &mut self.loaded.mesh;
         let n = element.count as usize;

@@ -8,8 +8,8 @@ struct PlyVertexPropertyGroup<'m> {
     names: &'static [&'static str],
     /// True if single precision represents all values exactly. They are then written as `float`.
     is_single_precision: bool,
-    /// Function that returns the values of the properties at the vertex with a given index. Only
-    /// the first `names.len()` elements of its result are used.
+    /// Function that returns the values of the properties at the vertex with a given index. If the
+    /// group has fewer than three properties, the surplus elements are not used.
     get: Box<dyn Fn(usize) -> [f64; 3] + 'm>,
 }
 

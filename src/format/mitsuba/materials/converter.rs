@@ -58,10 +58,11 @@ pub(super) struct MitsubaMaterialConverter<'c, 'a> {
     pub textures: &'c mut MitsubaTextures,
     /// Objects, files and messages of the import.
     pub context: &'c ImportContext<'a>,
-    /// Relation between the shape's texture coordinates in Caustica and in Mitsuba.
+    /// Relation between the texture coordinates (u, v) of the shape with this material in Caustica
+    /// and in Mitsuba: equal, or with v flipped.
     pub convention: TexcoordConvention,
-    /// Name of the material in the imported scene. If it is a mix, the names of its two materials
-    /// begin with this name.
+    /// Name of the material in the imported scene. If the material is a mix, the names of its two
+    /// parts begin with this name.
     pub name: &'c str,
 }
 
@@ -85,8 +86,8 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(surface)
     }
 
-    /// Converts a BSDF that is not in the cache. One of unknown kind becomes diffuse gray, with a
-    /// message.
+    /// Converts a BSDF that has not been converted before. A BSDF of unknown kind becomes diffuse
+    /// gray, with a message.
     fn convert_new_bsdf(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let context = self.context;
         Ok(match bsdf.plugin.as_str() {
@@ -176,7 +177,8 @@ impl MitsubaMaterialConverter<'_, '_> {
         self.convert_bsdf(first_nested(bsdf, nested)?, depth + 1)
     }
 
-    /// Converts a `bumpmap`: its nested BSDF with the bump map of its texture.
+    /// Converts a `bumpmap` element. The result is the BSDF nested in it, with the nested texture
+    /// as bump map.
     fn convert_bump_map(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let context = self.context;
         let nested = context.children_of_class(bsdf, ObjectClass::Bsdf)?;
@@ -197,8 +199,8 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(self.without_mix_perturbation(bsdf, surface))
     }
 
-    /// Converts a `dielectric` or `roughdielectric`. A smooth one without a change of index becomes
-    /// a null interface.
+    /// Converts a `dielectric` or `roughdielectric`. A smooth dielectric with relative index 1
+    /// becomes a null interface, because it neither reflects nor bends light.
     fn convert_dielectric(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
         self.note_tints(bsdf)?;
         let index = refractive_index(self.context, bsdf)?;
@@ -218,7 +220,8 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(kind.into())
     }
 
-    /// Adds a message for each tint of a dielectric whose mean is not 1, because tints are ignored.
+    /// Adds a message for each tint (`specular_reflectance`, `specular_transmittance`) whose mean
+    /// is not 1, because the importer ignores the tints of dielectrics.
     fn note_tints(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<()> {
         for name in ["specular_reflectance", "specular_transmittance"] {
             if self.convert_texture_parameter(bsdf, name, 1.0, MitsubaTextureUse::Color)?.mean() != DVec3::ONE {
@@ -311,7 +314,7 @@ impl MitsubaMaterialConverter<'_, '_> {
     ///
     /// Any distribution but `ggx` counts as Beckmann. A Beckmann α is multiplied by √ln 2, so that
     /// GGX has the same median slope. If the file states `alpha_u` or `alpha_v`, the result is
-    /// constant: the geometric mean of the means of these two parameters.
+    /// constant: √(ᾱᵤ · ᾱᵥ), where ᾱ is the mean over a texture.
     fn roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<TexturedValue<f64>> {
         let factor = self.ggx_alpha_factor(bsdf);
         let _ = bsdf.boolean("sample_visible", true);
@@ -324,7 +327,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         Ok(self.ggx_alpha(bsdf, factor)?.into_number())
     }
 
-    /// Returns the mean of GGX α of a rough BSDF over its texture.
+    /// Returns GGX α of a rough BSDF; the mean over all pixels if α is a texture.
     fn mean_roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<f64> {
         match self.roughness(bsdf)? {
             TexturedValue::Constant(alpha) => Ok(alpha),
@@ -332,7 +335,8 @@ impl MitsubaMaterialConverter<'_, '_> {
         }
     }
 
-    /// Returns the factor that converts α of a BSDF to GGX α. Adds a message for Beckmann.
+    /// Returns the factor that converts α of a BSDF to GGX α: 1 for GGX, and √ln 2 for Beckmann,
+    /// with a message.
     fn ggx_alpha_factor(&self, bsdf: &MitsubaObject) -> f64 {
         if bsdf.text("distribution") == Some("ggx") {
             return 1.0;
@@ -341,13 +345,14 @@ impl MitsubaMaterialConverter<'_, '_> {
         std::f64::consts::LN_2.sqrt()
     }
 
-    /// Returns the parameter `alpha` of a BSDF, multiplied by `factor`.
+    /// Returns the parameter `alpha` of a BSDF (0.1 if it is missing), multiplied by `factor`.
     fn ggx_alpha(&mut self, bsdf: &MitsubaObject, factor: f64) -> ReadResult<MitsubaConvertedTexture> {
         let texture_use = (MitsubaTextureUse::Fraction, self.convention);
         self.textures.convert_texture_parameter(self.context, bsdf, ("alpha", 0.1), texture_use, factor)
     }
 
-    /// Converts the color or texture parameter `name` of a BSDF; `default` if it has none.
+    /// Converts the color or texture parameter `name` of a BSDF. A missing parameter counts as gray
+    /// of value `default`.
     pub(super) fn convert_texture_parameter(
         &mut self,
         bsdf: &MitsubaObject,

@@ -74,9 +74,10 @@ impl MitsubaMaterialConverter<'_, '_> {
         }
     }
 
-    /// Returns `surface`, but removes the bump map or normal map of a mix, with a message.
+    /// Returns `surface`. If `surface` is a mix with a bump map or normal map, removes this map,
+    /// with a message.
     ///
-    /// In Caustica, only the two materials of a mix can have such maps.
+    /// In Caustica, only the two materials of a mix can have such maps, not the mix itself.
     pub(super) fn without_mix_perturbation(&mut self, bsdf: &MitsubaObject, surface: ConvertedBsdf) -> ConvertedBsdf {
         if surface.kind.mix_material_names().is_some() && surface.normal.is_some() {
             self.context.add_note("bump maps and normal maps of mixes are ignored", bsdf);

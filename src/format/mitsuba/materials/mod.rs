@@ -21,8 +21,8 @@ use std::rc::Rc;
 /// together.
 const MEMORY_PER_MATERIAL: u64 = 2_000;
 
-/// Kind of boundary that a material makes. The kind decides whether a shape of this material can
-/// contain a medium, and whether a second surface inside the shape must bound this medium.
+/// Kind of boundary that a material makes around a shape. The kind decides whether a medium can
+/// fill the shape itself, or needs a second surface inside the shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MaterialBoundary {
     /// Opaque, diffusely transmitting or principled material, or a mix.
@@ -42,7 +42,8 @@ pub(super) struct MitsubaImportedMaterial {
     pub name: String,
     /// Kind of boundary that the material makes.
     pub boundary: MaterialBoundary,
-    /// True if the material uses a texture, or if it is a mix.
+    /// True if the material uses a texture, or if it is a mix, whose two materials may use
+    /// textures.
     pub may_be_textured: bool,
 }
 
@@ -57,7 +58,8 @@ pub(super) struct ShapeMaterialInputs {
     ///
     /// `None` if the shape emits constant radiance or nothing.
     pub emission_texture: Option<(Spanned<String>, f64)>,
-    /// Relation between the shape's texture coordinates in Caustica and in Mitsuba.
+    /// Relation between the shape's texture coordinates (u, v) in Caustica and in Mitsuba: equal,
+    /// or with v flipped.
     pub convention: TexcoordConvention,
 }
 
@@ -66,10 +68,12 @@ pub(super) struct ShapeMaterialInputs {
 pub(super) struct MitsubaMaterials {
     /// Materials of the imported scene.
     pub list: ImportedMaterials,
-    /// Converted BSDFs by object and convention for texture coordinates.
+    /// Converted BSDFs. A key holds the address of the BSDF object, and the convention for the
+    /// texture coordinates of the shape, because textures are converted differently for each
+    /// convention.
     surfaces: HashMap<(*const MitsubaObject, TexcoordConvention), ConvertedBsdf>,
-    /// Names of the materials that are parts of mixes, by BSDF object and convention for texture
-    /// coordinates.
+    /// Names of the materials that are parts of mixes. A key holds the address of the BSDF object,
+    /// and the convention for the texture coordinates of the shape.
     mix_component_names: HashMap<(*const MitsubaObject, TexcoordConvention), String>,
     /// Materials of shapes. A key holds the shape's BSDF object (`None` for a shape without one)
     /// and the shape's [`ShapeMaterialInputs`] as text.
@@ -138,8 +142,8 @@ impl MitsubaMaterials {
         Ok(imported)
     }
 
-    /// Returns the name of the null-interface material that bounds `medium`. Adds it at its first
-    /// use.
+    /// Returns the name of the null-interface material that bounds `medium`. The first call for a
+    /// medium adds this material to the imported scene.
     pub fn null_interface_name(&mut self, medium: &str) -> String {
         if let Some(name) = self.null_interface_names.get(medium) {
             return name.clone();
@@ -158,8 +162,8 @@ impl MitsubaMaterials {
         name
     }
 
-    /// Returns the name of a material that reflects and transmits nothing. Adds it at its first
-    /// use.
+    /// Returns the name of a material that reflects and transmits nothing. The first call adds this
+    /// material to the imported scene.
     pub fn black_material_name(&mut self) -> String {
         if let Some(name) = &self.black_material_name {
             return name.clone();

@@ -81,8 +81,10 @@ impl Interpreter<'_> {
         PbrtShapeEmission::from_parameters(&light.parameters, self.files, &mut self.content).map(Some)
     }
 
-    /// Returns the emitted radiance of a shape of type `kind` \[W/(m² sr)], from its radiance or
-    /// power, its area and its opacity.
+    /// Returns the emitted radiance of a shape of type `kind` \[W/(m² sr)].
+    ///
+    /// The file states this radiance, or the power of the shape, which is then divided by its area.
+    /// In pbrt-v4, the opacity of the shape scales the result.
     fn emitted_radiance(
         &mut self,
         emission: &PbrtShapeEmission,
@@ -104,11 +106,11 @@ impl Interpreter<'_> {
         Ok(radiance * self.opacity_factor(alpha, place)?)
     }
 
-    /// Returns the factor by which the opacity `alpha` of an emitting shape scales the radiance of
-    /// this shape: the mean opacity.
+    /// Returns the mean of the opacity `alpha` of an emitting shape. The radiance of the shape is
+    /// multiplied by this mean.
     ///
-    /// But the factor is 1 for a constant opacity of 0, because such a shape is invisible in pbrt
-    /// and still emits its full radiance.
+    /// Returns 1 for a constant opacity of 0, because pbrt then hides the shape but keeps its full
+    /// radiance.
     fn opacity_factor(&mut self, alpha: &Parameter, place: &PbrtSourceLocation) -> ReadResult<f64> {
         let PbrtSceneContent { textures, notes, .. } = &mut self.content;
         let value = textures.parameter_value(alpha, false, place, self.files)?;

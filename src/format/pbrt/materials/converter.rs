@@ -51,7 +51,8 @@ pub(super) struct PbrtMaterialConverter<'m> {
     pub medium: Option<&'m str>,
 }
 
-/// Map from a roughness of pbrt to GGX α. It applies unless `remaproughness` is false.
+/// Map from a roughness of pbrt to GGX α. If the parameter `remaproughness` is false, the roughness
+/// is α itself.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum RoughnessMap {
     /// Square root: the map of pbrt-v4.
@@ -85,7 +86,7 @@ struct Roughness {
 impl PbrtMaterialConverter<'_> {
     /// Converts a pbrt material, adds it to the imported scene, and returns its name there.
     ///
-    /// `depth` is the number of mixes around this material.
+    /// `depth` is the number of mixes that contain this material, directly or through other mixes.
     pub(super) fn convert_material(&mut self, material: &MaterialReference, depth: usize) -> ReadResult<String> {
         let number = self.materials.number(material)?;
         let found = self.materials.numbered.get(number).cloned().flatten();
@@ -127,9 +128,10 @@ impl PbrtMaterialConverter<'_> {
         Ok(name)
     }
 
-    /// Adds a mix that makes the material `name` partly transparent, and returns its name.
+    /// Adds a mix that makes the material `name` partly transparent, and returns the name of the
+    /// mix.
     ///
-    /// `opacity` is the weight of the material. The rest transmits all light unchanged.
+    /// `opacity` is the weight of the material in the mix. The rest transmits all light unchanged.
     pub(super) fn mix_with_transparent(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
         let clear =
             MaterialKindDescription::Thin(ThinDielectricDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
@@ -139,8 +141,8 @@ impl PbrtMaterialConverter<'_> {
 
     /// Converts a pbrt `mix` of two named materials, adds it, and returns its name.
     ///
-    /// `parts` are the numbers of the two materials. `None` stands for a material that the file
-    /// defines only after the mix. `depth` is the number of mixes around this one.
+    /// `parts` are the indices of the two materials. `None` stands for a material that the file
+    /// defines only after the mix. `depth` is the number of mixes that contain this one.
     fn convert_mix(&mut self, parameters: &Parameters, parts: [Option<usize>; 2], depth: usize) -> ReadResult<String> {
         let place = &parameters.place;
         if depth >= MAX_MIX_DEPTH {
@@ -342,8 +344,8 @@ impl PbrtMaterialConverter<'_> {
         }))
     }
 
-    /// Returns a conductor with the reflectance at normal incidence or the complex index η + ik
-    /// that the parameters `p` state.
+    /// Returns the conductor that the parameters `p` describe, by its reflectance at normal
+    /// incidence or else by its complex index η + ik.
     ///
     /// `[reflectance, eta, k]` are the names of these parameters. Missing η and k are copper's.
     fn conductor_description(
@@ -426,12 +428,12 @@ impl PbrtMaterialConverter<'_> {
         self.roughness_from_names(p, ["uroughness", "vroughness"], default, map)
     }
 
-    /// Returns GGX α from the roughness parameters called `u` and `v`. A missing one takes the
-    /// value of the isotropic parameter, such as `roughness`.
+    /// Returns GGX α from the two roughness parameters named `u` and `v`. If one is missing, the
+    /// isotropic parameter, such as `roughness`, counts instead; if that is missing too, `default`.
     ///
-    /// If the mean of α along u differs from the mean along v, the surface becomes isotropic: the
-    /// returned `alpha` and `mean` are both the geometric mean of these two means. `default` is the
-    /// value of a missing parameter. `map` is the map from roughness to α.
+    /// `map` is the map from roughness to α. If the mean of α along u differs from the mean along
+    /// v, the result is isotropic and constant: `alpha` and `mean` are the geometric mean of these
+    /// two means.
     fn roughness_from_names(
         &mut self,
         p: &Parameters,

@@ -20,7 +20,7 @@ struct FileMaterial {
     /// Type of the material in pbrt, such as `diffuse`.
     kind: String,
     parameters: Rc<Parameters>,
-    /// Numbers of the two materials of a mix; `None` for one that the file defines only later.
+    /// Indices of the two materials of a mix; `None` for one that the file defines only later.
     mix_parts: [Option<usize>; 2],
 }
 
@@ -36,16 +36,18 @@ pub(super) struct PbrtImportedMaterial {
 
 /// Materials that the pbrt file defines, and the materials of the imported scene that shapes use.
 pub(super) struct PbrtMaterials {
-    /// All materials of the file, by number; `None` for pbrt's default material.
+    /// All materials of the file. Index 0 is pbrt's default material, stored as `None`; definitions
+    /// in the file have higher indices.
     numbered: Vec<Option<FileMaterial>>,
-    /// Number of each named material that is visible at the current point of the file.
+    /// Indices in `numbered` of the named materials that a directive can use at the current point
+    /// of the file, by name.
     named: HashMap<String, usize>,
-    /// Undo list for the ends of blocks in pbrt-v3, with an entry for each definition of a named
-    /// material, in order. An entry holds the name, and the number of the earlier material that had
-    /// this name; `None` if there was none.
+    /// List from which the end of a block in pbrt-v3 undoes definitions of named materials. Each
+    /// definition adds an entry: the name, and the index of the material that had this name before;
+    /// `None` if there was none.
     replaced_names: Vec<(String, Option<usize>)>,
-    /// Converted materials. A key is a text of the material's number, the medium inside the shape,
-    /// and the opacity of the shape.
+    /// Converted materials. A key is a text that states the index of the material in `numbered`,
+    /// the medium inside the shape, and the opacity of the shape.
     converted: HashMap<String, PbrtImportedMaterial>,
     /// Materials of the imported scene.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
@@ -64,7 +66,7 @@ pub(super) struct PbrtMaterialUse<'a> {
 }
 
 impl PbrtMaterials {
-    /// Returns a table with only pbrt's default material, which has the number 0.
+    /// Returns a table with only pbrt's default material, which has the index 0.
     pub fn new() -> Self {
         Self {
             numbered: vec![None],
@@ -76,7 +78,7 @@ impl PbrtMaterials {
         }
     }
 
-    /// Adds a material of a `Material` directive, and returns its number.
+    /// Adds a material of a `Material` directive, and returns its index.
     pub fn add_numbered(&mut self, kind: &str, parameters: Parameters) -> usize {
         let number = |name: String| self.named.get(&name).copied();
         let mix_parts = if kind == "mix" { mix_part_names(&parameters).map(|names| names.map(number)) } else { None };
@@ -103,16 +105,16 @@ impl PbrtMaterials {
         Ok(())
     }
 
-    /// Returns the number of definitions that [`Self::restore_names`] can undo. Pass it to that
-    /// function at the end of the block that starts here.
+    /// Returns the number of definitions of named materials that can be undone; 0 in pbrt-v4. At
+    /// the end of a block, pass the number at its start to [`Self::restore_names`].
     pub fn named_definition_count(&self) -> usize {
         self.replaced_names.len()
     }
 
-    /// Undoes all but the first `count` definitions of named materials, at the end of a block of
-    /// pbrt-v3.
+    /// Undoes definitions of named materials at the end of a block of pbrt-v3. Keeps only the first
+    /// `count` definitions, those before the block.
     ///
-    /// Shapes that already use such a material keep it, because they refer to it by number.
+    /// Shapes that already use an undone material keep it, because they refer to it by index.
     pub fn restore_names(&mut self, count: usize) {
         for (name, replaced) in self.replaced_names.drain(count.min(self.replaced_names.len())..).rev() {
             match replaced {
@@ -122,7 +124,7 @@ impl PbrtMaterials {
         }
     }
 
-    /// Returns a reference to the material `name`: by number if it is defined, else by name.
+    /// Returns a reference to the material `name`: by index if it is already defined, else by name.
     pub fn reference(&self, name: String, place: PbrtSourceLocation) -> MaterialReference {
         match self.named.get(&name) {
             Some(number) => MaterialReference::Numbered(*number),
@@ -130,7 +132,8 @@ impl PbrtMaterials {
         }
     }
 
-    /// Returns the imported material of a shape that uses `material`. Converts it at its first use.
+    /// Returns the imported material of a shape that uses `material`. The first call for a
+    /// combination of material, medium and opacity converts the material.
     pub fn imported_material(
         &mut self,
         material: &MaterialReference,
@@ -161,7 +164,7 @@ impl PbrtMaterials {
         Ok(converted)
     }
 
-    /// Returns the number of a material. Fails if `material` names one that is not defined.
+    /// Returns the index of a material. Fails if `material` is a name that is not defined.
     fn number(&self, material: &MaterialReference) -> ReadResult<usize> {
         match material {
             MaterialReference::Numbered(number) => Ok(*number),
@@ -192,9 +195,10 @@ impl PbrtMaterials {
     }
 }
 
-/// Returns the names of the two materials of a mix; `None` if the parameters do not name two.
+/// Returns the names of the two materials of a mix, so that `amount` is the weight of the second
+/// one. `None` if the parameters do not name two.
 ///
-/// The order is that of pbrt-v4: `amount` is the weight of the second material.
+/// The names in pbrt-v3 files are exchanged, because `amount` is the weight of the first one there.
 fn mix_part_names(parameters: &Parameters) -> Option<[String; 2]> {
     let listed = parameters.find("materials").map_or(&[][..], |list| &list.texts);
     match (listed, parameters.text("namedmaterial1"), parameters.text("namedmaterial2")) {

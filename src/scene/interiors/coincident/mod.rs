@@ -15,8 +15,8 @@ use crate::scene::geometry::CoincidenceGroup;
 use crate::scene::{Hit, Scene, SurfaceInteraction};
 use crate::shape::SurfacePoint;
 
-/// Maximum number of boundaries that are recorded as coincident with the one that a ray hits. Any
-/// more are ignored.
+/// Maximum number of coincident boundaries that are recorded for one hit, besides the boundary that
+/// the ray hits. Any more are ignored.
 const MAX_COINCIDENT_FACES: usize = 3;
 
 /// A boundary of a dielectric body at a hit, and the direction in which the path crosses it.
@@ -68,18 +68,19 @@ impl CoincidentFaces {
     }
 }
 
-/// The dielectric bodies on both sides of a boundary and of all boundaries that coincide with it.
+/// The dielectric bodies around a path before and after the path crosses a boundary, together with
+/// all boundaries that coincide with this one.
 pub(super) struct BoundarySides<'a> {
-    /// The body that gives the refractive index on the side where the path arrives, with its
+    /// The body whose refractive index holds on the side where the path arrives, with the body's
     /// material index; `None` is air.
     pub near: Option<(u32, &'a Body)>,
-    /// The body that gives the refractive index on the other side, with its material index; `None`
-    /// is air.
+    /// The body whose refractive index holds on the other side, with the body's material index;
+    /// `None` is air.
     pub far: Option<(u32, &'a Body)>,
     /// True if the boundary and all that coincide with it are null interfaces.
     pub is_null_interface: bool,
-    /// Greatest roughness α of the boundary and all that coincide with it, null interfaces left
-    /// out. Roughness textures of coincident boundaries count with their means.
+    /// Greatest roughness α of the boundary and all boundaries that coincide with it, except null
+    /// interfaces. The roughness texture of a coincident boundary counts with its mean.
     pub roughness: f32,
 }
 
@@ -108,7 +109,8 @@ impl InteriorStack {
 /// Returns the dielectric bodies before and after a path crosses `surface`, the boundary of `body`,
 /// together with all boundaries that coincide with it.
 ///
-/// `stack` holds the bodies before. `entering` is true if the path enters `body`.
+/// `stack` holds the bodies around the path before the crossing. `entering` is true if the path
+/// enters `body`.
 pub(super) fn boundary_sides<'a>(
     stack: &InteriorStack,
     scene: &'a Scene,
@@ -131,8 +133,8 @@ pub(super) fn boundary_sides<'a>(
     BoundarySides { near, far, is_null_interface, roughness }
 }
 
-/// Returns the boundaries of other dielectric bodies that coincide with `surface`: those within the
-/// position error of the surface point.
+/// Returns the boundaries of other dielectric bodies that coincide with `surface`: their distance
+/// from the surface point is within the point's position error.
 ///
 /// `leaf_at` returns the material index at a hit. For a mix, this is the index of one component
 /// that is not a mix itself.

@@ -9,19 +9,20 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Maximum number of faces in a leaf of the search tree.
+/// Maximum number of faces (triangles or whole shapes) in a leaf of the search tree.
 const LEAF_FACES: usize = 8;
 
-/// Greatest number of tests of face pairs, divided by the number of faces. If the search needs
-/// more, all faces count as possibly coincident.
+/// Largest number of pairs of faces that the search may test, divided by the number of faces. If
+/// the search needs more tests, all faces count as possibly coincident.
 const PAIRS_PER_FACE: usize = 1000;
 
-/// Greatest number of pairs of profile leaves (short pieces of a profile curve) that are tested for
-/// coaxial surfaces of revolution. If there are more, whole surfaces count as possibly coincident.
+/// Greatest number of pairs of profile leaves (short pieces of a profile curve) that the search may
+/// test where surfaces of revolution share their axis. If there are more pairs, whole surfaces
+/// count as possibly coincident.
 const MAX_PROFILE_LEAF_PAIRS: usize = 100_000_000;
 
-/// Margin by which a bounding box is expanded, divided by the sum of its greatest absolute
-/// coordinate and its longest side.
+/// Factor from the size c + s of a bounding box to the margin by which the box is expanded. c is
+/// the greatest absolute coordinate of the box, and s the longest side.
 ///
 /// The margin exceeds the position errors of two surface points (see
 /// `SurfacePoint::position_error`).
@@ -32,13 +33,13 @@ const RELATIVE_MARGIN: f32 = 16.0 * f32::EPSILON;
 enum CoincidentPart {
     Nothing,
     Everything,
-    /// Part of a surface of revolution: one flag for each interval of its profile, as returned by
-    /// [`Revolution::near_profile_interval_flags`].
+    /// Part of a surface of revolution: one flag for each interval of its profile curve, true if a
+    /// boundary may coincide there. The flags are from [`Revolution::near_profile_interval_flags`].
     ProfileIntervals(Vec<bool>),
 }
 
 impl CoincidentPart {
-    /// Adds the flagged `intervals` of the profile to this part.
+    /// Adds the profile intervals whose flag in `intervals` is true to this part.
     fn add_intervals(&mut self, intervals: Vec<bool>) {
         match self {
             Self::Nothing => *self = Self::ProfileIntervals(intervals),
@@ -49,7 +50,7 @@ impl CoincidentPart {
 }
 
 /// For each primitive of a scene: whether the boundary of another object's dielectric body may
-/// coincide with it, and on which part.
+/// coincide with the primitive, and on which part of it.
 ///
 /// Both lists are empty if `all_flagged` is true, or if no boxes of boundary objects overlap.
 #[derive(Clone, Debug, Default)]
@@ -58,7 +59,8 @@ pub(in crate::scene) struct CoincidentFlags {
     triangles: Arc<[bool]>,
     /// For each shape, the part with which the boundary of another object may coincide.
     shapes: Arc<[CoincidentPart]>,
-    /// True if all primitives are flagged, because a moving or unbounded boundary may be anywhere.
+    /// True if all primitives count as flagged: if there are two boundaries or more, and one of
+    /// them moves or is unbounded, so that it may be anywhere.
     all_flagged: bool,
 }
 
@@ -233,7 +235,8 @@ fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool
     mesh_bounds
 }
 
-/// Returns a flag for each boundary object: true if its box overlaps the box of another one.
+/// Returns a flag for each boundary object: true if the object's box overlaps the box of another
+/// boundary object.
 fn flag_overlapping_bounds(extents: &[BoundaryObjectBounds]) -> Vec<bool> {
     let face = |(extent, i): (&BoundaryObjectBounds, u32)| BoundaryFace {
         primitive: PrimitiveIndex::Other(i),
@@ -318,8 +321,8 @@ impl<'a> SpatialSelfJoin<'a> {
         index
     }
 
-    /// Flags the faces below `node` that are near a face of another object, which is also below
-    /// `node`. Returns `None` if the budget of pair tests does not suffice.
+    /// Tests the faces below `node` in pairs, and flags faces of different objects that are near
+    /// each other. Returns `None` if the budget of pair tests does not suffice.
     fn join_node_with_itself(&mut self, node: usize) -> Option<()> {
         if self.nodes[node].boundary_object.is_some() {
             return Some(());
@@ -334,8 +337,9 @@ impl<'a> SpatialSelfJoin<'a> {
         }
     }
 
-    /// Flags the faces below node `a` that are near a face of another object below node `b`, and
-    /// vice versa. Returns `None` if the budget of pair tests does not suffice.
+    /// Tests each face below node `a` with each face below node `b`, and flags both if they are
+    /// near each other and belong to different objects. Returns `None` if the budget of pair tests
+    /// does not suffice.
     fn join_node_pair(&mut self, a: usize, b: usize) -> Option<()> {
         let (first, second) = (&self.nodes[a], &self.nodes[b]);
         if first.boundary_object.is_some() && first.boundary_object == second.boundary_object

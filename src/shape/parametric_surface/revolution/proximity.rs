@@ -16,7 +16,8 @@ const PROFILE_INTERVALS: usize = 1024;
 /// entry, and deviations from circles to the squared radius.
 const COAXIAL_TOLERANCE: f64 = 1e-9;
 
-/// Largest condition number of a map to world space for which surfaces can count as coaxial.
+/// Limit of the condition number of a surface's map to world space. Above this limit, surfaces
+/// never count as coaxial.
 ///
 /// The condition number uses the Frobenius norm, so it is 3 for a rotation. Up to this limit,
 /// [`COAXIAL_TOLERANCE`] is far below the distance within which surfaces may touch.
@@ -31,7 +32,7 @@ struct CoaxialMap {
 }
 
 impl CoaxialMap {
-    /// Map from the object space of `from` to that of `to`.
+    /// Map of radii and heights from the object space of `from` to the object space of `to`.
     ///
     /// `None` if their axes differ, or if circles around the axis of one are ellipses in the other.
     /// Also `None` if the condition number of a map to world space exceeds
@@ -67,8 +68,8 @@ impl CoaxialMap {
 }
 
 impl Revolution {
-    /// True if both surfaces surely have a common axis, and circles around the axis of one are
-    /// circles in the other.
+    /// True if both surfaces surely have a common axis, and if circles around this axis in one
+    /// object space are circles in the other.
     pub(crate) fn shares_axis(&self, other: &Self) -> bool {
         CoaxialMap::new(other, self).is_some()
     }
@@ -85,8 +86,9 @@ impl Revolution {
         ((u * PROFILE_INTERVALS as f32) as usize).min(PROFILE_INTERVALS - 1)
     }
 
-    /// Returns a flag for each of equal intervals of the profile parameter: false if the surface is
-    /// farther than `margin` \[world length] from `other` there.
+    /// Returns one flag for each of `PROFILE_INTERVALS` equal intervals of the profile parameter.
+    /// False means that this part of the surface is farther than `margin` \[world length] from
+    /// `other`.
     ///
     /// All flags are true unless [`Revolution::shares_axis`].
     pub(crate) fn near_profile_interval_flags(&self, other: &Self, margin: f64) -> Vec<bool> {
@@ -112,7 +114,7 @@ impl Revolution {
 
 /// Frobenius norm: the root of the sum of the squares of all entries.
 ///
-/// It bounds the factor by which the matrix scales lengths.
+/// The norm is an upper bound on the factor by which the matrix scales lengths.
 fn frobenius_norm(matrix: DMat3) -> f64 {
     matrix.to_cols_array().iter().map(|entry| entry * entry).sum::<f64>().sqrt()
 }
@@ -121,7 +123,8 @@ impl RevolutionProfile {
     /// Divides a leaf, a nearly straight piece of the profile, at the limits of the
     /// [`PROFILE_INTERVALS`] intervals of the profile parameter.
     ///
-    /// Returns the index of the interval of each piece, and a ring that contains the piece.
+    /// For each piece, returns the index of its interval, and a ring around the axis that contains
+    /// the piece.
     fn pieces_of_leaf(&self, leaf: usize) -> impl Iterator<Item = (usize, RingBounds)> + '_ {
         let (middle, half) = (self.leaves[leaf].parameter_center, self.leaves[leaf].parameter_half_width);
         let coefficients = self.leaf_polynomial_coefficients(leaf);

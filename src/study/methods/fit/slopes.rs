@@ -3,11 +3,12 @@
 use crate::sampling::{Dimension, Key};
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
-/// Range of the fit: a line is fitted only to checkpoints with at least 1/16 of the passes of the
-/// last checkpoint.
+/// Limit of the fit. The last checkpoint (measurement after a number of passes) has at most this
+/// many times the passes of any checkpoint that is fitted.
 const MAX_TAIL_PASS_RATIO: u32 = 16;
 
-/// Smallest number of checkpoints to which a line is fitted. Two points always lie on a line.
+/// Smallest number of checkpoints to which a line is fitted. A line through two checkpoints would
+/// fit exactly, even if the error followed no power law.
 const MIN_CHECKPOINTS: usize = 3;
 
 /// Number of bootstrap replicates from which the confidence interval of a slope is computed.
@@ -17,7 +18,8 @@ const BOOTSTRAP_REPLICATES: u64 = 1000;
 /// of its power law.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SlopeEstimate {
-    /// Slope of the least-squares line through the checkpoints.
+    /// Slope of the least-squares line through the last checkpoints (measurements after a number of
+    /// passes).
     pub value: f64,
     /// 95 % confidence interval of `value`; `None` if the method was rendered with too few seeds,
     /// or if the errors of the seeds vary too much.
@@ -44,11 +46,14 @@ pub struct ConvergenceFit {
     /// Number of passes of each fitted checkpoint.
     #[serde(rename = "passes")]
     pub checkpoint_passes: Vec<u32>,
-    /// Slopes of the relative error.
+    /// Slopes of the relative error; `None` if the estimated squared error is not positive at a
+    /// fitted checkpoint.
     pub error: Option<ConvergenceSlopes>,
-    /// Slopes of the relative noise.
+    /// Slopes of the relative noise; `None` if the estimated squared noise is not positive at a
+    /// fitted checkpoint.
     pub noise: Option<ConvergenceSlopes>,
-    /// Slopes of the relative bias.
+    /// Slopes of the relative bias; `None` if the estimated squared bias is not positive at a
+    /// fitted checkpoint.
     pub bias: Option<ConvergenceSlopes>,
 }
 
@@ -90,11 +95,10 @@ fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceChe
 }
 
 /// Fits log-log slopes of one quantity (error, noise or bias) over time and over passes, through
-/// the checkpoints `tail`.
+/// the checkpoints `tail`. Returns `None` if the quantity is not positive at one of them.
 ///
-/// `square` returns the squared quantity at a checkpoint, averaged over seeds. Its second argument
-/// holds the weights of the seeds; `None` means equal weights. The result is `None` if this average
-/// is not positive at one of the checkpoints.
+/// `square` returns the squared quantity at a checkpoint, averaged over seeds. The second argument
+/// of `square` holds the weights of the seeds; `None` means equal weights.
 ///
 /// Bootstrap replicates with random weights of the seeds give the confidence intervals. The slopes
 /// have no intervals with fewer than two `seeds`, or if more than 2.5 % of the replicates cannot be
@@ -181,8 +185,8 @@ pub(super) fn student_t_quantile_975(degrees: usize) -> f64 {
     SMALL_SAMPLE_QUANTILES.get(degrees.wrapping_sub(1)).copied().unwrap_or(many)
 }
 
-/// Returns the 95 % confidence interval of the mean of `values` by Student's t; `None` for fewer
-/// than two values.
+/// Returns the 95 % confidence interval of the mean of `values` by Student's t distribution; `None`
+/// for fewer than two values.
 #[must_use]
 pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     let n = values.len();
@@ -195,7 +199,7 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
 }
 
 /// Returns the 95 % confidence interval of the squared relative bias at a checkpoint. `None` with
-/// fewer than two seeds, or if the checkpoint has only the mean noise of all seeds.
+/// fewer than two seeds, or if the noise is known only as a mean over seeds.
 pub(super) fn squared_bias_interval(checkpoint: &ConvergenceCheckpoint) -> Option<[f64; 2]> {
     let ConvergenceCheckpoint { relative_squared_errors: squared_errors, squared_noises, .. } = checkpoint;
     (squared_errors.len() == squared_noises.len())

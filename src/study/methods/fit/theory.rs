@@ -14,8 +14,8 @@ pub enum ErrorComponent {
     Bias,
 }
 
-/// Range of slopes that theory predicts for a quantity over passes, in a log-log plot. Both ends
-/// are equal if one power law applies.
+/// Range of slopes that theory predicts for error, noise or bias over passes, in a log-log plot.
+/// Both ends of the range are equal if the quantity follows a single power law.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SlopeRange {
     /// Steepest (most negative) slope.
@@ -42,11 +42,11 @@ impl SlopeRange {
 ///   squared radius of pass i, divided by that of the first pass: s(i + 1) =
 ///   s(i) (i + α) / (i + 1), where α is `alpha`. The mean of n passes has variance ∝ Σ 1/s(i)/n²
 ///   and bias ∝ Σ s(i)/n. For α = ⅔, noise and bias approach n^−⅓.
-/// - In `sppm` and `hybrid`, the noise of camera paths (n^−½) adds to the photon noise, so the
-///   slope of their sum is a range.
+/// - In `sppm` and `hybrid`, camera paths add noise that falls as n^−½. The sum of this noise and
+///   the photon noise follows no single power law, so its slope is a range.
 /// - All passes of `ppm` share their camera paths, so the noise of these paths does not fall.
-/// - In `hybrid`, photon estimates of indirect light lose weight from pass to pass, so their bias
-///   falls up to twice as steeply as the bias of caustics.
+/// - In `hybrid`, later passes take less of the indirect light from photon estimates, so the bias
+///   of indirect light falls up to twice as steeply as the bias of caustics.
 /// - Bias stays constant with fixed radii (α = 1), and in algorithms that leave out light.
 ///
 /// Measured slopes of light in media differ from the prediction by at most 0.1.
@@ -82,8 +82,10 @@ pub fn predicted_convergence_slopes(
     }
 }
 
-/// Returns the log-log slopes of variance and bias over `passes`, for the mean of passes whose
-/// gather radii shrink with the exponent `alpha` (Knaus and Zwicker 2011).
+/// Returns the log-log slopes of variance and bias over `passes`, for the mean of passes with
+/// shrinking gather radii (Knaus and Zwicker 2011).
+///
+/// Pass i + 1 has the squared radius of pass i times (i + α) / (i + 1), where α is `alpha`.
 fn variance_and_bias_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
     let (mut squared_radius_ratio, mut ratio_sum, mut inverse_ratio_sum, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();

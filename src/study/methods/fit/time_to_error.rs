@@ -4,11 +4,11 @@ use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Limit of extrapolation: a predicted time counts as unknown if it exceeds this factor times the
-/// time of the method's last checkpoint.
+/// Limit of extrapolation. Let t be the processor time of the method's last checkpoint. A predicted
+/// time above this factor times t counts as unknown.
 ///
-/// Each end of a confidence interval is also limited: to at most this factor above or below the
-/// predicted time.
+/// The confidence interval of a predicted time p is also limited: to at least p divided by this
+/// factor, and at most p times this factor.
 pub const MAX_EXTRAPOLATION_FACTOR: f64 = 1000.0;
 
 /// Assumed log-log slope of noise over time if no slope could be fitted. The noise of a mean of n
@@ -57,23 +57,26 @@ impl RenderEffort {
     }
 }
 
-/// Time and work to reach a given error: measured, predicted, or a reason why there is none.
+/// Time and work to reach a given error: measured, predicted, or a reason why they are not known.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(tag = "how", rename_all = "lowercase")]
 pub enum TimeToError {
-    /// At most this time and work: the error is already reached at the first checkpoint.
+    /// The error is already reached at the first checkpoint. Holds the time and work of that
+    /// checkpoint, which are upper bounds.
     Within(RenderEffort),
-    /// Time and work, interpolated between the last checkpoint with a larger error and the
-    /// checkpoint after it.
+    /// The error is reached between two checkpoints. Holds time and work, interpolated between the
+    /// last checkpoint with a larger error and the checkpoint after it.
     Measured(RenderEffort),
-    /// Time and work, extrapolated from the last checkpoint by the fitted slope.
+    /// The error is not yet reached at the last checkpoint. Holds time and work, extrapolated from
+    /// that checkpoint by the fitted slope.
     Predicted {
         /// Time and work at which the extrapolated error equals the given error.
         effort: RenderEffort,
-        /// Confidence interval of the predicted processor time \[s]. Its ends are the times for
-        /// both ends of the slope's confidence interval; `None` if the slope has no interval.
+        /// Confidence interval of the predicted processor time \[s]. Each end of the slope's
+        /// confidence interval gives one end of this interval; `None` if the slope has no interval.
         ///
-        /// Both ends are within a factor of [`MAX_EXTRAPOLATION_FACTOR`] of the time of `effort`.
+        /// The interval is limited to the time of `effort`, divided and multiplied by
+        /// [`MAX_EXTRAPOLATION_FACTOR`].
         #[serde(rename = "seconds")]
         cpu_seconds_interval: Option<[f64; 2]>,
     },
@@ -90,8 +93,8 @@ pub enum TimeToError {
 /// Returns the time and work after which the relative error of `method` is at most `error` and
 /// stays there.
 ///
-/// `fit` holds the fitted slopes of `method`. `verdict` tells how its error falls, and whether a
-/// bias remains.
+/// `fit` holds the fitted slopes of `method`. `verdict` tells how the error of `method` falls, and
+/// whether a bias remains.
 #[must_use]
 pub fn time_to_error(
     method: &MethodResult,
@@ -168,9 +171,8 @@ fn extrapolate_time_to_error(
     TimeToError::Predicted { effort, cpu_seconds_interval: slope.confidence_interval.map(|ends| ends.map(end)) }
 }
 
-/// Returns the time and work at which the error of `method` falls to a tenth of its present value.
-///
-/// The present value is the error at the last checkpoint. The result is extrapolated from there.
+/// Returns the time and work at which the error of `method` falls to 1/10 of its value at the last
+/// checkpoint. The result is extrapolated from that checkpoint.
 #[must_use]
 pub fn time_to_tenth_of_error(
     method: &MethodResult,
@@ -188,9 +190,9 @@ pub fn time_to_tenth_of_error(
 /// Returns the relative error of `method` after `seconds` of processor time, interpolated between
 /// checkpoints or extrapolated from the last one.
 ///
-/// `None` if the time is before the first checkpoint, or if it is after the last one and no error
-/// slope is fitted. Also `None` if the estimated squared error of a checkpoint in use is not
-/// positive.
+/// `None` if the time is before the first checkpoint, or if it is after the last one and no slope
+/// of the error is fitted. Also `None` if a checkpoint that is needed has an estimated squared
+/// error that is not positive.
 #[must_use]
 pub fn error_after_cpu_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
     let error = |c: &ConvergenceCheckpoint| Some(c.mean_relative_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);
@@ -212,7 +214,7 @@ pub fn error_after_cpu_seconds(method: &MethodResult, fit: Option<&ConvergenceFi
 }
 
 /// Checkpoint (measurement of a method after a number of passes) on the Pareto front of time and
-/// error: no checkpoint of any method has both less time and less error.
+/// error: every other checkpoint, of any method, takes more time or has a larger error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ParetoPoint {
     /// Index of the method in the list of the study's methods.

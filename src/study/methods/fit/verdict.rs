@@ -7,17 +7,16 @@ use crate::study::methods::MethodResult;
 use crate::study::report::text::{error_percent_text, slope_text, three_digit_text};
 use std::fmt;
 
-/// Smallest ratio of squared bias to squared error at which bias counts as dominant.
+/// Smallest ratio bias² / error² at which bias counts as dominant.
 ///
-/// The error then exceeds the bias by at most 12 %.
+/// At this ratio, the error is 1/√0.8 = 1.12 times the bias.
 pub const DOMINANT_SQUARED_BIAS_SHARE: f64 = 0.8;
 
-/// Largest width of a slope's confidence interval with which the slope can confirm theory. If the
-/// slope agrees with theory but the interval is wider, the verdict is
-/// [`ConvergenceVerdict::Undecided`].
+/// Widest confidence interval of a slope that can confirm theory. With a wider interval, the
+/// verdict is [`ConvergenceVerdict::Undecided`] even if the slope agrees with theory.
 ///
-/// This width is half of the difference between slope 0 (a constant error) and slope −½ (the error
-/// of `path`).
+/// A slope of 0 means a constant error, and −½ is the slope of unbiased path tracing. The limit is
+/// half of this difference, so that the interval can tell one from the other.
 const MAX_DECIDED_INTERVAL_WIDTH: f64 = 0.25;
 
 /// Verdict on how the error of a method falls with the number of passes.
@@ -25,8 +24,8 @@ const MAX_DECIDED_INTERVAL_WIDTH: f64 = 0.25;
 pub enum ConvergenceVerdict {
     /// The method has too few checkpoints (measurements after 1, 2, 4 … passes) for a fit.
     TooFewCheckpoints,
-    /// The error is too small to be measured: the variance between seeds hides it, or it does not
-    /// exceed the error of the reference.
+    /// The error is too small to be measured: the confidence interval of its square contains 0, or
+    /// the error does not exceed the error of the reference.
     ErrorTooSmall {
         /// Relative error of the reference; `None` if the reference is taken as exact.
         reference_error: Option<f64>,
@@ -45,15 +44,15 @@ pub enum ConvergenceVerdict {
         /// 95 % confidence interval of `slope`.
         interval: [f64; 2],
     },
-    /// The error does not fall any more, because bias dominates it.
+    /// The error has stopped falling, because most of it is bias.
     Plateau {
-        /// Relative bias at the last checkpoint, below which the error does not fall.
+        /// Relative bias at the last checkpoint. The error does not fall below this bias.
         floor: f64,
         /// Cause of the bias.
         cause: BiasCause,
     },
-    /// The error falls as theory predicts. Theory also predicts a bias, which is too small to be
-    /// distinguished from noise.
+    /// The error falls as theory predicts. Theory also predicts a bias, but the measured bias is
+    /// too small to be distinguished from noise.
     BiasHidden {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
@@ -64,22 +63,22 @@ pub enum ConvergenceVerdict {
     Expected {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
-        /// Relative bias at which the error will stop falling; `None` if the bias falls with the
-        /// error, or is not significant.
+        /// Relative bias at which the error will stop falling; `None` if the bias falls too, or is
+        /// not significant.
         bias_floor: Option<f64>,
     },
     /// The error falls more slowly than theory predicts.
     Slower {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
-        /// Slopes of the error that theory predicts.
+        /// Range of slopes that theory predicts for the error.
         predicted_slopes: SlopeRange,
     },
     /// The error falls faster than theory predicts.
     Faster {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
-        /// Slopes of the error that theory predicts.
+        /// Range of slopes that theory predicts for the error.
         predicted_slopes: SlopeRange,
     },
 }
@@ -87,8 +86,8 @@ pub enum ConvergenceVerdict {
 /// Cause of a bias that more passes do not reduce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BiasCause {
-    /// Blur of photon density estimates. Holds the gather radii \[length]: first of the indirect
-    /// photon map, then of the caustic photon map.
+    /// Blur of photon density estimates. Holds two gather radii \[length]: of the indirect photon
+    /// map, and of the caustic photon map.
     Radii([f32; 2]),
     /// The algorithm leaves out some light by design.
     OmittedLight,
@@ -101,8 +100,8 @@ pub enum BiasCause {
 /// `fit` holds the fitted slopes of `method`. `reference_error` is the relative error of the
 /// reference; `None` if the reference is taken as exact.
 ///
-/// The measured error is free of the noise of the two references, but not of a bias that both
-/// share. So an error below `reference_error` gets the verdict
+/// The noise of the two references does not affect the measured error, but a bias that both
+/// references share does. So an error below `reference_error` gets the verdict
 /// [`ConvergenceVerdict::ErrorTooSmall`].
 #[must_use]
 pub fn judge_convergence(

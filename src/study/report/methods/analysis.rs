@@ -22,9 +22,9 @@ pub(super) struct MethodStudyAnalysis {
 pub(super) struct MethodAnalysis {
     pub(super) fit: Option<ConvergenceFit>,
     pub(super) verdict: ConvergenceVerdict,
-    /// Time and work until the method reaches each error of [`TARGET_ERRORS`].
+    /// Time and work until the method reaches each of the relative errors [`TARGET_ERRORS`].
     pub(super) times_to_target_errors: [TimeToError; 4],
-    /// Time and work until the method's error falls to a tenth of its value at the last checkpoint.
+    /// Time and work until the method's error is 1/10 of its error at the last checkpoint.
     pub(super) time_to_tenth_error: TimeToError,
 }
 
@@ -75,8 +75,8 @@ impl MethodStudyAnalysis {
 }
 
 impl MethodAnalysis {
-    /// Returns the range of slopes over passes that theory predicts for `quantity` at the fitted
-    /// checkpoints; `None` without a fit, or if the quantity is zero.
+    /// Returns the range of slopes over passes that theory predicts for `quantity`, in the range of
+    /// passes of the fit; `None` if nothing could be fitted, or if the quantity is zero.
     pub(super) fn predicted_convergence_slopes(
         &self,
         method: &MethodResult,
@@ -101,11 +101,11 @@ pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
     law.map_or("none".to_owned(), |law| law.to_string())
 }
 
-/// Returns the time to reach an error as text, and a list of further texts: time range, passes and
-/// photons.
+/// Returns two texts about reaching an error: the time, and a list with the confidence interval of
+/// the time, the number of passes, and the number of photons.
 ///
 /// `has_photons` is true if the method traces photons. If the error is never reached, the list
-/// holds the reason.
+/// holds the reason instead.
 pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
     let work = |effort: &RenderEffort| {
         let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));

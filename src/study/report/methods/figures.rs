@@ -19,14 +19,15 @@ use crate::study::report::text::{duration_text, error_percent_text, slope_text, 
 use glam::Vec3;
 use std::fmt::Write;
 
-/// Number of windows that the page shows enlarged for each picture: those with the largest errors.
+/// Number of windows in which the page shows all pictures enlarged. They are the windows with the
+/// largest errors.
 const CROP_COUNT: usize = 2;
 
 /// Factor by which the page enlarges windows of pictures where errors are largest.
 const CROP_MAGNIFICATION: u32 = 4;
 
-/// Returns an HTML figure that contains the HTML `content`, a caption, and the shell command that
-/// makes the same picture.
+/// Returns an HTML figure with three parts: the HTML `content`, the text `caption`, and the shell
+/// command `command`, which repeats the render or study that the figure shows.
 fn figure_html(class: &str, label: &str, content: &str, caption: &str, command: &str) -> String {
     let label = if label.is_empty() { String::new() } else { format!(" data-label=\"{}\"", escape_html(label)) };
     format!(
@@ -179,7 +180,8 @@ pub(super) fn picture_switcher_html(result: &MethodStudyResult) -> Result<String
     )
 }
 
-/// Returns HTML that shows all pictures enlarged, in the windows where errors are largest.
+/// Returns HTML that shows the reference and all methods' pictures enlarged, in the windows where
+/// errors are largest.
 pub(super) fn error_crops_html(result: &MethodStudyResult) -> Result<String, StudyError> {
     let mut crops = String::new();
     for window in largest_error_windows(&result.methods, CROP_COUNT) {

@@ -3,10 +3,10 @@
 use crate::study::methods::{MIN_THREAD_TIME_SHARE, MethodStudyResult};
 use crate::study::report::text::error_percent_text;
 
-/// Limit for a warning: a method's measured error is reliable if it is at least this factor times
-/// the error of the reference.
+/// Smallest ratio of a method's measured error to the error of the reference at which the measured
+/// error is reliable. Below the ratio, the report contains a warning.
 ///
-/// At the factor 3, the squared error of the reference is 1/9 of the squared error of the method.
+/// At the ratio 3, the squared error of the reference is 1/9 of the squared error of the method.
 /// This changes the measured error by about 6 %.
 const MIN_RELIABLE_ERROR_RATIO: f64 = 3.0;
 
