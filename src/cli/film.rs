@@ -313,8 +313,8 @@ impl<'a> LockedFilmFile<'a> {
         write_film(self.path, &self.header, rendered)
     }
 
-    /// Returns a line for the terminal: the render continues the film file, which holds the passes
-    /// of `rendered`.
+    /// Returns the message that the render continues this film file. It names the number of passes
+    /// that the film already holds, those of `rendered`.
     pub fn continuation_line(&self, rendered: &RenderResult) -> String {
         let passes = count_with_noun(rendered.film.passes() as usize, "pass", "passes");
         format!("continuing {}: {passes}", self.path.display())

@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// Differences between the pictures give the noise of each pixel.
 const PILOT_PICTURES: u32 = 4;
 
-/// Number of photon paths of a pass, divided by the number that the adaptive-sampling pilot traces.
+/// Divisor for photon paths: the adaptive-sampling pilot traces a sixteenth of those of a pass.
 const PHOTON_PATH_DIVISOR: u32 = 16;
 
 /// Lower bound on the number of camera rays of a pixel, divided by the mean number over all pixels.

@@ -322,9 +322,9 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
-    /// Returns the transmittance of the shadow ray from `vertex` to `sample`, if that ray hits at
-    /// least one surface. The result is 0 unless all surfaces on its way are null interfaces or
-    /// thin sheets.
+    /// Returns the transmittance of the shadow ray from `vertex` to `sample`, which must hit at
+    /// least one surface. The result is 0 if one of these surfaces is neither a null interface nor
+    /// a thin sheet.
     fn transmittance_through_surfaces<I: Interior>(
         &self,
         light: usize,

@@ -90,8 +90,8 @@ pub struct Settings {
     /// paths, to get less noise for the same work.
     ///
     /// `unaimed_paths`, `aimed_paths` and the camera rays per pixel are then starting values. If
-    /// [`CameraPathSettings::samples_per_pixel`] is set, a pilot may only reduce `unaimed_paths` of
-    /// `hybrid`. `ppm` ignores this setting.
+    /// [`CameraPathSettings::samples_per_pixel`] is set, the pilot changes only one value: it may
+    /// reduce `unaimed_paths` of `hybrid`. `ppm` ignores this setting.
     pub allows_ray_photon_balance: bool,
     /// Largest number of photons of a density estimate on a surface in the first pass; 0 for no
     /// limit.

@@ -59,8 +59,9 @@ fn object_bounds(geometry: &Geometry, object: usize) -> Bounds {
 /// True if the surface of the shape or mesh with index `object` may meet the box `bounds`, which
 /// overlaps the object's box.
 ///
-/// False if the box lies well inside a sphere, or overlaps the box of no triangle of a mesh. The
-/// surface then does not pass between points of a light in the box.
+/// `bounds` is the box of a light or of a part of one. False if that box lies well inside a sphere,
+/// or overlaps the box of no triangle of a mesh: then the surface cannot separate two points of the
+/// light.
 fn object_may_meet_box(geometry: &Geometry, object: usize, bounds: &Bounds) -> bool {
     if let Some(mesh) = object.checked_sub(geometry.shapes.len()) {
         let mut triangles = geometry.mesh_ranges[mesh].clone();
