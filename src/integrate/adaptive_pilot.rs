@@ -110,7 +110,7 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
 mod tests {
     use super::*;
 
-    /// Of pictures that are constant on the left and noisy on the right, pixels on the right get
+    /// In pictures that are constant on the left and noisy on the right, pixels on the right get
     /// more rays. The total number of rays stays the same.
     #[test]
     fn noisy_pixels_get_more_rays_of_fixed_total() {

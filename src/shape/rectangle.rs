@@ -56,8 +56,8 @@ struct RectangleView {
     z: f64,
     /// Unit vectors along the first and second edge of the rectangle.
     axes: [DVec3; 2],
-    /// Solid angle \[sr] of the strip from x = 0 to the smaller end of the range `x`, over the range
-    /// `y`. It is negative if that end is negative.
+    /// Solid angle \[sr] of the strip from x = 0 to the smaller end of the range `x`, over the
+    /// range `y`. It is negative if that end is negative.
     start_solid_angle: f64,
     /// Solid angle of the rectangle as seen from the viewpoint \[sr].
     solid_angle: f64,
