@@ -134,7 +134,7 @@ mod tests {
         }
     }
 
-    /// Moments of warped points, as sums over the midpoints of an n² grid, agree with the integrals.
+    /// Moments of warped points, as sums over midpoints of an n² grid, agree with the integrals.
     ///
     /// The worst integrand has a square-root edge, so the error is O(n^−3/2) = 3·10⁻⁵.
     #[test]

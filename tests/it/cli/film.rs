@@ -336,7 +336,11 @@ fn merging_many_films_takes_the_memory_of_two() {
         FilmFile::write(&header, &rendered, &mut bytes).unwrap();
         sandbox.put(&name(pass), bytes);
     }
-    let peaks = [2, 1000].map(|count| peak_memory_of_merge(&sandbox, &(0..count).map(name).collect::<Vec<_>>()));
+    let peaks = [2, 1000].map(|count| {
+        let films: Vec<String> = (0..count).map(name).collect();
+        // One look may miss the last moments of a short run.
+        (0..5).map(|_| peak_memory_of_merge(&sandbox, &films)).max().unwrap()
+    });
     println!("peak memory of merging 2 films: {} bytes, 1,000 films: {} bytes", peaks[0], peaks[1]);
     // A film takes 334 bytes for each of 40 × 30 pixels.
     assert!(peaks[1] < peaks[0] + 5 * 334 * 40 * 30, "{peaks:?}");
