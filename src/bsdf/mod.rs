@@ -417,20 +417,7 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn straight_transmittance(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> Option<Rgb> {
-        match self {
-            Self::ThinDielectric(thin) => Some(thin.straight_transmittance(wo, face_forward(ns, wo), ng)),
-            Self::Black
-            | Self::Diffuse(_)
-            | Self::DiffuseTransmission(_)
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::Conductor(_)
-            | Self::RoughDielectric(_)
-            | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_)
-            | Self::ClearCoated(_) => None,
-        }
+        self.as_thin_dielectric().map(|thin| thin.straight_transmittance(wo, face_forward(ns, wo), ng))
     }
 
     /// True if the surface transmits light without a change of direction, so that shadow rays cross
@@ -438,20 +425,12 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn transmits_straight(&self) -> bool {
-        match self {
-            Self::ThinDielectric(_) => true,
-            Self::Black
-            | Self::Diffuse(_)
-            | Self::DiffuseTransmission(_)
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::Conductor(_)
-            | Self::RoughDielectric(_)
-            | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_)
-            | Self::ClearCoated(_) => false,
-        }
+        self.as_thin_dielectric().is_some()
+    }
+
+    #[inline]
+    fn as_thin_dielectric(&self) -> Option<&ThinDielectric> {
+        if let Self::ThinDielectric(thin) = self { Some(thin) } else { None }
     }
 
     /// True if photons are stored on the surface. Density estimates then evaluate this BSDF.

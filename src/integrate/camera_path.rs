@@ -328,6 +328,7 @@ fn continue_path<I: Interior>(
         next.history.casters_since_receiver -= 1;
         next.prev_nee_vertex = path.prev_nee_vertex;
     } else if path.bounce >= paths.max_bounces {
+        // Callers let such a path come here only to cross a sheet, which is no bounce.
         return false;
     } else {
         next.prev_nee_vertex = (!sample.is_specular).then_some(PrevVertex {

@@ -5,12 +5,12 @@
 //! highlights of small lamps, and caustics seen in mirrors and through glass. These often cover a
 //! fraction of a pixel, so their noise is large. A prefix ray reduces this noise and costs little.
 //!
-//! A pixel with n camera paths and m prefix rays, of which l read photon maps, has the variance
-//! σ_r²/n + σ_f²/(n + m) + σ_p²/(1 + l). The terms are light after the first receiver, emission
-//! that the prefix finds, and the photon estimate. One camera path reads photon maps too, hence 1 +
-//! l. The pilot estimates these variances and the work of a ray and of a lookup. It minimizes the
-//! variance of the picture times the work of a pass, which is the inverse of efficiency (Pharr,
-//! Jakob and Humphreys 2023, section 2.2.1).
+//! Suppose that a pixel has n camera paths and m prefix rays, and that one camera path and l prefix
+//! rays read photon maps. Its variance is σ_r²/n + σ_f²/(n + m) + σ_p²/(1 + l). The terms are light
+//! after the first receiver, emission that the prefix finds, and the photon estimate. The pilot
+//! estimates these variances and the work of a ray and of a lookup. It minimizes the variance of
+//! the picture times the work of a pass, which is the inverse of efficiency (Pharr, Jakob and
+//! Humphreys 2023, section 2.2.1).
 //!
 //! The first pictures of the pilot trace whole camera paths. They show in which pixels the photon
 //! estimate may need prefix rays. In the next pictures, only the prefix rays of these pixels read

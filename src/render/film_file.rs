@@ -96,8 +96,8 @@ pub enum FilmFileError {
 }
 
 impl FilmHeader {
-    /// Returns the differences between two headers, one line each, because of which the passes of
-    /// the two renders must not be added. The result is empty if they can be added.
+    /// Returns why the passes of the two renders must not be added: one line for each difference
+    /// between their headers. The result is empty if the passes can be added.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let mut lines = Vec::new();

@@ -51,6 +51,12 @@ impl LeafMaterial<'_> {
             None => self.bsdf.casts_caustics(),
         }
     }
+
+    /// True if shadow rays cross surfaces of the material: null interfaces and thin sheets.
+    #[must_use]
+    pub fn is_crossed_by_shadow_rays(&self) -> bool {
+        self.bsdf.transmits_straight() || self.bounded_body.is_some_and(|body| body.is_null_interface)
+    }
 }
 
 impl Scene {
@@ -118,17 +124,6 @@ impl Scene {
     #[must_use]
     pub fn shadow_rays_cross_surfaces(&self) -> bool {
         self.shadow_rays_cross_surfaces
-    }
-
-    /// True if an object has a null interface or a thin sheet, or a mix that may resolve to one.
-    pub(super) fn finds_surfaces_that_shadow_rays_cross(&self) -> bool {
-        let mut found = false;
-        for object in &*self.geometry.objects {
-            self.for_each_leaf_material(object.material, &mut |leaf| {
-                found |= leaf.bsdf.transmits_straight() || leaf.bounded_body.is_some_and(|body| body.is_null_interface);
-            });
-        }
-        found
     }
 
     /// Returns the indices of the object and of the material at `hit`. The material may be a mix.

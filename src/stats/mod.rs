@@ -22,8 +22,8 @@ pub struct Counters {
     pub shadow_rays: u64,
     /// Number of rays of photon paths: path segments, and connections from photons to the camera.
     pub photon_rays: u64,
-    /// Number of photon density estimates, each of which sums the photons near one point or along
-    /// one ray.
+    /// Number of photon density estimates. Each one sums the photons near one point or along one
+    /// ray.
     #[serde(rename = "gathers")]
     pub density_estimates: u64,
     /// Number of photons summed by all photon density estimates.

@@ -12,7 +12,7 @@ use std::fmt::Write;
 /// [`relative_mse`](crate::image::metrics::relative_mse).
 pub(super) const RELATIVE_MSE_EPSILON: f64 = 0.01;
 
-/// Result of `caustica diff` for the pictures `a` and `b`, of which `b` is the reference.
+/// Result of `caustica diff`: how the picture `a` differs from the reference `b`.
 #[derive(Debug, Serialize)]
 pub(super) struct DiffReport {
     pub schema: u32,

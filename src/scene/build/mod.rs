@@ -44,8 +44,8 @@ pub struct SceneBuilder {
     ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
     objects: Vec<SceneObject>,
-    /// The triangles of all mesh objects. They do not include instances of a mesh, each of which is
-    /// a shape.
+    /// The triangles of all mesh objects. Instances of a mesh are not included: each instance is a
+    /// shape.
     mesh: MergedMeshes,
     delta_lights: Vec<DeltaLight>,
     camera_motion: Option<Motion>,
@@ -273,7 +273,11 @@ impl SceneBuilder {
         };
         scene.coincident =
             flag_coincident_primitives(&scene.geometry, |material| may_bound_body(&scene.materials, material));
-        scene.shadow_rays_cross_surfaces = scene.finds_surfaces_that_shadow_rays_cross();
+        let mut crosses = false;
+        for object in scene.geometry.objects.iter() {
+            scene.for_each_leaf_material(object.material, &mut |leaf| crosses |= leaf.is_crossed_by_shadow_rays());
+        }
+        scene.shadow_rays_cross_surfaces = crosses;
         scene.derived = derive_scene_data(&scene);
         validate_light_power(&scene)?;
         Ok(scene)
