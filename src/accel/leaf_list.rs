@@ -12,7 +12,7 @@ const MAX_LEAVES: usize = 6;
 
 /// Capacity of the stack of BVH nodes that the search for leaves has still to visit.
 ///
-/// A query box that needs more entries overlaps more than [`MAX_LEAVES`] leaves anyway.
+/// A query box that needs more entries very likely overlaps more than [`MAX_LEAVES`] leaves.
 const MAX_STACK_ENTRIES: usize = 4 * ARITY;
 
 /// List of the leaves of a [`Bvh`](super::Bvh) whose boxes overlap a query box. A leaf is a packet

@@ -41,7 +41,8 @@ pub enum PrimitiveIndex {
 /// Intersection of a ray with one primitive of a [`Bvh`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrimitiveHit {
-    /// Ray parameter t in (0, `t_max`): the hit is at origin + t · direction of the caller's ray.
+    /// Ray parameter t in (0, `t_max`): the hit is at origin + t · direction of the ray that the
+    /// query received.
     pub t: f32,
     /// The primitive that was hit.
     pub primitive: PrimitiveIndex,
@@ -69,8 +70,8 @@ pub struct ShapeHit {
 
 /// Bounding volume hierarchy over triangles and other primitives.
 ///
-/// The hierarchy intersects triangles itself. For each other primitive, it stores a box, and a
-/// closure of the caller intersects the primitive.
+/// The hierarchy intersects triangles itself. For each other primitive, it stores a box. The caller
+/// of a query passes a closure that intersects the primitive.
 ///
 /// The triangle test is watertight: a ray cannot pass between two triangles that share an edge or a
 /// corner. This holds at any scale and distance (Woop, Benthin and Wald 2013), since boxes are
@@ -84,10 +85,10 @@ pub struct Bvh {
 impl Bvh {
     /// Builds a hierarchy over `triangles`, given by their corners, and `others`, given by boxes.
     ///
-    /// Each box of `others` encloses one primitive, which closures of the caller intersect. A hit
-    /// on this primitive may lie outside the box by at most 10⁻⁶ of the box's size. There may be at
-    /// most 2³⁰ triangles and 2³⁰ boxes. Corners must be finite. Triangles without area and empty
-    /// boxes are never hit.
+    /// Each box of `others` encloses one primitive, which is intersected by closures that the
+    /// queries receive. A hit on this primitive may lie outside the box by at most 10⁻⁶ of the
+    /// box's size. There may be at most 2³⁰ triangles and 2³⁰ boxes. Corners must be finite.
+    /// Triangles without area and empty boxes are never hit.
     #[must_use]
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         let bounds = Bounds::from_points(triangles.iter().flatten().copied());
@@ -295,12 +296,13 @@ impl NearestHit {
         }
     }
 
-    /// Converts the kept hit to the caller's ray parameter; `None` if there was no hit.
+    /// Returns the kept hit with its ray parameter for the unscaled direction of `ray`; `None` if
+    /// there was no hit.
     #[inline]
     fn to_primitive_hit(&self, ray: &Ray, precalc: &RayPrecalc) -> Option<PrimitiveHit> {
         let t = self.hit.t * precalc.direction_scale;
-        // t may underflow to 0 or overflow to `t_max` in the caller's scale; the ray then has no
-        // hit.
+        // For the unscaled direction, t may underflow to 0 or round up to `t_max`. The ray then has
+        // no hit.
         if !(self.hit.t < precalc.t_max && 0.0 < t && t < ray.t_max) {
             return None;
         }

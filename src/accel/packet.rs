@@ -24,10 +24,11 @@ pub(super) struct TrianglePacket {
 pub(super) struct LeafHit {
     /// Ray parameter t for the scaled direction of [`RayPrecalc`]; it may have any sign.
     pub t: f32,
-    /// Barycentric weights of the second and third corner, times `weight_sum`.
+    /// Barycentric weights of a triangle's second and third corner, times `weight_sum`. The
+    /// division by `weight_sum` is postponed, because most hits are discarded.
     ///
-    /// For a primitive other than a triangle: the shape coordinates that the caller's closure
-    /// returned. The division by `weight_sum` is postponed, because most hits are discarded.
+    /// For a primitive other than a triangle, the two numbers are the `shape_coords` of its
+    /// [`ShapeHit`].
     pub unnormalized_weights: [f64; 2],
     /// Sum of the weights of all three corners, by which `unnormalized_weights` are divided at the
     /// end. For a primitive other than a triangle, the sum is 1, so that its shape coordinates do
@@ -36,8 +37,8 @@ pub(super) struct LeafHit {
 }
 
 impl LeafHit {
-    /// Converts the hit `ShapeHit` that the caller's closure returned for a primitive other than a
-    /// triangle.
+    /// Converts the hit on a primitive other than a triangle, with its ray parameter for the
+    /// unscaled direction.
     #[inline]
     pub fn of_other_primitive(ShapeHit { t, shape_coords: uv }: ShapeHit, precalc: &RayPrecalc) -> Self {
         Self {
@@ -140,8 +141,8 @@ impl TrianglePacket {
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
-        // The sum of the edge functions is multiplied by the ray's depth, so that one division
-        // gives t.
+        // The sum of the edge functions is multiplied by the z component of the ray's direction, so
+        // that one division gives t.
         let volume = (u + v + w) * precalc.permuted_direction_z;
         let t = (u * a.z + v * b.z + w * c.z) / volume;
         (volume != 0.0).then_some(LeafHit { t: t as f32, unnormalized_weights: [v, w], weight_sum: u + v + w })

@@ -11,7 +11,7 @@ use glam::{Vec3, Vec3A};
 /// unscaled one is subnormal, the scaled one is below 1. The scaling keeps reciprocals and products
 /// in the range of f32. In box and triangle tests, ray parameters refer to the scaled direction.
 pub(super) struct RayPrecalc {
-    /// Origin of the ray, in the caller's space.
+    /// Origin of the ray. Unlike the direction, it is not scaled.
     pub origin: [f32; 3],
     /// Reciprocal of each component of the scaled direction, clamped to the range of finite f32.
     pub reciprocal_direction: [f32; 3],
@@ -31,11 +31,13 @@ pub(super) struct RayPrecalc {
     pub permuted_direction_z: f64,
     /// Exclusive upper bound of the ray parameter, for the scaled direction.
     pub t_max: f32,
-    /// Factor from the caller's direction to the scaled direction: a power of two.
+    /// Factor from the ray's own direction to the scaled direction: a power of two.
     ///
-    /// The caller's t is `direction_scale` times the t of the scaled direction.
+    /// The ray parameter t for the ray's own direction is `direction_scale` times the t for the
+    /// scaled direction.
     pub direction_scale: f32,
-    /// Factor from the caller's t to the t of the scaled direction: 1 / `direction_scale`.
+    /// Factor from the ray parameter t for the ray's own direction to the t for the scaled
+    /// direction: 1 / `direction_scale`.
     pub inverse_direction_scale: f32,
 }
 

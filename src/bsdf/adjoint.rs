@@ -8,8 +8,8 @@ use super::BsdfSample;
 use glam::Vec3;
 
 impl BsdfSample {
-    /// Returns the factor by which a photon path's throughput is multiplied besides
-    /// [`weight`](Self::weight).
+    /// Returns the factor by which a photon path's throughput is multiplied in addition to
+    /// [`weight`](Self::weight). It corrects the path for the shading normal.
     ///
     /// The factor is [`shading_normal_correction`], or 1 if
     /// [`uses_geometric_normal`](Self::uses_geometric_normal) is set. The unit vector `wo` points

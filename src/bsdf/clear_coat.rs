@@ -63,8 +63,8 @@ impl ClearCoat {
         Self { coverage_steps, alpha_steps }
     }
 
-    /// Returns `surface` under this coat. Only diffuse, coated diffuse and metal surfaces can have
-    /// a clear coat; any other BSDF is returned unchanged.
+    /// Returns `surface` under this coat. Only diffuse, coated diffuse and metal surfaces, and
+    /// separate dielectric coats, can have a clear coat; any other BSDF is returned unchanged.
     #[must_use]
     pub fn over(self, surface: Bsdf) -> Bsdf {
         surface.to_coatable().map_or(surface, |base| {
@@ -225,7 +225,7 @@ impl ClearCoated {
         let sample = match &self.base {
             CoatableBsdf::Diffuse(reflectance) => {
                 let local = warp::square_to_cosine_hemisphere(u);
-                // A direction in the horizon has a pdf of 0, so it has no MIS weight.
+                // A direction on the horizon has a pdf of 0, so it has no MIS weight.
                 if local.z <= 0.0 {
                     return None;
                 }

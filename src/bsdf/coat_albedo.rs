@@ -71,8 +71,8 @@ pub(super) fn mean_coat_albedo(eta: f32, alpha: f32) -> f32 {
     })
 }
 
-/// Fresnel reflectance at the refractive index `eta` > 1: its cosine-weighted mean over the
-/// hemisphere, by the closed form of Walsh (1926).
+/// Cosine-weighted mean of the Fresnel reflectance over the hemisphere, at the refractive index
+/// `eta` > 1, by the closed form of Walsh (1926).
 pub(super) fn mean_fresnel_reflectance(eta: f64) -> f64 {
     let (n, n2) = (eta, eta * eta);
     let n4 = n2 * n2;

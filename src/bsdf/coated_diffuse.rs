@@ -133,8 +133,8 @@ impl DielectricCoat {
 }
 
 impl CoatedDiffuse {
-    /// Creates the BSDF from the base's reflectance in \[0, 1], the coat's relative index `eta` in
-    /// \[1, 4] and its roughness `alpha` in \[0, 1].
+    /// Creates the BSDF from the base's `reflectance` in \[0, 1], and the coat's relative index
+    /// `eta` in \[1, 4] and roughness `alpha` in \[0, 1].
     ///
     /// If `nonlinear` is false, the factor 1 − ρF in the BRDF of [`CoatedDiffuse`] is replaced by 1
     /// − F, its value for a white base (compare Mitsuba's `plastic`). Interreflection between coat
@@ -163,8 +163,8 @@ impl CoatedDiffuse {
         DielectricCoat { eta: self.eta, alpha: self.alpha, reflectance_factor: 1.0 / probability }
     }
 
-    /// True if [`CoatedDiffuse::evaluate`] includes reflection on the coat, because the coat's α
-    /// exceeds [`MIN_PHOTON_STORAGE_ALPHA`].
+    /// True if [`CoatedDiffuse::evaluate`] includes reflection on the coat, because the coat's
+    /// roughness α exceeds [`MIN_PHOTON_STORAGE_ALPHA`].
     #[inline]
     fn includes_coat(&self) -> bool {
         self.alpha > MIN_PHOTON_STORAGE_ALPHA
@@ -210,7 +210,7 @@ impl CoatedDiffuse {
 
     /// BRDF f(wo, wi) \[1/sr]. `wo` and `wi` must be on one side of the shading normal `n`.
     ///
-    /// Reflection on the coat is included only if the coat's α exceeds
+    /// Reflection on the coat is included only if the coat's roughness α exceeds
     /// [`MIN_PHOTON_STORAGE_ALPHA`].
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {

@@ -22,8 +22,8 @@ const MEAN_COSINE: f32 = 2.0 / 3.0;
 /// reflectance of 1 would need an infinite k.
 const MAX_NORMAL_REFLECTANCE: f32 = 0.9999;
 
-/// Returns a refractive index η + ik that gives a metal this `reflectance` in \[0, 1] at normal
-/// incidence, as the pair (η, k) by color channel.
+/// Returns a refractive index η + ik, by color channel, with which a metal has this `reflectance`
+/// in \[0, 1] at normal incidence. The result is the pair (η, k).
 ///
 /// η is 1, so the reflectance is k²/(4 + k²). A reflectance above 0.9999 counts as 0.9999.
 #[must_use]
@@ -73,7 +73,8 @@ impl Conductor {
         self.alpha
     }
 
-    /// True if photons are stored on the metal, because its α exceeds [`MIN_PHOTON_STORAGE_ALPHA`].
+    /// True if photons are stored on the metal, because its roughness α exceeds
+    /// [`MIN_PHOTON_STORAGE_ALPHA`].
     #[inline]
     pub(super) fn stores_photons(&self) -> bool {
         self.alpha > MIN_PHOTON_STORAGE_ALPHA

@@ -66,7 +66,7 @@ impl DiffuseTransmission {
     #[inline]
     pub(super) fn sample(&self, facing_ns: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
         let local = warp::square_to_cosine_hemisphere(u);
-        // A direction in the horizon has a pdf of 0, so it has no MIS weight.
+        // A direction on the horizon has a pdf of 0, so it has no MIS weight.
         if self.is_black() || local.z <= 0.0 {
             return None;
         }

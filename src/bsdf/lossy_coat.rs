@@ -39,8 +39,8 @@ pub struct LossyCoat {
 }
 
 impl LossyCoat {
-    /// Creates the coat from its relative index `eta`, which is clamped to \[1.01, 4], its GGX
-    /// roughness `alpha` in \[0, 1], and its optical thickness `thickness` ≥ 0.
+    /// Creates the coat. `eta` is its relative index, which is clamped to \[1.01, 4]. `alpha` in
+    /// \[0, 1] is its GGX roughness, and `thickness` ≥ 0 its optical thickness.
     #[must_use]
     pub fn new(eta: f64, alpha: f64, thickness: f64) -> Self {
         let eta = eta.clamp(MIN_LOSSY_COAT_INDEX, f64::from(MAX_COAT_INDEX));
@@ -79,8 +79,8 @@ impl LossyCoat {
         self.entering_fraction * reflectance * self.leaving_fraction / (1.0 - reflectance * self.returning_fraction)
     }
 
-    /// Returns the reflectance that a base under a lossless coat needs, to have the same albedo as
-    /// a base of `reflectance` in \[0, 1] under this coat.
+    /// Returns the reflectance with which a base under a lossless coat has the albedo of a base of
+    /// `reflectance` in \[0, 1] under this coat.
     ///
     /// Both coats have equal index and α. The albedo is [`Self::base_albedo_through_coat`] of
     /// `reflectance`. Results outside \[0, 1] are clamped.
@@ -93,8 +93,8 @@ impl LossyCoat {
     }
 }
 
-/// Scatters light of cosine of incidence `cos` at an interface, and visits the directions in which
-/// it leaves.
+/// Scatters light at an interface, and visits the directions in which it leaves. The light arrives
+/// with the cosine of incidence `cos`.
 ///
 /// For each direction, calls `visit` with two numbers: the fraction of the light that leaves in
 /// this direction, and the direction's cosine, which is below 0 on the far side. `eta` is the

@@ -163,13 +163,14 @@ pub enum Bsdf {
     ThinDielectric(ThinDielectric),
     /// A diffuse base under a dielectric coat.
     ///
-    /// Reflection on the coat is included only if the coat's α exceeds
+    /// Reflection on the coat is included only if the coat's roughness α exceeds
     /// [`MIN_PHOTON_STORAGE_ALPHA`].
     CoatedDiffuse(CoatedDiffuse),
     /// Reflection on a dielectric coat, without the base under it.
     ///
-    /// [`Bsdf::select_layer`] returns this BSDF for a clear coat, or for a coat with α up to
-    /// [`MIN_PHOTON_STORAGE_ALPHA`] over a diffuse base.
+    /// [`Bsdf::select_layer`] returns this BSDF for a clear coat of any roughness. For a coat over
+    /// a diffuse base, it does so only if the coat's roughness α is at most
+    /// [`MIN_PHOTON_STORAGE_ALPHA`].
     DielectricCoat(DielectricCoat),
     /// A surface under a clear coat, weakened by the coat's transmittance.
     ///
@@ -252,7 +253,8 @@ impl Bsdf {
     ///
     /// The probabilities depend on `wo` and the shading normal `ns`. The returned BSDF is divided
     /// by its probability. A BSDF without a coat is returned unchanged. So is a diffuse base whose
-    /// coat has α above [`MIN_PHOTON_STORAGE_ALPHA`], because that BSDF includes its coat.
+    /// coat has a roughness α above [`MIN_PHOTON_STORAGE_ALPHA`], because that BSDF includes its
+    /// coat.
     #[inline]
     #[must_use]
     pub fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Self {
@@ -282,8 +284,9 @@ impl Bsdf {
     /// Returns the coat alone as a BSDF, if [`Bsdf::select_layer`] treats coat and base separately;
     /// else `None`.
     ///
-    /// Coats are separate if they are clear coats, or have α up to [`MIN_PHOTON_STORAGE_ALPHA`]
-    /// over a diffuse base. The returned BSDF is not divided by a selection probability.
+    /// A clear coat, such as lacquer on metal, is always separate. The coat of a diffuse base, such
+    /// as plastic, is separate if its roughness α is at most [`MIN_PHOTON_STORAGE_ALPHA`]. The
+    /// returned BSDF is not divided by a selection probability.
     #[must_use]
     pub fn coat_if_separate(&self) -> Option<Self> {
         match self {
@@ -458,10 +461,10 @@ impl Bsdf {
     /// True if the BSDF is a caustic caster: it scatters light, but stores no photons.
     ///
     /// Mirrors, dielectrics, thin dielectrics and clear coats are casters at any roughness.
-    /// Conductors, and coats over a diffuse base, are casters if their α is at most
+    /// Conductors, and coats over a diffuse base, are casters if their roughness α is at most
     /// [`MIN_PHOTON_STORAGE_ALPHA`]. For a coated surface, the result describes the base:
-    /// [`Bsdf::select_layer`] splits the coat off as another BSDF. A thin dielectric casts only
-    /// the light that it reflects: see [`Bsdf::straight_transmittance`].
+    /// [`Bsdf::select_layer`] returns the coat as another BSDF. A thin dielectric casts only the
+    /// light that it reflects: see [`Bsdf::straight_transmittance`].
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
@@ -490,8 +493,8 @@ impl Bsdf {
 
     /// BSDF f(wo, wi) \[1/sr], without the cosine; 0 for delta lobes.
     ///
-    /// The value is also 0 if `wo` and `wi` lie on one side by the shading normal `ns`, but on two
-    /// sides by the geometric normal `ng`, or the reverse.
+    /// The value is also 0 if the shading normal `ns` and the geometric normal `ng` disagree on
+    /// whether `wo` and `wi` lie on one side of the surface.
     #[inline]
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: TransportMode) -> Rgb {
@@ -571,7 +574,7 @@ impl Bsdf {
         match self {
             Self::Diffuse(reflectance) => {
                 let local = warp::square_to_cosine_hemisphere(u);
-                // A direction in the horizon has a pdf of 0, so it has no MIS weight.
+                // A direction on the horizon has a pdf of 0, so it has no MIS weight.
                 if local.z <= 0.0 {
                     return None;
                 }

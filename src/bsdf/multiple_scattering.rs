@@ -34,14 +34,16 @@ const ETA_COUNT: usize = 25;
 /// of α.
 const ALPHA_COUNT: usize = 25;
 
-/// Number of tabulated cosines, evenly spaced in [`cosine_grid_position`] from 0 to 1.
+/// Number of tabulated cosines. Their grid positions ([`cosine_grid_position`]) are evenly spaced
+/// from 0 to 1.
 const COSINE_COUNT: usize = 24;
 
 /// Fibonacci lattice over \[0, 1)² that samples visible microfacets, as (number of points n,
 /// generator g). Point i is ((i + ½)/n, ((i·g mod n) + ½)/n).
 const FACET_LATTICE: (usize, usize) = (377, 144);
 
-/// Refractive index of an interface that reflects all light, the last node of the table.
+/// Refractive index that stands for a surface that reflects all light. It is the last refractive
+/// index of the table of lost light.
 const REFLECTOR_INDEX: f64 = 1e9;
 
 /// Least ratio of the cosine of incidence to α for which the table computes the fraction of lost
@@ -302,8 +304,8 @@ pub(super) fn multiple_scattering_direction_pdf(alpha: f32, cos: f64) -> f64 {
     FRAC_1_PI * cos / ((cos * cos + a2) * libm::log1p(1.0 / a2))
 }
 
-/// Returns the fraction of light from a direction of cosine `cos` that is lost if each light path
-/// scatters at one microfacet only.
+/// Returns the fraction of light that is lost if each light path scatters at one microfacet only.
+/// The light arrives with the cosine of incidence `cos`.
 ///
 /// `eta` is the refractive index of the far side, relative to the near side.
 fn lost_fraction(cos: f64, eta: f64, alpha: f64) -> f64 {

@@ -78,8 +78,8 @@ impl RoughDielectric {
             }
         } else {
             let (facet, cos_t) = ggx.refracting_facet(o, i, n, eta)?;
-            // Computed from both cosines, so that f(wo, wi) and f(wi, wo) agree even if one
-            // direction grazes.
+            // The transmittance is computed from both cosines, so that f(wo, wi) and f(wi, wo)
+            // agree even if one direction grazes.
             let fresnel = fresnel_transmittance(facet.wo_dot_m, cos_t, eta);
             FacetScattering {
                 facet,

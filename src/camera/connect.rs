@@ -103,8 +103,8 @@ impl Camera {
         Some(by)
     }
 
-    /// Returns the motion vector on the film \[pixels to the right and down] of a point at infinity
-    /// in unit `direction`, from this camera to the camera `later`.
+    /// Returns the motion vector of a point at infinity in unit `direction`: its displacement on
+    /// the film from this camera to the camera `later` \[pixels to the right and down].
     ///
     /// Returns `None` if the point is behind a camera or at a pole of a panorama, or if the
     /// projection is orthographic.
@@ -113,8 +113,8 @@ impl Camera {
         if self.is_orthographic() {
             return None;
         }
-        // A camera at the origin sees the point `direction` at the film position of the point at
-        // infinity.
+        // Move the camera to the origin: from there, it sees the point `direction` at the film
+        // position of the point at infinity.
         let turned = |camera: &Self| Self { center: DVec3::ZERO, ..*camera };
         turned(self).film_displacement(direction, &turned(later), direction)
     }

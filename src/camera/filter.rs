@@ -99,8 +99,8 @@ pub struct Filter {
     /// Distance \[pixels] from the pixel center along one axis beyond which the filter is negative;
     /// infinite for a filter without negative values.
     negative_beyond: f32,
-    /// Ratio ∫|f| / ∫f for the filter f along one axis. Offsets are sampled with a pdf proportional
-    /// to |f|. The weight of an offset along the axis is therefore this ratio, with the sign of f.
+    /// Ratio ∫|f| / ∫f for the filter f along one axis. A sample's weight along this axis is the
+    /// ratio, with the sign of f, because offsets are sampled with a pdf proportional to |f|.
     absolute_over_signed_integral: f32,
     /// Distance from the pixel center beyond which the filter vanishes, along each axis \[pixels].
     radius: f32,

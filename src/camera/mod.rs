@@ -254,8 +254,8 @@ impl Camera {
     /// rotate together.
     ///
     /// `yaw` rotates about the unit vector `axis`, then `pitch` about the camera's right vector
-    /// \[radians]. The distance from `pivot` is multiplied by the factor `distance` > 0, and so are
-    /// the focus distance of a lens and the size of an orthographic picture.
+    /// \[radians]. The factor `distance` > 0 multiplies the distance from `pivot`, the focus
+    /// distance of a lens, and the size of an orthographic picture.
     #[must_use]
     pub fn orbited(self, pivot: DVec3, axis: DVec3, yaw: f64, pitch: f64, distance: f64) -> Self {
         let right = rotated_vector(self.pixel_right.normalize(), axis, yaw);
@@ -307,8 +307,8 @@ impl Camera {
         }
     }
 
-    /// Generates the world-space ray through the film position `p` \[pixels from the top left] that
-    /// starts at the point `on_lens` of the lens \[length right and up from its center].
+    /// Generates the world-space ray that starts at the point `on_lens` of the lens \[length right
+    /// and up from its center], for the film position `p` \[pixels from the top left].
     ///
     /// The ray has a unit direction. Cameras without a lens ignore `on_lens`.
     #[inline]

@@ -32,8 +32,9 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
 
 /// Returns the scene warnings that `caustica render` prints before it renders, one line each.
 ///
-/// Leaves out two kinds of warnings of `caustica check`: those for which meshes must be read again,
-/// and the one about a scene without objects, which `caustica render` prints itself.
+/// Leaves out two kinds of warnings of `caustica check`. Warnings of one kind need meshes to be
+/// read again. The other warning is about a scene without objects: `caustica render` prints it
+/// itself.
 pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let mut lines = import_warnings(file);
     lines.extend(file.unused_item_warnings());
@@ -43,8 +44,9 @@ pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &
     lines.iter().map(|line| replace_control_characters(line)).collect()
 }
 
-/// Returns up to two warnings, one line each: that the camera sees no object, and that no surface
-/// or medium can store photons although the scene has lights and specular objects.
+/// Returns up to two warnings, one line each. The first says that the camera sees no object. The
+/// second says that no surface or medium can store photons, although the scene has lights and
+/// specular objects.
 fn visibility_and_receiver_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let features = SceneFeatures::from_scene(scene);
     let mut warnings = Vec::new();
@@ -59,7 +61,7 @@ fn visibility_and_receiver_warnings(scene: &Scene, arguments: &SceneArguments) -
 }
 
 /// True if any camera ray of a regular grid over the picture hits an object, or if a medium fills
-/// the scene.
+/// the space outside all objects.
 fn camera_sees_objects(scene: &Scene) -> bool {
     let (width, height) = scene.camera().size();
     let position = |i: u32, pixels: u32| (i as f32 + 0.5) / RAYS_PER_SIDE as f32 * pixels as f32;

@@ -26,7 +26,8 @@ fn manual_page() -> io::Result<String> {
     let mut page = render_roff(|out| Man::new(command.clone()).render(out))?;
     for subcommand in command.get_subcommands() {
         let name = subcommand.get_name();
-        // Subcommands are sections of this page. Links to separate pages would be dead.
+        // Subcommands are sections of this page. Links to separate pages of subcommands would be
+        // dead.
         page = page.replace(&format!("caustica\\-{name}(1)"), &format!("caustica {name}"));
     }
     push_subcommand_sections(&mut page, &command, "CAUSTICA")?;

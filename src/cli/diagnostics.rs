@@ -29,7 +29,7 @@ pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
 /// Returns a text with three fractions of the emitted photon flux: absorbed, escaped from the
 /// scene, and stopped.
 ///
-/// A photon path is stopped at the bounce limit, or where no later photon of the path would be
+/// A render stops a photon path at the bounce limit, or where no later photon of the path would be
 /// stored.
 fn flux_fractions_text(audit: &EnergyAudit) -> String {
     let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();

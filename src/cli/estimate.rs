@@ -1,6 +1,7 @@
 //! `caustica estimate`: predicts the passes, time and photons until a given error.
 //!
-//! The command renders a short pilot by each algorithm and extrapolates the pilot's error estimate.
+//! For each algorithm, the command renders a pilot, which is a short render, and extrapolates the
+//! pilot's error estimate.
 
 mod comparison;
 mod report;
@@ -23,8 +24,8 @@ use report::CostEstimateReport;
 use std::io::Write as _;
 use std::time::{Duration, Instant};
 
-/// Smallest number of passes of the pilot render. The error estimate of fewer passes would miss
-/// rare bright paths.
+/// Smallest number of passes of the pilot, a short render whose error is extrapolated. The error
+/// estimate of fewer passes would miss rare bright paths.
 const MIN_PILOT_PASSES: u32 = 8;
 
 pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure> {
@@ -45,7 +46,8 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
                 let method = MethodArguments { integrator: *algorithm, ..arguments.method.clone() };
                 match estimate_method_cost(arguments, &method, &scene, load_seconds, &progress) {
                     Ok(report) => comparison.add_report(report),
-                    // Stop comparing, and print the reports so far.
+                    // After an interruption, compare no further algorithm, and print the reports so
+                    // far.
                     Err(failure) if failure.exit == Exit::Interrupted => break,
                     Err(failure) => return Err(failure),
                 }
@@ -67,8 +69,8 @@ fn is_interrupted() -> bool {
     INTERRUPTED.load(std::sync::atomic::Ordering::Relaxed)
 }
 
-/// Renders a pilot by the algorithm of `method`, and estimates the cost of a render for each error
-/// that the command line names.
+/// Renders a pilot (short render) by the algorithm of `method`. Estimates the cost of a full render
+/// for each error that the command line names.
 ///
 /// `load_seconds` is the time that loading the scene took \[s].
 fn estimate_method_cost(
@@ -126,7 +128,8 @@ fn render_pilot(
         progress.set_pass_number(standing.passes + 1, None);
     });
     progress.remove_progress_bar();
-    // The first pass takes longer than later ones, because caches are cold.
+    // The first pass takes longer than later ones, because caches are cold. So leave it out of the
+    // mean.
     let (passes, wall) = (rendered.film.passes(), rendered.wall_time.as_secs_f64());
     let pass_seconds = if passes > 2 { (wall - first) / f64::from(passes - 1) } else { wall / f64::from(passes) };
     (rendered, pass_seconds)

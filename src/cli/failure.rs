@@ -66,8 +66,8 @@ impl CommandFailure {
     }
 }
 
-/// Installs the style of error reports. In this style, each message in a chain of causes is printed
-/// once. Call this before the first report is made.
+/// Installs the style of error reports, which prints each message in a chain of causes once. Call
+/// this function before the first report is made.
 pub(super) fn install_report_style() {
     // A second call in one process fails and changes nothing.
     let _ = miette::set_hook(Box::new(|diagnostic| {

@@ -5,10 +5,10 @@ use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Advisory lock that keeps two processes of `caustica` from using one file. The lock is held on a
-/// second file beside it, whose name is that of the file with `.lock` added.
+/// Advisory lock that keeps two processes of `caustica` from using one file. The process locks a
+/// second file in the same folder, which has the name of the file with `.lock` added.
 ///
-/// The name is made after symbolic links are resolved, so all links to a file share its lock.
+/// Symbolic links are resolved before `.lock` is added, so all links to a file share its lock.
 pub(super) struct FileLock {
     path: PathBuf,
     /// Open file that holds the lock. The system releases the lock when the process ends.

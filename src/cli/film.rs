@@ -128,7 +128,8 @@ pub(super) fn check_film_memory(paths: &[PathBuf], count: usize, memory: Option<
 pub(super) fn merge_memory(header: &FilmHeader) -> u64 {
     let size = (header.width, header.height);
     let film = check_layered_picture_memory(size, film_layers(header), None);
-    // A size beyond all limits counts as 0: a render of that size has failed before.
+    // A picture size beyond all limits counts as 0 bytes, because a render of that size has failed
+    // before.
     2 * film.unwrap_or_default() + MERGE_MEMORY_RESERVE
 }
 
@@ -187,8 +188,8 @@ pub(super) struct FilmHeaderSettings<'a> {
     pub clamp: Option<f32>,
     /// Window of the picture to render; `None` for the whole picture.
     pub crop: Option<CropWindow>,
-    /// Number of passes of the whole render if the film holds only one shard of them; `None` for a
-    /// film without `--shard`.
+    /// Number of passes of the whole render, if the film holds only one shard (part) of them;
+    /// `None` for a film without `--shard`.
     pub planned_passes: Option<u32>,
 }
 
@@ -240,7 +241,8 @@ pub(super) fn make_film_header(
 ) -> Result<FilmHeader, CommandFailure> {
     let mut settings = render.non_default_flags();
     if render.crop.is_some() {
-        // In a picture of another size, a window with these coordinates shows something else.
+        // In a picture of another size, a crop window with these coordinates shows something else.
+        // So the size of the whole picture belongs to the settings.
         settings.extend(["--size".to_owned(), format!("{}x{}", whole.0, whole.1)]);
     }
     Ok(FilmHeader {
@@ -256,8 +258,8 @@ pub(super) fn make_film_header(
 }
 
 impl<'a> LockedFilmFile<'a> {
-    /// Locks the film file at `path`. Returns the locked file, and the passes that the file already
-    /// holds; `None` in place of the passes if the file does not exist.
+    /// Locks the film file at `path`. Returns the locked file and the passes that it already holds.
+    /// The passes are `None` if the file does not exist.
     ///
     /// Returns a failure if another process uses the file, or if its film belongs to another render
     /// than `header`. `interval` is the smallest time between two saves while the render goes on.
@@ -271,7 +273,8 @@ impl<'a> LockedFilmFile<'a> {
         let lock = lock.ok_or_else(in_use)?;
         let mut rendered = None;
         if path.exists() {
-            // The memory check of this render covers its film too.
+            // Reading the film needs no memory check: the check of this render has covered its
+            // film.
             let differences = header.differences(&read_header(path)?);
             if !differences.is_empty() {
                 let error = FilmOfOtherRenderError { path: path.to_owned(), differences };
@@ -313,8 +316,8 @@ impl<'a> LockedFilmFile<'a> {
         write_film(self.path, &self.header, rendered)
     }
 
-    /// Returns the message that the render continues this film file. It names the number of passes
-    /// that the film already holds, those of `rendered`.
+    /// Returns the message that the render continues this film file. The message states the number
+    /// of passes in `rendered`, which the film already holds.
     pub fn continuation_line(&self, rendered: &RenderResult) -> String {
         let passes = count_with_noun(rendered.film.passes() as usize, "pass", "passes");
         format!("continuing {}: {passes}", self.path.display())

@@ -1,10 +1,10 @@
-//! Texts about the estimated error of a picture, and about the time until it is lower.
+//! Texts about the estimated error of a picture, and about the time until the error is lower.
 
 use crate::render::ErrorTarget;
 use crate::render::error_estimate::{ErrorEstimate, StopForecast};
 use crate::study::text::percent_text;
 
-/// Advice for a target error that more passes cannot reach because of bias.
+/// Advice that is printed if more passes cannot reach the target error because of bias.
 pub(super) const BIAS_REMEDY: &str =
     "the rest is bias of this method: choose a smaller --radius, or --integrator sppm or hybrid, whose radii shrink";
 

@@ -44,8 +44,8 @@ impl FromStr for FrameRange {
     }
 }
 
-/// Error: the name of an output file must contain `%d` or `%04d` once, as the place of the frame
-/// number, but contains none or several.
+/// Error: the name of an output file has no place for the frame number, or several. It must contain
+/// `%d` or `%04d` once.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} `{}` has no single place for the number of a frame", path.display())]
 #[diagnostic(help("write %04d where the number is to stand, such as frame-%04d.png"))]
@@ -114,8 +114,8 @@ impl Turntable {
         Ok(Self { initial_camera: scene.camera_in_description(), pivot, axis, frames_per_turn: frames })
     }
 
-    /// Returns the camera of a frame. Returns `None` at frame 0 and after each full turn, where the
-    /// camera is that of the scene. The camera moves to the right as frame numbers rise.
+    /// Returns the camera of a frame. As frame numbers rise, the camera moves to the right. Returns
+    /// `None` for frame 0 and after each full turn: these frames have the camera of the scene.
     pub fn camera(&self, frame: u32) -> Option<Camera> {
         let step = frame % self.frames_per_turn;
         let angle = TAU * f64::from(step) / f64::from(self.frames_per_turn);

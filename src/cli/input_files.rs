@@ -78,11 +78,12 @@ impl MeshReadMonitor for InputFileCollector<'_> {
 /// Returns the SHA-256 digests of the scene file and of `inputs`, the files that it names, sorted
 /// by name and digest.
 ///
-/// Returns a failure if a file has changed since it was read: its digest would not describe the
-/// loaded scene.
+/// Returns a failure if a file has changed since it was read, because its digest would not describe
+/// the loaded scene.
 pub(super) fn input_digests(scene: &InputFile, inputs: &[InputFile]) -> Result<Vec<InputDigest>, CommandFailure> {
     let mut files: Vec<&InputFile> = std::iter::once(scene).chain(inputs).collect();
-    // A file that the scene names several times keeps its first stamp, because the sort is stable.
+    // A file that the scene names several times keeps its first stamp (modification time and
+    // length), because the sort is stable.
     files.sort_by_key(|file| &file.path);
     files.dedup_by_key(|file| &file.path);
     let mut digests = Vec::with_capacity(files.len());
@@ -171,7 +172,8 @@ mod tests {
         let names = |digests: Vec<InputDigest>| digests.into_iter().map(|input| input.name).collect::<Vec<_>>();
         assert_eq!(names(input_digests(&read_scene, &inputs).unwrap()), ["mesh.obj", "scene.txt"]);
         fs::write(&mesh, "v 0").unwrap();
-        // The first stamp counts, even if the file was found again after its change.
+        // The stamp (modification time and length) from before the change counts, even if the file
+        // was found again after the change.
         let again = [inputs[0].clone(), InputFile::new(&mesh)];
         let failure = input_digests(&read_scene, &again).unwrap_err();
         assert!(failure.reports[0].to_string().contains("mesh.obj` changed while the scene was read"));

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// When a terminal closes, for example, both the shell and the system send SIGHUP.
 const SAME_INTERRUPTION_TIME: Duration = Duration::from_secs(1);
 
-/// Message about what a render still does after the first interrupting signal, or after a stop
+/// Message that says what a render still does after the first interrupting signal, or after a stop
 /// request of the live page.
 pub(super) const STOP_CONSEQUENCE: &str = "the picture so far is written after this pass";
 

@@ -105,7 +105,7 @@ pub(super) fn has_film_extension(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(FILM_EXTENSION))
 }
 
-/// Returns one film with the passes of all films at `paths`. Skips a film that holds the same
+/// Returns one film with the passes of all films at `paths`. Leaves out a film that holds the same
 /// passes as an earlier film. At most two films are in memory at a time.
 fn read_and_merge_films(paths: &[PathBuf], progress: &ProgressDisplay) -> Result<FilmFile, CommandFailure> {
     let mut total: Option<FilmFile> = None;

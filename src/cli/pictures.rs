@@ -104,7 +104,8 @@ fn warn_of_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f
     }
     match (written.too_bright, OutputFormat::from_path(path)) {
         (0, _) => {}
-        // Clipping in OpenEXR is a warning, because its readers expect unclipped radiance.
+        // Clipping in an OpenEXR file gives a warning, because readers of such files expect
+        // unclipped radiance.
         (n, Ok(OutputFormat::Exr)) => {
             print_message(&format!("warning: {}: clipped to 65504; --exr-bits 32 holds larger values", pixels(n)));
         }

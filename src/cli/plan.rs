@@ -52,7 +52,7 @@ pub(super) fn simulated_effects_line(plan: &Plan) -> String {
 }
 
 /// Prints the plan, and the numbers of rays and photons of a pass. Warns of needed effects and of
-/// light from media that `integrator` omits, and of caustics that it finds only by chance.
+/// light from media that `integrator` omits. Also warns of caustics that it finds only by chance.
 pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay) {
     progress.print_line(&simulated_effects_line(integrator.plan()));
     pass_work_lines(integrator).iter().for_each(|line| progress.print_line(line));
@@ -65,16 +65,16 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay
     }
 }
 
-/// True if the render simulates caustics of the scene, but `integrator` traces no photons. Camera
-/// paths then find caustics only by chance.
+/// True if the render simulates caustics, but `integrator` traces no photons. Camera paths then
+/// find caustics only by chance.
 ///
 /// The estimated error of the picture leaves out the caustics that no camera path hit.
 pub(super) fn finds_caustics_only_by_chance(integrator: &dyn Integrator) -> bool {
     integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none()
 }
 
-/// Returns lines about the work of a pass: its numbers of rays and photons, the fraction of
-/// indirect light that comes from photon estimates, and the variance that guided shadow rays save.
+/// Returns lines about a pass: its numbers of rays and photons, the fraction of indirect light that
+/// comes from photon estimates, and the gains of guiding shadow rays.
 pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
     let counts = integrator.ray_photon_balance().map(|balance| pass_counts_line(&balance));
     let prefix_rays = prefix_rays_line(integrator.prefix_rays_per_pixel());
@@ -108,7 +108,7 @@ fn pass_counts_line(balance: &RayPhotonBalance) -> String {
 /// Returns a line with `mean`, the mean number of prefix rays per pixel. Returns `None` if `mean`
 /// is 0.
 ///
-/// Prefix rays are extra camera rays that end at the first surface or medium that stores photons.
+/// Prefix rays are extra camera rays that end at the first surface that stores photons.
 fn prefix_rays_line(mean: f64) -> Option<String> {
     let reason = "for highlights and caustics seen through glass";
     (mean > 0.0).then(|| format!("and {mean:.2} rays per pixel up to the first diffuse surface, {reason}"))
@@ -123,9 +123,9 @@ fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
     (integrator.interreflection_photon_weight(0) > 0.0).then_some(text)
 }
 
-/// Returns a line with the factor by which guiding lowers the variance of shadow rays to the
-/// environment light. Guided rays go where a pilot found unblocked light. `None` if no ray is
-/// guided.
+/// Returns a line with the gain of guiding shadow rays to the environment light: the factor by
+/// which the second moment of their contributions falls. Guided rays go where a pilot (simulation
+/// before the first pass) found unblocked light. `None` if no ray is guided.
 fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.environment_guiding_report().filter(|report| report.used)?;
     let percent = percent_text(report.contributing_fraction);
@@ -136,8 +136,9 @@ fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     ))
 }
 
-/// Returns a line with the factor by which the variance of camera paths falls because shadow rays
-/// from fog start in lit parts of the fog; `None` if passes do not choose these starts.
+/// Returns a line with the gain of guiding scattering points, the points in fog from which shadow
+/// rays start. Guided points lie where direct light arrives. The gain is the factor by which
+/// variance times work of camera paths falls. `None` if passes do not guide these points.
 fn scatter_point_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.scatter_point_guiding_report().filter(|report| report.used)?;
     Some(format!(
@@ -201,16 +202,18 @@ struct PlanCommandReport {
     gathered_photons: i64,
     balance: Option<RayPhotonBalance>,
     /// Mean number of prefix rays per pixel of a pass. Prefix rays are extra camera rays that end
-    /// at the first surface or medium that stores photons.
+    /// at the first surface that stores photons.
     prefix_rays_per_pixel: f64,
     /// Fraction in \[0, 1] of indirect light that comes from photon estimates in the first pass.
     /// The rest comes from camera paths.
     indirect_photon_share: f64,
     /// Report of the pilot simulation that finds from which directions environment light reaches
-    /// the scene, to guide shadow rays; `None` if there was no such pilot.
+    /// the scene. Passes use these directions to guide shadow rays. `None` if there was no such
+    /// pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
-    /// Report of the pilot simulation that finds the lit parts of media, in which shadow rays then
-    /// start; `None` if there was no such pilot.
+    /// Report of the pilot simulation that finds where in media direct light arrives. Passes use it
+    /// to choose the scattering points from which shadow rays start. `None` if there was no such
+    /// pilot, or if it found no light.
     scatter_point_guiding: Option<ScatterPointGuidingReport>,
     effects: Vec<EffectCostReport>,
 }
@@ -222,8 +225,8 @@ struct EffectCostReport {
     decision: EffectDecisionReport,
     /// Expected number of rays that the effect adds to the first pass; `None` if the effect is off.
     rays: Option<i64>,
-    /// Expected number of photons that the effect adds to the density estimates of the first pass;
-    /// `None` if the effect is off.
+    /// Expected number of photons that density estimates of the first pass sum because of the
+    /// effect; `None` if the effect is off.
     gathered_photons: Option<i64>,
 }
 

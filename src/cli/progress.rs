@@ -16,7 +16,7 @@ static PROGRESS_BAR: OnceLock<ProgressBar> = OnceLock::new();
 
 /// Writes a line to the standard error, above the progress bar if there is one.
 ///
-/// A failed write is ignored: a reader that has gone away must not end a render.
+/// A failed write is ignored, so that a closed standard error does not end a render.
 pub(super) fn print_message(line: &str) {
     let write = || {
         let _ = writeln!(std::io::stderr(), "{line}");
@@ -34,8 +34,8 @@ pub(super) fn clear_progress_bar() {
     }
 }
 
-/// Prints warnings of samples and photons that were left out because they were infinite or NaN. A
-/// correct render has none.
+/// Prints warnings of samples and photons that were left out as invalid: they were infinite or NaN,
+/// or a photon had a negative flux. A correct render has none.
 pub(super) fn warn_of_rejected_samples(counters: &Counters) {
     for (n, what) in [(counters.rejected_samples, "samples"), (counters.rejected_photons, "photons")] {
         if n > 0 {

@@ -153,7 +153,8 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let inputs = inputs.into_input_files();
     let named: Vec<FileWithRole> = inputs.iter().map(|file| FileWithRole::new("the input", &file.path)).collect();
     check_distinct_files(&output_files(arguments)?, &named)?;
-    // Make the digests of the inputs before pilots run: files may change meanwhile.
+    // Make the digests of the inputs before pilots (simulations before the first pass) run, because
+    // files may change meanwhile.
     let film_header = requested_film_header(arguments, &scene, &scene_file, &inputs)?;
     print_scene_summary(&arguments.scene.scene.display().to_string(), &scene, progress);
     if let Some(range) = arguments.frames {
@@ -179,8 +180,8 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
 /// Renders one picture of `scene`, and writes all its outputs.
 ///
 /// `film_header` is the header of the film of `--film`; `None` without this flag. The limit of
-/// `--time` counts from `start`: the time at which loading began or, if there are several pictures,
-/// at which this picture began. `live` publishes the render on the live page.
+/// `--time` counts from `start`, the time at which loading began. If there are several pictures,
+/// `start` is the time at which this picture began. `live` publishes the render on the live page.
 fn render_scene(
     arguments: &RenderArguments,
     scene: &Scene,
@@ -206,7 +207,7 @@ fn render_scene(
         balance: None,
         setup_seconds: 0.0,
     };
-    // Ray casting makes one pass, from which no error can be estimated.
+    // Ray casting makes only one pass. An error estimate needs several passes.
     let estimates_error = !arguments.no_error_estimate && algorithm != Algorithm::Raycast;
     let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
     settings.camera_paths.estimate_error = estimates_error;
@@ -307,8 +308,8 @@ fn requested_layers(arguments: &RenderArguments, estimates_error: bool) -> Layer
     }
 }
 
-/// Returns the indices (from 0) of the passes of `--shard`, and a copy of `stop` that ends the
-/// render after these passes.
+/// Returns the indices (from 0) of the passes of `--shard`, which is one of N parts of the passes.
+/// Also returns a copy of `stop` that ends the render after these passes.
 ///
 /// Without `--shard`, returns all indices and an unchanged `stop`.
 fn shard_passes_and_stop<'a>(

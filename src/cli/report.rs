@@ -43,8 +43,8 @@ pub(super) struct RenderReport {
     pub photons: PhotonReports,
     /// Estimated error; `None` after too few passes, with `--no-error-estimate`, or for `raycast`.
     pub error: Option<EstimatedErrorReport>,
-    /// Light that `--clamp` removed, as a fraction of the light of the picture without clamping;
-    /// `None` without this flag.
+    /// Fraction of the picture's light that `--clamp` removed, relative to the picture without
+    /// clamping; `None` without this flag.
     pub clamped_fraction: Option<f64>,
     pub counters: Counters,
     pub seconds: RenderTimes,
@@ -57,8 +57,8 @@ pub(super) struct RenderReport {
 /// render.
 #[derive(Debug, Serialize)]
 pub(super) struct LimitsReport {
-    /// True if the command line has none of `--passes`, `--time` and `--target-error`. The limits
-    /// are then the defaults, or those of `--preview`.
+    /// True if the command line has none of the flags `--passes`, `--time` and `--target-error`.
+    /// The limits are then the defaults, or those of `--preview`.
     #[serde(rename = "default")]
     is_default: bool,
     /// Largest number of passes; `None` without this limit.
@@ -93,9 +93,9 @@ pub(super) struct EstimatedErrorReport {
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     #[serde(rename = "confidence")]
     pub interval_confidence: Confidence,
-    /// Predicted number of passes after which the error is half of the present error (median of the
-    /// forecast), including the passes so far. `None` if it is unknown, or if bias keeps the error
-    /// above this half.
+    /// Predicted total number of passes after which the error is half of the present error: median
+    /// of the forecast, including the passes so far. `None` if the number is unknown, or if bias
+    /// keeps the error above this half.
     #[serde(rename = "halving_passes")]
     halving_total_passes: Option<u32>,
     /// Expected further time until `halving_total_passes` is reached \[s]; `None` if that field is
@@ -131,22 +131,23 @@ impl EstimatedErrorReport {
 pub(super) struct GatherRadiiReport {
     /// Largest gather radius of the indirect map in the first pass \[length].
     ///
-    /// The indirect map holds the photons of all indirect light. In `hybrid`, the map holds only
-    /// light that a surface or medium reflected or scattered after the light had formed a caustic.
+    /// In most algorithms, the indirect map holds the photons of all indirect light. In `hybrid`,
+    /// it holds only light that a surface or medium reflected or scattered after the light had
+    /// formed a caustic.
     #[serde(rename = "global")]
     pub indirect: f32,
     /// Largest gather radius of the caustic map in the first pass \[length].
     pub caustic: f32,
 }
 
-/// Counts and flux of photon paths, separately for paths that start in all directions and for paths
-/// aimed at casters.
+/// Counts and flux of photon paths. Paths that lights emit in all directions are separate from
+/// paths that lights aim at casters (glass, mirrors).
 #[derive(Debug, Serialize)]
 pub(super) struct PhotonReports {
-    /// Photon paths that start in all directions (unaimed): those of `--photons`.
+    /// Photon paths that lights emit in all directions (unaimed): those of `--photons`.
     #[serde(rename = "global")]
     pub unaimed: PhotonReport,
-    /// Photon paths that are aimed at casters, such as glass: those of `--caustic-photons`.
+    /// Photon paths that lights aim at casters (glass, mirrors): those of `--caustic-photons`.
     #[serde(rename = "caustic")]
     pub aimed: PhotonReport,
 }

@@ -21,8 +21,8 @@ impl TevOutput {
         Self { client: TevClient::start(address.clone(), report), name: scene.to_owned() }
     }
 
-    /// Sends the picture and its light groups to the viewer, unless the last images were sent too
-    /// recently; see [`TevClient::queue_image_if_due`].
+    /// Sends the picture and its light groups to the viewer if an update is due; see
+    /// [`TevClient::queue_image_if_due`].
     pub fn send_if_due(&mut self, rendered: &RenderResult) {
         self.client.queue_image_if_due(&self.name, rendered.film.size(), || picture_and_group_layers(rendered));
     }

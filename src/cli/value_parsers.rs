@@ -15,7 +15,7 @@ pub(super) fn parse_count(text: &str) -> Result<u32, String> {
     };
     let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == '.');
     let value = digits.parse::<f64>().ok().filter(|_| plain).map(|x| x * scale);
-    // Rounding may move the product of a decimal fraction and its scale off a whole number.
+    // The product of a decimal fraction and its scale may differ from a whole number by rounding.
     let is_whole = |x: f64| (x - x.round()).abs() <= 1e-12 * x;
     match value {
         Some(x) if is_whole(x) && x <= f64::from(u32::MAX) => Ok(x.round() as u32),
@@ -49,8 +49,8 @@ pub(super) fn parse_positive_count(text: &str) -> Result<u32, String> {
 
 /// Parses the largest number of photons in a density estimate. Refuses 1.
 ///
-/// The farthest of these photons only sets the radius of the gather disc: its flux is not counted.
-/// So an estimate with one photon would be 0.
+/// The farthest of these photons only sets the radius of the gather disc, and the estimate leaves
+/// out its flux. So an estimate with one photon would be 0.
 pub(super) fn parse_gather_count(text: &str) -> Result<u32, String> {
     match parse_count(text)? {
         1 => Err(

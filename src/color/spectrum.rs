@@ -5,7 +5,7 @@
 //!
 //! The color of a reflectance is its color under an equal-energy illuminant, scaled so that a
 //! constant reflectance is gray. Paths with sampled wavelengths give the same gray. The color of an
-//! emission keeps the luminance, and white is D65.
+//! emission has the luminance of its spectrum, and D65 is white.
 
 use super::rgb::xyz_to_rgb;
 use super::wavelength::color_matching_rgb;
@@ -176,8 +176,9 @@ impl Spectrum {
     /// Returns the linear RGB color of light with this spectrum, in the unit of the spectrum's
     /// values.
     ///
-    /// The luminance is the mean of the values, weighted by the luminous efficiency. D65 is white,
-    /// and a constant spectrum is slightly red. Negative channels become 0.
+    /// The luminance of the color is the mean of the spectrum's values, weighted by the luminous
+    /// efficiency. D65 is white, and a constant spectrum is slightly red. Negative channels become
+    /// 0.
     #[must_use]
     pub fn radiance_rgb(&self) -> DVec3 {
         let sum: DVec3 = RGB_RESPONSES_AND_SUM
@@ -258,7 +259,8 @@ pub fn conductor_refractive_index(eta: &Spectrum, k: &Spectrum) -> (DVec3, DVec3
 #[must_use]
 pub fn illuminant_rgb(name: &str) -> Option<DVec3> {
     let spectrum = match name {
-        // The definition of A: 2848 K with the second radiation constant of 1931.
+        // Illuminant A is a blackbody of 2848 K by definition, with the second radiation constant
+        // of 1931.
         "A" => Spectrum::blackbody(2848.0 * SECOND_RADIATION_CONSTANT / 1.435e-2),
         "D50" => Spectrum::daylight(5003.0),
         "D55" => Spectrum::daylight(5503.0),

@@ -1,9 +1,9 @@
 //! Sampled wavelengths and their weights in linear RGB.
 //!
-//! At the first dispersive interface, a path samples one wavelength and keeps it. Each RGB channel
-//! has a response over the wavelengths, which integrates to 1. The pdf of the wavelength is the
-//! mean of the three responses. The path's throughput is multiplied by the responses over the pdf,
-//! [`Wavelength::weight`]. So white light stays white on average.
+//! At the first dispersive interface, a path samples one wavelength, and usually keeps it. Each RGB
+//! channel has a response over the wavelengths, which integrates to 1. The pdf of the wavelength is
+//! the mean of the three responses. The path's throughput is multiplied by the responses over the
+//! pdf, [`Wavelength::weight`]. So white light stays white on average.
 //!
 //! The responses are the CIE 1931 (2°) color matching functions in linear RGB of Rec. 709. They use
 //! the fit of Wyman, Sloan and Shirley 2013 ("Simple Analytic Approximations to the CIE XYZ Color
@@ -103,7 +103,7 @@ struct SpectralResponseTable {
     cumulative_probabilities: [f64; RESPONSE_INTERVAL_COUNT + 1],
     /// Pdf of sampled wavelengths in each interval \[1/nm].
     pdfs: [f32; RESPONSE_INTERVAL_COUNT],
-    /// [`Wavelength::weight`] in each interval.
+    /// Weight of a sampled wavelength in each interval: see [`Wavelength::weight`].
     weights: [Rgb; RESPONSE_INTERVAL_COUNT],
 }
 

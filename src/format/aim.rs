@@ -10,7 +10,7 @@ use std::fmt;
 /// Orientation of a camera or light: a direction, or a point to look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionOrTarget {
-    /// Direction of any length above 0.
+    /// Direction in which the camera or light faces, of any length above 0.
     Direction(DVec3),
     /// Point that the camera or light looks at.
     Target(DVec3),

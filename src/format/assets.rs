@@ -12,11 +12,11 @@ use std::sync::Arc;
 /// The file system is not searched for a path that is listed here.
 #[derive(Clone, Debug, Default)]
 pub struct EmbeddedAssets {
-    /// Meshes of `TriangleMesh` shapes.
+    /// Meshes of `TriangleMesh` shapes, by path.
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
-    /// Pictures of textures and lights; their values are linear.
+    /// Pictures of textures and lights, by path. Their values are linear.
     pub pictures: BTreeMap<String, Arc<Image>>,
-    /// Density grids of media.
+    /// Density grids of media, by path.
     pub grids: BTreeMap<String, Arc<DensityGridData>>,
 }
 

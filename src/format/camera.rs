@@ -21,8 +21,8 @@ use std::fmt;
 /// A camera as the scene file describes it, with its picture size and motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDescription {
-    /// Position in world space: the pinhole, the lens center, the center of an orthographic
-    /// picture, or the viewpoint of a panorama.
+    /// Position of the camera in world space: the pinhole, the lens center, the center of an
+    /// orthographic picture, or the viewpoint of a panorama.
     pub center: DVec3,
     /// View direction, or a point to look at.
     pub aim: DirectionOrTarget,
@@ -217,7 +217,8 @@ pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Resu
     let center = f.value_or_default("center")?;
     let (aim, direction) = parse_direction_or_target(&f, "center", center)?;
     let up: DVec3 = f.value_or_default("up")?;
-    // For a smaller sine of the angle between `up` and the view, rounding decides which way is up.
+    // If the sine of the angle between `up` and the view is smaller than this, rounding decides
+    // which way is up.
     if up.normalize().cross(direction.normalize()).length() < 1e-9 {
         let culprit = f.get("up").or(f.get("direction")).or(f.get("lookAt"));
         let message = "`up` is parallel to the direction of view".to_owned();

@@ -38,8 +38,8 @@ pub(super) fn camera_with_aspect_ratio(
 
 /// Returns a perspective camera that sees all of a scene with bounds from `low` to `high`.
 ///
-/// The camera stands above and to the right of the center of the bounds, on the side of +z, and
-/// looks at the center with +y up. Empty bounds count as a sphere of radius 1 about the origin.
+/// The camera stands above and to the right of the center of the bounds, on the side of +z. It
+/// looks at the center, with +y up. Empty bounds count as a sphere of radius 1 about the origin.
 pub(super) fn framing_camera((low, high): (DVec3, DVec3)) -> CameraDescription {
     const FIELD_OF_VIEW_DEGREES: f64 = 40.0;
     let (center, radius) =

@@ -43,7 +43,8 @@ pub struct SceneDescription {
     pub textures: Vec<Spanned<TextureDescription>>,
     /// Media, in the order of the file.
     pub media: Vec<Spanned<MediumDescription>>,
-    /// Materials, in the order of the file; `MaterialIndex` counts them from 0.
+    /// Materials, in the order of the file. Entries [`GroupItem::MaterialIndex`] refer to them by
+    /// their index from 0.
     pub materials: Vec<Spanned<MaterialDescription>>,
     /// Top-level group: all objects of the scene, with the entries that set their materials.
     pub root: ObjectGroup,

@@ -16,8 +16,8 @@ const UNSUPPORTED_MESH_EXTENSIONS: &[&str] = &["stl", "off"];
 /// File extensions of the meshes that a scene file can refer to.
 const MESH_EXTENSIONS: &[&str] = &["obj", "ply"];
 
-/// True if a file with this extension may hold meshes, but none are read from it: a scene format of
-/// another program, or a mesh format without a reader.
+/// True if a file with this extension may hold meshes that a shape cannot read: it is a scene of
+/// another program, or a mesh in a format without a reader.
 pub(super) fn is_unsupported_mesh_format(extension: &str) -> bool {
     let is_imported = IMPORTERS.iter().any(|importer| importer.extensions().contains(&extension));
     (is_imported && !SCENE_TEXT_EXTENSIONS.contains(&extension))
@@ -26,10 +26,10 @@ pub(super) fn is_unsupported_mesh_format(extension: &str) -> bool {
 }
 
 /// Returns advice to a user who passes a file with this extension as the scene file, if it is a
-/// mesh or a scene in an unsupported format. `None` for unknown extensions: their files are read as
-/// scene text.
+/// mesh or a scene in an unsupported format.
 ///
-/// `extension` must not be one that an importer reads.
+/// `None` for unknown extensions, because their files are read as scene text. `extension` must not
+/// be one that an importer reads.
 pub(super) fn remedy_for_foreign_scene(extension: &str) -> Option<&'static str> {
     if UNSUPPORTED_SCENE_EXTENSIONS.contains(&extension) {
         Some("export the meshes as OBJ or PLY, and name them in a scene text: `TriangleMesh { file a.obj }`")

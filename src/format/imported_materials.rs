@@ -58,7 +58,7 @@ impl ImportedMixLimits {
 pub(super) struct ImportedMaterials {
     /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
-    /// Names in use. Each maps to a number: when another material wants the name,
+    /// Names in use, each with a number. If another material wants the name,
     /// [`unique_name`](Self::unique_name) first tries the name with this number appended.
     next_numbers: HashMap<String, u32>,
     mix_limits: ImportedMixLimits,

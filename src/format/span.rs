@@ -5,9 +5,9 @@ use std::ops::Deref;
 /// A range of bytes in the text of a scene, for error messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Span {
-    /// Offset of the first byte.
+    /// Offset of the first byte of the range from the start of the text.
     pub start: usize,
-    /// Length in bytes.
+    /// Length of the range in bytes.
     pub len: usize,
 }
 

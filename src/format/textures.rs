@@ -85,10 +85,10 @@ pub enum SolidPatternDescription {
 /// Encoding of pictures with integer values, such as PNG files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureEncoding {
-    /// Values are encoded by the sRGB transfer function, as in photographs.
+    /// Integer values are encoded by the sRGB transfer function, as in photographs.
     #[default]
     Srgb,
-    /// Values are linear, such as heights or normals.
+    /// Integer values are linear, as in pictures of heights or normals.
     Linear,
 }
 

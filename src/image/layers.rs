@@ -62,7 +62,7 @@ fn check_exr_extension(path: &Path) -> Result<(), WriteError> {
 ///
 /// # Errors
 /// [`WriteError`]; an existing file is then unchanged. [`WriteError::Channel`] if the name of a
-/// channel is empty, too long or not unique, or if a channel does not have one value per pixel.
+/// channel is empty, too long or not unique. Also if a channel does not have one value per pixel.
 pub fn write_layers(
     path: &Path,
     size: (u32, u32),
@@ -102,7 +102,7 @@ fn encode(size: (u32, u32), layers: &[ExrLayer], metadata: &[(String, String)]) 
         return Err(WriteError::Encode("there are no channels".to_owned()));
     }
     let size = (size.0 as usize, size.1 as usize);
-    // The format requires channels in the order of their names.
+    // OpenEXR requires channels in the order of their names.
     let channels = AnyChannels::sort(channels);
     let mut file =
         ExrImage::from_layer(Layer::new(size, layer_attributes(metadata), Encoding::SMALL_LOSSLESS, channels));

@@ -51,9 +51,9 @@ pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
 /// Returns the relative mean square error: mean of (a − b)² / (b² + ε) over pixels and channels
 /// (Rousselle et al. 2011).
 ///
-/// In the formula, a and b are channel values of `a` and `reference`. ε is `epsilon`, in the unit
-/// of b²; 0.01 is common. The relative squared error of a pixel is limited to `clip`, so that a
-/// firefly does not dominate; `None` means no limit.
+/// In the formula, a and b are channel values of the pictures `a` and `reference`. ε is `epsilon`,
+/// in the unit of b²; 0.01 is common. The relative squared error of a pixel is limited to `clip`,
+/// so that a firefly does not dominate. `None` means no limit.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or ε or `clip` is not positive and
@@ -78,7 +78,7 @@ pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64
 /// Largest absolute difference between two pictures in one channel, and the pixel where it occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LargestDifference {
-    /// Absolute difference \[W/(m² sr)].
+    /// Largest absolute difference of the two pictures in one channel \[W/(m² sr)].
     pub difference: f64,
     /// Column of the pixel with this difference, counted from 0 at the left.
     pub x: u32,
@@ -100,7 +100,7 @@ pub struct PixelDifferences {
 }
 
 /// Returns the largest difference of two pictures in each channel, and the number of differing
-/// pixels. 0 and −0 are equal.
+/// pixels. Values 0 and −0 count as equal.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.

@@ -79,7 +79,7 @@ impl From<DecodingError> for DecodeFailure {
 struct DecodedPng {
     width: u32,
     height: u32,
-    /// One or two bytes per sample, big-endian.
+    /// All samples, in rows from the top. Each has one or two bytes, big-endian.
     samples: Vec<u8>,
     /// True if samples have 16 bits.
     sixteen: bool,
@@ -158,8 +158,8 @@ pub(super) fn decode_non_color(file: &[u8], free: Option<u64>) -> Result<Image, 
     apply_transfer_function(decode_png_samples(file, free)?, |signal| signal as f32)
 }
 
-/// Converts samples to an image. Each sample is scaled to \[0, 1]; the function `linear` maps the
-/// result to a linear value.
+/// Converts samples to a picture. Each sample is scaled to \[0, 1], and the function `linear` maps
+/// it to a linear value.
 fn apply_transfer_function(decoded: DecodedPng, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
     let DecodedPng { width, height, samples, sixteen, .. } = decoded;
     let table: Vec<f32> = if sixteen {

@@ -4,8 +4,8 @@ use super::Image;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Half width of the window of 5 × 5 pixels over which [`RelativeErrorWeights`] averages radiance
-/// \[pixels]. The center pixel is not counted.
+/// Number of pixels on each side of the center in the window of 5 × 5 pixels over which
+/// [`RelativeErrorWeights`] averages radiance.
 const NEIGHBORHOOD_HALF_WIDTH: usize = 2;
 
 /// Smallest number of pixels that a parallel loop gives to one task.

@@ -37,8 +37,8 @@ const DECODER_BYTES: u64 = 1 << 20;
 /// Decodes a PNG, JPEG, BMP or TGA picture from the bytes `file`; returns `Ok(None)` for another
 /// format.
 ///
-/// TGA files have no signature, so the extension `tga` of `path` selects that format. Otherwise,
-/// `path` is only for messages.
+/// TGA files have no signature, so the extension `tga` of `path` selects that format. For other
+/// formats, `path` is only for messages.
 ///
 /// Fails if decoding needs more than `free` bytes of memory; `None` means no limit.
 ///
@@ -66,8 +66,8 @@ fn decode_levels(file: &[u8], format: ImageFormat, free: Option<u64>) -> Result<
     let reason = |error: ImageError| DecodeFailure::Reason(error.to_string());
     let (width, height) = ImageReader::with_format(Cursor::new(file), format).into_dimensions().map_err(reason)?;
     let pixels = pixel_count(width, height)?;
-    // A PNG or BMP has at least one bit per pixel. A JPEG codes each block of 64 pixels by a bit or
-    // more, and a TGA runs of 128 pixels by two bytes or more.
+    // Before compression, a PNG or BMP has at least one bit per pixel. A JPEG codes each block of
+    // 64 pixels by a bit or more. A TGA codes a run of up to 128 pixels by two bytes or more.
     check_compression_ratio(pixels as u64 / 8, file.len())?;
     check_memory(pixels, free)?;
     let mut reader = ImageReader::with_format(Cursor::new(file), format);

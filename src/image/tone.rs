@@ -81,7 +81,7 @@ pub struct ToneMap {
 /// not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClippedPixelReport {
-    /// Number of pixels with a NaN or infinite channel. PNG stores NaN as level 0.
+    /// Number of pixels with a NaN or infinite channel. A PNG file stores NaN as level 0.
     pub non_finite: usize,
     /// Number of finite pixels with a channel clamped to white in PNG, or to ±65504 in 16-bit
     /// OpenEXR.
@@ -150,7 +150,8 @@ impl Quantizer {
         match self.curve {
             ToneCurve::Srgb => nearest(f64::from(c)),
             ToneCurve::Filmic => nearest(filmic_curve(f64::from(c))),
-            // The course's ray caster multiplies in f32. Other arithmetic could give other levels.
+            // The ray caster of MIT course 6.837 multiplies in f32. Other arithmetic could give
+            // other levels.
             ToneCurve::Legacy => (f32::from(self.white) * c.clamp(0.0, 1.0)) as u16,
         }
     }
@@ -158,7 +159,8 @@ impl Quantizer {
 
 /// Narkowicz's fit of the ACES film curve at radiance `x`; it exceeds 1 above x = 7.24.
 fn filmic_curve(x: f64) -> f64 {
-    // Above 8 the curve exceeds 1, and infinity would give NaN. Below 0 the fit has a pole.
+    // The upper limit avoids NaN for an infinite x, and above 8 the curve exceeds 1 anyway. The
+    // lower limit avoids a pole of the fit below 0.
     let x = x.clamp(0.0, 8.0);
     x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
 }

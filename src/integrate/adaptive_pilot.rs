@@ -2,9 +2,9 @@
 //! rays each pixel needs.
 //!
 //! The mean of n rays of a pixel has variance σ²/n. For a given total of rays, the mean relative
-//! variance of the pixels is least if n is proportional to σ over the radiance. The pilot estimates
-//! σ and the radiance from a few pictures before the first pass. No pass uses rays of the pilot, so
-//! the mean of the passes stays unbiased.
+//! variance of the pixels is least if n is proportional to σ divided by the pixel's radiance. The
+//! pilot estimates σ and the radiance from a few pictures. No pass uses rays of the pilot, so the
+//! mean of the passes stays unbiased.
 
 use super::camera_path;
 use super::map_builder::MapBuildOptions;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// Differences between the pictures give the noise of each pixel.
 const PILOT_PICTURES: u32 = 4;
 
-/// Divisor for photon paths: the adaptive-sampling pilot traces a sixteenth of those of a pass.
+/// Number of photon paths of a pass, divided by the number that the adaptive-sampling pilot traces.
 const PHOTON_PATH_DIVISOR: u32 = 16;
 
 /// Lower bound on the number of camera rays of a pixel, divided by the mean number over all pixels.
@@ -41,7 +41,7 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
     let pilot = renderer.with_one_sample();
     let pictures: Vec<Vec<f64>> = (0..PILOT_PICTURES)
         .map(|i| {
-            // No render reaches these passes, so no random number is used twice.
+            // No render reaches passes with such high numbers, so no random number is used twice.
             let pass = u32::MAX - i;
             let (paths, sampling, key) =
                 (pilot.path_context(Some(&maps), pass), pilot.film_sampling(pass), pilot.camera_path_key(pass));
@@ -72,8 +72,8 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
     };
     let variances: Vec<f64> = (0..width * height).map(variance).collect();
     let median = positive_median(mean.iter().copied())?;
-    // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
-    // keeps detail, a larger one includes rare bright samples.
+    // A few pictures do not measure one pixel well, so means and variances are averaged over
+    // neighbours. A small box keeps detail; a larger one includes rare bright samples.
     let box_mean =
         |values: &[f64], i: usize, half_width: usize| box_mean(|i| values[i], i, half_width, (width, height));
     let wanted: Vec<f64> = (0..width * height)
@@ -93,11 +93,12 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
     let share = |scale: f64, w: f64| (scale * w).clamp(least, MAX_RELATIVE_COUNT);
     let total = |scale: f64| wanted.iter().map(|w| share(scale, *w)).sum::<f64>() / wanted.len() as f64;
     let (mut low, mut high) = (0.0, 1.0 / largest);
-    // Raise the upper bound of the scale if it leaves rays unused, as when few pixels need rays.
+    // The scale is the factor from `wanted` to relative ray counts. Raise its upper bound while it
+    // leaves rays unused, as happens if few pixels need rays.
     while total(high) < 1.0 && high * largest < MAX_RELATIVE_COUNT * 1e6 {
         high *= 2.0;
     }
-    // Bisect for the scale, with which the mean number of rays grows. Sixty steps exhaust double
+    // Bisect for the scale: the mean number of rays grows with it. Sixty steps exhaust double
     // precision.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -130,15 +131,15 @@ mod tests {
         for (i, share) in shares.iter().enumerate() {
             match i % width {
                 0..4 => assert_eq!(*share, MIN_RELATIVE_COUNT as f32),
-                // The noisy half of the pixels gets about 1.5 times the mean each. Pixels near the
-                // middle average both sides.
+                // Each pixel of the noisy half gets about 1.5 times the mean number of rays. The
+                // estimates of pixels near the middle mix both halves.
                 12.. => assert!((1.2..1.6).contains(share), "{i}: {share}"),
                 _ => {}
             }
         }
         // With one ray per pixel, no pixel can give one away.
         assert!(relative_ray_counts(&pictures, width, height, 1).unwrap().iter().all(|share| *share == 1.0));
-        // A pixel that needs almost nothing takes nothing from the others.
+        // Very little noise in one pixel does not change the ray counts of other pixels.
         let mut faint = pictures.clone();
         (0..64).for_each(|i| faint[i][0] = 1.0 + 1e-12 * i as f64);
         assert_eq!(relative_ray_counts(&faint, width, height, 16).unwrap()[20..], shares[20..]);

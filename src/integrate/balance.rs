@@ -2,8 +2,10 @@
 //!
 //! The variance of a pass is a sum over sources of noise: camera rays, photon paths that start in
 //! all directions, and photon paths aimed at casters such as glass. With nᵢ samples, source i has
-//! variance σᵢ²/nᵢ and work cᵢ·nᵢ. For constant work, the variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather
-//! radii and bias do not change.
+//! variance σᵢ²/nᵢ and work cᵢ·nᵢ. For constant work, the variance is least if nᵢ ∝ σᵢ/√cᵢ.
+//!
+//! The balance keeps gather radii, and so the bias of photon estimates. Radii change with the
+//! number of photon paths only if the setting `gather_k` limits the photons of an estimate.
 
 use super::pilot_statistics::positive_median;
 use crate::color::{self, Rgb};
@@ -56,9 +58,10 @@ pub(super) struct NoiseSource {
     /// sample: one camera ray per pixel, or one photon path. With n samples, the variance is 1/n of
     /// this value.
     pub single_sample_variance: f64,
-    /// Estimated time of one sample, divided by the time to trace one photon ray.
+    /// Estimated time of one sample (one camera ray per pixel, or one photon path), divided by the
+    /// time to trace one photon ray.
     pub work_per_sample: f64,
-    /// Number of samples before balancing.
+    /// Number of samples (camera rays per pixel, or photon paths) before the balance changes it.
     pub sample_count: f64,
 }
 
@@ -98,7 +101,7 @@ pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     for p in sources.iter().filter(|p| p.has_noise()) {
         high = high.max(MAX_CHANGE * p.sample_count / (p.single_sample_variance / p.work_per_sample).sqrt());
     }
-    // Bisect for the scale, with which the work grows. Sixty steps exhaust double precision.
+    // Bisect for the scale: the work grows with it. Sixty steps exhaust double precision.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if work(&numbers(middle)) > initial_work { high = middle } else { low = middle }

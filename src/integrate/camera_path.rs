@@ -328,7 +328,8 @@ fn continue_path<I: Interior>(
         next.history.casters_since_receiver -= 1;
         next.prev_nee_vertex = path.prev_nee_vertex;
     } else if path.bounce >= paths.max_bounces {
-        // Callers let such a path come here only to cross a sheet, which is no bounce.
+        // Callers let a path that has made all its bounces come here only to cross a thin sheet,
+        // which is no bounce. This path does not cross the sheet.
         return false;
     } else {
         next.prev_nee_vertex = (!sample.is_specular).then_some(PrevVertex {
@@ -474,7 +475,8 @@ fn may_add_light_after(policy: &PathPolicy, history: PathHistory) -> bool {
 /// True if `path` may add the emission of the surface or environment that its ray has just reached.
 ///
 /// False for caustics that photons carry. Also false after next-event estimation if soft shadows
-/// are off, because next-event estimation then samples only the centers of area lights.
+/// are off. Next-event estimation then samples only the centers of lights, without MIS, and carries
+/// all their light.
 #[inline]
 fn may_add_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
     (path.prev_nee_vertex.is_none() || policy.effects.has(Effect::SoftShadows))
@@ -491,8 +493,9 @@ fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &Su
     prev.pdf / (prev.pdf + nee.mis_pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
 }
 
-/// Returns the radiance \[W/(m² sr)] that `path` adds when its ray leaves the scene: the
-/// environment's radiance times its MIS weight, or the background if there is no environment light.
+/// Returns the radiance \[W/(m² sr)] that `path` adds when its ray leaves the scene. This is the
+/// environment's radiance times its MIS weight. Without an environment light, or if its effect is
+/// off, it is the background.
 ///
 /// Returns 0 for the background after a receiver (surface or medium that stores photons), because
 /// the background lights nothing. Also returns 0 for environment light that photons or next-event
@@ -569,8 +572,8 @@ impl<I: Interior> PathState<I> {
     /// Counts a crossed boundary as one of `history.casters_since_receiver`, and clears
     /// `prev_nee_vertex`. Does nothing if `crossed_hidden_boundary` is false.
     ///
-    /// A hidden boundary blocks shadow rays, but not camera rays. So next-event estimation could
-    /// not have sampled the light beyond it.
+    /// A hidden boundary lies inside a body of higher priority. It blocks shadow rays, but not
+    /// camera rays. So next-event estimation could not have sampled the light beyond it.
     #[inline]
     fn count_crossed_boundary(&mut self, crossed_hidden_boundary: bool) {
         if crossed_hidden_boundary {
@@ -597,7 +600,7 @@ impl<I: Interior> PathState<I> {
     /// `prev_nee_vertex` is `None`, as after a specular bounce; the caller sets it after other
     /// bounces.
     ///
-    /// `weight` is the BSDF times the cosine over the pdf of the direction.
+    /// `weight` is the product of the BSDF and the cosine, divided by the pdf of the direction.
     #[inline]
     fn after_scattering(
         &self,

@@ -1,8 +1,9 @@
 //! `distributed`: distributed ray tracing (Cook, Porter and Carpenter 1984).
 //!
 //! # Algorithm
-//! - **Prepare**: guide shadow rays to the environment light, and guide the points of media from
-//!   which shadow rays start.
+//! - **Prepare**: run two pilots, small simulations before the first pass. One guides shadow rays
+//!   to the environment light. The other guides scattering points, the points in media from which
+//!   shadow rays start.
 //! - **Each pass**: trace camera paths that sample area lights, glossy lobes, the lens and the
 //!   pixel at random. A path continues only if the chosen BSDF lobe is not diffuse, so diffuse
 //!   surfaces do not light each other.

@@ -20,7 +20,7 @@ const BINS_PER_SIDE: usize = 32;
 const BINS_PER_CELL: usize = BINS_PER_SIDE * BINS_PER_SIDE;
 
 /// Number of times that the grid over the scene is refined when [`EnvironmentGuide`] is fitted.
-/// Each refinement splits each cell into eight.
+/// Each refinement splits each cell into eight, and each bin of directions into four.
 const REFINEMENTS: u32 = 3;
 
 /// Number of cells of the finest grid along each axis of the scene.
@@ -33,9 +33,9 @@ const CELLS_PER_AXIS: u32 = 1 << REFINEMENTS;
 /// guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
-/// Weight of the parent bin's mean in the estimate of a bin's mean (shrinkage estimator): the
-/// parent's mean counts as much as 2 rays. The parent is the larger bin of the next coarser level
-/// that contains the bin.
+/// Weight of the parent bin in the estimate of a bin's mean squared contribution (shrinkage
+/// estimator): the parent's mean counts as much as 2 rays in the bin. The parent is the larger bin
+/// of the next coarser level that contains the bin.
 const PARENT_WEIGHT: f64 = 2.0;
 
 /// Learned distributions of the directions from which the environment light reaches each cell of a
@@ -111,9 +111,9 @@ impl EnvironmentGuideFitter {
     /// Returns the guide fitted to the added pilot rays; `None` if no ray contributed to the
     /// picture.
     ///
-    /// The squared contributions are averaged in each bin. Each average is drawn towards the
-    /// average of its parent bin, the larger bin of the next coarser level. The parent's average is
-    /// drawn towards its own parent's, and so on up to the whole scene.
+    /// The squared contributions are averaged in each bin. To reduce noise, each average is drawn
+    /// towards the average of its parent bin, the larger bin of the next coarser level. The
+    /// parent's average is drawn towards its own parent's, and so on up to the whole scene.
     pub fn fitted_guide(&self) -> Option<EnvironmentGuide> {
         let mean = self.squared_contribution_sums.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
         let mut means = vec![mean; RefinementLevel(0).bin_count()];

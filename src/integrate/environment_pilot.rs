@@ -33,8 +33,8 @@ const ROUNDS: u32 = 4;
 /// in each round.
 const RAYS_PER_POINT: u32 = 6;
 
-/// Variance gain above which passes use guided shadow rays: the variance of unguided rays, divided
-/// by that of guided rays.
+/// Gain above which passes use guided shadow rays: the second moment of the contributions of
+/// unguided rays to the picture, divided by the second moment for guided rays.
 ///
 /// The value exceeds 1, because guided rays take longer to sample, and because camera paths that
 /// sample the BSDF find a widely visible environment without shadow rays.
@@ -157,8 +157,8 @@ fn trace_round(
 /// Returns the transmittance along `ray` to the environment. The result is 1 if nothing blocks the
 /// ray, and 0 if an opaque surface does.
 ///
-/// Only null interfaces and thin sheets let shadow rays pass. Media attenuate a ray only if it
-/// crosses such a boundary.
+/// Shadow rays pass only null interfaces and thin sheets. A ray that meets no surface counts as
+/// unattenuated, even if it starts in a medium.
 fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key: Key) -> Rgb {
     if !scene.occluded(ray) {
         return Rgb::ONE;

@@ -24,7 +24,7 @@ pub(super) type FilmPoint = (Vec2, Sampler);
 /// sampler of its camera path.
 ///
 /// Points with the same index in two different `set`s lie at independent positions of the same
-/// pixel, so that their difference shows the noise.
+/// pixel. So the difference of their radiances shows the noise of camera paths.
 pub(super) fn generate_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
@@ -40,7 +40,8 @@ pub(super) fn generate_film_points(scene: &Scene, key: Key, set: u32) -> Vec<Fil
 /// Traces a camera path through each of `points`.
 ///
 /// Returns the radiance at each point \[W/(m² sr)], and the parallel tasks that traced the paths.
-/// The tasks hold the ray counts and the records of pilots, such as visible points.
+/// The tasks hold the ray counts, and the records that paths make for pilots, such as visible
+/// points.
 pub(super) fn trace_paths_through_film_points(
     paths: &PathContext<'_>,
     points: &[FilmPoint],

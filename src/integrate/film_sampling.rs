@@ -11,7 +11,8 @@ use glam::Vec2;
 /// Camera, pixel filter, window and numbers of camera rays with which a picture is rendered.
 pub(super) struct FilmSampling<'a> {
     pub camera: &'a Camera,
-    /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel.
+    /// Reconstruction filter; `None` sends each ray through the lower left corner of its pixel, as
+    /// `raycast` does by default.
     pub filter: Option<&'a Filter>,
     /// Mean number of rays per pixel.
     pub samples_per_pixel: u32,
@@ -21,7 +22,7 @@ pub(super) struct FilmSampling<'a> {
     /// `samples_per_pixel` rays.
     pub relative_ray_counts: Option<&'a [f32]>,
     /// Numbers and keys of [prefix rays](super::prefix_rays), extra camera paths that end at the
-    /// first surface that stores photons; `None` traces none.
+    /// first surface that stores photons; `None` for no prefix rays.
     pub prefix_rays: Option<PrefixRays<'a>>,
     /// True if each photon estimate is repeated in smaller gather discs with the same center. The
     /// differences between these estimates show the bias.
@@ -43,46 +44,48 @@ pub(super) struct FilmSampling<'a> {
     pub tile_stride: u32,
 }
 
-/// Numbers of [prefix rays](super::prefix_rays) of each pixel of a picture, the images of lamps at
-/// which some are aimed, and random keys.
+/// Numbers of [prefix rays](super::prefix_rays) of each pixel of a picture, the lamp images at
+/// which some prefix rays are aimed, and random keys.
 ///
-/// Prefix rays are extra camera paths that end at the first surface that stores photons. The image
-/// of a lamp is the part of the film at which camera rays meet the lamp.
+/// Prefix rays are extra camera paths that end at the first surface that stores photons. A lamp
+/// image is a film region where camera rays meet a small lamp.
 #[derive(Clone, Copy)]
 pub(super) struct PrefixRays<'a> {
     /// Numbers of prefix rays (extra camera rays that stop at the first surface that stores
     /// photons) of each pixel, by rows from the top.
     pub counts: &'a [PixelPrefixRayCounts],
-    /// Random key of the unaimed prefix rays: the pixel filter distributes their film points.
+    /// Random key of the prefix rays that are not aimed at lamp images. The pixel filter
+    /// distributes their film points.
     pub key: Key,
-    /// Images of lamps in each pixel, at which some prefix rays are aimed: film regions where
-    /// camera rays meet a lamp.
+    /// Lamp images at which some prefix rays are aimed, for each pixel. A lamp image is a film
+    /// region where camera rays meet a small lamp.
     pub lamp_images: &'a LampImages,
-    /// Random key of the aimed prefix rays: their film points lie near images of lamps.
+    /// Random key of the prefix rays that are aimed at lamp images, the film regions where camera
+    /// rays meet a small lamp.
     pub aimed_key: Key,
 }
 
-/// Camera rays of one pixel, or its prefix rays (extra camera rays that stop at the first surface
-/// that stores photons): their number, shutter times, random key and weights.
+/// Set of rays of one pixel: camera rays, or prefix rays (extra camera rays that stop at the first
+/// surface that stores photons). Holds their number, shutter times, random key and weights.
 pub(super) struct PixelRays<'a> {
-    /// Random key of the rays.
+    /// Random key of the rays in the set.
     pub key: Key,
-    /// Number of rays.
+    /// Number of rays in the set.
     pub count: u32,
-    /// Number of the rays in each slice of the shutter interval.
+    /// Division of the rays in the set among the slices of the shutter interval.
     pub slices: PixelRaySlices,
-    /// Weights of the light that the rays find up to their first receiver (surface or medium that
-    /// stores photons).
+    /// Weights of the light that the rays in the set find up to their first receiver (surface or
+    /// medium that stores photons).
     ///
-    /// If some rays of the pixel are aimed at images of lamps (film regions where camera rays meet
-    /// a lamp), each ray has a weight `up_to_receiver` of its own.
+    /// If some prefix rays of the pixel are aimed at lamp images (film regions where camera rays
+    /// meet a small lamp), each ray gets its own value of `up_to_receiver` instead.
     prefix_weights: PrefixWeights,
-    /// Images of lamps at which some rays of the pixel are aimed, and the numbers of aimed and
-    /// other rays of the pixel. MIS weights follow from both. `None` if no ray of the pixel is
-    /// aimed.
+    /// Lamp images (film regions where camera rays meet a small lamp) at which some prefix rays of
+    /// the pixel are aimed, and the pixel's numbers of rays with and without aim. The MIS weight of
+    /// each ray follows from both. `None` if no prefix ray of the pixel is aimed.
     lamp_images: Option<(&'a [PixelLampImage], LampImageRayCounts)>,
-    /// True if the film points of these rays are aimed at images of lamps; false if the pixel
-    /// filter distributes them.
+    /// True if the film points of the rays in the set are aimed at lamp images (film regions where
+    /// camera rays meet a small lamp); false if the pixel filter distributes the film points.
     is_aimed: bool,
 }
 
@@ -90,7 +93,8 @@ pub(super) struct PixelRays<'a> {
 /// that end at the first surface that stores photons.
 pub(super) struct PixelRay {
     pub ray: Ray,
-    /// Factor on the ray's light from the pixel filter, apart from `prefix_weights`.
+    /// Weight of the ray by the pixel filter. It multiplies all light of the ray, in addition to
+    /// `prefix_weights`.
     pub filter_weight: f32,
     /// Weights of the light that the ray finds up to its first receiver (surface or medium that
     /// stores photons).
@@ -136,8 +140,8 @@ impl FilmSampling<'_> {
 
     /// Returns the rays of the pixel in column `x`, row `y` of the whole picture, in three sets.
     /// The first holds its camera rays. The second holds *prefix rays*, extra camera rays that stop
-    /// at the first surface that stores photons. The third holds prefix rays that are aimed at
-    /// images of lamps.
+    /// at the first surface that stores photons. The third holds prefix rays that are aimed at lamp
+    /// images, film regions where camera rays meet a small lamp.
     ///
     /// `None` stands for an empty set. `key` is the random key of the picture's camera rays.
     pub fn camera_and_prefix_rays(
@@ -189,12 +193,13 @@ impl FilmSampling<'_> {
         PixelRay { ray, filter_weight, prefix_weights: rays.prefix_weights }
     }
 
-    /// Makes one of the `rays` of a pixel that aims some of its rays at `images`, the film regions
-    /// where camera rays meet a lamp. The ray gets an MIS weight between aimed rays and rays that
-    /// the pixel filter distributes.
+    /// Makes one of the `rays` of a pixel in which some prefix rays are aimed at the lamp images
+    /// `images`: film regions where camera rays meet a small lamp. The ray gets an MIS weight,
+    /// because both aimed rays and rays that the pixel filter distributes find the same light.
     ///
-    /// The other arguments are those of [`FilmSampling::generate_pixel_ray`]. The function is not
-    /// inlined, so that the loop over rays stays small.
+    /// `weights` holds the numbers of both kinds of rays. The other arguments are those of
+    /// [`FilmSampling::generate_pixel_ray`]. The function is not inlined, so that the loop over
+    /// rays stays small.
     #[inline(never)]
     fn generate_ray_near_lamp_images(
         &self,
@@ -228,9 +233,12 @@ impl FilmSampling<'_> {
     }
 
     /// Returns the MIS weight of the light that a camera ray finds up to its first receiver
-    /// (surface or medium that stores photons). `sampler` generates the ray, through the pixel
-    /// whose upper left corner is `corner`. Other rays of the pixel are aimed at `images`, the film
-    /// regions where camera rays meet a lamp.
+    /// (surface or medium that stores photons). The ray is the one that `sampler` generates through
+    /// the pixel whose upper left corner is `corner`.
+    ///
+    /// Some prefix rays of the pixel are aimed at the lamp images `images`: film regions where
+    /// camera rays meet a small lamp. `weights` holds the pixel's numbers of rays with and without
+    /// aim.
     pub fn up_to_receiver_weight(
         &self,
         images: &[PixelLampImage],
@@ -245,6 +253,10 @@ impl FilmSampling<'_> {
     /// Returns the MIS weight of the light that a ray through film point `film` and lens point
     /// `on_lens` finds up to its first receiver (surface or medium that stores photons). `corner`
     /// is the upper left corner of its pixel.
+    ///
+    /// Some prefix rays of the pixel are aimed at the lamp images `images`: film regions where
+    /// camera rays meet a small lamp. `weights` holds the pixel's numbers of rays with and without
+    /// aim.
     fn weight_near_lamp_images(
         &self,
         images: &[PixelLampImage],

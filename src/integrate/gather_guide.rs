@@ -3,8 +3,8 @@
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 
-/// Largest number of nearby photons on each side of a surface from whose directions the direction
-/// of a final-gathering ray is sampled.
+/// Largest number of photons, on each side of a surface, that guide a final-gathering ray. The
+/// direction of the ray is sampled near the directions from which these photons arrived.
 pub(super) const GUIDE_PHOTONS: u32 = 32;
 
 /// Width of the cone around each photon's direction: 1 − cosine of the half angle, which is 0.2

@@ -4,17 +4,21 @@
 //! passes photons on, such as a mirror or glass. [`PhotonKind`](crate::photon::PhotonKind) has the
 //! exact definitions.
 //!
-//! - **Prepare**: aim photon emission at casters, guide it to the points that the camera sees, and
-//!   find gather radii. Guide shadow rays to the environment light, and guide the points of media
-//!   from which shadow rays start. Divide indirect light between camera paths and photons. Balance
-//!   camera rays against photons. Find the weights of light tracing and the numbers of prefix rays.
-//! - **Each pass**: trace photon paths aimed at casters. At their first receiver, connect them to
-//!   the camera and store photons in the caustic map. At later receivers, store photons in the
-//!   indirect map. Trace unaimed photon paths, which start in all directions. Store their photons
-//!   in the interreflection map once a receiver has reflected them. Then trace camera paths with
-//!   next-event estimation. One path of each pixel, in each slice of the shutter interval, reads
-//!   the photon maps at its first receiver. Some paths continue there. Then trace prefix rays,
-//!   which end at their first receiver, in the pixels that need them.
+//! - **Prepare**: aim photon emission at casters. Then run pilots, small simulations before the
+//!   first pass. They guide photon emission towards points that the camera sees, and find gather
+//!   radii. They guide shadow rays to the environment light, and guide scattering points, the
+//!   points in media from which shadow rays start. They divide indirect light between camera paths
+//!   and photons, and balance camera rays against photons. They divide caustics between photon
+//!   estimates and light tracing. They find the numbers of prefix rays, extra camera paths that end
+//!   at their first receiver.
+//! - **Each pass, photons**: trace photon paths aimed at casters. Where they reach a receiver over
+//!   casters, connect them to the camera (light tracing) and store photons in the caustic map. At
+//!   later receivers, store photons in the indirect map. Trace unaimed photon paths, which start in
+//!   all directions. Store their photons in the interreflection map once a receiver has reflected
+//!   them.
+//! - **Each pass, camera paths**: trace camera paths with next-event estimation. One path of each
+//!   pixel, in each slice of the shutter interval, reads the photon maps at its first receiver.
+//!   Some paths continue there. Then trace prefix rays in the pixels that need them.
 //!
 //! Photons carry caustics and the light that receivers reflect after a caustic. Camera paths ignore
 //! emission that they hit after a receiver and one or more casters. Photons also carry a share of

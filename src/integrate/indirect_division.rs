@@ -7,9 +7,10 @@
 //!
 //! Consider pass number i. Let v be the variance of the mean of the continued paths. Let u be the
 //! variance of the photon estimate, and b its bias. The photon estimate gets the weight v/(v + u +
-//! i·b²). The bias counts i times because all passes share it, while noise averages out. If gather
-//! discs shrink to the relative area A, u grows as 1/A and b falls as A. So camera paths take over
-//! after many passes, and the mean of the passes converges as fast as camera paths alone.
+//! i·b²). The bias counts i times because all passes share it, while noise averages out. If the
+//! area of gather discs has shrunk to the fraction A, u has grown as 1/A and b has fallen as A. So
+//! camera paths take over after many passes, and the mean of the passes converges as fast as camera
+//! paths alone.
 //!
 //! A pilot measures variances and bias in the cells of a grid over the film. Values between the
 //! centers of cells are interpolated.
@@ -24,7 +25,7 @@
 //! | [`shares_indirect`] | if both techniques find light | first receiver | later vertices |
 //! | [`indirect_by_paths`] and others | light by technique | all vertices | end of a path |
 //!
-//! Only the pilot in `indirect_pilot.rs` reads the last one.
+//! Only the pilot in `indirect_pilot.rs` reads the fields of the last row.
 //!
 //! [`technique`]: super::camera_path::PathContext
 //! [`indirect`]: super::camera_path
@@ -49,7 +50,7 @@ pub(super) struct IndirectWeights {
     /// 0.
     pub continued_paths: u32,
     /// Mean number of camera paths per pixel in a pass. In a pilot (small simulation before the
-    /// first pass), the single path of a pixel stands for this many.
+    /// first pass), the single path of a pixel stands for this number of paths.
     pub samples_per_pixel: u32,
 }
 
@@ -112,7 +113,7 @@ pub(super) enum IndirectTechnique<'a> {
     /// Camera paths and photon estimates share the indirect light, with weights that sum to 1.
     Weighted {
         division: &'a IndirectDivision,
-        /// Number of passes up to and including this one.
+        /// Number of the pass, counted from 1.
         pass_count: f32,
         /// Area of gather discs in this pass, divided by the area in the first pass.
         relative_disc_area: f32,
@@ -186,10 +187,11 @@ impl RelativeIndirectErrors {
     /// Returns the weights of both techniques (camera paths and photon estimates) and the number of
     /// continued camera paths. They minimize the error of indirect light plus
     /// [`IndirectDivision::path_price`] times the number of continued paths. The photon weight is 0
-    /// if a pilot found no light by one of the techniques.
+    /// if the pilot measured no error for one of the techniques, because that technique found no
+    /// light.
     ///
-    /// `pass_count` is the number of passes up to this one. `area` is the area of its gather discs,
-    /// divided by the area in the first pass.
+    /// `pass_count` is the number of passes up to this one. `area` is the area of gather discs in
+    /// this pass, divided by the area in the first pass.
     #[inline]
     fn least_error_weights(&self, division: &IndirectDivision, pass_count: f32, area: f32) -> IndirectWeights {
         let samples = division.samples_per_pixel;
@@ -212,10 +214,10 @@ impl RelativeIndirectErrors {
     /// Returns the relative mean squared error of the photon estimate in the last of `pass_count`
     /// passes.
     ///
-    /// `photon_paths` is the number of photon paths of the pass that lights emit in all directions.
-    /// `area` is the area of its gather discs, divided by the area in the first pass. The squared
-    /// bias counts `pass_count` times, because the mean of all passes has less variance but the
-    /// same bias.
+    /// `photon_paths` is the number of photon paths per pass that lights emit in all directions.
+    /// `area` is the area of gather discs in the last pass, divided by the area in the first pass.
+    /// The squared bias counts `pass_count` times, because the mean of all passes has less variance
+    /// but the same bias.
     #[inline]
     fn photon_mean_squared_error(&self, photon_paths: u32, pass_count: f32, area: f32) -> f32 {
         self.single_photon_path_variance / (photon_paths as f32 * area) + pass_count * self.squared_bias * area * area
@@ -266,9 +268,9 @@ impl IndirectDivision {
     /// Returns two means over all cells of the film grid: the relative squared error of indirect
     /// light in a pass, and the number of continued camera paths per pixel.
     ///
-    /// `pass_count` is the number of passes up to this one. `area` is the area of its gather discs,
-    /// divided by the area in the first pass. The squared bias counts `pass_count` times, because
-    /// the mean of all passes has less variance but the same bias.
+    /// `pass_count` is the number of passes up to this one. `area` is the area of gather discs in
+    /// this pass, divided by the area in the first pass. The squared bias counts `pass_count`
+    /// times, because the mean of all passes has less variance but the same bias.
     pub fn mean_error_and_paths(&self, pass_count: f32, area: f32) -> (f64, f64) {
         let mut sums = (0.0, 0.0);
         for cell in &self.cells {

@@ -6,9 +6,9 @@
 //! *receiver*, a surface or medium that stores photons. A second trial uses independent random
 //! numbers. The differences between the two trials measure the variance of each technique.
 //!
-//! The bias of a photon estimate is proportional to the area of its disc. So the difference from an
-//! estimate with half the area measures the bias. The product of this difference in both trials is
-//! an unbiased estimate of the squared bias.
+//! The bias of a photon estimate is proportional to the area of its disc. So twice the difference
+//! from an estimate with half the area measures the bias. Each trial measures it independently, and
+//! the product of both values is an unbiased estimate of the squared bias.
 //!
 //! No pass uses photons or rays of the pilot, so the mean of the passes stays unbiased.
 
@@ -27,7 +27,7 @@ use crate::stats::Counters;
 use glam::Vec2;
 
 /// Number of cells of the film grid along the longer side of the film. The indirect-light pilot
-/// measures noise and bias in each cell.
+/// measures variance and bias in each cell.
 const CELLS_ALONG_LONGER_SIDE: u32 = 24;
 
 /// Number of camera paths through each cell of the film grid, in each of the indirect-light pilot's
@@ -41,19 +41,20 @@ const MIN_PHOTON_PATH_DIVISOR: u32 = 8;
 /// Largest number of photon paths in each of the indirect-light pilot's two trials.
 const MAX_PHOTON_PATHS: u32 = 1 << 17;
 
-/// Assumed number of passes of a render. The indirect-light pilot minimizes error times work after
-/// this many passes.
+/// Assumed number of passes of a render. The indirect-light pilot minimizes mean squared error
+/// times work after this many passes.
 const TYPICAL_PASS_COUNT: u32 = 4;
 
 /// Largest number of passes in which photon estimates carry a part of the indirect light.
 const MAX_PASSES_WITH_PHOTONS: u32 = 1 << 16;
 
-/// Cost ratio up to which passes use photon estimates of indirect light. The cost is error times
-/// work. The ratio is the cost with photon estimates, divided by the cost with camera paths alone.
+/// Largest ratio of the cost with photon estimates of indirect light to the cost with camera paths
+/// alone. The cost is mean squared error times work. Above this ratio, passes use camera paths
+/// alone.
 const MAX_RELATIVE_COST: f64 = 0.8;
 
 /// Candidate numbers of photon paths per pass, divided by the number in the settings. The
-/// indirect-light pilot chooses the candidate with the least error times work.
+/// indirect-light pilot chooses the candidate with the least mean squared error times work.
 const PHOTON_PATH_FRACTIONS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 
 /// Stride through the film points when the indirect-light pilot measures work: it uses every eighth
@@ -67,16 +68,18 @@ const SEARCH_STEPS: u32 = 12;
 /// time to trace one photon ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
-/// Largest fraction of a cell's indirect light that photon estimates may miss, compared with camera
-/// paths. If they miss more, the cell has too few photons to measure the variance of the estimates.
-/// The pilot then assumes the variance [`ASSUMED_VARIANCE_IN_MEDIA`], or 1 without scattering
+/// Fraction of a cell's indirect light, as camera paths find it, that photon estimates may miss. If
+/// they miss more, the cell has too few photons to measure the variance of the estimates. The pilot
+/// then assumes a variance of at least [`ASSUMED_VARIANCE_IN_MEDIA`], or 1 without scattering
 /// media.
 const MAX_MISSED_FRACTION: f64 = 0.9;
 
-/// Relative variance that the indirect-light pilot assumes for photon estimates that miss more than
-/// [`MAX_MISSED_FRACTION`] of a cell's indirect light, in scenes with scattering media.
+/// Lower bound on the relative variance of photon estimates that miss more than
+/// [`MAX_MISSED_FRACTION`] of a cell's indirect light, in scenes with scattering media. The
+/// indirect-light pilot cannot measure this variance.
 ///
-/// In thick media, photons near the camera may be rare, but each then carries great flux.
+/// In thick media, photons near the camera may be rare, but each then carries much flux, so the
+/// variance is large.
 const ASSUMED_VARIANCE_IN_MEDIA: f64 = 1e4;
 
 /// Factor from a difference of two density estimates to the bias: bias = 2 (E(A) − E(A/2)), where
@@ -91,19 +94,21 @@ const BIAS_FACTOR: f64 = 2.0;
 struct TrialPathLight {
     /// Direct light at the first receiver (surface or medium that stores photons).
     direct: f64,
-    /// Emission that the path finds before its first receiver, plus the photon estimates of
-    /// caustics and of their indirect light there. The indirect-light pilot ignores the noise of
-    /// this light, because other pilots reduce it.
+    /// Emission that the path finds before its first receiver (surface or medium that stores
+    /// photons), plus the photon estimates there of caustics and of the indirect light of caustics.
+    /// The indirect-light pilot ignores the noise of this light, because other pilots reduce it.
     emission_and_caustics: f64,
-    /// Indirect light that the camera path finds by continuing beyond its first receiver.
+    /// Indirect light that the camera path finds by continuing beyond its first receiver (surface
+    /// or medium that stores photons).
     path_indirect: f64,
-    /// Indirect light that the photon estimate finds at the first receiver.
+    /// Indirect light that the photon estimate finds at the first receiver (surface or medium that
+    /// stores photons).
     photon_indirect: f64,
     /// Noisy estimate of the bias of `photon_indirect`.
     bias: f64,
 }
 
-/// Work of the parts of a pass, in units of tracing one photon ray, and the noise of its direct
+/// Work of the parts of a pass, in units of tracing one photon ray, and the variance of its direct
 /// light.
 ///
 /// *Receiver*: a surface or medium that stores photons.
@@ -112,9 +117,9 @@ struct PassCost {
     /// Relative variance of the direct light that one camera path finds at its first receiver
     /// (surface or medium that stores photons).
     direct_variance: f64,
-    /// Work of one camera path up to its first receiver.
+    /// Work of one camera path up to its first receiver (surface or medium that stores photons).
     prefix_work: f64,
-    /// Work of one camera path beyond its first receiver.
+    /// Work of one camera path beyond its first receiver (surface or medium that stores photons).
     continuation_work: f64,
     /// Work per pixel of tracing, storing and gathering the photons.
     photon_work: f64,
@@ -123,8 +128,8 @@ struct PassCost {
 }
 
 /// Runs the indirect-light pilot. Divides indirect light between camera paths and photon estimates
-/// such that error times work is least. Returns this division; `None` if camera paths alone are
-/// about as good.
+/// such that mean squared error times work is least. Returns this division; `None` if camera paths
+/// alone are about as good.
 pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<IndirectDivision> {
     let unaimed_paths = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
@@ -293,14 +298,14 @@ impl TrialPathLight {
 /// Returns the relative errors of both techniques in each cell, and the mean relative variance of
 /// the direct light of a camera path; `None` if all is black.
 ///
-/// Variances and squared biases are divided by the squared light of the cell, plus 1/100 of the
-/// squared median light of all cells. The mean variance of direct light leaves out the noisiest 5 %
-/// of the cells.
+/// Variances and squared biases are divided by L² + L̃²/100. L is the light of the cell, and L̃ is
+/// the median of L over all cells. The mean variance of direct light leaves out the noisiest 5 % of
+/// the cells.
 ///
 /// `first_trial` and `second_trial` hold the light of the paths of both trials. `paths` is the
-/// number of photon paths of a trial. `assumed_variance` replaces the variance of photon estimates
-/// in cells where they found almost no light. It is relative to the squared indirect light that
-/// camera paths found there.
+/// number of photon paths of a trial. `assumed_variance` is a lower bound on the variance of photon
+/// estimates in cells where they found almost no light. It is relative to the squared indirect
+/// light that camera paths found there.
 fn cell_errors(
     first_trial: &[TrialPathLight],
     second_trial: &[TrialPathLight],
@@ -341,7 +346,8 @@ fn cell_errors(
     let smoothed = |i: usize, value: usize| box_mean(|i| raw[i][value], i, 1, grid);
     let errors = |i: usize| {
         let (by_paths, by_photons) = (smoothed(i, 4), smoothed(i, 5));
-        // Assume a variance of the photon estimate if the pilot has too few photons to measure it.
+        // Bound the variance of the photon estimate from below if the pilot has too few photons to
+        // measure it.
         let missed = (by_paths - by_photons).max(0.0);
         let relative_variance = if missed > MAX_MISSED_FRACTION * by_paths {
             assumed_variance
@@ -367,12 +373,12 @@ fn cell_errors(
 }
 
 /// Chooses the number of photon paths, the number of passes with photon estimates, and
-/// [`IndirectDivision::path_price`], such that error times work is least. Returns a copy of
-/// `division` with these values; `None` if camera paths alone are about as good.
+/// [`IndirectDivision::path_price`], such that mean squared error times work is least. Returns a
+/// copy of `division` with these values; `None` if camera paths alone are about as good.
 ///
 /// `path_fractions` are the candidate numbers of photon paths, divided by the number in `division`.
-/// `area` is a function from the number of a pass, counted from 0, to the disc area of that pass,
-/// divided by the area in the first pass.
+/// `area` is a function from the number of a pass, counted from 0, to the area of gather discs in
+/// that pass, divided by the area in the first pass.
 fn least_cost_division(
     division: &IndirectDivision,
     path_fractions: &[f64],

@@ -26,8 +26,9 @@ pub trait Integrator: Send + Sync {
     /// `effects`.
     fn expected_work(&self, effects: Effects) -> Counters;
 
-    /// Returns the number of photon paths of a pass, and estimates by a few paths how many photons
-    /// it stores. All numbers are 0 without photons.
+    /// Returns the number of photon paths of a pass, and an estimate of how many photons the pass
+    /// stores. A few photon paths are traced for the estimate. All numbers are 0 if the algorithm
+    /// traces no photons.
     fn expected_photons(&self) -> ExpectedPhotons {
         ExpectedPhotons::default()
     }
@@ -40,18 +41,18 @@ pub trait Integrator: Send + Sync {
 
     /// Returns the mean number of prefix rays per pixel and pass.
     ///
-    /// Prefix rays are extra camera paths that end at the first surface or medium that stores
-    /// photons, such as a diffuse wall.
+    /// Prefix rays are extra camera paths that end at the first surface that stores photons, such as
+    /// a diffuse wall.
     fn prefix_rays_per_pixel(&self) -> f64 {
         0.0
     }
 
-    /// Returns the weight in \[0, 1] of photon estimates in pass `pass` of `hybrid`, as a mean over
-    /// the picture. Camera paths find the rest of the indirect light. Returns 0 for other
-    /// algorithms.
+    /// Returns the weight in \[0, 1] of photon estimates for indirect light in pass `pass` of
+    /// `hybrid`, as a mean over the picture. Camera paths find the rest of this light. Returns 0
+    /// for other algorithms.
     ///
-    /// The indirect light of caustics does not count: in `hybrid`, photons always carry it. The
-    /// photon estimates come from the interreflection map, which holds the other indirect light.
+    /// Here, indirect light excludes the indirect light of caustics, because photons always carry
+    /// that light in `hybrid`.
     fn interreflection_photon_weight(&self, _pass: u32) -> f64 {
         0.0
     }
@@ -100,14 +101,15 @@ pub trait Integrator: Send + Sync {
     }
 
     /// Returns the work and benefit of the pilot (small simulation before the first pass) that
-    /// learns the lit parts of media, from which shadow rays find light; `None` if no such pilot
-    /// ran.
+    /// learns where direct light arrives in media, so that shadow rays can start there; `None` if
+    /// no such pilot ran.
     fn scatter_point_guiding_report(&self) -> Option<ScatterPointGuidingReport> {
         None
     }
 
-    /// Returns the work and benefit of guiding photon emission towards points that the camera sees,
-    /// for photon paths in all directions and for paths aimed at casters.
+    /// Returns the work and benefit of guiding photon emission towards points that the camera sees.
+    /// There is one report for photon paths that start in all directions, and one for photon paths
+    /// aimed at casters, such as glass.
     fn emission_guiding_reports(&self) -> EmissionGuidingReports {
         EmissionGuidingReports::default()
     }

@@ -1,12 +1,13 @@
-//! Pilot (small simulation before the first pass) that finds the images of small lamps: the parts
-//! of the film at which camera rays meet a lamp, directly or over specular surfaces.
+//! Pilot (small simulation before the first pass) that finds lamp images: film regions where camera
+//! rays meet a small lamp, directly or over specular surfaces.
 //!
 //! The pilot traces camera rays, together with close neighbours, over all chains of specular
-//! vertices. Where a linear approximation predicts the image of a lamp nearby, the pilot moves the
-//! film point to that image by Newton's method. The point on the lens stays fixed. So the pilot
-//! finds images that cover a tiny part of a pixel. This is the search of Zeltner, Georgiev and
-//! Jakob 2020 ("Specular manifold sampling"), with the film point as unknown. An image counts only
-//! if a camera ray there hits the lamp. Several ellipses cover an image that is not an ellipse.
+//! vertices. Where a linear approximation predicts a lamp image nearby, the pilot moves the film
+//! point to that lamp image by Newton's method. The point on the lens stays fixed. So the pilot
+//! finds lamp images that cover a tiny part of a pixel. This is the search of Zeltner, Georgiev and
+//! Jakob 2020 ("Specular manifold sampling"), with the film point as unknown. A lamp image counts
+//! only if a camera ray there hits the lamp. Each lamp image is stored as an ellipse; several
+//! ellipses cover one of another shape.
 
 use super::lamp_images::LampImage;
 use super::pass_renderer::PassRenderer;
@@ -21,117 +22,124 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// Largest number of camera rays per pixel that search for images of lamps: film regions where
-/// camera rays meet a lamp, directly or over specular surfaces.
+/// Largest number of camera rays per pixel that search for lamp images: film regions where camera
+/// rays meet a small lamp, directly or over specular surfaces.
 const MAX_RAYS_PER_PIXEL: u32 = 16;
 
-/// Largest number of lamps for whose images the pilot searches.
+/// Largest number of lamps for whose lamp images the pilot searches. A lamp image is a film region
+/// where camera rays meet a small lamp.
 const MAX_LAMPS: usize = 64;
 
 /// Number of search rays through every pixel. The other rays, up to [`MAX_RAYS_PER_PIXEL`], go only
-/// through pixels near predicted images.
+/// through pixels near predicted lamp images, film regions where camera rays meet a small lamp.
 const MIN_RAYS_PER_PIXEL: u32 = 2;
 
-/// Largest fraction of the predicted noise that may come from images of lamps for which the pilot
-/// does not search.
+/// Largest fraction of the predicted noise that may come from lamp images for which the pilot does
+/// not search. A lamp image is a film region where camera rays meet a small lamp.
 ///
-/// Each tile first drops its faintest images, up to half of this fraction. Then the picture as a
-/// whole drops its faintest, up to the other half. Most images have little noise: without this
-/// limit, nine of ten searches would be for a thousandth of the noise.
+/// Each tile first drops its faintest lamp images, up to half of this fraction. Then the picture as
+/// a whole drops its faintest, up to the other half. Most lamp images have little noise: without
+/// this limit, nine of ten searches would be for a thousandth of the noise.
 const MAX_OMITTED_NOISE_FRACTION: f64 = 1e-3;
 
-/// Throughput, as a mean over RGB, below which a chain of specular vertices is not followed.
+/// Throughput, as a mean over RGB, below which the lamp-image pilot does not follow a chain of
+/// specular vertices.
 ///
-/// The noise of an image is proportional to the squared throughput. This value keeps chains with
-/// one reflection at glass, and leaves out chains with two.
+/// The noise of a lamp image is proportional to the squared throughput. This value keeps chains
+/// with one reflection at glass, and leaves out chains with two.
 const MIN_THROUGHPUT: f32 = 0.02;
 
 /// Largest distance on the film, along each axis, from a camera ray of the pilot to a predicted
-/// image of a lamp \[pixels]. The pilot searches no image farther away.
+/// lamp image \[pixels]. The pilot searches no lamp image farther away, because other camera rays
+/// are closer to it.
 const MAX_FILM_DISTANCE: f64 = 1.0;
 
-/// Largest area of a lamp's image on the film for which rays are aimed at the image \[pixels²].
-/// Ordinary rays find larger images often enough.
+/// Largest area \[pixels²] of a lamp image (film region where camera rays meet a small lamp) at
+/// which prefix rays are aimed. Ordinary rays find larger lamp images often enough.
 const MAX_AREA: f64 = 1.0;
 
-/// Edge length of the square tiles in which images of lamps are searched together \[pixels].
+/// Edge length of the square tiles of the film in which lamp images are searched together
+/// \[pixels].
 const TILE_SIZE: u32 = 16;
 
-/// Largest number of searches for images of lamps in a tile, divided by the number of pixels of the
+/// Largest number of searches for lamp images in a tile, divided by the number of pixels of the
 /// tile. The limit bounds the work of the pilot; searches with the most predicted noise come first.
 const MAX_SEARCHES_PER_PIXEL: f64 = 3.0;
 
-/// Largest number of Newton steps of a search for the image of a lamp on the film.
+/// Largest number of Newton steps of a search for a lamp image, the film region where camera rays
+/// meet a small lamp.
 const MAX_STEPS: u32 = 8;
 
-/// Distance from the center of an elliptic image of a lamp to a point just beyond its end, relative
-/// to the longest half axis of the ellipse. From there, the pilot searches other parts of the
-/// image.
+/// Distance from the center of an elliptic lamp image to a point just beyond its end, relative to
+/// the longest half axis of the ellipse. From that point, the pilot searches for other parts of the
+/// lamp image.
 const RELATIVE_IMAGE_END_DISTANCE: f32 = 1.1;
 
-/// Largest half width and half height \[pixels] of the film region that the image of a lamp sweeps
-/// as the lens point varies. Larger images are blurred or thin, so that no pixel gets much of their
-/// light.
+/// Largest half width and half height \[pixels] of the film region that a lamp image sweeps as the
+/// lens point varies. Prefix rays are not aimed at larger lamp images: these are blurred or thin,
+/// so that no pixel gets much of their light.
 const MAX_IMAGE_HALF_EXTENT: f32 = 12.0;
 
 /// Distance from the lamp's center to the target of the Newton steps, divided by the lamp's radius.
 ///
 /// The target lies on the near side of the lamp, so that searches from several sides find several
-/// parts of an image.
+/// parts of a lamp image.
 const TARGET_RELATIVE_MISS: f64 = 0.5;
 
-/// Threshold at which the search for the image of a lamp has converged: the ray passes the lamp's
-/// center at a distance of at most 0.75 lamp radii.
+/// Threshold at which the search for a lamp image has converged: the ray passes the lamp's center
+/// at a distance of at most 0.75 lamp radii.
 const CONVERGED_RELATIVE_MISS: f64 = 0.75;
 
-/// Image of a lamp that the pilot has found.
+/// Lamp image (film region where camera rays meet a small lamp) that the pilot has found.
 #[derive(Clone, Copy, Debug)]
 struct FoundLampImage {
     image: LampImage,
-    /// Film point and lens point of a camera ray that hits the lamp.
+    /// Film point and lens point of the camera ray by which the pilot found the lamp image. This
+    /// ray hits the lamp.
     point: CameraPoint,
     /// Sampler of the camera ray through `point`.
     sampler: Sampler,
-    /// Index of the light in the scene.
+    /// Index of the lamp's light in the scene.
     light: u32,
     chain: SpecularChain,
-    /// Radiance in the image, averaged over RGB \[W/(m² sr)].
+    /// Radiance that the camera ray through `point` finds, averaged over RGB \[W/(m² sr)].
     radiance: f32,
 }
 
-/// Light that the image of a lamp adds to one pixel, averaged over RGB.
+/// Light that a lamp image (film region where camera rays meet a small lamp) adds to one pixel,
+/// averaged over RGB.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampImageContribution {
     /// Index of the pixel, by rows from the top.
     pub pixel: u32,
     pub image: LampImage,
-    /// Radiance that the image adds to the pixel \[W/(m² sr)].
+    /// Radiance that the lamp image adds to the pixel \[W/(m² sr)].
     pub pixel_radiance: f64,
-    /// Mean square of the radiance that one camera ray of the pixel finds in the image \[(W/(m²
-    /// sr))²].
+    /// Mean square of the radiance that one camera ray of the pixel finds in the lamp image
+    /// \[(W/(m² sr))²].
     pub mean_square: f64,
 }
 
-/// Start of a search for the image of a lamp: a camera ray of the pilot that passes near the lamp.
+/// Start of a search for a lamp image: a camera ray of the pilot that passes near the lamp.
 struct ImageSearchStart {
-    /// Film point and lens point of the camera ray.
+    /// Film point and lens point of the camera ray from which the search starts.
     point: CameraPoint,
-    /// Sampler of the camera ray.
+    /// Sampler of the camera ray from which the search starts.
     sampler: Sampler,
     chain: SpecularChain,
     lamp: LampSphere,
-    /// Vector on the film from the camera ray to the predicted image \[pixels].
+    /// Vector on the film from the camera ray to the predicted lamp image \[pixels].
     to_image: Vec2,
-    /// Predicted integral of the squared radiance over the image \[pixels² (W/(m² sr))²]. The noise
-    /// of the image is proportional to this integral.
+    /// Predicted integral of the squared radiance over the lamp image \[pixels² (W/(m² sr))²]. The
+    /// noise of the lamp image is proportional to this integral.
     noise: f64,
 }
 
-/// Returns the images of lamps in each pixel, sorted by pixel. An image is a part of the film at
-/// which camera rays meet a lamp. A pixel has every image that its filter reaches.
+/// Returns the lamp images in each pixel, sorted by pixel. A lamp image is a film region where
+/// camera rays meet a small lamp. A pixel has every lamp image that its filter reaches.
 ///
-/// Returns no images if no light is an analytic shape, or if the effect of specular surfaces is
-/// off.
+/// Returns no lamp images if no light is an analytic shape, or if the effect of specular surfaces
+/// is off.
 pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<LampImageContribution> {
     let scene = renderer.scene;
     let lamps = lamp_spheres(scene);
@@ -146,8 +154,9 @@ pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<LampImageCont
     images_by_pixel(&images, scene.camera(), &renderer.settings.camera_paths.filter, lens_radius)
 }
 
-/// Returns bounding spheres of the area lights of `scene` that are analytic shapes. If there are
-/// more than [`MAX_LAMPS`], only those with the largest radiance are returned.
+/// Returns a sphere for each area light of `scene` that is an analytic shape. Its center is that of
+/// the light's bounding box, and its diameter is the longest edge of the box. If there are more
+/// than [`MAX_LAMPS`] such lights, only those with the largest radiance are returned.
 fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
     let mut lamps: Vec<(f32, LampSphere)> = Vec::new();
     for (light, area) in scene.lights().iter().map(Light::as_area_light).enumerate() {
@@ -165,7 +174,7 @@ fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
     lamps.into_iter().map(|(_, lamp)| lamp).take(MAX_LAMPS).collect()
 }
 
-/// Search for images of lamps: film regions where camera rays meet a lamp, directly or over
+/// Search for lamp images: film regions where camera rays meet a small lamp, directly or over
 /// specular surfaces.
 struct ImageSearch<'a> {
     scene: &'a Scene,
@@ -175,7 +184,7 @@ struct ImageSearch<'a> {
 }
 
 impl ImageSearch<'_> {
-    /// Returns the images of all lamps, without repetitions.
+    /// Returns the lamp images of all lamps, without repetitions.
     fn distinct_images<I: Interior>(&self) -> Vec<FoundLampImage> {
         let (width, height) = self.scene.camera().size();
         let corners: Vec<(u32, u32)> = (0..height)
@@ -187,8 +196,8 @@ impl ImageSearch<'_> {
             (top..height.min(top + TILE_SIZE)).flat_map(|y| columns.clone().map(move |x| (x, y))).collect()
         };
 
-        // Find lamps near a few camera rays through each pixel. Leave out those with little noise;
-        // do so in each tile first, to save memory.
+        // Find lamps near a few camera rays through each pixel. Leave out search starts with little
+        // predicted noise; do so in each tile first, to save memory.
         let first_starts = |corner: &(u32, u32)| {
             let mut search_starts = self.search_starts_near_rays::<I>(&tile_pixels(corner), 0..MIN_RAYS_PER_PIXEL);
             let least = least_searched_noise(&search_starts, 0.5 * MAX_OMITTED_NOISE_FRACTION);
@@ -199,7 +208,7 @@ impl ImageSearch<'_> {
         let first: Vec<Vec<ImageSearchStart>> = corners.par_iter().map(first_starts).collect();
         let least = least_searched_noise(first.iter().flatten(), 0.5 * MAX_OMITTED_NOISE_FRACTION);
 
-        // Find more lamps near the predicted images, and move to the images.
+        // Trace more camera rays near the predicted lamp images, and search from all starts.
         let images = |(corner, mut search_starts): (&(u32, u32), Vec<ImageSearchStart>)| {
             let tile = tile_pixels(corner);
             search_starts.retain(|search_start| search_start.noise >= least);
@@ -216,8 +225,8 @@ impl ImageSearch<'_> {
         distinct.images
     }
 
-    /// Returns starts of image searches: camera rays through `pixels` that pass near lamps.
-    /// `indices` are the indices of the rays of each pixel, below [`MAX_RAYS_PER_PIXEL`].
+    /// Returns starts of searches for lamp images: camera rays through `pixels` that pass near
+    /// lamps. `indices` are the indices of the rays of each pixel, below [`MAX_RAYS_PER_PIXEL`].
     fn search_starts_near_rays<I: Interior>(
         &self,
         pixels: &[(u32, u32)],
@@ -237,9 +246,9 @@ impl ImageSearch<'_> {
         search_starts
     }
 
-    /// Searches for images from each of `search_starts`. From each image that is found, searches on
-    /// for other parts of that image. Makes at most `searches` searches, in descending order of
-    /// predicted noise. Returns the distinct images.
+    /// Searches for a lamp image from each of `search_starts`. From each lamp image that is found,
+    /// searches on for other parts of it. Makes at most `searches` searches, in descending order of
+    /// predicted noise. Returns the distinct lamp images.
     fn search_images<I: Interior>(
         &self,
         mut search_starts: Vec<ImageSearchStart>,
@@ -277,9 +286,9 @@ impl ImageSearch<'_> {
         lens.map_or(0.0, |lens| lens.radius)
     }
 
-    /// Adds to `search_starts` the lamps near the camera ray through `point`, and near the rays
-    /// into which specular surfaces split it. Leaves out rays that carry a single wavelength after
-    /// dispersive glass.
+    /// Adds starts of searches to `search_starts`: one for each lamp near the camera ray through
+    /// `point`, or near the rays into which specular surfaces split it. Leaves out rays that carry
+    /// a single wavelength after dispersive glass.
     ///
     /// `stack` is empty before and after.
     fn push_search_starts<I: Interior>(
@@ -331,8 +340,9 @@ impl ImageSearch<'_> {
         area.map_or(0.0, |area| color::channel_mean(area.radiance))
     }
 
-    /// Moves the film point of `search_start` to the image by Newton's method. Returns the image;
-    /// `None` if the search fails, if the lamp is hidden or black, or if the image is too large.
+    /// Moves the film point of `search_start` to the predicted lamp image by Newton's method.
+    /// Returns the lamp image; `None` if the search fails, if the lamp is hidden or black, or if
+    /// the lamp image is too large.
     fn search_image<I: Interior>(&self, search_start: &ImageSearchStart) -> Option<FoundLampImage> {
         let ImageSearchStart { point: start, sampler, chain, lamp, .. } = *search_start;
         let mut from = start.film;
@@ -377,7 +387,7 @@ impl ImageSearch<'_> {
     }
 }
 
-/// Returns the lowest predicted noise of the search starts that are used.
+/// Returns the lowest predicted noise of a search start from which the pilot still searches.
 ///
 /// The starts with less noise hold together at most the fraction `omitted_fraction` of the
 /// predicted noise of all `search_starts`.
@@ -395,8 +405,8 @@ fn least_searched_noise<'a>(
     searched.unwrap_or(0.0)
 }
 
-/// Returns the pixels of `tile`, as (column, row), that are at most one pixel away from an image
-/// that `search_starts` predict.
+/// Returns the pixels of `tile`, as (column, row), that are at most one pixel away from a lamp
+/// image that `search_starts` predict.
 fn pixels_near_images(tile: &[(u32, u32)], search_starts: &[ImageSearchStart]) -> Vec<(u32, u32)> {
     let around = |search_start: &ImageSearchStart| {
         let at = (search_start.point.film + search_start.to_image).floor().as_ivec2();
@@ -406,15 +416,15 @@ fn pixels_near_images(tile: &[(u32, u32)], search_starts: &[ImageSearchStart]) -
     tile.iter().copied().filter(|(x, y)| near.contains(&(*x as i32, *y as i32))).collect()
 }
 
-/// Returns the vector on the film from a camera ray to the near side of the image of a lamp
-/// \[pixels]. `passage` describes how far the ray passes from the lamp.
+/// Returns the vector on the film \[pixels] from a camera ray to the near side of a lamp image.
+/// `passage` describes how far the ray passes from the lamp.
 fn vector_to_near_side(passage: &LampPassage) -> DVec2 {
     passage.to_image * (1.0 - TARGET_RELATIVE_MISS / passage.relative_miss).max(0.0)
 }
 
 impl FoundLampImage {
-    /// Returns two film points \[pixels], just beyond both ends of the longest axis of the image's
-    /// ellipse. They apply to the lens point at which the image was found.
+    /// Returns two film points \[pixels], just beyond both ends of the longest axis of the lamp
+    /// image's ellipse. They apply to the lens point at which the lamp image was found.
     fn ends(&self) -> [Vec2; 2] {
         let longest = self.image.longest_half_axis() * RELATIVE_IMAGE_END_DISTANCE;
         let center = self.image.film_point(Vec2::ZERO, self.point.lens_point());
@@ -422,13 +432,14 @@ impl FoundLampImage {
     }
 }
 
-/// Set of the found images of lamps on the film, without repetitions.
+/// Set of the lamp images that the pilot has found, without repetitions. A lamp image is a film
+/// region where camera rays meet a small lamp.
 struct ImageSet {
     images: Vec<FoundLampImage>,
     /// Radius of the lens \[length]; 0 if all camera rays start at the lens center.
     lens_radius: f32,
-    /// Indices in `images`, by column and row of a pixel. A pixel lists the images that reach it
-    /// from at least one point of the lens.
+    /// Indices in `images`, by column and row of a pixel. A pixel lists the lamp images that reach
+    /// it from at least one point of the lens.
     by_pixel: HashMap<(i32, i32), Vec<u32>>,
 }
 
@@ -437,9 +448,9 @@ impl ImageSet {
         Self { images: Vec::new(), lens_radius, by_pixel: HashMap::new() }
     }
 
-    /// Adds `image` and returns true. Returns false if the set already has an image of the same
-    /// lamp, over the same chain of specular vertices, that covers the point at which `image` was
-    /// found.
+    /// Adds the lamp image `image` and returns true. Returns false if the set already has a lamp
+    /// image of the same lamp, over the same chain of specular vertices, that covers the film point
+    /// at which `image` was found.
     fn insert(&mut self, image: FoundLampImage) -> bool {
         let FoundLampImage { point, light, chain, .. } = image;
         if self.covers(point.film, point.lens_point(), light, chain) {
@@ -456,7 +467,7 @@ impl ImageSet {
         true
     }
 
-    /// True if an image of light `light` over the specular vertices `chain` covers film point
+    /// True if a lamp image of light `light` over the specular vertices `chain` covers film point
     /// `film` \[pixels], for rays through the point `on_lens` of the lens.
     fn covers(&self, film: Vec2, on_lens: Vec2, light: u32, chain: SpecularChain) -> bool {
         let pixel = film.floor().as_ivec2();
@@ -467,8 +478,8 @@ impl ImageSet {
     }
 }
 
-/// Returns the light that each of `images` adds to each pixel whose filter reaches it, sorted by
-/// pixel.
+/// Returns the light that each of the lamp images `images` adds to each pixel whose filter reaches
+/// it, sorted by pixel.
 ///
 /// `lens_radius` is the radius of the lens \[length]; 0 if all camera rays start at the lens
 /// center.

@@ -15,11 +15,11 @@ enum_with_all! {
         /// medium that stores photons). Also light that the camera sees without any receiver:
         /// lights, the environment and the background.
         Direct,
-        /// Light that another receiver has scattered before it reaches the camera path's first
-        /// receiver.
+        /// Light that another receiver (surface or medium that stores photons) has scattered before
+        /// it reaches the camera path's first receiver.
         Indirect,
-        /// Light that reaches the camera path's first receiver over one or more casters, such as
-        /// glass, and over no other receiver.
+        /// Light that reaches the camera path's first receiver (surface or medium that stores
+        /// photons) over one or more casters, such as glass, and over no other receiver.
         Caustic,
     }
 }
@@ -71,7 +71,8 @@ pub(super) struct GroupedLight {
 }
 
 impl GroupedLight {
-    /// Returns light that is 0 in all groups. If `is_wanted` is false, it stays 0.
+    /// Returns an accumulator whose light is 0 in all groups. If `is_wanted` is false,
+    /// [`GroupedLight::add`] does nothing, so the light stays 0.
     pub fn new(is_wanted: bool) -> Self {
         Self { is_wanted, ..Self::default() }
     }

@@ -33,14 +33,17 @@ pub const DEFAULT_CAUSTIC_K: u32 = 50;
 const GUIDE_PHOTON_DIVISOR: u32 = 16;
 
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
+///
+/// After dispersive glass, photons and camera paths carry a single wavelength. A density estimate
+/// for such a camera path uses such a photon only if their wavelengths are at most this far apart.
 const WAVELENGTH_KERNEL_HALF_WIDTH: f32 = 20.0;
 
 /// Smallest value to which the photon limit k of density estimates shrinks from pass to pass. A k
 /// that is smaller already in the first pass does not shrink.
 const MIN_K: f64 = 8.0;
 
-/// Photon paths to trace for one map: their source, number and random key, and the kinds of photons
-/// to store.
+/// Set of photon paths to trace: their source, number and random key, and the kinds of photons to
+/// store.
 struct PhotonTracingTask<'a> {
     /// Photon source from which the paths start; `None` traces nothing.
     source: Option<&'a PhotonSource<'a>>,
@@ -91,7 +94,7 @@ struct UnindexedPassPhotons {
     caustic: UnindexedMapPhotons,
     indirect: UnindexedMapPhotons,
     /// Photons of the interreflection map of `hybrid`: indirect light that does not come from a
-    /// caustic. `None` if camera paths carry all of this light.
+    /// caustic. `None` in other algorithms, or if camera paths carry all of this light.
     interreflection: Option<UnindexedMapPhotons>,
 }
 
@@ -126,7 +129,8 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// light that does not come from caustics. Only `hybrid` builds this map.
     interreflection_radius: f32,
     /// Division of indirect light between camera paths and photon estimates, as a pilot (small
-    /// simulation before the first pass) found it; `None` without such a pilot.
+    /// simulation before the first pass) found it. `None` without such a pilot, or if the pilot
+    /// left all of this light to camera paths.
     pub division: Option<Arc<IndirectDivision>>,
     /// True if camera paths and photon estimates both find all indirect light, for a pilot (small
     /// simulation before the first pass) that compares the two techniques.
@@ -149,7 +153,7 @@ impl<'a> PhotonMapBuilder<'a> {
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let mut request = policy.photon_map_request();
         if policy.indirect_photons != IndirectPhotons::Off && has_emitting_media(scene, policy.effects) {
-            // Media emit no photons, so camera paths carry the indirect light of emitting media.
+            // Media emit no photons. So if media emit light, camera paths carry all indirect light.
             request.unaimed = StoreMask::NONE;
         }
         let source = |mask: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
@@ -234,9 +238,9 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Returns the photon source of the indirect map, the kinds of photons that the map stores, and
     /// its number of photon paths per pass.
     ///
-    /// In `hybrid`, photon paths that are aimed at casters, such as glass, fill this map. Of these
-    /// paths, Russian roulette continues only one in [`AFTER_CAUSTIC_THINNING`] after a caustic.
-    /// The returned number of paths is divided by that constant.
+    /// In `hybrid`, photon paths that are aimed at casters, such as glass, fill this map. Russian
+    /// roulette continues only one in [`AFTER_CAUSTIC_THINNING`] of these paths after a caustic. So
+    /// the returned number is the number of all aimed paths, divided by that constant.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.aimed_paths_fill_indirect_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
@@ -268,7 +272,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Sets how indirect light is divided between camera paths and photon estimates.
     ///
     /// The division also sets the number of photon paths that start in all directions. `None`
-    /// leaves the light to camera paths, so no such photon paths are traced.
+    /// leaves this light to camera paths, so that no photon paths start in all directions.
     pub fn set_division(&mut self, division: Option<IndirectDivision>) {
         if let Some(division) = &division {
             self.counts.unaimed = division.unaimed_paths;
@@ -456,7 +460,8 @@ impl<'a> PhotonMapBuilder<'a> {
             estimator
         };
 
-        // The limit grows with the number of photon paths, so that gather discs keep their size.
+        // The default photon limit of caustic density estimates grows with the number of photon
+        // paths aimed at casters, so that gather discs keep their size.
         let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.aimed_paths.max(1));
         let usual_k = (f64::from(DEFAULT_CAUSTIC_K) * ratio).round().max(1.0) as u32;
         let limits = |surface: f32, volume: VolumeKernelRadii, usual_k: u32| DensityEstimateLimits {
@@ -508,8 +513,8 @@ impl<'a> PhotonMapBuilder<'a> {
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };
 
-        // Build the search structures. One random number thins the beams of all maps, because
-        // their beams belong to different paths.
+        // Build the search structures. One random number can thin the beams of all maps, because
+        // thinning keeps the expected flux of each beam.
         let first = options.photon_path_key(Purpose::BeamThinning).uniform_1d(Dimension::Roulette);
         let beams = thin_beams(photons.volume.beams, radii.volume.kept_beam_fraction, first);
         let volume_photons = VolumePhotons { beams, ..photons.volume };

@@ -13,8 +13,9 @@
 //!   definitions.
 //! - *Prefix*: the part of a camera path up to its first receiver. *Prefix ray*: an extra camera
 //!   path that ends at its first receiver.
-//! - *Image of a lamp*: the part of the film at which camera rays meet the lamp, directly or over
+//! - *Lamp image*: the part of the film at which camera rays meet a small lamp, directly or over
 //!   specular surfaces.
+//! - *Scattering point*: a point in a medium from which a shadow ray starts.
 //! - *Pilot*: a small simulation before the first pass, whose rays and photons no pass uses.
 //! - *Slice*: a part of the shutter interval with its own copy of the scene, photons and camera
 //!   rays.

@@ -35,34 +35,38 @@ enum ShadowRayScheme {
 }
 
 /// Distributions that pilots have learned for shadow rays: one for directions to the environment
-/// light, and one for the start points of shadow rays in media.
+/// light, and one for scattering points, the points in media from which shadow rays start.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ShadowRayGuides {
     /// Learned distribution of directions to the environment light; `None` samples directions from
     /// the light's own distribution.
     pub environment: Option<Arc<EnvironmentGuide>>,
-    /// Method that chooses the points in homogeneous media from which shadow rays start.
+    /// Method that chooses scattering points: the points in homogeneous media from which shadow
+    /// rays start.
     pub scatter_points: ScatterPointSampling,
 }
 
-/// Method that chooses the points in a homogeneous medium from which shadow rays start. It applies
-/// to segments of a camera path before the first surface that stores photons.
+/// Method that chooses scattering points: the points in a homogeneous medium from which shadow rays
+/// start. It applies to segments of a camera path before its first receiver (surface or medium that
+/// stores photons).
 #[derive(Clone, Debug, Default)]
 pub(super) enum ScatterPointSampling {
-    /// Start points follow no learned distribution. A segment has as many of them as a surface
-    /// point would send shadow rays.
+    /// Scattering points (points in a medium from which shadow rays start) follow no learned
+    /// distribution. A medium segment has at most as many scattering points as a surface point
+    /// would send shadow rays.
     #[default]
     Unguided,
-    /// Start points follow no learned distribution. A segment has many of them, and a pilot records
-    /// the light that their shadow rays find.
+    /// Scattering points (points in a medium from which shadow rays start) follow no learned
+    /// distribution. A medium segment has many of them, and a pilot records the light that their
+    /// shadow rays find.
     Recorded,
-    /// Start points follow a distribution that a pilot has learned: most lie in the lit parts of
-    /// the media.
+    /// Scattering points (points in a medium from which shadow rays start) follow a distribution
+    /// that a pilot has learned: most lie where direct light arrives.
     Guided {
         guide: Arc<ScatterPointGuide>,
-        /// Factor c \[m² sr/W] in the expected number c·n·L of start points on a segment. Here n is
-        /// the number of shadow rays that a surface point would send to the light. L is the
-        /// radiance that the segment adds to the pixel, predicted from `guide`.
+        /// Factor c \[m² sr/W]: a medium segment gets about c·L scattering points (starts of shadow
+        /// rays) for each light, within bounds. L is the radiance that this light adds to the pixel
+        /// by scattering once on the segment, as predicted from `guide`.
         points_per_radiance: f32,
     },
 }

@@ -30,8 +30,8 @@ pub struct NestedDifferences {
     /// `None` without an estimate.
     pub caustic_disc: Option<MeanGatherDisc>,
     /// Mean radius and photon count of the density estimates on surfaces from the indirect and the
-    /// interreflection map; `None` without an estimate. Together, these maps hold all light except
-    /// caustics.
+    /// interreflection map; `None` without an estimate. Together, these maps hold the indirect
+    /// light.
     pub indirect_disc: Option<MeanGatherDisc>,
 }
 
@@ -80,7 +80,7 @@ pub(super) struct PixelNestedDifferenceSum {
     /// caustic map.
     pub caustic_discs: GatherDiscSum,
     /// Sums of gather radii and of photon counts, over the pixel's density estimates from the
-    /// indirect and the interreflection map, which hold all light except caustics.
+    /// indirect and the interreflection map, which together hold the indirect light.
     pub indirect_discs: GatherDiscSum,
 }
 

@@ -93,7 +93,7 @@ pub struct PassResult {
     pub unaimed: PhotonReport,
     /// Report on the photon paths that are aimed at casters, such as mirrors and glass.
     ///
-    /// They fill the caustic map, and in `hybrid` the indirect map too.
+    /// These paths fill the caustic map, and in `hybrid` the indirect map too.
     pub aimed: PhotonReport,
     /// Differences between photon estimates with gather discs of full, half and quarter area, for
     /// each pixel. Empty unless the error is estimated and the algorithm reads photon maps.
@@ -111,7 +111,9 @@ pub struct PassResult {
     /// Pixels that were rendered a second time, with camera paths that only this pass traces. Each
     /// pair holds the pixel's index in `image` and its radiance \[W/(m² sr)] by these paths.
     ///
-    /// Empty unless all passes share the camera paths of `image` and the error is estimated.
+    /// Empty unless all passes share the camera paths of `image` and the error is estimated. The
+    /// difference from `image` then shows the error of the shared paths, which more passes do not
+    /// reduce.
     pub unshared_path_pixels: Vec<(u32, Rgb)>,
 }
 

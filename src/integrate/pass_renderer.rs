@@ -84,14 +84,14 @@ impl<'a> PassRenderer<'a> {
         Self { policy, nee, map_builder, ..self.for_scene_at_time(self.scene) }
     }
 
-    /// Returns the learned distributions of shadow rays: directions to the environment, and start
-    /// points in media.
+    /// Returns the learned distributions of shadow rays: one for directions to the environment, and
+    /// one for scattering points, the points in media from which shadow rays start.
     pub fn guides(&self) -> &ShadowRayGuides {
         &self.guides
     }
 
-    /// Sets the learned distributions of shadow rays: directions to the environment, and start
-    /// points in media.
+    /// Sets the learned distributions of shadow rays: one for directions to the environment, and
+    /// one for scattering points, the points in media from which shadow rays start.
     pub fn set_guides(&mut self, guides: ShadowRayGuides) {
         self.nee = NextEventEstimator::new(self.scene, &self.policy, guides.clone());
         self.guides = guides;
@@ -99,8 +99,8 @@ impl<'a> PassRenderer<'a> {
 
     /// Runs the pilot that learns from which directions the environment lights the scene. Returns a
     /// copy of this renderer's guides (learned distributions of shadow rays) with the pilot's
-    /// result as `environment`, and a report. `environment` is `None` if guiding would not reduce
-    /// the noise enough.
+    /// result as `environment`. The result is `None` if guiding would not reduce the noise enough.
+    /// Also returns a report.
     ///
     /// The report is `None` if the settings forbid the pilot, or if there is no environment light
     /// to which shadow rays could be guided.

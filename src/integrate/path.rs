@@ -1,8 +1,8 @@
 //! `path`: path tracing, unbiased (Veach 1997, chapters 9 and 10).
 //!
 //! # Algorithm
-//! - **Prepare**: guide shadow rays to the environment light, and guide the points of media from
-//!   which shadow rays start.
+//! - **Prepare**: guide shadow rays to the environment light, and guide scattering points, the
+//!   points in media from which shadow rays start.
 //! - **Each pass**: trace camera paths. At each surface a path does next-event estimation and
 //!   continues in a direction sampled from the BSDF. The balance heuristic combines both.
 

@@ -44,8 +44,9 @@ pub(super) struct PathIntegrator<'a> {
     /// Report of the pilot (small simulation before the first pass) that guides shadow rays to the
     /// environment light; `None` if no such pilot ran.
     environment_guiding: Option<EnvironmentGuidingReport>,
-    /// Report of the pilot that learns the lit parts of media, from which shadow rays find light;
-    /// `None` if no such pilot ran.
+    /// Report of the pilot (small simulation before the first pass) that learns where direct light
+    /// arrives in media, so that shadow rays start there. `None` if no such pilot ran, or if it
+    /// found no light in media.
     scatter_point_guiding: Option<ScatterPointGuidingReport>,
     balance: Option<RayPhotonBalance>,
     /// Number of slices of the shutter interval in each pass. Each slice has its own photons and
@@ -245,7 +246,8 @@ impl<'a> PathIntegrator<'a> {
             (true, None) => find_ray_photon_balance(&renderer),
             (true, Some(policy)) => {
                 let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
-                // Without a division, all photons of indirect light stay.
+                // Set a division only if the pilot looked for one: `None` would drop the unaimed
+                // photon paths, which `IndirectPhotons::Full` needs.
                 if weighs {
                     renderer.map_builder.set_division(division.clone());
                 }

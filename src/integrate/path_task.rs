@@ -23,8 +23,8 @@ pub(super) struct PathTask {
     pub scratch: ScratchBuffers,
 }
 
-/// Light that a task records besides radiance, for its current pixel and its current camera ray.
-/// The task resets this record after the pixel's last ray.
+/// Light that a task records besides radiance. Values for the current camera ray are reset with
+/// each ray, and values for the current pixel after the pixel's last ray.
 #[derive(Debug, Default)]
 pub(super) struct PixelLight {
     /// Radiance that photon estimates found for the camera ray that is being traced \[W/(m² sr)].
@@ -65,11 +65,12 @@ pub(super) struct LightByPart {
     pub up_to_receiver: Rgb,
     /// Photon estimates from all maps.
     pub photon_estimates: Rgb,
-    /// Indirect light at the first receiver, found by camera paths that continue there. Photon
-    /// estimates find the rest.
+    /// Indirect light at the first receiver (surface or medium that stores photons), found by
+    /// camera paths that continue there. Photon estimates find the rest.
     pub indirect_by_paths: Rgb,
-    /// Indirect light at the first receiver, found by photon estimates. Continued camera paths find
-    /// the rest. `photon_estimates` includes this light.
+    /// Indirect light at the first receiver (surface or medium that stores photons), found by
+    /// photon estimates. Continued camera paths find the rest. `photon_estimates` includes this
+    /// light.
     pub indirect_by_photons: Rgb,
     /// Difference between two photon estimates: `indirect_by_photons` minus the same estimate with
     /// half the disc area. The difference is 0 if estimates are not repeated in smaller discs.
@@ -87,8 +88,8 @@ pub(super) struct ScratchBuffers {
     pub gather_guide: GatherGuide,
     /// Transmittance along the medium segment that the path is crossing.
     pub transmittance: TransmittanceCurve,
-    /// Distribution of guided scattering distances along the medium segment that the path is
-    /// crossing.
+    /// Learned distribution of the scattering points, from which shadow rays start, along the
+    /// medium segment that the path is crossing.
     pub guided_distances: GuidedDistanceDistribution,
 }
 

@@ -35,9 +35,9 @@ pub(super) struct PhotonDensityEstimator<'a> {
 /// Photon maps that one radiance estimate reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PhotonMapChoice {
-    /// The caustic map.
+    /// The estimate reads only the caustic map.
     Caustic,
-    /// The caustic map and the indirect map.
+    /// The estimate reads the caustic map and the indirect map.
     CausticAndIndirect,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct PhotonMaps<'a> {
     /// after a caustic.
     pub indirect: PhotonDensityEstimator<'a>,
     /// Interreflection map of `hybrid`: photons of indirect light that does not come from a
-    /// caustic. `None` if camera paths carry all of this light.
+    /// caustic. `None` in other algorithms, or if camera paths carry all of this light.
     pub interreflection: Option<PhotonDensityEstimator<'a>>,
     /// Map of photons whose directions guide final-gathering rays.
     pub guides: PhotonMap,
@@ -290,8 +290,8 @@ impl PhotonDensityEstimator<'_> {
         let covered = disc_coverage(self.scene, p, normal, whole.radius, kernel, key);
         let estimate = whole.radiance / covered;
         if covered != 1.0 {
-            // Use probes that differ from pass to pass, even if passes share camera paths.
-            // Otherwise the noise of shared probes would count as bias.
+            // Measure the coverage by probe rays that differ from pass to pass, even if passes
+            // share camera paths. Otherwise the noise of shared probe rays would count as bias.
             let key = vertex.shadow_sampler.sample_key();
             let levels = nested_disc_coverage(self.scene, p, normal, whole.radius, kernel, key);
             radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);

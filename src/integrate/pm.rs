@@ -20,7 +20,7 @@ use crate::scene::{Effect, Effects};
 pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
     let (samples, light_sampling) = match settings.final_gathering {
         FinalGathering::None => (1, LightSampling::Rays(4)),
-        // One gather ray per camera ray.
+        // A camera ray leads to one gather ray, so a pixel needs several camera rays.
         FinalGathering::Bsdf | FinalGathering::Importance => (4, LightSampling::OneRay),
     };
     let gathers = effects.has(Effect::Gathering) && effects.has(Effect::Interreflection);

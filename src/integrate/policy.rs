@@ -58,11 +58,11 @@ pub(super) enum LightSampling {
     /// Each vertex sends about this many shadow rays. If there are more lights than rays, each ray
     /// goes to a randomly chosen light.
     Rays(u32),
-    /// One shadow ray per vertex, to a randomly chosen light. In a scene with at most four lights,
-    /// every vertex up to the first receiver (surface or medium that stores photons) sends one
-    /// shadow ray to each light.
+    /// Each vertex sends one shadow ray to a randomly chosen light. In a scene with at most four
+    /// lights, every vertex up to the first receiver (surface or medium that stores photons)
+    /// instead sends one shadow ray to each light.
     OneRay,
-    /// One shadow ray to the center of every light.
+    /// Each vertex sends one shadow ray to the center of every light.
     Centers,
 }
 
@@ -70,16 +70,17 @@ pub(super) enum LightSampling {
 /// that stores photons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathContinuation {
-    /// The path ends at its first receiver, the surface or medium that stores photons.
+    /// Camera paths never continue from a receiver (surface or medium that stores photons). They
+    /// end at the first surface that stores photons, and cross media without scattering.
     Never,
-    /// The path continues from surfaces that store photons only if the sampled BSDF lobe is glossy:
-    /// neither diffuse nor a coat over a diffuse base.
+    /// Camera paths continue from a surface that stores photons only if the sampled BSDF lobe is
+    /// glossy: neither diffuse nor a coat over a diffuse base. They cross media without scattering.
     Glossy,
-    /// The path continues from the first surface that stores photons by a final-gathering ray, and
-    /// ends where that ray hits the next such surface. If the ray is too short to read the indirect
-    /// map there, the path continues.
+    /// Camera paths continue from the first surface that stores photons by a final-gathering ray.
+    /// They end where that ray hits the next such surface. If the ray is too short to read the
+    /// indirect map there, they continue. They cross media without scattering.
     GatherRays,
-    /// The path continues from all surfaces and media that store photons.
+    /// Camera paths continue from all surfaces and media that store photons.
     Always,
 }
 
@@ -87,12 +88,13 @@ pub(super) enum PathContinuation {
 /// photons, such as diffuse walls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DirectionSampling {
-    /// Sampling from the BSDF.
+    /// The direction is sampled from the BSDF.
     Bsdf,
-    /// Sampling from one randomly chosen BSDF lobe, which replaces the whole BSDF at this vertex.
+    /// The direction is sampled from one randomly chosen BSDF lobe, which replaces the whole BSDF
+    /// at this vertex.
     OneLobe,
-    /// Sampling from the BSDF or from the directions from which nearby photons arrived, with equal
-    /// probability.
+    /// The direction is sampled from the BSDF or from the directions from which nearby photons
+    /// arrived, with equal probability.
     Guided,
 }
 
@@ -101,11 +103,12 @@ pub(super) enum DirectionSampling {
 pub(super) enum PhotonLookups {
     /// Camera paths read no photon maps.
     Never,
-    /// A few camera paths of each pixel read the photon maps at the first vertex that stores
-    /// photons: on surfaces one path per slice of the shutter interval, in media one path.
+    /// A few camera paths of each pixel read the photon maps at their first receiver (surface or
+    /// medium that stores photons): on surfaces one path per slice of the shutter interval, in
+    /// media one path.
     ///
     /// The pixel's other paths would read almost the same photons. Some prefix rays, which are
-    /// extra camera paths that end at that vertex, may read the maps as well.
+    /// extra camera paths that end at their first receiver, may read the maps as well.
     FewPerPixel,
     /// Each path reads the caustic map and the indirect map at its first receiver, the surface or
     /// medium that stores photons.
@@ -147,7 +150,7 @@ impl PathPolicy {
     }
 
     /// True if a pilot may add [prefix rays](super::prefix_rays): extra camera paths that end at
-    /// the first surface or medium that stores photons.
+    /// the first surface that stores photons.
     pub fn allows_prefix_rays(&self) -> bool {
         self.lookups == PhotonLookups::FewPerPixel
     }

@@ -6,11 +6,11 @@
 //! fraction of a pixel, so their noise is large. A prefix ray reduces this noise and costs little.
 //!
 //! Suppose that a pixel has n camera paths and m prefix rays, and that one camera path and l prefix
-//! rays read photon maps. Its variance is σ_r²/n + σ_f²/(n + m) + σ_p²/(1 + l). The terms are light
-//! after the first receiver, emission that the prefix finds, and the photon estimate. The pilot
-//! estimates these variances and the work of a ray and of a lookup. It minimizes the variance of
-//! the picture times the work of a pass, which is the inverse of efficiency (Pharr, Jakob and
-//! Humphreys 2023, section 2.2.1).
+//! rays read photon maps. The variance of the pixel is then σ_r²/n + σ_f²/(n + m) + σ_p²/(1 + l).
+//! The first term is for light at and after the first receiver, the second for emission that
+//! prefixes find, and the third for the photon estimate. The pilot estimates these variances and
+//! the work of a ray and of a lookup. It minimizes the variance of the picture times the work of a
+//! pass, which is the inverse of efficiency (Pharr, Jakob and Humphreys 2023, section 2.2.1).
 //!
 //! The first pictures of the pilot trace whole camera paths. They show in which pixels the photon
 //! estimate may need prefix rays. In the next pictures, only the prefix rays of these pixels read
@@ -76,19 +76,24 @@ const MIN_MEAN_COUNT: f64 = 1e-3;
 ///
 /// Here v is the variance of the pixel's photon estimate, and n the number of camera paths per
 /// pixel. V is the mean variance of one camera path over all pixels. In passes, more estimates pay
-/// only if v·n²/V is about eight times larger than this threshold.
+/// only at clearly larger values of v·n²/V. The threshold is low because the pilot's first estimate
+/// of v is noisy.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
 
-/// Largest number of images of lamps at which the rays of one pixel are aimed. The image of a lamp
-/// is the part of the film where camera rays meet the lamp, directly or over specular surfaces.
+/// Largest number of lamp images at which extra camera rays of one pixel are aimed. A lamp image is
+/// the part of the film where camera rays meet a small lamp, directly or over specular surfaces.
 const MAX_PIXEL_IMAGES: usize = 16;
 
-/// Largest number of rays of one pixel that are aimed at images of lamps: film regions where camera
-/// rays meet a lamp.
+/// Largest number of extra camera rays of one pixel that are aimed at lamp images, the film regions
+/// where camera rays meet a small lamp.
 const MAX_AIMED_RAYS: f64 = 64.0;
 
-/// Number of aimed rays that the prefix-ray pilot assumes in each pixel with images of lamps, while
-/// it measures variances. These images are the film regions where camera rays meet a lamp.
+/// Number of extra camera rays aimed at lamp images (film regions where camera rays meet a small
+/// lamp) that the prefix-ray pilot assumes in each pixel with lamp images, while it measures
+/// variances.
+///
+/// Such rays would take over most of the light of lamp images, which lowers the variance of other
+/// rays.
 const ASSUMED_AIMED_RAYS: u8 = 8;
 
 /// Running mean and variance of a series of values (Welford 1962).
@@ -123,10 +128,10 @@ struct PixelLightStatistics {
     /// Light that camera paths find at and after their first receiver (surface or medium that
     /// stores photons), without photon estimates.
     from_receiver: RunningVariance,
-    /// Light that camera paths find before their first receiver: emission, and direct light at
-    /// casters such as rough glass.
+    /// Light that camera paths find before their first receiver (surface or medium that stores
+    /// photons): emission, and direct light at casters such as rough glass.
     up_to_receiver: RunningVariance,
-    /// Photon estimate at the first receiver.
+    /// Photon estimate at the first receiver (surface or medium that stores photons).
     photon_estimate: RunningVariance,
     /// Sum, over whole camera paths, of (`from_receiver` − its mean)·(`up_to_receiver` − its mean).
     /// The covariance of `from_receiver` and `up_to_receiver` is this sum divided by (number of
@@ -143,20 +148,22 @@ struct RelativePixelVariances {
     /// Relative variance of the light that a camera path finds at and after its first receiver
     /// (surface or medium that stores photons), without photon estimates.
     from_receiver: f64,
-    /// Relative variance of the light that a path finds before its first receiver: emission, and
-    /// direct light at casters such as rough glass.
+    /// Relative variance of the light that a path finds before its first receiver (surface or
+    /// medium that stores photons): emission, and direct light at casters such as rough glass.
     ///
     /// A negative covariance of this light and that of `from_receiver` is included: twice the
     /// covariance is added. It is negative at edges, where a ray finds either one light or the
     /// other.
     up_to_receiver: f64,
-    /// Relative variance of the photon estimate at the first receiver.
+    /// Relative variance of the photon estimate at the first receiver (surface or medium that
+    /// stores photons).
     photon_estimate: f64,
-    /// Relative variance of one ray that is aimed at the pixel's images of lamps, the film regions
-    /// where camera rays meet a lamp. The value is approximated by the square of their light.
+    /// Relative variance of one ray that is aimed at the pixel's lamp images, the film regions
+    /// where camera rays meet a small lamp. The value is approximated by the square of the light of
+    /// these lamp images.
     aimed: f64,
-    /// Relative variance of the light that one ordinary camera ray finds in the pixel's images of
-    /// lamps, the film regions where camera rays meet a lamp.
+    /// Relative variance of the light that one ordinary camera ray finds in the pixel's lamp
+    /// images, the film regions where camera rays meet a small lamp.
     unaimed: f64,
 }
 
@@ -175,14 +182,15 @@ struct PixelStandardDeviations {
 /// or if media scatter or emit.
 ///
 /// The prefix-ray pilot does not model the light that prefix rays find in scattering or emitting
-/// media. The numbers suit the camera rays and photons of a pass by `renderer`.
+/// media. The returned numbers suit passes with the numbers of camera rays and photon paths of
+/// `renderer`.
 pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<PrefixRayAllocation> {
     let (scene, effects) = (renderer.scene, renderer.policy.effects);
     if effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits()) {
         return None;
     }
 
-    // Find images of lamps.
+    // Find lamp images.
     let (width, height) = scene.camera().size();
     let found_images = find_lamp_images(renderer);
     let lamp_images = images_of_pixels(&found_images, width as usize * height as usize);
@@ -270,12 +278,12 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     Some(PrefixRayAllocation { counts: counts.into(), lamp_images, expected_work })
 }
 
-/// Groups `found`, the images of lamps sorted by pixel, into one list for each of the picture's
-/// `pixels` pixels.
+/// Groups `found`, the lamp images sorted by pixel, into one list for each of the picture's
+/// `pixels` pixels. A lamp image is a film region where camera rays meet a small lamp.
 ///
-/// A ray aimed at images chooses an image of its pixel with a probability proportional to the light
-/// of that image in the pixel. At most [`MAX_PIXEL_IMAGES`] images remain in a pixel: those with
-/// most light.
+/// A ray aimed at lamp images chooses a lamp image of its pixel with a probability proportional to
+/// the light of that lamp image in the pixel. At most [`MAX_PIXEL_IMAGES`] lamp images remain in a
+/// pixel: those with most light.
 fn images_of_pixels(found: &[LampImageContribution], pixels: usize) -> LampImages {
     let mut images = vec![Vec::new(); pixels];
     for in_pixel in found.chunk_by(|a, b| a.pixel == b.pixel) {
@@ -296,11 +304,13 @@ fn images_of_pixels(found: &[LampImageContribution], pixels: usize) -> LampImage
 /// the first receiver (a surface or medium that stores photons).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PathParts {
-    /// The whole path.
+    /// The pilot traces the whole path.
     Whole,
-    /// The path up to its first receiver, with the photon estimate there.
+    /// The pilot traces the path up to its first receiver (surface or medium that stores photons),
+    /// with the photon estimate there.
     PrefixWithLookup,
-    /// The path up to its first receiver, without photon estimate.
+    /// The pilot traces the path up to its first receiver (surface or medium that stores photons),
+    /// without photon estimate.
     Prefix,
 }
 
@@ -308,9 +318,10 @@ enum PathParts {
 /// prefix rays of that pixel.
 ///
 /// A pass traces n = `samples` camera paths in each pixel, and only one of them reads photon maps.
-/// A second photon estimate pays if the variance of the estimate is above about 1/n² of the
-/// variance of a camera path. The function selects pixels above [`CANDIDATE_VARIANCE`] times this
-/// bound. `variances` are those of single whole camera paths.
+/// Let V be the variance of one camera path, as a mean over all pixels. A second photon estimate
+/// does not pay if the variance of the estimate is small against V/n². So the function selects the
+/// pixels in which that variance is above [`CANDIDATE_VARIANCE`] times V/n². `variances` are those
+/// of single whole camera paths.
 fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.from_receiver + v.up_to_receiver).sum();
@@ -326,8 +337,8 @@ fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) ->
 /// photon estimates. Channel y is emission, and direct light at casters, before the receiver.
 /// Channel z is the photon estimate.
 ///
-/// In pixels with images of lamps, channel y has the weight that it would have if
-/// [`ASSUMED_AIMED_RAYS`] rays were aimed at these images.
+/// In pixels with lamp images (film regions where camera rays meet a small lamp), channel y has the
+/// weight that it would have if [`ASSUMED_AIMED_RAYS`] rays were aimed at these lamp images.
 fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
@@ -372,8 +383,10 @@ fn render_light_parts(
 
 /// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
 ///
-/// `light` holds the statistics of the pilot's pictures. These contain little light of `images`,
-/// the images of lamps, so the function adds that light. `size` is the picture's (width, height).
+/// `light` holds the statistics of the pilot's pictures. These contain little light of the lamp
+/// images `images` (film regions where camera rays meet a small lamp), so the function adds that
+/// light. `size` is the picture's (width, height).
+///
 /// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ the median of L
 /// over the picture. This measure lies between the absolute error, which neglects dark pixels, and
 /// the relative error, which neglects bright ones.

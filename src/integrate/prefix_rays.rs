@@ -1,5 +1,5 @@
-//! Prefix rays: extra camera paths that end at the first *receiver*, a surface or medium that
-//! stores photons.
+//! Prefix rays: extra camera paths that end at the first *receiver*, a surface that stores photons.
+//! Scenes with media that store photons have no prefix rays.
 
 use super::lamp_images::LampImages;
 use crate::stats::Counters;
@@ -18,11 +18,12 @@ pub(super) struct PrefixWeights {
     /// Weight n/(n + m) of light that camera paths and prefix rays both find: emission, environment
     /// light, and direct light at glossy casters such as rough glass.
     ///
-    /// The pixel has n camera paths and m prefix rays. If some prefix rays are aimed at images of
-    /// lamps, [`LampImageRayCounts`] gives each ray a weight of its own.
+    /// The pixel has n camera paths and m prefix rays. If some prefix rays are aimed at lamp images
+    /// (film regions where camera rays meet a small lamp), [`LampImageRayCounts`] gives each ray a
+    /// weight of its own.
     pub up_to_receiver: f32,
-    /// Number of rays that evaluate photon estimates: of the pixel's camera paths, or of its prefix
-    /// rays if these weights belong to prefix rays. The rays with the lowest sample indices do so.
+    /// Number of the rays with these weights that evaluate photon estimates: of the pixel's camera
+    /// paths, or of its prefix rays. The rays with the lowest sample indices do so.
     pub lookup_count: u32,
     /// Weight of a photon estimate: 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
     ///
@@ -30,13 +31,13 @@ pub(super) struct PrefixWeights {
     /// l of them read photon maps. The factor `lookup_scale` on an estimate is this weight times n
     /// for camera paths, and this weight times m for prefix rays.
     pub lookup_weight: f32,
-    /// True for prefix rays, which end at their first receiver (surface or medium that stores
-    /// photons); false for camera paths.
+    /// True for prefix rays, which end at their first receiver (surface that stores photons); false
+    /// for camera paths.
     pub ends_at_receiver: bool,
 }
 
-/// Numbers of prefix rays of a pixel: extra camera paths that end at the first surface or medium
-/// that stores photons.
+/// Numbers of prefix rays of a pixel: extra camera paths that end at the first surface that stores
+/// photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PixelPrefixRayCounts {
     /// Number of unaimed prefix rays (extra camera rays that stop at the first surface that stores
@@ -44,8 +45,8 @@ pub(super) struct PixelPrefixRayCounts {
     pub unaimed: u8,
     /// Number of the `unaimed` prefix rays that also evaluate a photon estimate.
     pub lookups: u8,
-    /// Number of prefix rays that are aimed at images of lamps, the parts of the film at which
-    /// camera rays meet a lamp. `unaimed` does not include them.
+    /// Number of prefix rays that are aimed at lamp images, the parts of the film at which camera
+    /// rays meet a small lamp. `unaimed` does not include them.
     pub aimed: u8,
 }
 
@@ -81,17 +82,18 @@ impl PrefixWeights {
         Self { lookup_count: prefix.lookups.into(), lookup_weight: lookup, ends_at_receiver: true, ..weights }
     }
 
-    /// Returns the weights of prefix rays that are aimed at images of lamps, the film regions where
-    /// camera rays meet a lamp. `up_to_receiver` is only a placeholder (1): the caller replaces it
-    /// by [`LampImageRayCounts::up_to_receiver_weight`] for each ray.
+    /// Returns the weights of prefix rays that are aimed at lamp images, the film regions where
+    /// camera rays meet a small lamp. `up_to_receiver` is only a placeholder (1): the caller
+    /// replaces it by [`LampImageRayCounts::up_to_receiver_weight`] for each ray.
     pub fn of_aimed_rays() -> Self {
         Self { lookup_count: 0, lookup_weight: 0.0, ends_at_receiver: true, ..Self::default() }
     }
 }
 
-/// Numbers of a pixel's rays that can find the images of lamps: camera paths, unaimed prefix rays,
-/// and prefix rays aimed at these images. From these numbers, the balance heuristic computes the
-/// weights of the light that the rays find.
+/// Numbers of a pixel's rays that can find lamp images, the film regions where camera rays meet a
+/// small lamp. These rays are camera paths, unaimed prefix rays, and prefix rays aimed at lamp
+/// images. From the numbers, the balance heuristic computes the weights of the light that the rays
+/// find.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampImageRayCounts {
     /// Number of camera paths.
@@ -99,8 +101,8 @@ pub(super) struct LampImageRayCounts {
     /// Number of rays whose film points the pixel filter distributes: camera paths and unaimed
     /// prefix rays.
     filtered_rays: f32,
-    /// Number of prefix rays that are aimed at images of lamps, the film regions where camera rays
-    /// meet a lamp.
+    /// Number of prefix rays that are aimed at lamp images, the film regions where camera rays meet
+    /// a small lamp.
     aimed_rays: f32,
 }
 
@@ -125,7 +127,7 @@ impl LampImageRayCounts {
     }
 }
 
-/// Result of the prefix-ray pilot: the number of prefix rays of each pixel, the images of lamps at
+/// Result of the prefix-ray pilot: the number of prefix rays of each pixel, the lamp images at
 /// which some of these rays are aimed, and the expected work of all prefix rays. Prefix rays are
 /// extra camera paths that end at the first surface that stores photons.
 #[derive(Clone, Debug)]
@@ -133,8 +135,8 @@ pub(super) struct PrefixRayAllocation {
     /// Number of prefix rays (extra camera rays that stop at the first surface that stores photons)
     /// of each pixel, and the number of them that read photon maps, by rows from the top.
     pub counts: Arc<[PixelPrefixRayCounts]>,
-    /// Images of lamps (film regions where camera rays meet a lamp), for the pixels that have rays
-    /// aimed at them.
+    /// Lamp images (film regions where camera rays meet a small lamp), for the pixels with prefix
+    /// rays aimed at them.
     pub lamp_images: LampImages,
     /// Expected counts of the rays and gathered photons of all prefix rays of a pass.
     pub expected_work: Counters,

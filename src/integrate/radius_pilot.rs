@@ -41,13 +41,15 @@ const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
 /// Smallest gather radius that single precision resolves, as a fraction of the smaller of two
 /// lengths: the radius of the scene, and a distance from the origin within which most photons lie.
+/// Single precision resolves finer details near the origin.
 const MIN_RELATIVE_RADIUS: f32 = 1e-6;
 
 /// Smallest gather radius, divided by the width of a pixel's footprint on the closest visible
 /// surface.
 const MIN_RADIUS_PIXELS: f32 = 0.125;
 
-/// Number of camera rays, along each side of the picture, that find the closest visible surface.
+/// Number of columns and of rows in a grid of camera rays over the picture that finds the closest
+/// visible surface.
 const DISTANCE_RAYS: u32 = 8;
 
 /// Number of camera rays with which a pilot measures the density of photons in media.
@@ -132,7 +134,7 @@ pub(super) fn find_gather_radius(
     let quantile = ((radii.len() - 1) as f64 * RADIUS_QUANTILE) as usize;
     let mut coordinates: Vec<f32> = photons.iter().step_by(step).map(|p| p.position.abs().max_element()).collect();
     coordinates.sort_by(f32::total_cmp);
-    // If all photons lie at the origin, use the scene's radius.
+    // If most photons lie at the origin, use the scene's radius.
     let far = Some(coordinates[quantile]).filter(|far| *far > 0.0).unwrap_or(size);
     // Photon density is proportional to the number of paths, disc area to the square of the radius.
     let scaled = radii[quantile] * (pilot as f32 / paths as f32).sqrt();

@@ -1,11 +1,11 @@
-//! Guide for next-event estimation in homogeneous media: it samples the points from which shadow
-//! rays start.
+//! Guide for next-event estimation in homogeneous media: it samples scattering points, the points
+//! from which shadow rays start.
 //!
-//! Shadow rays from points of a medium find light only in its lit parts, such as the cone of a spot
-//! light or the shafts behind a window. A grid over the visible part of the media holds a value for
-//! each cell and light: the root mean square of the radiance that a shadow ray from the cell finds.
-//! A pdf proportional to this value has the least noise for points along a camera ray (Rath et al.
-//! 2020, "Variance-Aware Path Guiding").
+//! Shadow rays from points of a medium find light only where direct light arrives, such as in the
+//! cone of a spot light or in the shafts behind a window. A grid over the visible part of the media
+//! holds a value for each cell and light: the root mean square of the radiance that a shadow ray
+//! from the cell finds. A pdf proportional to this value has the least noise for points along a
+//! camera ray (Rath et al. 2020, "Variance-Aware Path Guiding").
 
 use crate::math::{Bounds, Ray};
 use glam::{UVec3, Vec3};
@@ -18,7 +18,8 @@ const MAX_CELLS: f32 = 24_000.0;
 const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 
 /// Learned radiance that shadow rays to each light find, in each cell of a grid over the visible
-/// media. Shadow rays start at points that are sampled in proportion to this radiance.
+/// media. Most shadow rays start at points that are sampled in proportion to this radiance times
+/// the transmittance along the camera ray.
 #[derive(Debug)]
 pub(super) struct ScatterPointGuide {
     grid: MediumCellGrid,
@@ -52,8 +53,8 @@ pub(super) struct InScatteringSample {
     pub contribution: f64,
 }
 
-/// Piecewise constant distribution of distances along a ray, with one piece for each cell of the
-/// grid that the ray crosses.
+/// Piecewise constant distribution of distances along a ray, at which shadow rays start. It has one
+/// piece for each cell of the guide's grid that the ray crosses.
 ///
 /// Its memory is reused from ray to ray.
 #[derive(Debug, Default)]
@@ -79,8 +80,8 @@ impl ScatterPointGuide {
     /// Fills `distances` with the guided distribution of distances along `ray`, for the light with
     /// index `light`, in a medium of mean extinction coefficient `extinction` \[1/length].
     ///
-    /// The total weight of `distances` is 0 if the ray meets no cell in which the pilot found
-    /// light.
+    /// The total weight of `distances` is 0 if the pilot found no light in the cells along the ray
+    /// or next to them, or if it did not record the light with index `light`.
     pub fn distances_along(
         &self,
         light: usize,

@@ -1,9 +1,9 @@
-//! Pilot (small simulation before the first pass) that learns from which points of homogeneous
-//! media shadow rays should start.
+//! Pilot (small simulation before the first pass) that learns where to place scattering points in
+//! homogeneous media: the points from which shadow rays start.
 //!
 //! Camera paths of the pilot send shadow rays from many points of each segment, and record the
-//! light that these rays find. A second part of the pilot finds how many points a segment needs:
-//! more points have less noise, but take longer.
+//! light that these rays find. A second part of the pilot finds how many scattering points a
+//! segment needs: more points have less noise, but take longer.
 
 use super::balance::{camera_path_work, relative_variance};
 use super::camera_path::PathContext;
@@ -20,51 +20,54 @@ use crate::stats::Counters;
 use glam::Vec2;
 use std::sync::Arc;
 
-/// Smallest and largest number of camera paths that find the lit parts of media. Between these
-/// limits, the scatter-point pilot traces one path per pixel.
+/// Smallest and largest number of camera paths by which the scatter-point pilot learns where direct
+/// light arrives in media. Between these limits, the pilot traces one path per pixel.
 const PATH_COUNT_RANGE: (u32, u32) = (2000, 6000);
 
-/// Mean numbers of guided scattering points per camera path that the scatter-point pilot tries. It
-/// compares their noise and work.
+/// Mean numbers of guided scattering points (starts of shadow rays in media) per camera path that
+/// the scatter-point pilot tries. It compares variance times work for these numbers.
 const TRIAL_POINTS_PER_PATH: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 
-/// Largest acceptable ratio of noise times work to its lowest value. The scatter-point pilot takes
-/// the smallest number of points within this ratio.
+/// Largest acceptable value of variance times work, divided by the lowest value over all numbers of
+/// scattering points (starts of shadow rays) that the scatter-point pilot tries. The pilot takes
+/// the smallest acceptable number.
 ///
 /// The ratio exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a
 /// camera path, so fewer points save more time than the work shows.
 const NEGLIGIBLE_LOSS: f64 = 1.15;
 
-/// Efficiency gain above which passes guide shadow rays in media: noise times work of unguided
-/// sampling, divided by noise times work of guided sampling.
+/// Efficiency gain above which passes guide shadow rays in media: variance times work of unguided
+/// sampling, divided by variance times work of guided sampling.
 ///
 /// The value exceeds 1, because the work counts rays only, and guided points take longer to sample.
 const MIN_GAIN: f64 = 1.3;
 
-/// Work and estimated benefit of the pilot (small simulation before the first pass) that learns the
-/// lit parts of media. There, shadow rays find light, so most guided shadow rays start there.
+/// Work and estimated benefit of the pilot (small simulation before the first pass) that learns
+/// where direct light arrives in media. Only there do shadow rays find light, so most guided shadow
+/// rays start there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ScatterPointGuidingReport {
-    /// Number of shadow rays that the pilot traced to learn the lit parts of media.
+    /// Number of shadow rays that the pilot traced to learn where direct light arrives in media.
     #[serde(rename = "rays")]
     pub shadow_rays: u64,
     /// Gain in efficiency: variance times work of camera paths if shadow rays in media are
     /// unguided, divided by variance times work if they are guided.
     #[serde(rename = "gain")]
     pub efficiency_gain: f64,
-    /// True if the render guides shadow rays in media: most of them then start in the lit parts.
+    /// True if the render guides shadow rays in media: most of them then start where direct light
+    /// arrives.
     pub used: bool,
 }
 
-/// Runs the scatter-point pilot. Returns the method by which passes of `renderer` choose the start
-/// points of shadow rays in homogeneous media, and a report.
+/// Runs the scatter-point pilot. Returns the method by which passes of `renderer` choose scattering
+/// points, from which shadow rays start in homogeneous media. Also returns a report.
 ///
 /// The result depends only on the scene, the policy and the settings. The report is `None` if one
 /// of these conditions holds:
 ///
 /// - The settings forbid the pilot, or next-event estimation or media are off.
 /// - No homogeneous medium scatters, or no medium gets direct light.
-/// - The lights are so many that shadow rays go to randomly chosen ones.
+/// - There are no lights, or so many that shadow rays go to randomly chosen ones.
 pub(super) fn guide_scatter_points(
     renderer: &PassRenderer<'_>,
 ) -> (ScatterPointSampling, Option<ScatterPointGuidingReport>) {
@@ -87,8 +90,8 @@ pub(super) fn guide_scatter_points(
     (sampling, Some(ScatterPointGuidingReport { shadow_rays, efficiency_gain, used }))
 }
 
-/// Learned distribution of the start points of shadow rays, with two results of the scatter-point
-/// pilot: the mean radiance that media scatter, and the number of shadow rays.
+/// Learned distribution of scattering points (starts of shadow rays in media), with two results of
+/// the scatter-point pilot: the mean radiance that media scatter, and the number of shadow rays.
 struct LearnedGuide {
     guide: Arc<ScatterPointGuide>,
     /// Mean radiance that media scatter to a camera path, straight from lights \[W/(m² sr)].
@@ -118,10 +121,11 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
     Some(LearnedGuide { guide: Arc::new(fit.fitted_guide()), mean_radiance, shadow_rays: samples().count() as u64 })
 }
 
-/// Chooses how many points the guided sampling uses: the fewest for which noise times work is close
-/// to its lowest value. Returns that sampling, and its efficiency gain: noise times work of
-/// unguided sampling, divided by noise times work of the returned sampling. If the estimates have
-/// no noise, returns unguided sampling and 1 (no gain).
+/// Chooses how many scattering points (starts of shadow rays in media) the guided sampling uses:
+/// the fewest for which variance times work is close to its lowest value. Returns the guided
+/// sampling with this number. Also returns its efficiency gain: variance times work of unguided
+/// sampling, divided by variance times work of the returned sampling. If the estimates have no
+/// noise, returns unguided sampling and 1 (no gain).
 fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGuide) -> (ScatterPointSampling, f64) {
     let LearnedGuide { guide, mean_radiance, .. } = learned;
     let guided = TRIAL_POINTS_PER_PATH.map(|points| ScatterPointSampling::Guided {
@@ -141,7 +145,7 @@ fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGui
     let unguided = estimate(&ScatterPointSampling::Unguided);
     let trials = guided.map(|sampling| (estimate(&sampling), sampling));
 
-    // Compare their noise times their work.
+    // Compare their variance times their work.
     let all = || trials.iter().map(|(estimates, _)| estimates).chain([&unguided]).flatten();
     let mean = |i: usize| all().map(|(radiance, _)| f64::from(color::channel_mean(radiance[i]))).sum::<f64>();
     let light: Vec<f64> = (0..unguided[0].0.len()).map(|i| mean(i) / all().count() as f64).collect();
@@ -157,7 +161,7 @@ fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGui
 }
 
 /// Calls `trace` with a context for camera paths of `policy` that read no photons. `sampling`
-/// chooses the start points of their shadow rays in media.
+/// chooses the scattering points, from which their shadow rays start in media.
 fn with_path_context<T>(
     renderer: &PassRenderer<'_>,
     policy: &PathPolicy,

@@ -90,16 +90,18 @@ pub struct Settings {
     /// paths, to get less noise for the same work.
     ///
     /// `unaimed_paths`, `aimed_paths` and the camera rays per pixel are then starting values. If
-    /// [`CameraPathSettings::samples_per_pixel`] is set, the pilot changes only one value: it may
-    /// reduce `unaimed_paths` of `hybrid`. `ppm` ignores this setting.
+    /// [`CameraPathSettings::samples_per_pixel`] is set, only one value may change: the pilot that
+    /// divides indirect light may reduce `unaimed_paths` of `hybrid`. `ppm` ignores this setting.
     pub allows_ray_photon_balance: bool,
     /// Largest number of photons of a density estimate on a surface in the first pass; 0 for no
     /// limit.
     ///
     /// `None` stands for [`DEFAULT_CAUSTIC_K`](super::DEFAULT_CAUSTIC_K) in the caustic map, and
-    /// for no limit in other maps. If a pilot changes `aimed_paths`, this default changes in
-    /// proportion. The farthest photon only sets the radius, so a limit of 1 acts like 2. If a
-    /// limit above 0 is set, pilots choose gather radii that hold about that many photons.
+    /// for no limit in other maps. If a pilot changes `aimed_paths`, the default limit of the
+    /// caustic map changes in proportion.
+    ///
+    /// The farthest photon only sets the radius, so a limit of 1 acts like 2. If a limit above 0 is
+    /// set, pilots choose gather radii that hold about that many photons.
     pub gather_k: Option<u32>,
     /// Largest gather radius of density estimates in the first pass, on surfaces and in media
     /// \[length]. `None` lets pilots (small simulations before the first pass) choose a radius for
@@ -137,14 +139,15 @@ pub struct Settings {
 /// surface, or the end of a final-gathering ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FinalGathering {
-    /// At the surface that the camera sees, without final gathering (direct visualization of the
-    /// map).
+    /// `pm` reads the indirect map at the surface that the camera sees, without final gathering
+    /// (direct visualization of the map).
     None,
-    /// At the end of a gather ray whose direction is sampled from the BSDF.
+    /// `pm` reads the indirect map at the end of a gather ray, whose direction is sampled from the
+    /// BSDF.
     #[default]
     Bsdf,
-    /// At the end of a gather ray whose direction is sampled from the BSDF or from the directions
-    /// of nearby photons, with equal probability.
+    /// `pm` reads the indirect map at the end of a gather ray, whose direction is sampled from the
+    /// BSDF or from the directions of nearby photons, with equal probability.
     Importance,
 }
 

@@ -1,7 +1,8 @@
 //! Chains of specular vertices that camera rays follow, traced with their derivatives.
 //!
-//! The derivatives come from finite differences: a [`RayBundle`] holds a camera ray and its
-//! neighbours on the film and on the lens, and traces them over the same vertices.
+//! The derivatives predict where lamp images lie: film regions where camera rays meet a small lamp.
+//! They come from finite differences: a [`RayBundle`] holds a camera ray and its neighbours on the
+//! film and on the lens, and traces them over the same vertices.
 
 use crate::bsdf::TransportMode;
 use crate::color::Rgb;
@@ -86,7 +87,8 @@ pub(super) struct RayBundle<I> {
     sampler: Sampler,
 }
 
-/// Bounding sphere of an area light.
+/// Sphere that stands for an area light: around the center of its bounding box, with half the
+/// longest edge of the box as radius. The corners of the box may lie outside.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampSphere {
     pub center: DVec3,
@@ -102,12 +104,14 @@ pub(super) struct LampPassage {
     /// Distance between the camera ray and the center of the lamp, relative to the lamp's radius.
     /// Below 1, the ray meets the lamp's bounding sphere.
     pub relative_miss: f64,
-    /// Vector on the film from the camera ray to the center of the lamp's image \[pixels].
+    /// Vector on the film from the camera ray to the center of the lamp image \[pixels]. The lamp
+    /// image is the film region where camera rays meet the lamp.
     pub to_image: DVec2,
-    /// Shift of the lamp's image on the film per shift of the lens point \[pixels/length].
+    /// Shift of the lamp image (film region where camera rays meet the lamp) per shift of the lens
+    /// point \[pixels/length].
     pub shift_per_lens_position: DMat2,
-    /// Map from vectors on the film \[pixels] to coordinates in which the lamp's image is the unit
-    /// disc.
+    /// Map from vectors on the film \[pixels] to coordinates in which the lamp image (film region
+    /// where camera rays meet the lamp) is the unit disc.
     pub to_disc: DMat2,
 }
 

@@ -35,11 +35,11 @@ const MIN_WEIGHT: f32 = 0.01;
 /// Choice of the surface along a camera ray that the AOVs describe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AovSurface {
-    /// The first surface that is not specular: rays continue at mirrors and smooth glass until they
-    /// reach it.
+    /// The AOVs describe the first surface that is not specular: rays continue at mirrors and
+    /// smooth glass until they reach it.
     #[default]
     FirstNonSpecular,
-    /// The first surface that the camera ray hits.
+    /// The AOVs describe the first surface that the camera ray hits.
     First,
 }
 
@@ -303,8 +303,8 @@ impl<I: Interior> RayBranch<I> {
 }
 
 impl RayAovs {
-    /// Adds the albedo and the normal of `surface`, where `branch` ends. If no earlier branch has a
-    /// larger weight, also stores the surface in `heaviest`.
+    /// Adds the albedo and the normal of `surface`, where `branch` ends. If the branch has a larger
+    /// weight than all earlier ones, also stores the surface in `heaviest`.
     fn add_surface<I: Interior>(&mut self, scene: &Scene, branch: &RayBranch<I>, surface: &SurfaceInteraction<'_>) {
         let albedo = directional_albedo(surface, branch.sampler).max(surface.emission);
         self.albedo += branch.weight * clip_to_albedo(albedo);

@@ -147,8 +147,9 @@ fn row_pieces_by_tile<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = 
 /// the camera rays.
 ///
 /// `trace_ray` returns the radiance along a camera ray \[W/(m² sr)]. For all algorithms except
-/// `raycast`, it calls [`trace_camera_path`](super::camera_path::trace_camera_path). Its arguments
-/// are the ray, the task of the tile, and a stack of path branches that all rays of a tile share.
+/// `raycast`, it calls [`trace_camera_path`](super::camera_path::trace_camera_path). The arguments
+/// of `trace_ray` are the ray, the task of the tile, and a stack of path branches that all rays of
+/// a tile share.
 pub(super) fn render_tiles<Stack: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
@@ -207,7 +208,7 @@ pub(super) fn render_tiles<Stack: Default>(
                 }
             }
 
-            // Average the light of its rays.
+            // Average the light of the pixel's rays.
             let pixel = sums.average(sampling, samples, &mut task);
             tile.store_pixel((column % TILE_SIZE) as usize, (row % TILE_SIZE) as usize, pixel);
             rendered += 1;

@@ -1,4 +1,5 @@
-//! Pilot (small simulation before the first pass) that finds points visible to the camera.
+//! Pilot (small simulation before the first pass) that finds points visible to the camera. Other
+//! pilots guide photon emission and shadow rays by these points.
 
 use super::camera_path::PathContext;
 use super::film_points::trace_paths_through_film_points;
@@ -16,8 +17,9 @@ use glam::Vec2;
 /// are four rays per pixel.
 const RAY_COUNT_RANGE: (u32, u32) = (2000, 20_000);
 
-/// Largest distance at which a photon near a visible point counts as visible, divided by the
-/// diagonal of the bounding box of all visible points.
+/// Upper bound on the radius around a visible point within which photons count as visible, divided
+/// by the diagonal of the bounding box of all visible points. If the visible points are sparse, the
+/// radius may exceed this bound.
 const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
 /// Returns a map of the points that the camera sees on *receivers* (surfaces that store photons),

@@ -17,13 +17,15 @@ use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 /// Density estimator of the radiance that media scatter along a camera ray, from photons in media.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VolumeEstimator {
-    /// Photon beams near the ray (Jarosz et al. 2011). Heterogeneous media use `BeamRadiance`
-    /// instead.
+    /// The estimator reads photon beams near the camera ray (Jarosz et al. 2011). Heterogeneous
+    /// media use `BeamRadiance` instead.
     #[default]
     Beams,
-    /// Beam radiance estimate: photons near the ray (Jarosz, Zwicker and Jensen 2008).
+    /// The beam radiance estimate reads photons near the camera ray (Jarosz, Zwicker and Jensen
+    /// 2008).
     BeamRadiance,
-    /// Photons near one sampled point of the ray (Jensen and Christensen 1998).
+    /// The estimator reads photons near one sampled point of the camera ray (Jensen and Christensen
+    /// 1998).
     Points,
 }
 

@@ -1,5 +1,5 @@
-//! Pilot (small simulation) that measures the noise and work of a pass with few camera rays and few
-//! photons.
+//! Pilot (small simulation before the first pass) that balances camera rays against photon paths.
+//! It traces few camera rays and few photons, and measures the noise and work of each.
 
 use super::balance::{self, NoiseSource, RayPhotonBalance};
 use super::film_points::{FILM_POINT_COUNT, FilmPoint, generate_film_points, map_paths_through_film_points};
@@ -50,7 +50,8 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let reference = estimate_at_points(renderer, Some(&maps), &points);
     let other_camera = estimate_at_points(renderer, Some(&maps), &other_points);
     std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
-    // In `hybrid`, aimed paths fill the caustic map and the indirect map, so both are replaced.
+    // In `hybrid`, photon paths aimed at casters fill the caustic map and the indirect map, so both
+    // are replaced.
     let aimed_fill_both_maps = renderer.map_builder.request.aimed.separates_after_caustic;
     if aimed_fill_both_maps {
         std::mem::swap(&mut maps.indirect, &mut other_maps.indirect);
@@ -58,8 +59,8 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let other_aimed = estimate_at_points(renderer, Some(&maps), &points);
     let has_unaimed = !aimed_fill_both_maps || other_maps.interreflection.is_some();
     let other_unaimed = has_unaimed.then(|| estimate_at_points(renderer, Some(&other_maps), &points));
-    // Remove the interreflection map, so that only photons of aimed paths are gathered: in
-    // `hybrid`, photons of the caustic map and of the indirect map.
+    // Remove the interreflection map of `hybrid`, so that only photons of paths aimed at casters
+    // are gathered: those of the caustic map and of the indirect map.
     maps.interreflection = None;
     let gathered_aimed = estimate_at_points(renderer, Some(&maps), &points).counters;
 

@@ -80,6 +80,8 @@ impl EnvironmentLight {
 
     /// Inverse of [`EnvironmentLight::sample`]: returns the point u in \[0, 1)² that `sample` maps
     /// to unit `direction`, up to rounding; `None` if the map is black.
+    ///
+    /// A guide that samples u non-uniformly needs this point to compute the pdf of `direction`.
     #[inline]
     #[must_use]
     pub fn inverse_sample(&self, direction: Vec3) -> Option<Vec2> {

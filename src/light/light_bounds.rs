@@ -184,7 +184,8 @@ impl From<LightBounds> for CompactLightBounds {
 }
 
 impl CompactLightBounds {
-    /// Importance of the lights for light sampling at `p`: their approximate irradiance \[W/m²].
+    /// Importance of the lights for light sampling at `p`: the approximate irradiance \[W/m²] that
+    /// they cause there.
     ///
     /// If the unit normal `n` of a surface at `p` is given, only light that arrives on the side to
     /// which `n` points counts. The result is 0 only if no light can arrive.

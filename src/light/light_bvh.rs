@@ -59,7 +59,8 @@ enum LightBvhLocation {
 }
 
 /// Depth in the light BVH from which each node is split into two children with equal numbers of
-/// lights. Each such split halves the number, so the depth stays below 64, even for 2³² lights.
+/// lights. Each such split halves the number of lights. So the depth stays below 64, the number of
+/// bits in the path to a leaf, even for 2³² lights.
 const HALVING_DEPTH: u32 = 31;
 
 /// Number of buckets along each axis into which the centers of lights are sorted. The boundaries

@@ -1,7 +1,7 @@
 //! Light sources, which are sampled for direct light and for photon emission.
 //!
-//! Each kind of light has a file of its own. It implements the trait `LightSource`, or
-//! `PositionalLight` if its light leaves from one point. The enum [`Light`] holds a light of any
+//! Each kind of light has a file of its own. Its type implements the trait `LightSource`, or
+//! `PositionalLight` if the light leaves from one point. The enum [`Light`] holds a light of any
 //! kind.
 //!
 //! A new kind needs four files: one here with its variant of [`Light`] in this file, and one in
@@ -10,8 +10,8 @@
 //! change.
 //!
 //! A light of a scene file is a `LightDescription` first. The scene builder keeps lights at one
-//! position or direction as [`UnscaledDeltaLight`], so that they can move. It makes a [`Light`] of
-//! each for a given time.
+//! position or direction as [`UnscaledDeltaLight`], so that they can move. For a given time, it
+//! makes a [`Light`] from each of them.
 
 mod area;
 mod directional;
@@ -191,7 +191,8 @@ impl Light {
     /// World-space point that stands for the position of the whole light; `None` for lights at
     /// infinity.
     ///
-    /// For an area light, it is a point near the surface, on its outer side.
+    /// For an area light, it is a point near the surface, on its outer side. The point is used
+    /// where one position must do, such as for equiangular sampling in a medium.
     #[must_use]
     pub fn representative_point(&self) -> Option<Vec3> {
         match self.geometry() {
@@ -203,7 +204,8 @@ impl Light {
 
     /// Center of the light in world space; `None` for lights at infinity.
     ///
-    /// If the light consists of mesh triangles, the result is an arbitrary point of them.
+    /// If the light consists of mesh triangles, the result is an arbitrary point of these
+    /// triangles. The algorithm `raycast` replaces an area light by a point light at this point.
     #[must_use]
     pub fn center_or_surface_point(&self) -> Option<Vec3> {
         match self.geometry() {

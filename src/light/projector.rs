@@ -42,7 +42,7 @@ pub struct ProjectedPicture {
 }
 
 impl ProjectedPicture {
-    /// Creates the projected form of `picture`. `angle` is the full vertical angle of view
+    /// Converts `picture` to the picture of a projector. `angle` is the full vertical angle of view
     /// \[radians], below π.
     ///
     /// Returns `None` if the picture is black.

@@ -10,8 +10,8 @@ use glam::{Vec2, Vec3};
 /// The end of a shadow ray from a surface or medium towards a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShadowTarget {
-    /// A point of the light, offset from the light's surface so that this surface does not occlude
-    /// the ray.
+    /// A point of the light. On an area light, the point is offset from the surface, so that this
+    /// surface does not occlude the ray.
     Point(Vec3),
     /// The light is at infinity, so the ray has no end.
     Infinity,
@@ -39,8 +39,8 @@ pub struct EmissionSample {
     /// Flux \[W] that the ray carries: emitted radiance · cosine, intensity or irradiance, divided
     /// by the pdf of the sampled position and direction. A photon path starts with this flux.
     ///
-    /// The mean of `weight` over many sampled rays is the flux of the light that these rays can
-    /// reach.
+    /// The expected value of `weight` is the flux that the light emits along all rays that can be
+    /// sampled. Samples without a ray count as 0.
     pub weight: Rgb,
 }
 
@@ -78,7 +78,7 @@ pub(super) enum LightGeometry<'a> {
 ///
 /// Lights at one position implement [`PositionalLight`](super::point::PositionalLight) instead.
 /// There, the cone of emitted directions is unbounded by default. A light that emits into a
-/// narrower cone should override this default, which makes light sampling less noisy.
+/// narrower cone should override this default, which reduces the variance of light sampling.
 pub(super) trait LightSource {
     /// Position, direction or surface from which the light comes.
     fn geometry(&self) -> LightGeometry<'_>;
@@ -122,7 +122,8 @@ pub(super) trait LightSource {
     /// expanded `sphere` by rounding errors.
     ///
     /// The default `true` is correct for every light. It is inefficient if the light cannot reach
-    /// all of space: photons are then aimed at spheres that they cannot enter.
+    /// all of space: photons are then aimed at bounding spheres of casters that the light cannot
+    /// reach.
     fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }

@@ -9,23 +9,24 @@ const QUANTUM_RATIO_LOG2: i32 = 31;
 
 /// Ratio between the upper and the lower quantum of a pixel: 2³¹.
 ///
-/// A quantum is the unit of an integer sum; [`BinnedSums`] describes both.
+/// A quantum is the unit of an integer sum. [`BinnedSums`] describes both quanta of a pixel.
 const QUANTUM_RATIO: f64 = (1u64 << QUANTUM_RATIO_LOG2) as f64;
 
 /// Number of levels. All values of a pixel are summed in two integers, and the pixel's level
 /// selects the two units (quanta) of these integers. Higher levels have larger units.
 ///
-/// With 18 levels, even the sum of the squares of three f32 values stays finite: it is below the
-/// limit of the last level, beyond which values count as infinite.
+/// With 18 levels, even the sum of the squares of three f32 values stays finite, because it is
+/// below the limit of the last level. Values beyond this limit count as infinite.
 const LEVELS: usize = 18;
 
 /// Binary exponent of the unit of the upper integer sum at level 0: the unit is 2⁻²⁹⁴.
 ///
-/// With this exponent, one level holds all absolute values from 2⁻¹⁶ to 2¹⁵. The unit of its lower
-/// integer sum is 2⁻⁴⁶.
+/// With this exponent, one level holds all absolute values from 2⁻¹⁶ to 2¹⁵, which are common in
+/// pictures. The unit of its lower integer sum is 2⁻⁴⁶, so f32 values in this range are summed
+/// exactly.
 const FIRST_EXPONENT: i32 = -294;
 
-/// Unit of the upper integer sum, for each level.
+/// Unit (upper quantum) of a pixel's upper integer sum, for each level.
 const UPPER_QUANTA: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT, QUANTUM_RATIO_LOG2);
 
 /// Inverses of the [`UPPER_QUANTA`], one for each level.
@@ -214,7 +215,8 @@ fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [
     let integer = |rounded: f64| rounded.to_bits().wrapping_sub(ROUNDER.to_bits()) as i64;
     let [upper, lower] = bins;
     for channel in 0..N {
-        // Products with powers of two are exact, and so is the difference.
+        // Products with powers of two are exact, and so is the difference between `scaled` and the
+        // rounded number.
         let scaled = values[channel] * inverse;
         let rounded = scaled + ROUNDER;
         let rest = (scaled - (rounded - ROUNDER)) * QUANTUM_RATIO;
@@ -226,7 +228,7 @@ fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [
 /// Adds `values`, one for each channel, to a pixel whose level is too low for one of them. Raises
 /// the level of the pixel first.
 ///
-/// A value that is not finite, or beyond the limit of the last level, is not added: it sets a flag
+/// A value that is not finite, or beyond the limit of the last level, is not added. It sets a flag
 /// of its channel in `tag` instead.
 #[cold]
 fn add_beyond_limit<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, mut values: [f64; N]) {

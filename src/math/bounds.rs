@@ -21,7 +21,7 @@ impl Bounds {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// Smallest box that contains both boxes.
+    /// Smallest box that contains the boxes `self` and `other`.
     #[inline]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
@@ -72,7 +72,8 @@ impl Bounds {
         })
     }
 
-    /// Smallest sphere that contains the box, which passes through the eight corners of the box.
+    /// Smallest sphere that contains the box. The sphere passes through the eight corners of the
+    /// box.
     ///
     /// An empty box gives a sphere of radius 0.
     #[must_use]
@@ -91,7 +92,7 @@ pub struct BoundingSphere {
 }
 
 impl BoundingSphere {
-    /// Smallest sphere that contains both spheres, up to rounding.
+    /// Smallest sphere that contains the spheres `self` and `other`, up to rounding.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         let d = other.center - self.center;

@@ -1,4 +1,5 @@
-//! Double-double arithmetic: 106 significant bits, for cofactors and determinants that cancel.
+//! Double-double arithmetic: 106 significant bits, for cofactors and determinants whose terms
+//! nearly cancel.
 
 use glam::DVec3;
 

@@ -14,8 +14,9 @@ pub const fn rounding_error_bound(n: u32) -> f32 {
 
 /// Real roots t of a t² + 2 b t + c = 0, ascending; `None` if the discriminant is negative.
 ///
-/// The coefficient of t is 2 b, not b. `discriminant` is b² − a c, computed by the caller, and `a`
-/// must not be 0. The formula avoids cancellation (Higham 2002, section 1.8).
+/// The coefficient of t is 2 b, not b, and `a` must not be 0. `discriminant` is b² − a c. The
+/// caller computes it, because it may know a formula with a smaller rounding error. The formula for
+/// the roots avoids cancellation (Higham 2002, section 1.8).
 #[inline]
 #[must_use]
 pub fn quadratic_roots_half_b(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64, f64)> {
@@ -32,8 +33,8 @@ pub fn quadratic_roots_half_b(a: f64, b: f64, c: f64, discriminant: f64) -> Opti
 
 /// Sine and cosine of the angle 2π·`turns`, for `turns` in \[−1, 1], within one ulp.
 ///
-/// Whole quarter turns are subtracted exactly. Taylor polynomials evaluate the remaining angle,
-/// with an error below 2⁻²⁹ (Cody and Waite 1980, chapter 8).
+/// Whole quarter turns are subtracted exactly. Taylor polynomials give sine and cosine of the
+/// remaining angle, with an error below 2⁻²⁹ (Cody and Waite 1980, chapter 8).
 #[inline]
 #[must_use]
 pub fn sin_cos_turns(turns: f32) -> (f32, f32) {

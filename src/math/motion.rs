@@ -34,7 +34,8 @@ impl MotionFactor {
 
 /// Affine map as a function of time: 0 is the opening of the shutter, 1 its closing.
 ///
-/// The map is a product of factors, so points under a rotation move along true circles.
+/// The map is a product of factors, so points under a rotation move along true circles. If matrices
+/// were interpolated instead, these points would move along chords.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Factors F₁ … Fₙ of the product map F₁·F₂·…·Fₙ. The last factor acts on points first.
@@ -51,7 +52,7 @@ impl Motion {
     }
 
     /// Returns a motion that applies `factors` to points first, and then this motion. The last of
-    /// `factors` comes first.
+    /// `factors` acts on points before the others.
     #[must_use]
     pub fn preceded_by_factors(&self, factors: impl IntoIterator<Item = MotionFactor>) -> Self {
         let mut all = self.factors.clone();
@@ -133,7 +134,7 @@ mod tests {
         for time in [0.0, 0.3, 1.0] {
             let p = motion.at_time(time).transform_point3(DVec3::ZERO);
             let expected = DVec3::new(libm::cos(PI * time) * time, 1.0, -libm::sin(PI * time) * time);
-            // Few roundings of numbers near 1.
+            // The tolerance allows for a few roundings of numbers near 1.
             assert!((p - expected).length() < 1e-15 * 8.0, "{time}: {p}");
             let edge = motion.at_time(time).transform_vector3(DVec3::Y);
             assert!((edge.length() - (1.0 + 2.0 * time)).abs() < 1e-14);

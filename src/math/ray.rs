@@ -41,9 +41,10 @@ impl Ray {
 /// Returns a point next to the surface point `p` from which a ray can leave in `direction` without
 /// hitting the surface at `p` again.
 ///
-/// `error` bounds the error of `p` along each axis, and `normal` is the unit geometric normal. `p`
-/// is moved along the normal until it is outside the box of all points that `p` may stand for, and
-/// then rounded outward (Pharr, Jakob, Humphreys 2023, section 6.8.6).
+/// `error` bounds the error of `p` along each axis, and `normal` is the unit geometric normal. The
+/// exact surface point lies in the box of half-widths `error` around `p`. `p` is moved along the
+/// normal until it is outside this box, and then rounded outward (Pharr, Jakob, Humphreys 2023,
+/// section 6.8.6).
 #[inline]
 #[must_use]
 pub fn offset_ray_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {

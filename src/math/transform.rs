@@ -18,8 +18,8 @@ pub struct Transform {
     determinant: f64,
 }
 
-/// Largest entry that the inverse of a matrix may have. If an entry is larger, the matrix counts as
-/// singular. Before this test, the columns of the matrix are scaled to about unit length.
+/// Largest absolute entry that the inverse of a matrix may have. If an entry is larger, the matrix
+/// counts as singular. Before this test, the columns of the matrix are scaled to about unit length.
 ///
 /// Below this limit, rounding errors of the matrix entries change the inverse by less than 2 %.
 const MAX_INVERSE_ENTRY: f64 = 1e14;
@@ -55,8 +55,9 @@ impl Transform {
         {
             return Err(SingularTransformError);
         }
-        // The inverse of M = U·D is D⁻¹·U⁻¹. This product overflows or underflows only if its
-        // entries do.
+        // M is U·D: U has the scaled columns a, b and c, and the diagonal matrix D has their scales
+        // x, y and z. The inverse of M is D⁻¹·U⁻¹. This product overflows or underflows only if
+        // entries of the inverse do.
         let inverse = DMat3::from_cols(rows[0] / x, rows[1] / y, rows[2] / z).transpose();
         let inverse = DAffine3::from_mat3_translation(inverse, inverse_translation(inverse, forward.translation));
         let determinant = volume * x * y * z;
@@ -151,7 +152,7 @@ fn inverse_translation(inverse: DMat3, t: DVec3) -> DVec3 {
     -DVec3::new(exact_dot(rows.x_axis, t), exact_dot(rows.y_axis, t), exact_dot(rows.z_axis, t))
 }
 
-/// Largest power of two that is at most `x`, which must be a normal number above 0.
+/// Largest power of two that is at most `x`, for a normal number `x` above 0.
 ///
 /// Returns 0 for 0 and subnormal numbers, and infinity for infinity and NaN.
 fn floor_power_of_two(x: f64) -> f64 {
@@ -178,7 +179,7 @@ mod tests {
         assert_eq!(Transform::new(DAffine3::from_mat3(dependent)), Err(SingularTransformError));
         let close = DMat3::from_cols(DVec3::X, DVec3::new(1.0, 1e-15, 0.0), DVec3::Z);
         assert_eq!(Transform::new(DAffine3::from_mat3(close)), Err(SingularTransformError));
-        // A small scale is not singular.
+        // Very small or unequal scales do not make a transform singular.
         for scale in [DVec3::splat(1e-150), DVec3::new(1e300, 1.0, 1e-300)] {
             let t = Transform::new(DAffine3::from_scale(scale)).unwrap();
             let back = t.inverse().transform_vector3(t.transform_vector(DVec3::ONE));

@@ -134,9 +134,11 @@ mod tests {
         }
     }
 
-    /// Moments of warped points, as sums over midpoints of an n² grid, agree with the integrals.
+    /// Moments of warped points agree with integrals over the warped distributions. The moments are
+    /// means over the midpoints of a grid of n × n cells.
     ///
-    /// The worst integrand has a square-root edge, so the error is O(n^−3/2) = 3·10⁻⁵.
+    /// The worst integrand behaves like a square root at an edge of the unit square. So the error
+    /// is O(n^−3/2) = 3·10⁻⁵.
     #[test]
     fn warped_points_have_the_expected_moments() {
         let n = 1024u32;

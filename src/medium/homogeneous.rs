@@ -37,9 +37,9 @@ pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
 /// Samples a scattering distance from the exponential distribution of one color channel, chosen
 /// with probability proportional to its throughput.
 ///
-/// The weight of the sample is divided by the sample's pdf, averaged over all channels with these
-/// probabilities (balance heuristic). If the chosen channel has no extinction, the ray passes
-/// through.
+/// The pdf by which the weight of the sample is divided is the mean of the channels' pdfs, weighted
+/// with these probabilities (balance heuristic). If the chosen channel has no extinction, the ray
+/// passes through.
 pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
     let sigma = medium.extinction();
     let probability = channel_probabilities(throughput);

@@ -41,9 +41,10 @@ pub struct Medium {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceSample {
     /// Distance from the ray's origin to the scattering point \[length]; `None` if the ray passes
-    /// through.
+    /// through the medium without scattering.
     pub scattering_distance: Option<f32>,
-    /// Factor by which the throughput changes.
+    /// Factor by which the path throughput changes, up to the scattering point or, without
+    /// scattering, up to the end of the ray.
     ///
     /// After scattering, the factor is σs·T divided by the pdf of the distance, where T is the
     /// transmittance. If the ray passes through, the factor is T divided by the probability of
@@ -58,7 +59,7 @@ pub struct DistanceSample {
 /// Estimated transmittance as a function of distance along a ray, by one run of ratio tracking.
 ///
 /// Each value is unbiased, and exact in a homogeneous medium. Values at different distances are
-/// correlated.
+/// correlated. Density estimates along a camera ray use one curve for all photons near the ray.
 #[derive(Clone, Debug, Default)]
 pub struct TransmittanceCurve {
     /// Extinction coefficient of a homogeneous medium \[1/length]; zero for a medium with a density

@@ -1,8 +1,9 @@
 //! Null-collision methods for heterogeneous media.
 //!
-//! Tentative collisions are sampled as if the extinction in each block were constant and equal to
-//! its majorant. Each tentative collision is real or null (Woodcock 1965). Absorption does not end
-//! a path but reduces its weight.
+//! Tentative collisions are sampled as if the extinction in each block of the density grid were
+//! constant and equal to its majorant, an upper bound of the extinction in the block. Each
+//! tentative collision is real or null (Woodcock 1965). Absorption does not end a path but reduces
+//! its weight.
 
 use super::grid_density::{GridDensity, GridRay};
 use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, zero_unsampled_channels};
@@ -23,7 +24,8 @@ const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 /// Smallest mean number of tentative collisions along a ray, for an estimate of the radiance that a
 /// medium emits along this ray.
 ///
-/// In thin media, the collision rate is raised to reach this number, for less noise.
+/// In thin media, the collision rate is raised to reach this number, because an estimate from few
+/// collisions has a high variance.
 const MIN_EMISSION_COLLISIONS: f64 = 4.0;
 
 /// Smallest mean number of tentative collisions along a ray for a [`TransmittanceCurve`].
@@ -38,9 +40,9 @@ struct TentativeCollision {
     /// Density of the medium divided by the mean number of tentative collisions per length
     /// \[length].
     ///
-    /// The collision scatters with the probability σs·`density_over_rate`, where σs \[1/length] is
-    /// the scattering coefficient at density 1. It absorbs with the probability
-    /// σa·`density_over_rate`.
+    /// The rate of tentative collisions is the sum of the rates of scattering, absorption and null
+    /// collisions. The share of scattering is σs·`density_over_rate`, where σs \[1/length] is the
+    /// scattering coefficient at density 1. The share of absorption is σa·`density_over_rate`.
     density_over_rate: f64,
 }
 
@@ -73,7 +75,8 @@ fn track_collisions<R: Rng>(
                 break;
             }
             t += step;
-            // Interpolated densities may exceed the majorant by rounding.
+            // Interpolated densities may exceed the majorant by rounding, so they are clamped to
+            // it.
             let density_over_rate = line.density(t).min(majorant) / (rate * majorant);
             if matches!(visit(TentativeCollision { t, density_over_rate }, rng), TrackingDecision::Stop) {
                 return false;
@@ -114,7 +117,7 @@ pub(super) fn transmittance(medium: &Medium, grid: &GridDensity, ray: &Ray, dist
     if reached_end { weight.as_vec3() } else { Rgb::ZERO }
 }
 
-/// Estimates the transmittance from the start of `ray` to all distances up to `distance` \[length].
+/// Estimates the transmittance from the start of `ray` to each distance up to `distance` \[length].
 ///
 /// One run of ratio tracking appends a step to `curve` at each tentative collision.
 pub(super) fn sample_transmittance_curve(
@@ -229,7 +232,7 @@ pub(super) fn emitted_radiance(
     if depth <= 0.0 {
         return Rgb::ZERO;
     }
-    // The minimum makes thin media collide often enough for a low variance.
+    // The minimum number of collisions keeps the variance low in thin media.
     let rate = sigma.max_element().max(MIN_EMISSION_COLLISIONS / depth);
     let (mut sum, mut weight, mut steps) = (DVec3::ZERO, DVec3::ONE, 0u32);
     track_collisions(&line, rate, rng, |collision, rng| {

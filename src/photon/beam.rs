@@ -113,10 +113,10 @@ impl BeamIntersection {
 /// Photon beams in a bounding volume hierarchy, for the beam × beam estimate with a 1D kernel.
 ///
 /// The radiance that arrives at the ray's origin is the sum, over the beams near the ray, of flux ·
-/// σs · p(cos) · T(ray, t) · T(beam, s) · weight. Here, σs is the scattering coefficient, p the
-/// phase function and T the transmittance. `cos`, `t`, `s` and `weight` are the fields of
-/// [`BeamIntersection`] (Jarosz et al. 2011, "A comprehensive theory of volumetric radiance
-/// estimation", section 4.3).
+/// σs · p(−cos) · T(ray, t) · T(beam, s) · weight. Here, σs is the scattering coefficient, p the
+/// phase function of the cosine between the directions of travel before and after scattering, and T
+/// the transmittance. `cos`, `t`, `s` and `weight` are the fields of [`BeamIntersection`] (Jarosz
+/// et al. 2011, "A comprehensive theory of volumetric radiance estimation", section 4.3).
 pub struct PhotonBeamMap {
     beams: Vec<PhotonBeam>,
     packets: Vec<BeamPiecePacket>,
@@ -128,8 +128,8 @@ pub struct PhotonBeamMap {
 /// Number of beams that one Rayon task handles.
 const BEAMS_PER_TASK: usize = 4096;
 
-/// Largest mean number of pieces per beam when [`PhotonBeamMap`] splits its beams. Pieces cost
-/// memory.
+/// Largest mean number of pieces per beam when [`PhotonBeamMap`] splits its beams. The limit bounds
+/// the memory for the pieces.
 const MAX_MEAN_BEAM_PIECES: f64 = 4.0;
 
 impl PhotonBeamMap {

@@ -1,4 +1,6 @@
-//! Random thinning of photon beams: fewer beams with more flux each, and the same expected flux.
+//! Random thinning of photon beams: fewer beams with more flux each, and the same expected flux. A
+//! render thins its beams where a minimum kernel radius would make each lookup find too many of
+//! them.
 
 use super::PhotonBeam;
 
@@ -41,8 +43,8 @@ mod tests {
     use crate::color::Rgb;
     use glam::Vec3;
 
-    /// Over evenly spaced values of `random_offset`, weak and strong beams keep their mean flux.
-    /// The mean number of kept beams does not exceed the given fraction.
+    /// Over evenly spaced values of `random_offset`, weak and strong beams keep their mean flux. On
+    /// average, not more than the given fraction of the beams is kept.
     #[test]
     fn thinning_keeps_the_mean_flux_of_each_beam() {
         let flux = |i: u32| Rgb::new(1.0, 0.5, 0.25) * [1.0, 3.0, 0.01, 60.0][i as usize % 4] * (1 + i % 7) as f32;
@@ -59,7 +61,8 @@ mod tests {
             }
             assert!(count as f32 <= (share * 40.0 + 1.0) * starts as f32 && count > 0, "{share}: {count}");
             for (i, mean) in (0..).zip(sums) {
-                // A weak beam is kept for few of the 20,000 starts. The tolerance is two of them.
+                // A weak beam is kept for only few of the 20,000 values of `random_offset`. The
+                // tolerance is two such values.
                 let smallest = share * 40.0 * flux(i).x / beams.iter().map(|b| b.flux.x).sum::<f32>();
                 let tolerance = 1e-3 + 2.0 / (smallest * starts as f32);
                 assert!((mean.x / flux(i).x - 1.0).abs() < tolerance, "{share}, beam {i}: {mean}");

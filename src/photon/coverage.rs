@@ -12,24 +12,25 @@ use glam::Vec3;
 /// on a surface. The photons of a density estimate are gathered in this disc.
 const PROBES: u32 = 16;
 
-/// Lower limit of the coverage, by which density estimates are divided. With this limit, the
+/// Lower limit of the coverage. Density estimates are divided by the coverage; with this limit, the
 /// division brightens an estimate at most 20 times.
 ///
 /// On a surface, the coverage is the fraction of the kernel's disc that lies on the surface. In a
-/// medium, it is the fraction of the kernel's volume that is visible from its center.
+/// medium, it is the fraction of the kernel's integral that is visible from its center.
 pub(super) const MIN_COVERAGE: f32 = 0.05;
 
-/// Limit below which a hit of a probe ray counts as a hit in the plane of the disc. The limit
-/// applies to the distance of the hit from this plane, divided by the radius of the disc.
+/// Largest distance between a hit of a probe ray and the plane of the disc, divided by the disc's
+/// radius, at which the hit counts as a hit in this plane.
 ///
-/// On a flat surface, all hits lie in the plane, and their computed distances are rounding errors.
+/// On a flat surface, all hits lie in the plane, and their computed distances from it are rounding
+/// errors.
 const MAX_FLAT_RISE: f32 = 1e-3;
 
 /// Upper bound of the rounding error in the origin of a probe ray, divided by the largest
 /// coordinate of the disc's center.
 ///
-/// A second error, about 10⁻⁷ of the disc's radius, is far below [`MAX_FLAT_RISE`] and not
-/// included.
+/// A second error, about 10⁻⁷ of the disc's radius, is not included, because it is far below
+/// [`MAX_FLAT_RISE`].
 const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Returns the coverage: the kernel's integral over the real surface around `p`, divided by its
@@ -40,7 +41,10 @@ const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
 /// section 7.2.3). Division by the coverage corrects this bias. The coverage is measured by probe
 /// rays along −`normal`, at random positions from `key`. If one flat shape contains the disc, no
 /// rays are needed, and the coverage is 1. Hits on surfaces tilted by more than 60° do not count.
-/// The coverage is at least 0.05, exactly 1 on a flat surface, and may exceed 1 on a slope.
+///
+/// The coverage is at least 0.05. It is exactly 1 if the whole disc lies on a flat surface. It may
+/// exceed 1 where the surface is tilted against `normal`, because a tilted surface has more area
+/// than its projection on the disc.
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));
@@ -69,9 +73,10 @@ fn coverage_near(
     kernel: Kernel,
     key: Key,
 ) -> f32 {
-    // Most discs lie in one large flat shape, far from its edges. All probe rays would find it, no
-    // higher than `MAX_FLAT_RISE`, so the coverage would be 1. Half of that rise is for distance
-    // and tilt of the shape, the other half for rounding errors of the probe rays.
+    // Most discs lie in one large flat shape, far from its edges. All probe rays would hit this
+    // shape within `MAX_FLAT_RISE` of the disc's plane, so the coverage would be 1. Half of this
+    // limit is for the distance and the tilt of the shape, the other half for rounding errors of
+    // the probe rays.
     let tolerance = radius * (0.5 * MAX_FLAT_RISE);
     let rounding = p.abs().max_element() * RELATIVE_PROBE_ERROR;
     if rounding < tolerance && primitives.only_shape_contains_disc(p, normal, radius, tolerance) {
@@ -123,8 +128,8 @@ fn coverage_by_probes(
 /// the fraction of the disc that is surface ([`disc_coverage`]).
 ///
 /// `radius` is the radius of the largest disc \[length]. Each disc that needs probe rays gets 16 of
-/// its own. With fewer rays, the coverage would be noisier, and dividing by it would be more
-/// biased.
+/// its own. With fewer rays, the coverage would have more variance, and the division by it would
+/// add more bias.
 #[must_use]
 pub fn nested_disc_coverage(
     scene: &Scene,

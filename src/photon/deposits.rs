@@ -1,4 +1,4 @@
-//! Photons stored by a photon pass.
+//! Photons, photon beams and splats that a photon pass stores.
 
 use super::concatenation::concatenate;
 use super::{Photon, PhotonBeam, PhotonKind, PhotonTracer, VolumePhoton};
@@ -8,8 +8,8 @@ use crate::scene::SurfaceInteraction;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Optical depth from the start at which a photon beam ends if its ray has no end in the medium.
-/// The flux there is exp(−20) = 2·10⁻⁹ of the flux at the start.
+/// Optical depth, measured from the beam's start, at which a photon beam ends if its ray never
+/// leaves the medium. There, the flux is exp(−20) = 2·10⁻⁹ of the flux at the start.
 const MAX_OPTICAL_DEPTH: f32 = 20.0;
 
 /// Photon beams and photon points stored in participating media.
@@ -178,7 +178,7 @@ pub(super) struct Deposit<'a> {
 /// Place where a photon path deposits flux: on a surface, in a medium or on the film.
 pub(super) enum DepositPlace<'a> {
     /// A point on a surface. If the photon also adds a splat to the film (light tracing), the
-    /// number tells which fraction of its flux density estimates use, in units of
+    /// number tells which fraction of the flux is used by density estimates, in units of
     /// 1/[`SHARE_STEPS`](super::surface_photon::SHARE_STEPS). The splat gets the rest.
     ///
     /// The number is `None` without light tracing, and for photons that are not caustic.

@@ -11,12 +11,12 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Number of emission samples for each light that estimate its power towards casters, the surfaces
-/// that cast caustics.
+/// Number of emission samples from which the power of each light towards casters is estimated.
+/// Casters are the surfaces that cast caustics.
 const POWER_SAMPLES: u32 = 256;
 
-/// Weight of the total powers of the lights in the light selection of photon paths that are aimed
-/// at casters, the surfaces that cast caustics (defensive sampling).
+/// Weight of the lights' total powers in the selection of lights, for photon paths that are aimed
+/// at casters (defensive sampling). Casters are the surfaces that cast caustics.
 ///
 /// Light i is selected with the probability 0.1·Pᵢ/ΣP + 0.9·Aᵢ/ΣA, where P is the total power, and
 /// A the estimated power towards the casters. If A is wrongly estimated as 0, the light still has a
@@ -30,11 +30,11 @@ pub struct PhotonSource<'a> {
     /// Discrete distribution from which the light of a photon path is sampled.
     pub(super) light_distribution: DiscreteDistribution,
     /// Bounding spheres of the [casters](super::PhotonKind), such as glass and mirrors, towards
-    /// which photons are emitted. `None` emits in all directions.
+    /// which photons are emitted; `None` if photons are emitted in all directions.
     aim: Option<PhotonAim>,
     /// Pdfs by which emission guiding samples the position and the direction of emitted photons,
-    /// one for each light. `None` stands for a light without such a pdf. The list is empty without
-    /// emission guiding.
+    /// one for each light. `None` stands for a light whose positions and directions are not guided.
+    /// The list is empty without emission guiding.
     pub(super) guiding: Vec<Option<EmissionGuidingDistribution>>,
     /// Parts of light transport that photon paths simulate, such as textures or media.
     effects: Effects,
@@ -76,7 +76,9 @@ impl<'a> PhotonSource<'a> {
     ///
     /// The light of a path is chosen mainly by the power of each light towards the spheres, which
     /// is estimated by sampling. If a caster is unbounded, the source emits in all directions.
-    /// Returns `None` if no light can reach a caster.
+    ///
+    /// Returns `None` if no light can reach a caster. If the scene has motion, or a caster is
+    /// unbounded, returns `None` only if no light has power.
     #[must_use]
     pub fn aimed_at_casters(scene: &'a Scene) -> Option<Self> {
         let Some(spheres) = scene.caster_bounding_spheres() else {
@@ -117,7 +119,8 @@ impl<'a> PhotonSource<'a> {
         })
     }
 
-    /// Returns the source without the environment light; `None` if no other light has power.
+    /// Returns the source without the environment light, for renders that leave this light out;
+    /// `None` if no other light has power.
     #[must_use]
     pub fn without_environment_light(self) -> Option<Self> {
         // Recomputing equal probabilities could round them differently, so a source without

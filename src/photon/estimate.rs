@@ -338,8 +338,8 @@ mod tests {
     use super::*;
     use crate::photon::Photon;
 
-    /// Finds the exact distance of the k-th photon, even if one photon of the map is as far away as
-    /// 10⁶.
+    /// `kth_photon_distance` finds the exact distance of the k-th photon, even if one photon of the
+    /// map is as far away as 10⁶.
     #[test]
     fn kth_distance_ignores_scene_extent() {
         let photon = |x: f32| Photon::new(Vec3::X * x, Rgb::ONE, Vec3::Z, Vec3::Z).unwrap();
@@ -349,7 +349,7 @@ mod tests {
             assert!((found - 4.0).abs() < 1e-5, "{found} of {most}");
         }
         assert_eq!(map.kth_photon_distance(Vec3::ZERO, Vec3::Z, 10, 1e3), None);
-        // A huge k does not allocate.
+        // A huge k does not allocate memory for k photons.
         assert_eq!(map.kth_photon_distance(Vec3::ZERO, Vec3::Z, 4_000_000_000, 1e3), None);
     }
 }

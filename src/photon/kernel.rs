@@ -117,7 +117,8 @@ mod tests {
                 step += (k - finer) * (k - finer) * ring * f64::from(std::f32::consts::PI * r * r);
             }
             assert!((integral - 1.0).abs() < 1e-5, "{kernel:?} {integral}");
-            // The edge of the box kernel lies within one ring of the sum, whose weight is 1/n.
+            // The edge of the smaller box kernel lies within one ring of the midpoint sum. The
+            // weight of this ring is about 1/n, so the sum errs by up to 1/n.
             let expected = f64::from(kernel.nested_difference_variance_ratio());
             assert!((step / square - expected).abs() < 5e-5, "{kernel:?} {}", step / square);
         }

@@ -106,7 +106,8 @@ impl PhotonMap {
 }
 
 /// Merges photons at positions that more than [`MAX_COINCIDENT_PHOTONS`] photons share. Two photons
-/// are merged if their normal, wavelength and fraction for density estimates are equal, too.
+/// are merged if their normal, wavelength and the fraction of their flux that density estimates use
+/// are equal, too.
 ///
 /// A merged photon has the sum of the fluxes, and the mean of the directions weighted by flux.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {
@@ -138,7 +139,8 @@ fn merge_coincident_photons(photons: &mut Vec<Photon>) {
                 side.iter().map(|p| p.attributes.incident_direction() * p.attributes.flux().element_sum()).sum();
             let normal = side[0].attributes.normal().normalize();
             let position = side[0].position;
-            // The position is rotated, so the plane offset is taken from an original photon.
+            // The position is rotated, but the normal is not. So their product is not the plane
+            // offset, which is taken from an original photon instead.
             let photon = Photon::new(position, flux.as_vec3(), from.normalize_or(normal), normal);
             let (_, wavelength, share) = class(&side[0]);
             merged.extend(photon.map(|p| {

@@ -37,12 +37,12 @@ pub struct StoreMask {
     pub after_caustic: bool,
     /// True to store photons of indirect light without a caustic ([`PhotonKind::AfterDirect`]).
     pub after_direct: bool,
-    /// True to store the photons of [`PhotonKind::AfterCaustic`] in separate lists, and only one of
-    /// [`AFTER_CAUSTIC_THINNING`].
+    /// True to store only one in [`AFTER_CAUSTIC_THINNING`] photons of
+    /// [`PhotonKind::AfterCaustic`], in separate lists.
     ///
     /// The algorithm `hybrid` builds its map of indirect light from these photons, which saves a
     /// second photon pass. Few photons suffice, because this light is smooth. So Russian roulette
-    /// ends most paths at their caustic photon. It continues one of [`AFTER_CAUSTIC_THINNING`]
+    /// ends most paths at their caustic photon. It continues one in [`AFTER_CAUSTIC_THINNING`]
     /// paths, and multiplies its flux by this number.
     pub separates_after_caustic: bool,
     /// True to store photon beams in homogeneous media; false to store photons at scattering
@@ -51,16 +51,16 @@ pub struct StoreMask {
 }
 
 impl StoreMask {
-    /// Stores direct photons only.
+    /// Mask that stores only direct photons.
     pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
-    /// Stores caustic photons only. Each path then ends at the first surface or medium that stores
-    /// photons.
+    /// Mask that stores only caustic photons. Each path then ends at the first surface or medium
+    /// that stores photons.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
-    /// Stores only indirect light: photons whose paths have scattered at one or more surfaces that
-    /// store photons, or in media.
+    /// Mask that stores only indirect light: photons whose paths have scattered at one or more
+    /// surfaces that store photons, or in media.
     pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
-    /// Stores no photons. The field `stores_beams` is true, so that masks derived from this one
-    /// store beams in homogeneous media by default.
+    /// Mask that stores no photons. The field `stores_beams` is true, so that masks derived from
+    /// this one store beams in homogeneous media by default.
     pub const NONE: Self = Self {
         direct: false,
         caustic: false,
@@ -69,7 +69,7 @@ impl StoreMask {
         separates_after_caustic: false,
         stores_beams: true,
     };
-    /// Stores photons of all four kinds.
+    /// Mask that stores photons of all four kinds.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, after_direct: true, ..Self::NONE };
 
     /// True if the mask stores photons of `kind` on surfaces.

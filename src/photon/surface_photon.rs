@@ -113,8 +113,8 @@ impl Photon {
     }
 }
 
-/// Number that stands for the fraction 1 of a photon's flux. The fraction that density estimates
-/// use is stored as an integer from 0 to this number, in four bits.
+/// Integer that stands for the whole flux of a photon. The fraction of the flux that density
+/// estimates use is stored as an integer from 0 to this number, in four bits.
 pub(super) const SHARE_STEPS: u8 = 15;
 
 /// Factor from a unit normal to its stored components, which are 8-bit integers.

@@ -18,24 +18,24 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Result of tracing photon paths: stored photons, splats, energy audit and counts.
 #[derive(Debug, Default)]
 pub struct TracedPhotons {
-    /// Photons and splats that the paths stored.
+    /// Photons and splats that the photon paths stored.
     pub deposits: Deposits,
-    /// Flux \[W] of the paths at emission, and where it went: absorption, escape, early end of a
-    /// path and Russian roulette.
+    /// Energy audit: the flux \[W] that the photon paths emitted, and the flux that they lost by
+    /// absorption, escape, early end of a path and Russian roulette.
     pub audit: EnergyAudit,
     /// Number of traced rays: segments of photon paths, and connections to the camera.
     pub rays: u64,
-    /// Number of photon paths that were asked for, including paths without flux.
+    /// Number of photon paths that the caller requested, including paths without flux.
     pub paths: u64,
 }
 
 /// Energy audit and number of rays, summed over several photon paths while they are traced.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PhotonTracingTotals {
-    /// Flux \[W] of the paths at emission, and where it went: absorption, escape, early end of a
-    /// path and Russian roulette.
+    /// Energy audit: the flux \[W] that the photon paths emitted, and the flux that they lost by
+    /// absorption, escape, early end of a path and Russian roulette.
     pub audit: EnergyAudit,
-    /// Number of rays that these paths traced, including connections to the camera.
+    /// Number of rays that the photon paths traced, including connections to the camera.
     pub rays: u64,
 }
 
@@ -49,7 +49,7 @@ pub struct PhotonTracer<'a> {
     pub source: &'a PhotonSource<'a>,
     /// Kinds of photons to store.
     pub mask: StoreMask,
-    /// Largest number of scattering events per path.
+    /// Largest number of scattering events per photon path.
     pub max_bounces: u32,
 }
 
@@ -141,7 +141,7 @@ impl PhotonTracer<'_> {
             *rays += 1;
             let key = photon_path_key.photon_vertex_key(vertex);
 
-            // Find the next vertex, and deposit in media on the way.
+            // Find the next vertex, and deposit photons in media on the way.
             let flux_before_segment = flux;
             let mut phase_function = PhaseFunction::Isotropic;
             let event = if I::HAS_MEDIA_OR_WAVELENGTH {
@@ -180,7 +180,7 @@ impl PhotonTracer<'_> {
                 kind = kind.kind_after_crossed_caster();
             }
 
-            // Deposit on a surface.
+            // Deposit a photon on a surface.
             if let Some(surface) = &surface
                 && surface.stores_photons()
                 && self.mask.stores_on_surfaces(kind)
@@ -204,7 +204,8 @@ impl PhotonTracer<'_> {
                 return add_flux(&mut audit.stopped, flux);
             }
 
-            // Thin out the paths that continue after a caustic photon.
+            // Thin out the paths that continue after a caustic photon: the indirect light of
+            // caustics is smooth, so few photons suffice.
             if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && receives {
                 add_flux(&mut audit.net_roulette_loss, flux);
                 if key.uniform_1d(Dimension::ShadingRoulette) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {

@@ -58,7 +58,8 @@ impl KernelProbes {
     }
 
     /// True if no surface lies within `distance` \[length] of the kernel's center along the first
-    /// probe ray.
+    /// probe ray. If this ray points at a photon, the result tells if the photon is visible from
+    /// the center.
     #[must_use]
     pub fn first_probe_is_clear(&self, distance: f32) -> bool {
         self.distances[0] > distance

@@ -108,8 +108,9 @@ impl VolumePhotonMap {
     /// `visitor` receives the photon and four numbers: the distance t along the ray, the cosine
     /// between the directions of ray and photon, the 2D kernel K₂ \[1/length²], and d²/r². Here, d
     /// is the photon's distance from the ray, and r the kernel radius. The radiance that arrives at
-    /// the ray's origin is Σ flux · p(cos) · T(t) · K₂, with phase function p and transmittance T.
-    /// This is the beam radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5).
+    /// the ray's origin is Σ flux · p(−cos) · T(t) · K₂, with transmittance T. The phase function p
+    /// takes the cosine between the directions of travel before and after scattering. This is the
+    /// beam radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5).
     #[inline]
     pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
         let query = LineQuery::new(ray, self.radius);
@@ -135,7 +136,8 @@ impl VolumePhotonMap {
     ///
     /// `visitor` receives the photon, the 3D kernel K₃ \[1/length³], and d²/r². Here, d is the
     /// photon's distance from `p`, and r the kernel radius. The in-scattered radiance per length is
-    /// Σ flux · p(cos) · K₃, with phase function p (Jensen and Christensen 1998, section 3.2).
+    /// Σ flux · p(cos θ) · K₃, with phase function p and the angle θ between the directions of
+    /// travel before and after scattering (Jensen and Christensen 1998, section 3.2).
     #[inline]
     pub fn visit_near_point(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
         let inverse_radius = 1.0 / self.radius;

@@ -100,7 +100,7 @@ impl fmt::Display for EffectReason {
     }
 }
 
-/// Decision of the plan whether a render simulates one effect of light.
+/// Decision of a plan: whether a render simulates one effect of light, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EffectDecision {
     /// Effect of light to which the decision applies.
@@ -207,9 +207,9 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             Ok(EffectReason::Objects(scattering, "may reflect caustics"))
         }
         Effect::Interreflection => {
-            // With this effect, camera paths pass a scattering medium by sampled distances; without
-            // it, by transmittance. So the pixels of a background behind the medium differ in
-            // noise.
+            // With this effect, camera paths sample distances in a scattering medium. Without it,
+            // they pass the medium with its transmittance. So the effect changes the noise of a
+            // background behind the medium, and must not be omitted.
             let hazy = features.has_background && features.scattering_media > 0;
             need(features.lights + features.emitting_media > 0 || hazy, EffectReason::NoLight)?;
             any(receivers, EffectReason::NoReceiver)?;

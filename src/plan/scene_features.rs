@@ -98,9 +98,9 @@ impl SceneFeatures {
             has_motion: scene.has_motion(),
             is_one_flat_object: false,
         };
-        // In a scene of infinite planes, the bounding sphere may be a point. The power of lights at
-        // infinity would be 0 there, although they light the planes. A unit sphere therefore
-        // replaces it.
+        // In a scene of infinite planes, the bounding sphere may be a point. For this sphere,
+        // lights at infinity would have the power 0, although they light the planes. So compute
+        // powers for a unit sphere.
         let domain = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(domain) != Rgb::ZERO).collect();
         features.lights = lights.len();
@@ -108,7 +108,8 @@ impl SceneFeatures {
         features.media = media.iter().filter(|medium| !medium.is_empty()).count();
         features.scattering_media = media.iter().filter(|medium| medium.scatters()).count();
         features.emitting_media = media.iter().filter(|medium| medium.emits()).count();
-        // A moving object lies in different planes at different times.
+        // A moving object lies in different planes at different times, so it does not count as
+        // flat.
         if let [ObjectSummary { plane: Some((p, n)), .. }] = objects[..]
             && !features.has_motion
             && features.media == 0

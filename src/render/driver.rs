@@ -23,8 +23,8 @@ pub struct StopCriteria<'a> {
     /// The render ends after the pass whose end is nearest to the limit. The next pass is expected
     /// to take the mean time of the passes so far.
     pub time_limit: Option<Duration>,
-    /// Wall time spent before the first pass, on loading and on pilots (short trial renders). This
-    /// time counts towards `time_limit`.
+    /// Wall time spent before the first pass, on loading and on pilots (small simulations before
+    /// the first pass). This time counts towards `time_limit`.
     pub time_before_passes: Duration,
     /// Error target at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
@@ -103,10 +103,11 @@ pub struct RenderResult {
     pub seconds: StageTimes,
     /// Counts and flux of unaimed photon paths, which start in all directions.
     pub unaimed: PhotonReport,
-    /// Counts and flux of aimed photon paths, which start towards caustic casters.
+    /// Counts and flux of aimed photon paths, which start towards casters, such as glass and
+    /// mirrors.
     pub aimed: PhotonReport,
-    /// Wall time of all passes, without loading and without pilots (short trial renders). The times
-    /// of continued and merged renders add up.
+    /// Wall time of all passes, without loading and without pilots (small simulations before the
+    /// first pass). The times of continued and merged renders add up.
     pub wall_time: Duration,
 }
 
@@ -179,8 +180,8 @@ pub fn render(
     if rendered.film.passes() > 0 {
         let error = rendered.estimate_error(stop.target);
         let end_reason = stop.end_reason(passes_before, error.as_ref(), PassTimes::default());
-        // Time does not end the render here: each call makes at least one pass, however long
-        // loading and pilots took.
+        // Time does not end the render here, so that each call makes at least one pass, however
+        // long loading and pilots took.
         if let Some(end_reason) = end_reason.filter(|reason| *reason != EndReason::Time) {
             rendered.end_reason = end_reason;
             return rendered;
@@ -369,8 +370,8 @@ impl<'a> StopCriteria<'a> {
             return None;
         }
         let by_error = error.and_then(|(estimate, forecast)| self.end_reason_by_error(estimate, forecast));
-        // The end of the next pass is nearer to the limit than the current time if its middle is
-        // before the limit.
+        // If the middle of the next pass is before the limit, the end of that pass is nearer to the
+        // limit than the current time is.
         let expected_middle_of_next_pass = self.time_before_passes + times.total + times.mean / 2;
         let is_time_up = self.time_limit.is_some_and(|limit| expected_middle_of_next_pass >= limit);
         by_error.or(is_time_up.then_some(EndReason::Time))

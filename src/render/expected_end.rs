@@ -1,4 +1,4 @@
-//! Prediction of the end of a render, from the error estimate of a pilot.
+//! Prediction of the end of a render, from the error estimate of a pilot: a short trial render.
 
 use super::driver::{EndReason, GIVE_UP_BIAS_FACTOR, MIN_PASSES_BEFORE_GIVING_UP, StopCriteria};
 use super::error_estimate::{ErrorForecast, StopForecast};
@@ -19,7 +19,8 @@ impl StopCriteria<'_> {
     /// Returns the expected end of a render whose passes take `pass_seconds` \[s] each; `None` if
     /// no criterion is expected to hold.
     ///
-    /// `forecast` extrapolates the error of a pilot, which is a short trial of this render.
+    /// `forecast` extrapolates the error of a pilot, which is a short trial render of the same
+    /// scene with the same settings.
     #[must_use]
     pub fn expected_end(&self, forecast: &ErrorForecast, pass_seconds: f64) -> Option<ExpectedEnd> {
         // The render ends after the pass whose end is nearest to the limit, as in `end_reason`.
@@ -30,8 +31,7 @@ impl StopCriteria<'_> {
             (EndReason::Time, passes_in(time.as_secs_f64()).max(self.min_passes))
         });
         let by_error = self.expected_end_by_error(forecast);
-        // If two criteria hold after the same pass, the first one of the list counts, as in
-        // `render`.
+        // If two criteria hold after the same pass, the first one in `ends` counts, as in `render`.
         let ends = [by_passes, by_error, by_time];
         let (reason, passes) = ends.into_iter().flatten().min_by_key(|(_, passes)| *passes)?;
         Some(ExpectedEnd { reason, passes, error: forecast.error_after_passes(passes) })

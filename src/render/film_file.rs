@@ -25,7 +25,8 @@ const MAX_FIXED_BYTES: u64 = 1 << 20;
 /// Largest uncompressed size \[bytes per pixel] of the numbers that a film file stores for each
 /// pixel, such as sums over passes.
 ///
-/// The format of the crate `postcard` stores a 64-bit integer in at most 10 bytes.
+/// The format of the crate `postcard` stores a 64-bit integer in at most 10 bytes, so the limit has
+/// room for about 100 integers.
 const MAX_BYTES_PER_PIXEL: u64 = 1024;
 
 /// Size of the buffer in which `postcard` decodes a single number \[bytes].

@@ -11,8 +11,8 @@ use std::ops::Index;
 /// that clamping removed, and maps of the estimated error.
 ///
 /// Light groups and removed radiance are included only if `rendered` has them. Error maps are
-/// included only if the error is estimated, after at least [`MIN_ERROR_ESTIMATE_PASSES`] passes. Of
-/// the error maps, `bias`, `radius` and `photons` exist only for algorithms with density estimates.
+/// included only if the error is estimated, after at least [`MIN_ERROR_ESTIMATE_PASSES`] passes.
+/// The error maps `bias`, `radius` and `photons` exist only for algorithms with density estimates.
 #[must_use]
 pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb_layer("", &rendered.film.mean_picture())];

@@ -23,8 +23,8 @@ pub const DEFAULT_TIME_LIMIT: Duration = Duration::from_secs(5 * 60);
 /// ends once its noise is at most the target.
 ///
 /// A render without error estimates ignores `target_error` and `preview`. Without `max_passes` and
-/// `time_limit`, it makes [`Algorithm::default_passes`] passes. Ray casting makes this number even
-/// with a `time_limit`.
+/// `time_limit`, it makes [`Algorithm::default_passes`] passes. Ray casting makes
+/// [`Algorithm::default_passes`] passes even with a `time_limit`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderLimits {
     /// Largest number of passes; `None` for no limit.

@@ -7,9 +7,9 @@ use crate::stats::format_bytes;
 /// Memory per pixel of a render that estimates no error and stores no layers besides the picture
 /// \[bytes].
 ///
-/// The film takes 50 bytes, the current pass 13, and the ray distribution of `--adaptive` 20; 5
-/// bytes are a reserve. After the last pass, the mean and the encoded file reuse the memory of the
-/// pass.
+/// The film takes 50 bytes, the current pass 13, and the distribution of camera rays over the
+/// pixels (`--adaptive`) 20; 5 bytes are a reserve. After the last pass, the mean picture and the
+/// encoded file reuse the memory of the pass.
 const BASE_BYTES_PER_PIXEL: u64 = 88;
 
 /// Memory per pixel that an error estimate needs, in addition to [`BASE_BYTES_PER_PIXEL`] \[bytes].

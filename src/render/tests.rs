@@ -1,4 +1,4 @@
-//! Tests that merged films and error estimators equal those of a single render, bit for bit.
+//! Tests that merging films and error estimators gives those of a single render, bit for bit.
 
 use super::error_estimate::{ErrorEstimate, ErrorEstimator};
 use super::{Film, MergeError};
@@ -18,7 +18,7 @@ fn uniform_random_number(key: Key) -> f64 {
 }
 
 /// Returns pass `number` with random radiance from about `10^-decades` to `10^decades`, random
-/// nested differences, and three pixels by unshared paths.
+/// nested differences, and three pixels that are also rendered by unshared camera paths.
 fn noisy_pass(number: u32, decades: f64) -> PassResult {
     let key = Key::new(8).purpose_key(Purpose::Test).child_key(number.into());
     let value = |key: Key| {

@@ -66,7 +66,8 @@ pub enum Purpose {
     Test,
     /// Pilot simulation that finds surface points that the camera sees.
     VisiblePoints,
-    /// Pilot simulation that trains the guiding of photon emission.
+    /// Pilot simulation that finds which photon paths contribute to the picture. Lights then emit
+    /// more photons from such positions in such directions (emission guiding).
     EmissionGuiding,
     /// Photon paths that guide the final gather rays of a pass, and are used for nothing else. The
     /// photons show from which directions indirect light arrives.
@@ -76,8 +77,8 @@ pub enum Purpose {
     RayPhotonBalance,
     /// Shutter times of passes and of camera rays.
     Shutter,
-    /// Pilot simulation that finds, for each pixel, how much of the caustics comes from photon
-    /// density estimates and how much from light tracing.
+    /// Pilot simulation that finds, for each pixel, how much of the caustics should come from
+    /// photon density estimates and how much from light tracing.
     DensityEstimateShares,
     /// Extra camera paths of the algorithm `hybrid` that end at the first surface that stores
     /// photons (prefix rays).
@@ -85,7 +86,7 @@ pub enum Purpose {
     /// Pilot simulation that finds how much of the indirect light camera paths should compute, and
     /// how much photons.
     IndirectDivision,
-    /// Random choice of the photon beams that a pass keeps. The pass drops the other beams to save
+    /// Random choice of the photon beams that a pass keeps. The pass drops all other beams to save
     /// time.
     BeamThinning,
     /// Pilot simulation that finds the directions from which the environment light reaches each
@@ -93,14 +94,14 @@ pub enum Purpose {
     EnvironmentGuiding,
     /// Camera rays for AOVs of the first surface, such as albedo and depth.
     SurfaceAovs,
-    /// Pilot simulation that finds the parts of media that direct light reaches. Shadow rays from
-    /// media then start there more often.
+    /// Pilot simulation that finds where in media direct light arrives. More scattering points
+    /// (points in media from which shadow rays start) are then chosen there.
     ScatterPointGuiding,
-    /// Pilot simulation that finds where small lamps appear on the film, directly or over specular
-    /// surfaces.
+    /// Pilot simulation that finds lamp images: film regions in which a small lamp appears,
+    /// directly or over specular surfaces.
     LampImages,
-    /// Extra camera paths that are aimed at the images of small lamps on the film, and end at the
-    /// first surface that stores photons (aimed prefix rays).
+    /// Extra camera paths that are aimed at lamp images, the film regions in which a small lamp
+    /// appears. They end at the first surface that stores photons (aimed prefix rays).
     AimedPrefixRays,
 }
 
@@ -130,27 +131,28 @@ pub enum Dimension {
     /// Position of a probe ray in the gather disc of a photon density estimate. Probe rays measure
     /// how much of the disc is surface.
     CoverageProbe,
-    /// Choice that a camera path makes at a surface that stores photons.
+    /// Choice that a camera path makes at a receiver: a surface or medium that stores photons.
     ///
     /// The algorithm `distributed` chooses the diffuse or the glossy lobe. The algorithm `hybrid`
     /// chooses whether the path ends or continues.
     ReceiverBranch,
-    /// Russian roulette for shading, in three places: before a camera path of low throughput shades
-    /// a surface, before a shadow ray starts in a medium, and before a photon path continues after
-    /// a caustic photon.
+    /// Russian roulette for shading. It takes place before a camera path of low throughput shades a
+    /// surface, and before a shadow ray starts in a medium. It also takes place before a photon
+    /// path continues after a caustic photon.
     ShadingRoulette,
     /// Position on the lens of the camera.
     Lens,
     /// Time of a pass or of a camera ray while the shutter is open.
     Time,
-    /// Wavelength that a path keeps after its first dispersive interface.
+    /// Wavelength that a path samples at a dispersive interface.
     ///
-    /// Camera paths use the key of their pixel, photon paths the key of their pass. Wavelengths
-    /// that are sampled later use the key of the vertex.
+    /// For the first wavelength of a path, camera paths use the key of their pixel, and photon
+    /// paths use the key of their pass. A path that samples another wavelength later uses the key
+    /// of the vertex.
     Wavelength,
     /// Direction after scattering in a medium, sampled from the phase function.
     Phase,
-    /// Choice of the point of a medium from which a shadow ray starts.
+    /// Choice of a scattering point: a point in a medium from which a shadow ray starts.
     ScatterPoint,
 }
 
@@ -265,8 +267,8 @@ impl Key {
         self.child_key(MEDIUM_TRACKING_BIT | u64::from(pass))
     }
 
-    /// Key of the random numbers for choice number `n` along a path segment. Each choice picks a
-    /// component of a mix material that the segment meets.
+    /// Key of the random numbers for choice number `n` along a path segment. At each mix material
+    /// that the segment meets, one choice picks a component of the mix.
     ///
     /// `self` is the key of the vertex at the end of the segment, and is also the key of choice 0.
     /// Further choices follow if the path crosses mixes that do not scatter it.
@@ -276,8 +278,8 @@ impl Key {
         if n == 0 { self } else { self.child_key(MIX_CHOICE_BIT | u64::from(n)) }
     }
 
-    /// Key of the random numbers that choose a component of a mix material, for faces that coincide
-    /// with a boundary that a path segment crosses.
+    /// Key of the random numbers that choose a component of a mix material. The material belongs to
+    /// faces that coincide with a boundary that a path segment crosses.
     ///
     /// `self` is the key of the path vertex that ends the segment. `boundary` is the number of
     /// boundaries that the path has crossed since its last vertex. Faces with the same number
@@ -287,8 +289,8 @@ impl Key {
         self.child_key(COINCIDENT_FACE_BIT | u64::from(boundary) << 32 | u64::from(group))
     }
 
-    /// Key of the random numbers that choose the point in a medium from which a shadow ray starts.
-    /// `self` is the key of the shadow ray.
+    /// Key of the random numbers that choose a scattering point: a point in a medium from which a
+    /// shadow ray starts. `self` is the key of the shadow ray.
     #[inline]
     #[must_use]
     pub fn shadow_ray_scatter_point_key(self) -> Self {

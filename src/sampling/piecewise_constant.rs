@@ -35,8 +35,9 @@ impl PiecewiseConstant2d {
 
     /// Samples a point by the uniform point `u` in \[0, 1)².
     ///
-    /// Returns three values: the cell of the sampled point as (column, row), the relative position
-    /// of the point in this cell in \[0, 1)², and the pdf on the unit square.
+    /// Returns three values. The first is the cell of the sampled point as (column, row). The
+    /// second is the relative position of the point in this cell, in \[0, 1)². The third is the pdf
+    /// on the unit square.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (UVec2, Vec2, f32) {

@@ -49,7 +49,8 @@ impl Sampler {
         self.child_sampler(u64::from(bounce))
     }
 
-    /// Sampler for the shadow rays of this vertex in pass `pass`.
+    /// Sampler for the shadow rays of a path vertex in pass `pass`. `self` is the sampler of the
+    /// vertex.
     ///
     /// Passes that share camera paths still get different shadow rays.
     #[inline]
@@ -58,9 +59,9 @@ impl Sampler {
         self.child_sampler(u64::from(pass) << 32)
     }
 
-    /// Sampler for one of several shadow rays of this vertex. If each light gets a shadow ray,
-    /// `index` is the index of the light. If lights are chosen at random, it is the number of the
-    /// ray.
+    /// Sampler for one of several shadow rays of a path vertex. `self` is the sampler of all shadow
+    /// rays of the vertex. If each light gets a shadow ray, `index` is the index of the light. If
+    /// lights are chosen at random, `index` is the number of the ray.
     #[inline]
     #[must_use]
     pub fn nth_shadow_ray_sampler(self, index: usize) -> Self {
@@ -87,8 +88,8 @@ impl Sampler {
         self.key.child_key(u64::from(self.index))
     }
 
-    /// Index of this sample, and the number of samples that share its key. The numbers of these
-    /// samples are stratified together.
+    /// Index of this sample, and the number of samples that share its key. The random numbers of
+    /// these samples are stratified together.
     #[inline]
     #[must_use]
     pub fn sample_index_and_count(self) -> (u32, u32) {

@@ -1,7 +1,8 @@
 //! Animation: the moving parts of a scene, and copies of the scene at a given time.
 //!
 //! A pass renders one or more instants of the shutter interval, each with its own copy of the
-//! scene, so rays carry no time. Only the hierarchy over moving shapes is rebuilt for each copy.
+//! scene, so rays carry no time. Only the bounding volume hierarchy over moving shapes is rebuilt
+//! for each copy.
 
 use super::build::{derive_scene_data, mean_emission_lights};
 use super::delta_light::{mit_6837_area_light, place_delta_light};
@@ -40,7 +41,7 @@ pub(super) struct Animation {
     /// Moving texture mappings: index in the scene's list of texture mappings, kind and motion.
     pub mappings: Vec<(usize, TextureMappingKind, Motion)>,
     /// Media with a moving density grid: index in [`Scene::media`], the medium at time 0 (shutter
-    /// opens), and the motion of the body that it fills.
+    /// opens), and the motion of the dielectric body that the medium fills.
     pub media: Vec<(usize, Medium, Motion)>,
 }
 
@@ -50,7 +51,7 @@ impl Animation {
     }
 }
 
-/// The transform of `motion` at `time`; `None` if it is singular or not finite.
+/// The transform of `motion` at `time`; `None` if the transform is singular or not finite.
 fn motion_transform_at_time(motion: &Motion, time: f64) -> Option<Transform> {
     Transform::new(motion.at_time(time)).ok()
 }
@@ -98,11 +99,11 @@ pub(super) fn texture_mapping_at_time(kind: TextureMappingKind, motion: &Motion,
     Some(TextureMapping::new(kind, motion_transform_at_time(motion, time)?))
 }
 
-/// Copy of `medium` with its density grid moved to its place at `time`; `None` if a transform is
-/// singular.
+/// Copy of `medium` with its density grid moved to the grid's place at `time`; `None` if a
+/// transform is singular.
 ///
-/// `medium` has its grid at the place of time 0, when the shutter opens. `motion` moves the body
-/// that the medium fills.
+/// The grid of the argument `medium` must stand at its place for time 0, when the shutter opens.
+/// `motion` moves the body that the medium fills.
 pub(super) fn medium_at_time(medium: &Medium, motion: &Motion, time: f64) -> Option<Medium> {
     let opening = motion_transform_at_time(motion, 0.0)?;
     medium.with_transformed_grid(motion.at_time(time) * *opening.inverse())
@@ -111,8 +112,9 @@ pub(super) fn medium_at_time(medium: &Medium, motion: &Motion, time: f64) -> Opt
 /// Converts the strength [`LightStrength::Mit6837Color`] of a moving delta light to physical units.
 /// Other strengths are returned unchanged.
 ///
-/// A `Mit6837Color` depends on the distance of the light from the origin. It is converted for the
-/// light's position at mid-shutter, and the light keeps the result while it moves.
+/// The conversion depends on the light's distance from the origin, because a `Mit6837Color` states
+/// how bright a surface at the origin looks. The light's position at mid-shutter is used, and the
+/// light keeps the result while it moves.
 pub(super) fn physical_light_strength_at_mid_shutter(
     kind: &UnscaledDeltaLight,
     strength: LightStrength,

@@ -68,8 +68,8 @@ pub(super) fn place_delta_light(
 /// The light that stands for an area light in algorithm `raycast`: a point light at the center of
 /// the area light.
 ///
-/// Its colour is the radiance that a white diffuse surface at the origin reflects, if the area
-/// light and the surface face each other.
+/// Its colour is the radiance that a white diffuse surface at the origin reflects. The surface and
+/// the area light are assumed to face each other.
 pub(super) fn mit_6837_area_light(light: &Light) -> Mit6837Light {
     let center = light.center_or_surface_point().unwrap_or(Vec3::ZERO);
     let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };

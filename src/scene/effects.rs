@@ -39,8 +39,9 @@ enum_with_all! {
         Gathering,
         /// Shadows: shadow rays test whether surfaces block the light.
         Shadows,
-        /// Area lights of their true size, instead of point-like ones: they cast soft shadows, and
-        /// paths that hit an emitter receive its light.
+        /// Soft shadows: area lights have their true size. Without this effect, next-event
+        /// estimation samples only their centers, and emission that a path hits afterwards does not
+        /// count.
         SoftShadows,
         /// Light from an environment light.
         Environment,

@@ -26,8 +26,8 @@ impl FilmMotionMeter {
         Some(Self { camera_at_opening: camera(0.0), camera_at_closing: camera(1.0) })
     }
 
-    /// Returns the displacement of a surface point on the film from the opening to the closing of
-    /// the shutter \[pixels to the right and down].
+    /// Returns how far a surface point moves on the film, from the opening to the closing of the
+    /// shutter \[pixels to the right and down].
     ///
     /// The point is at `p` at the time `time` in \[0, 1], and belongs to the object at `hit` of
     /// `scene`. Returns `None` if the point is behind the camera at the opening or the closing.
@@ -41,8 +41,8 @@ impl FilmMotionMeter {
         self.camera_at_opening.film_displacement(at(0.0), &self.camera_at_closing, at(1.0))
     }
 
-    /// Returns the displacement on the film of a point at infinity in unit `direction`, from the
-    /// opening to the closing of the shutter \[pixels to the right and down].
+    /// Returns how far a point at infinity in unit `direction` moves on the film, from the opening
+    /// to the closing of the shutter \[pixels to the right and down].
     ///
     /// Returns `None` if the point is behind the camera at the opening or the closing, or if the
     /// camera is orthographic.

@@ -99,7 +99,7 @@ impl CoincidenceGroup {
 ///
 /// A ray query searches one [`Bvh`] over triangles and shapes at rest, a second one over moving
 /// shapes, and all planes in turn. It then keeps the nearest hit. A `Bvh` intersects its triangles
-/// itself. Of a shape it stores only the bounding box, and the caller passes a function that
+/// itself. For a shape, it stores only the bounding box, and the caller passes a function that
 /// intersects the shape.
 ///
 /// Objects are numbered in this order: shapes at rest, moving shapes, meshes, planes at rest,
@@ -118,14 +118,14 @@ pub(super) struct Geometry {
     pub object_of_triangle: Arc<[u32]>,
     /// Bounds of all objects at rest except unbounded planes.
     pub static_bounds: Bounds,
-    /// Hierarchy over triangles and shapes at rest.
+    /// Bounding volume hierarchy over triangles and shapes at rest.
     pub resting_hierarchy: Arc<Bvh>,
-    /// Hierarchy over moving shapes; `None` if there are none.
+    /// Bounding volume hierarchy over moving shapes; `None` if there are none.
     pub moving_hierarchy: Option<Arc<Bvh>>,
 }
 
-/// Builds the hierarchy over the triangles of `mesh`, and over shapes at rest with these `boxes`.
-/// Returns the hierarchy, and the bounds of all triangles and boxes.
+/// Builds the bounding volume hierarchy over the triangles of `mesh`, and over shapes at rest with
+/// these `boxes`. Returns the hierarchy, and the bounds of all triangles and boxes.
 fn build_static_hierarchy(mesh: &Mesh, boxes: &[Bounds]) -> (Arc<Bvh>, Bounds) {
     let corners: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
     let bounds = boxes.iter().copied().fold(Bounds::from_points(corners.iter().flatten().copied()), Bounds::union);
@@ -133,9 +133,9 @@ fn build_static_hierarchy(mesh: &Mesh, boxes: &[Bounds]) -> (Arc<Bvh>, Bounds) {
 }
 
 impl Geometry {
-    /// Builds the hierarchies over the given primitives. The shapes from index `first_moving` on
-    /// move; all others rest. The hierarchy over primitives at rest is taken from `earlier` if it
-    /// was built from the same triangles and boxes.
+    /// Builds the bounding volume hierarchies over the given primitives. The shapes from index
+    /// `first_moving` on move; all others rest. The hierarchy over primitives at rest is taken from
+    /// `earlier` if it was built from the same triangles and boxes.
     pub fn new(
         objects: Vec<ObjectAttributes>,
         shapes: Vec<Shape>,
@@ -184,7 +184,8 @@ impl Geometry {
             && (0..mesh.triangles.len()).all(|i| corners(&self.mesh, i) == corners(mesh, i))
     }
 
-    /// Rebuilds the hierarchy over moving shapes, after their positions have changed.
+    /// Rebuilds the bounding volume hierarchy over moving shapes, after their positions have
+    /// changed.
     pub fn rebuild_moving_hierarchy(&mut self) {
         let boxes: Vec<Bounds> = self.shapes.moving().iter().map(Shape::bounds).collect();
         self.moving_hierarchy = (!boxes.is_empty()).then(|| Arc::new(Bvh::build(&[], &boxes)));

@@ -55,8 +55,8 @@ impl Material {
         self.clear_coat.map_or(uncoated, |coat| uncoated.with_clear_coat(coat.coverage, coat.alpha))
     }
 
-    /// This material under a clear coat of refractive index 1.5 and roughness `alpha` in \[0, 1],
-    /// which covers the fraction `coverage` of the surface.
+    /// This material under a clear coat of refractive index 1.5. The coat covers the fraction
+    /// `coverage` of the surface, and has the GGX roughness `alpha` in \[0, 1].
     ///
     /// Only diffuse, coated diffuse and metal materials can have a clear coat. Other materials do
     /// not change; see [`ClearCoat::over`].
@@ -181,8 +181,8 @@ impl Material {
     /// A diffuse base of `reflectance` in \[0, 1] under a dielectric coat, such as plastic.
     ///
     /// `eta` is the refractive index of the coat relative to the surroundings, from 1 to
-    /// [`MAX_COAT_INDEX`](crate::bsdf::MAX_COAT_INDEX), and `roughness` its GGX α in \[0, 1]. If
-    /// `nonlinear` is true, repeated reflection between coat and base deepens colours, as in
+    /// [`MAX_COAT_INDEX`](crate::bsdf::MAX_COAT_INDEX). `roughness` is the coat's GGX α in \[0, 1].
+    /// If `nonlinear` is true, repeated reflection between coat and base deepens colours, as in
     /// nature; see [`CoatedDiffuse`](crate::bsdf::CoatedDiffuse).
     #[must_use]
     pub fn coated_diffuse(
@@ -309,10 +309,10 @@ impl Material {
     /// only one transmits.
     ///
     /// The visited BSDFs have mean parameters. A conductor or coat with a roughness texture is also
-    /// visited with its least and its greatest roughness. A coat too smooth to store photons (α up
-    /// to [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA)) is also visited
-    /// alone, without its base. A clear coat of any roughness is also visited alone, and so is the
-    /// surface under it.
+    /// visited with its least and its greatest roughness. A coat that is too smooth to store
+    /// photons is also visited alone, without its base: its α is at most
+    /// [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA). For a clear coat of any
+    /// roughness, the coat alone and the surface under it are also visited.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         let mut visit = |bsdf: Bsdf| {
             visit(bsdf);

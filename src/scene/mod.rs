@@ -1,5 +1,5 @@
-//! The scene in the form that integrators read: geometry with hierarchies, materials, lights,
-//! camera.
+//! The scene in the form that integrators read: geometry with bounding volume hierarchies,
+//! materials, lights, camera.
 //!
 //! Coordinates are relative to an origin near the objects, so that single precision suffices for
 //! triangles.
@@ -74,8 +74,8 @@ pub struct Scene {
     glasses: Vec<DispersionFormula>,
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
-    /// True if shadow rays cross the surface of some object, because its material is, or may
-    /// resolve to, a null interface or a thin sheet.
+    /// True if shadow rays cross the surface of some object: a null interface or a thin sheet, or a
+    /// mix that may resolve to one of these.
     shadow_rays_cross_surfaces: bool,
     textures: Vec<Arc<Texture>>,
     /// Texture mappings, by index. The first one is the default, for objects that define none.
@@ -115,7 +115,7 @@ impl Scene {
     /// description (not relative to [`Scene::origin`]).
     ///
     /// This camera does not move while the shutter is open. The copy has the same [`Scene::origin`]
-    /// as this scene, and shares geometry, hierarchies and textures with it.
+    /// as this scene, and shares geometry, bounding volume hierarchies and textures with it.
     #[must_use]
     pub fn with_camera(&self, camera: &Camera) -> Self {
         let mut scene = self.clone();
@@ -183,8 +183,8 @@ impl Scene {
     /// Distance \[length] below which a surface point counts as touching the light with index
     /// `light`; 0 for area lights and lights at infinity.
     ///
-    /// A light that touches a surface illuminates both sides of the surface. On which side the
-    /// light lies is unknown, because coordinates are rounded by up to 2⁻²⁴ of their values.
+    /// A light that touches a surface illuminates both sides of the surface. The reason is that
+    /// coordinates are rounded by up to 2⁻²⁴ of their values, so the light's side is unknown.
     #[inline]
     #[must_use]
     pub fn light_contact_distance(&self, light: usize) -> f32 {
@@ -230,8 +230,8 @@ impl Scene {
         self.derived.photon_domain
     }
 
-    /// Origin of the coordinates of this scene, in the coordinates of the scene description.
-    /// Positions of the scene are those of the description minus this point.
+    /// Origin of the coordinates of this scene, in the coordinates of the scene description. A
+    /// position in the scene is the position in the description minus this point.
     #[must_use]
     pub fn origin(&self) -> DVec3 {
         self.origin

@@ -1,4 +1,5 @@
-//! Length of the paths of moving parts on the film while the shutter is open.
+//! Length of the paths of moving parts on the film while the shutter is open. From it, a pass
+//! determines into how many time slices it divides the shutter interval.
 
 use super::Scene;
 use super::animation::MID_SHUTTER;
@@ -15,8 +16,8 @@ const STEPS: u32 = 16;
 /// shape is measured, with the smallest n that suffices.
 const MAX_MEASURED_SHAPES: usize = 4096;
 
-/// Number of columns and of rows of film points. The motion of the camera and of planes is measured
-/// at the scene points seen there.
+/// Number of columns, and of rows, of a grid of film points. The motion of the camera and of planes
+/// is measured at the scene points that the camera sees there.
 const FILM_POINTS_PER_SIDE: u32 = 5;
 
 /// Measures how far points move while the shutter is open, in pixels of the film.
@@ -66,8 +67,8 @@ impl MotionLengthMeter {
         film_positions.windows(2).map(step).sum()
     }
 
-    /// Returns the length of the path of a moving point through the scene, divided by the width of
-    /// a pixel's footprint at the center of the [photon domain](Scene::photon_domain).
+    /// Returns the length of the path of a moving point through the scene, in pixels: divided by
+    /// the width of a pixel's footprint at the center of the [photon domain](Scene::photon_domain).
     ///
     /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
     /// This measure is for objects outside the picture: their shadows and caustics may fall into
@@ -91,8 +92,9 @@ fn box_corners((min, max): (DVec3, DVec3)) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Returns a function that maps a number of steps since the opening of the shutter (see [`STEPS`])
-/// to the position of a moving point, in scene coordinates. `point` is the position at mid-shutter.
+/// Returns the trajectory of a moving point as a function. The function maps a number of steps
+/// since the opening of the shutter (see [`STEPS`]) to the point's position in scene coordinates.
+/// `point` is the position at mid-shutter.
 fn trajectory_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec3 + use<'_> {
     let before = motion.at_time(MID_SHUTTER).inverse().transform_point3(point);
     move |step| motion.at_time(step_time(step)).transform_point3(before)
@@ -101,12 +103,12 @@ fn trajectory_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) ->
 /// Returns the length of the longest path that a measured point of the scene takes on the film
 /// while the shutter is open \[pixels]; 0 if nothing moves.
 ///
-/// - A shape is measured by the corners of its bounds, on the film and through the scene. Of many
-///   shapes, only every n-th is measured.
-/// - A light is measured by points around it, through the scene.
-/// - A plane or the camera is measured by points that the camera sees, on the film.
+/// - For a moving shape, the corners of its bounds are measured, both on the film and in the scene.
+///   Of many shapes, only every n-th is measured.
+/// - For a moving light, its position or points around it are measured in the scene.
+/// - For the camera and for moving planes, points that the camera sees are measured on the film.
 ///
-/// A length through the scene is divided by the width of a pixel's footprint at the center of the
+/// A length in the scene is divided by the width of a pixel's footprint at the center of the
 /// [photon domain](Scene::photon_domain), a ball around all bounded objects.
 #[must_use]
 pub fn max_motion_in_pixels(scene: &Scene) -> f32 {

@@ -8,13 +8,13 @@ use glam::Vec3;
 
 /// The primitives of a scene that may meet a box, for many rays that stay in this box.
 ///
-/// The hierarchies are searched once for all rays. Hits are equal to those of [`Scene::intersect`]
-/// bit for bit.
+/// The bounding volume hierarchies are searched once for all rays. Hits are equal to those of
+/// [`Scene::intersect`] bit for bit.
 pub struct NearPrimitives<'a> {
     geometry: &'a Geometry,
     /// Leaves (small groups of primitives) whose bounding boxes overlap the given box, from the
-    /// hierarchy over triangles and shapes at rest. `None` if there are too many for a list; rays
-    /// then search the whole hierarchies.
+    /// bounding volume hierarchy over triangles and shapes at rest. `None` if there are too many
+    /// for a list; rays then search the whole hierarchies.
     resting: Option<LeafList>,
     /// Leaves (small groups of primitives) whose bounding boxes overlap the given box, from the
     /// hierarchy over moving shapes. `None` if there are too many for a list, or if the scene has
@@ -35,8 +35,8 @@ impl<'a> NearPrimitives<'a> {
     /// contains the whole disc of `radius` \[length] around `center` with the unit `normal`.
     ///
     /// The disc must lie within `tolerance` \[length] of the shape's plane, and at least
-    /// `tolerance` inside its edges. The result is also false if there are too many primitives to
-    /// tell.
+    /// `tolerance` inside its edges. The result is also false if too many primitives may meet the
+    /// box.
     #[inline]
     #[must_use]
     pub fn only_shape_contains_disc(&self, center: Vec3, normal: Vec3, radius: f32, tolerance: f32) -> bool {

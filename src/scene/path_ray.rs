@@ -73,8 +73,9 @@ pub enum PathEvent<'a> {
 pub struct SurfaceVertex<'a> {
     /// The surface at the vertex, with its BSDF and emission.
     pub surface: SurfaceInteraction<'a>,
-    /// Transmittance of the path segment due to absorption in dielectric bodies, times the weight
-    /// of the wavelength if the path samples one at this surface. Media are not included.
+    /// Transmittance of the path segment due to absorption in dielectric bodies; media are not
+    /// included. If this surface is not specular and the path samples a wavelength here, the weight
+    /// of the wavelength is multiplied in.
     pub absorption_and_wavelength_weight: Rgb,
     /// Length of the path segment \[length].
     pub distance: f32,
@@ -89,7 +90,7 @@ impl<I: Interior> PathRay<I> {
     /// The ray passes through null interfaces and hidden boundaries. `key` is the random key of the
     /// next vertex. `sample_scattering` is called, in order, for each part of the path segment that
     /// lies in one medium. It returns the distance \[length] from the start of this part to the
-    /// scattering point, or `None` if the path does not scatter there.
+    /// point where the path scatters, or `None` if the path does not scatter in this part.
     #[inline]
     pub fn next_vertex<'a>(
         &mut self,
@@ -177,8 +178,9 @@ impl<I: Interior> PathRay<I> {
     /// Continues the path from `surface` in unit `direction`; `transmitted` is true if the path
     /// crosses the surface.
     ///
-    /// Returns the factor on the path throughput: 1, or the weight of a wavelength that the path
-    /// sampled at this surface.
+    /// Returns the factor on the path throughput. If the path sampled a wavelength at this surface,
+    /// it is the weight of that wavelength, or a factor with which a reflected path continues with
+    /// all wavelengths. Otherwise it is 1.
     #[inline]
     pub fn leave_surface_with_wavelength_weight(
         &mut self,

@@ -78,8 +78,8 @@ impl Scene {
     /// Returns a copy of the scene with all moving parts placed at `time`: 0 is the opening of the
     /// shutter, 1 its closing.
     ///
-    /// The copy shares triangles, their hierarchy, textures and the environment light with this
-    /// scene.
+    /// The copy shares triangles, their bounding volume hierarchy, textures and the environment
+    /// light with this scene.
     #[must_use]
     pub fn at_time(&self, time: f64) -> Self {
         scene_at_time(self, time)
@@ -142,15 +142,14 @@ impl Scene {
         self.ambient_medium.is_some() || self.bodies().next().is_some()
     }
 
-    /// Calls `visit` with every leaf material to which material `material` can resolve: the
-    /// components of a mix that are no mixes themselves, or else the material itself.
+    /// Calls `visit` with every leaf material to which material `material` can resolve. These are
+    /// the components of a mix that are no mixes themselves, or else the material itself.
     ///
     /// A conductor or coat with a roughness texture is visited with its mean, least and greatest
-    /// roughness, because only some of these BSDFs may store photons or be specular. A coat too
-    /// smooth to store photons (α up to
-    /// [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA)) is also visited alone,
-    /// without its base. A clear coat of any roughness is also visited alone, and so is the surface
-    /// under it.
+    /// roughness, which decide whether the BSDF is specular or stores photons. A coat that is too
+    /// smooth to store photons is also visited alone, without its base: its α is at most
+    /// [`MIN_PHOTON_STORAGE_ALPHA`](crate::bsdf::MIN_PHOTON_STORAGE_ALPHA). For a clear coat of any
+    /// roughness, the coat alone and the surface under it are also visited.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
         match material.mix_component_indices() {
@@ -176,11 +175,11 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Returns two flags: the first is true if a texture sets a BSDF parameter or the amount of a
-    /// mix, the second if a bump map or normal map perturbs shading normals.
+    /// Returns two flags for the material with index `material`. The first is true if a texture
+    /// sets a BSDF parameter or the amount of a mix. The second is true if a bump map or normal map
+    /// perturbs shading normals.
     ///
-    /// `material` is a material index. For a mix, the flags are true if they are true for the mix
-    /// or for one of its components.
+    /// For a mix, the flags are true if they are true for the mix or for one of its components.
     #[must_use]
     pub fn material_texture_usage(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
@@ -205,8 +204,8 @@ impl Scene {
         self.object_summaries().filter(|o| casts_caustics(o.material)).map(|o| o.bounding_sphere).collect()
     }
 
-    /// Returns the first ray of a camera path: `ray`, with the interior around its origin and the
-    /// ray cone over which textures are filtered.
+    /// Returns the first ray of a camera path: `ray`, with the interior (surrounding bodies and
+    /// media) at its origin, and the ray cone over which textures are filtered.
     ///
     /// The path simulates `effects`.
     #[inline]
@@ -222,8 +221,8 @@ impl Scene {
         RayCone::from_pixel_footprint(self.camera.pixel_footprint_and_growth(), effects)
     }
 
-    /// Returns the first ray of a light path: `ray`, with the interior around its origin on light
-    /// `light`. Textures are not filtered.
+    /// Returns the first ray of a light path: `ray`, with the interior (surrounding bodies and
+    /// media) at its origin on light `light`. Textures are not filtered.
     ///
     /// The path simulates `effects`.
     #[inline]
@@ -257,9 +256,9 @@ impl Scene {
     /// textures of sheets and mixes are looked up.
     ///
     /// `interior` holds the dielectric bodies and media around the ray's origin, and `key` seeds
-    /// all random choices. If `ray.t_max` is finite, the direction of `ray` is the vector from its
-    /// origin to its end, so t = 1 at the end. If `ray.t_max` is infinite, the direction has unit
-    /// length.
+    /// all random choices. If `ray.t_max` is finite, the direction of `ray` must be the vector from
+    /// its origin to its end, so that t = 1 at the end. If `ray.t_max` is infinite, the direction
+    /// must have unit length.
     #[must_use]
     pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, interior: I, effects: Effects, key: Key) -> Rgb {
         path_ray::shadow_transmittance(self, ray, interior, effects, key)

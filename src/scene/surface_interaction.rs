@@ -22,8 +22,8 @@ pub struct SurfaceInteraction<'a> {
     pub(super) material_index: u32,
     /// The BSDF of the material at this point; for a coated surface, the selected layer.
     pub bsdf: Bsdf,
-    /// True if this hit might have got a BSDF that stores photons, by another random choice among
-    /// the components of a mix or between coat and base.
+    /// True if another random choice at this hit could have given a BSDF that stores photons. The
+    /// choice is among the components of a mix, or between coat and base.
     pub(super) other_choice_stores_photons: bool,
     /// Roughness α of a dielectric body's boundary; 0 for other materials.
     pub(super) boundary_roughness: f32,

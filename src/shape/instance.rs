@@ -27,8 +27,8 @@ impl std::fmt::Debug for MeshWithBvh {
 }
 
 impl MeshWithBvh {
-    /// Builds the hierarchy of `mesh`. Hits are most accurate if the mesh is near the object-space
-    /// origin.
+    /// Builds the bounding volume hierarchy of `mesh`. Hits are most accurate if the mesh is near
+    /// the object-space origin.
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
@@ -136,8 +136,8 @@ impl BoundedShape for MeshInstance {
         let (o, d) = ray_to_object_space(ray, &self.to_world);
         let i = uv.x.to_bits() as usize;
         let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
-        // The hierarchy's f32 test selected the triangle. The intersection with the triangle's
-        // plane is computed again in f64.
+        // The f32 test of the bounding volume hierarchy selected the triangle. The intersection
+        // with the triangle's plane is computed again in f64.
         let (e1, e2) = (b - a, c - a);
         let p = d.cross(e2);
         let q = (o - a).cross(e1);

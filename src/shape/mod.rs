@@ -3,9 +3,10 @@
 //! Intersections are computed in f64, except those of triangles. Every kind of bounded shape
 //! implements `BoundedShape` and is a variant of [`Shape`].
 //!
-//! To add a kind of shape, change four files: a file of its own in `shape/`, this file for its
-//! variant of [`Shape`], a file in `format/shapes/` to read it, and `format/shapes/mod.rs` to list
-//! that file.
+//! To add a kind of shape:
+//!
+//! - add a file in this folder, and a variant of [`Shape`] in this file;
+//! - add a file in `format/shapes/` that reads the shape, and its line in `format/shapes/mod.rs`.
 
 mod bounded_shape;
 mod cuboid;

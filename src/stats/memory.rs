@@ -51,13 +51,15 @@ static COUNTER: OnceLock<AllocationCounter> = OnceLock::new();
 /// Registers the counters of this process's global allocator, for memory limits and reports. Only
 /// the first call has an effect.
 ///
-/// Without registered counters, the memory in use is unknown. The resident anonymous memory that
-/// Linux reports then takes its place, and 0 on other systems.
+/// Without registered counters, the memory in use is unknown. On Linux, the resident anonymous
+/// memory then takes its place. On other systems, it counts as 0.
 pub fn set_allocation_counter(counter: AllocationCounter) {
     let _ = COUNTER.set(counter);
 }
 
-/// Returns the number of bytes that this process has allocated and not freed.
+/// Returns the memory that this process uses \[bytes]. With a registered allocation counter, it is
+/// the allocated memory that is not freed yet. Without one, it is the resident anonymous memory on
+/// Linux, and 0 on other systems.
 fn memory_in_use() -> u64 {
     COUNTER.get().map_or_else(
         || read_proc_bytes("/proc/self/status", "RssAnon:").unwrap_or(0),
@@ -112,7 +114,7 @@ mod tests {
     #[cfg(target_os = "linux")]
     #[test]
     fn this_machine_reports_its_memory() {
-        // More than this process holds, less than 2^60.
+        // The available memory is at least 1 MiB (2^20 bytes), and less than 2^60 bytes.
         assert!((1 << 20..1 << 60).contains(&MemoryLimit::System.available_bytes().unwrap()));
         assert_eq!(
             (MemoryLimit::Unbounded.available_bytes(), MemoryLimit::ProcessBytes(1).available_bytes()),

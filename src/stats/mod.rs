@@ -9,8 +9,8 @@ pub use memory::{AllocationCounter, MemoryLimit, format_bytes, peak_memory, set_
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Counts of the work of a render, such as rays and photon density estimates, and of samples and
-/// photons that were rejected as invalid.
+/// Counts of the work of a render, such as rays and photon density estimates. Also counts samples
+/// and photons that were rejected as invalid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct Counters {
     /// Number of camera rays through pixels.

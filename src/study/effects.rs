@@ -123,7 +123,7 @@ pub struct EffectContribution {
 /// Measured cost of one effect, and the change that it makes to the picture.
 #[derive(Clone, Debug)]
 pub struct EffectResult {
-    /// The effect and the reason why it is simulated.
+    /// Decision of the plan: the effect, and the reason why it is simulated.
     pub decision: EffectDecision,
     /// Time and work of the picture without the effect.
     pub cost_without_effect: PictureCost,
@@ -159,8 +159,8 @@ pub struct EffectStudyResult {
 ///
 /// All pictures share the seed and the numbers of rays and photons. Each random decision has its
 /// own random number, so leaving out an effect does not change the other decisions. Each picture
-/// has its own pilots (small simulations before the first pass). So photons may be aimed
-/// differently in each picture, and gather radii may differ.
+/// has its own pilots (small simulations before the first pass). So gather radii may differ between
+/// pictures, and so may the directions in which lights emit photons.
 pub struct EffectStudy<'a> {
     size: (u32, u32),
     clock: ClockKind,
@@ -241,7 +241,7 @@ impl<'a> EffectStudy<'a> {
         let mut made = 0;
         while made == 0 || (made < passes && !interrupted.load(Ordering::Relaxed)) {
             // Pictures take turns, and each round starts with another picture. So a temporary
-            // slowdown of the machine or a cold cache affects all pictures equally.
+            // slowdown of the machine or a cold cache affects all pictures about equally.
             let first = made as usize % self.runs.len();
             let (late, early) = self.runs.split_at_mut(first);
             for run in early.iter_mut().chain(late) {
@@ -308,8 +308,9 @@ fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Se
     fixed
 }
 
-/// Returns the mean of a quantity over the pixels and channels of a picture with the size of
-/// `image`. `channel_sums` yields, for each pixel, the sum of the quantity over the three channels.
+/// Returns the mean of a quantity over the pixels and channels of a picture. `channel_sums` yields
+/// the sum of the quantity over the three channels, for each pixel. The picture has the size of
+/// `image`.
 fn mean_over_image(channel_sums: impl Iterator<Item = f64>, image: &Image) -> f64 {
     channel_sums.sum::<f64>() / (3.0 * image.pixels().len() as f64)
 }

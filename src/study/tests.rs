@@ -46,7 +46,8 @@ fn run_effect_study(scene: &Scene, algorithm: Algorithm, settings: &Settings, pa
     study.run(passes, &AtomicBool::new(false), &SilentMonitor, |_| {}).unwrap()
 }
 
-/// Simulating caustics in a scene without casters costs rays and changes no bit of the picture.
+/// Simulating caustics in a scene without casters (glass, mirrors) costs rays and changes no bit of
+/// the picture.
 #[test]
 fn unneeded_caustics_cost_rays_and_change_no_bit() {
     let overrides = EffectOverrides::NO_OVERRIDES.with_forced_on(Effect::Caustics);
@@ -64,7 +65,8 @@ fn unneeded_caustics_cost_rays_and_change_no_bit() {
     assert!(work.work_of_effect(Effect::Caustics).unwrap().rays >= 4000);
 }
 
-/// `whitted` samples point lights without noise. So no pixel is brighter with shadows than without.
+/// The algorithm `whitted` samples point lights without noise. So no pixel is brighter with shadows
+/// than without.
 #[test]
 fn shadows_only_remove_light() {
     let found = run_effect_study(
@@ -98,7 +100,7 @@ fn contributions_equal_differences_of_means() {
     let images = (0..3).map(|i| integrator.render_pass(i, &SilentMonitor).image);
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
     let mean_without = sum / (3.0 * 3.0 * 24.0 * 18.0);
-    // Pixels are stored in f32, which rounds them at 2⁻²⁴ of their value.
+    // Pixels are stored in f32, which rounds them by at most 2⁻²⁴ of their value.
     let expected = found.mean_radiance - caustics.contribution.added_radiance + caustics.contribution.removed_radiance;
     assert!((expected / mean_without - 1.0).abs() < 1e-6, "{expected} {mean_without}");
     assert!(

@@ -4,8 +4,8 @@
 use crate::integrate::Integrator;
 use crate::scene::{Effect, Effects};
 
-/// Numbers of rays and gathered photons of a pass. Can also be the difference between a pass with
-/// an effect and a pass without it.
+/// Numbers of rays and gathered photons: the work of a pass, or the work that an effect adds to a
+/// pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounts {
     /// Number of rays of all kinds, such as camera rays and shadow rays.
@@ -33,8 +33,8 @@ impl ExpectedWork {
     }
 }
 
-/// Returns the expected work of the first pass. Pilots (small simulations before the first pass)
-/// are not counted.
+/// Returns the expected work of the first pass, without the work of pilots (small simulations
+/// before the first pass).
 ///
 /// The estimate comes from camera paths through about a thousand points of the film. For ray
 /// casting, the number of rays is exact.

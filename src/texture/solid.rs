@@ -44,8 +44,8 @@ pub struct SolidTexture {
 impl SolidTexture {
     /// Mean color over a ball of diameter `width` around `p`, both in object space.
     ///
-    /// Fine octaves of the noise fade as the width grows. A wave sin 2πs, averaged over an interval
-    /// of s of width w, is sin 2πs · sin(πw)/(πw).
+    /// Fine octaves of the noise fade as the width grows. The mean of a wave sin 2πs over an
+    /// interval of s with the width w is sin 2πs · sin(πw)/(πw).
     #[must_use]
     pub fn color_at(&self, p: DVec3, width: f64) -> Rgb {
         let p = self.object_to_pattern.transform_point3(p) * self.frequency;

@@ -34,8 +34,8 @@ const SCRIPTS: [&str; 8] = [
     include_str!("page/main.js"),
 ];
 
-/// Returns the HTML page with its style and scripts. The tags of style and scripts carry `nonce`;
-/// without this text, the browser refuses them.
+/// Returns the HTML page with its style and scripts. Their tags carry the text `nonce`; a browser
+/// refuses style and scripts without it.
 pub(super) fn page_html(nonce: &str) -> String {
     let script = format!("(() => {{\n\"use strict\";\n{}\n}})();", SCRIPTS.join("\n"));
     PAGE.replace("{nonce}", nonce).replace("{style}", STYLE).replace("{script}", &script)
@@ -106,7 +106,7 @@ impl AsRef<[u8]> for BytesInProgress {
     }
 }
 
-/// Query of a request for pixels. Tells which frame the browser already shows.
+/// Query of a request for pixels, which tells the frame that the browser already shows.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct KnownFrameQuery {
     /// Sequence number of the frame that the browser shows; 0 if it shows none.

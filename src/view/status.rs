@@ -60,7 +60,7 @@ pub struct ErrorCurvePoint {
 /// Forecast of the relative error after more passes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForecastReport {
-    /// Error for which the number of passes is predicted (relative). It is the error target of the
+    /// Relative error for which the number of passes is predicted. It is the error target of the
     /// render; without a target, it is half of the present error.
     #[serde(rename = "target")]
     pub target_error: f64,

@@ -28,8 +28,8 @@ const UPDATE_IMAGE: u8 = 6;
 /// of pixels has more values, because a packet holds whole rows.
 const MAX_VALUES: usize = 1 << 18;
 
-/// Longest time to wait for a connection, for a viewer that has stopped reading, or for the last
-/// images to be sent at the end of the render.
+/// Longest time to wait for a connection, or for a viewer that has stopped reading. At the end of
+/// the render, it is also the longest time to wait until the last images are sent.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Address of the viewer tev: a host and a port.

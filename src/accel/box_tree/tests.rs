@@ -37,10 +37,10 @@ fn segment_crosses_box(b: &Bounds, ray: &Ray) -> bool {
     near <= far
 }
 
-/// Asserts that a [`BoxTree`] finds each box that a ray crosses exactly once.
+/// Asserts that a [`BoxTree`] finds each crossed box exactly once, for each of the `rays`.
 ///
-/// Returns the number of boxes found. A ray may pass a found box at a distance of at most 10⁻⁵ of
-/// the largest coordinate.
+/// Returns the number of boxes found. A ray may miss a found box by at most 10⁻⁵ of the largest
+/// coordinate.
 fn assert_box_queries_agree_with_brute_force(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
     let boxes = BoxTree::build(bounds);
     let size =
@@ -65,8 +65,7 @@ fn assert_box_queries_agree_with_brute_force(bounds: &[Bounds], rays: impl Itera
     count
 }
 
-/// Rays through points of the unit cube, after cube and ray origins are scaled by `scale` and moved
-/// by `shift`.
+/// Rays through points of the unit cube, which is scaled by `scale` and then moved by `shift`.
 ///
 /// Rays start inside, outside or far away, and are long or short.
 fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> {
@@ -85,7 +84,7 @@ fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> 
 
 #[test]
 fn box_queries_agree_with_brute_force() {
-    // Near powers of 8, the tree gets one more level.
+    // Most numbers of boxes are near powers of 8, where the tree gets one more level.
     for n in [0, 1, 2, 7, 8, 9, 64, 65, 513, 2000] {
         for (scale, shift) in [(1.0, Vec3::ZERO), (1e-25, Vec3::ZERO), (1e15, Vec3::ZERO), (1.0, Vec3::splat(-3e3))] {
             let bounds: Vec<Bounds> = (0..n)

@@ -12,7 +12,7 @@ use rand::{RngExt, SeedableRng};
 
 /// Number of rays that start inside a closed mesh but do not hit it, out of `rays` rays.
 ///
-/// The rays are aimed at vertices, edges and faces.
+/// The rays are aimed at vertices, edges and faces of the mesh.
 fn count_leaking_rays(
     vertices: &[Vec3],
     faces: &[[u32; 3]],

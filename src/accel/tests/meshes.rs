@@ -17,7 +17,8 @@ pub(super) fn random_direction(rng: &mut SmallRng) -> Vec3 {
     warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random()))
 }
 
-/// Mesh of `count` separate random triangles, with edge components of at most `size` to 2·`size`.
+/// Mesh of `count` separate random triangles. The components of two edges of each triangle are at
+/// most `size`; those of the third edge are at most 2·`size`.
 pub(super) fn random_triangle_mesh(rng: &mut SmallRng, count: usize, size: f32) -> Mesh {
     (0..count)
         .map(|_| {

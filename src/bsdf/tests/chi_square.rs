@@ -138,8 +138,8 @@ fn grids_around_specular_directions(case: &ChiSquareCase) -> [PolarDirectionGrid
     [PolarDirectionGrid::new(n * (2.0 * cos) - case.wo, case.width), PolarDirectionGrid::new(through, width)]
 }
 
-/// Returns the probability that a sample falls in each cell of the reflection grid, then of the
-/// transmission grid, and last the probability of absorption.
+/// Returns probabilities in this order: that a sample falls in each cell of the reflection grid,
+/// that it falls in each cell of the transmission grid, and that the path is absorbed.
 fn expected_cell_probabilities(case: &ChiSquareCase, grids: &[PolarDirectionGrid; 2]) -> Vec<f64> {
     let mut cells = Vec::new();
     for (grid, side) in grids.iter().zip([1.0f32, -1.0]) {

@@ -88,8 +88,8 @@ fn selected_layers_add_up_to_coat_and_base() {
             let base = bsdf.base_under_clear_coat().unwrap();
             let inner = base.coat_if_separate().map_or(DVec3::ZERO, f) * (f(bsdf) / f(base));
             let expected = f(bsdf) + inner + f(bsdf.coat_if_separate().unwrap());
-            // At each of the two boundaries between layers, the sum over `u` is wrong by at most
-            // half a step. The rest is for rounding to f32.
+            // The first term is the error of the sum over `u`: at most half a step at each of the
+            // two boundaries between layers. The second term covers rounding to f32.
             let tolerance = largest / f64::from(n) + 1e-5 * expected.max_element();
             let error = (mean - expected).abs().max_element();
             assert!(error < tolerance, "{bsdf:?}: {mean} {expected}, {error} of {tolerance}");

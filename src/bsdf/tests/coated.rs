@@ -103,8 +103,8 @@ fn coated_base_matches_random_walk() {
     }
 }
 
-/// A coat with `nonlinear` = false is proportional to the reflectance, and equals a nonlinear one
-/// for white.
+/// The BSDF of a coated surface with `nonlinear` = false is proportional to the reflectance. For a
+/// white base, it equals the BSDF with `nonlinear` = true.
 #[test]
 fn linear_coats_are_proportional_to_reflectance() {
     let f = |reflectance: f32, nonlinear: bool| {

@@ -32,8 +32,8 @@ fn basic_bsdfs() -> [Bsdf; 5] {
     ]
 }
 
-/// Coated BSDFs that store photons: bases together with their coat if it is rough, and bases
-/// without their separate coat if it is smooth or slightly rough.
+/// Coated BSDFs that store photons. If the coat is rough, the BSDF includes it; otherwise the BSDF
+/// is the base without its coat, which is a separate BSDF.
 fn coated_bsdfs() -> Vec<Bsdf> {
     let rgb = Vec3::new(1.0, 0.2, 0.5);
     [(1.5, 0.0), (2.5, 0.1), (1.5, 0.31), (1.2, 1.0)]

@@ -9,7 +9,8 @@ const ALPHAS: [f32; 9] = [MIN_ROUGH_ALPHA, 0.004, 0.02, 0.07, 0.15, 0.2, 0.37, 0
 /// Cosines of incidence from the normal to near the horizon.
 const COSINES: [f32; 8] = [1.0, 0.9, 0.7, 0.5, 0.3, 0.15, 0.06, 0.01];
 
-/// Largest error of the energy: that of interpolation in the tables.
+/// Largest error of the reflected and transmitted energy, which comes from interpolation in the
+/// tables.
 const TOLERANCE: f64 = 0.01;
 
 #[test]
@@ -56,7 +57,8 @@ fn multiple_reflections_deepen_colors() {
     let (single, multiple) = (albedo(Single), albedo(Multiple));
     let added = multiple - single;
     assert!(added.min_element() > 0.0 && multiple.max_element() < 1.0, "{single} {multiple}");
-    // Blue is reflected less than red, so the added light is redder than that of one reflection.
+    // Blue is reflected less than red at each reflection. So the added light, with two or more
+    // reflections, is redder than light with one.
     assert!(added.z / added.x < 0.95 * single.z / single.x, "{single} {added}");
     let mean = conductor_reflectance(2.0 / 3.0, eta, k);
     let white = Bsdf::Conductor(Conductor::new(Rgb::ZERO, Rgb::ONE, 0.8, Single));

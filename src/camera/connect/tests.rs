@@ -52,8 +52,8 @@ fn camera_importance_is_the_film_jacobian() {
     }
 }
 
-/// Only in a panorama does a ray have other film positions: one near an edge of the film, two near
-/// a corner.
+/// Only in a panorama do other film positions have the same ray: one more near an edge of the film,
+/// two or more near a corner.
 #[test]
 fn other_film_positions_have_the_same_ray() {
     for camera in cameras_of_all_kinds() {

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use serde::Serialize;
 
 /// Quantile of the absolute pixel errors that the last colour of a PNG error map shows. Larger
-/// errors have the same colour, so that one firefly does not stretch the scale.
+/// errors get this colour too, so that one firefly does not stretch the scale.
 const SCALE_QUANTILE: f64 = 0.99;
 
 /// Colour scale of a PNG error map: the errors that its first and last colours show.
@@ -15,15 +15,15 @@ pub(super) struct ColorScale {
     /// Error that the first colour of the scale shows: 0, or `-last_color_error` for signed errors.
     #[serde(rename = "from")]
     pub first_color_error: f64,
-    /// Error that the last colour of the scale shows. Larger errors have the same colour.
+    /// Error that the last colour of the scale shows. Larger errors get this colour too.
     #[serde(rename = "to")]
     pub last_color_error: f64,
 }
 
 /// Returns the pixels of an error map. For PNG, also returns the colour scale of these pixels.
 ///
-/// For PNG, the pixels are colours. For OpenEXR, they are the errors of red, green and blue, and
-/// the scale is `None`. `flip` holds the FLIP error of each pixel of `a` against `b`.
+/// For PNG, the pixels are colours. For OpenEXR, the pixels are the errors of red, green and blue,
+/// and the colour scale is `None`. `flip` holds the FLIP error of each pixel of `a` against `b`.
 pub(super) fn error_map(
     kind: ErrorMapKind,
     a: &Image,
@@ -60,8 +60,8 @@ fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> V
 /// Returns the error that the last colour of a PNG error map shows: the quantile [`SCALE_QUANTILE`]
 /// of the absolute `values`.
 ///
-/// Returns the largest absolute value instead if the quantile is 0, and 1 if all values are 0,
-/// because a colour scale needs a positive length.
+/// A colour scale needs a positive length. So if the quantile is 0, the result is the largest
+/// absolute value, or 1 if all values are 0.
 fn color_scale_end(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     let index = ((sizes.len() - 1) as f64 * SCALE_QUANTILE) as usize;
@@ -85,8 +85,8 @@ mod tests {
         assert_eq!(exr(ErrorMapKind::Signed), Vec3::new(0.0, 0.5, -1.0));
         assert_eq!(exr(ErrorMapKind::Absolute), Vec3::new(0.0, 0.5, 1.0));
         assert_eq!(exr(ErrorMapKind::Flip), Vec3::splat(0.25));
-        // The squared differences sum to ¼ + 1. The reference has local radiance L = 2 and mean
-        // m = 2, so the error is √((¼ + 1) / (3 · (L² + m²))).
+        // The squared differences sum to ¼ + 1. The reference has the local radiance L = 2 and the
+        // median m = 2, so the error is √((¼ + 1) / (3 · (L² + m²))).
         assert!((exr(ErrorMapKind::Relative) - f32::sqrt(1.25 / 24.0)).abs().max_element() < 1e-6);
     }
 
@@ -110,7 +110,8 @@ mod tests {
             (same.0[0], same.1),
             (sequential_color(0.0), Some(ColorScale { first_color_error: 0.0, last_color_error: 1.0 }))
         );
-        // One differing pixel sets the scale, because the quantile of all errors is 0.
+        // The only differing pixel sets the end of the colour scale, because the quantile of all
+        // errors is 0.
         let mut one = vec![[0.0_f32; 3]; 200];
         one[3] = [4.0; 3];
         let single = error_map(ErrorMapKind::Absolute, &image_of_one_row(&one), &b, &[], OutputFormat::Png).1;

@@ -79,8 +79,8 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, CommandFailure> {
 
 /// Returns the FLIP mode that `--flip` selects.
 ///
-/// Without `--flip`, the mode is LDR if both pictures are PNG files (`both_are_png`), which hold
-/// display values; else HDR.
+/// Without `--flip`, the mode is LDR if both pictures are PNG files (`both_are_png`), because these
+/// hold display values. Else the mode is HDR.
 fn selected_flip_mode(arguments: &DiffArguments, both_are_png: bool) -> Result<FlipMetricMode, CommandFailure> {
     match (arguments.flip, arguments.exposure) {
         (Some(FlipMetricModeArgument::Ldr), stops) => Ok(FlipMetricMode::Ldr(stops.unwrap_or(0.0))),
@@ -147,8 +147,8 @@ fn comparison_failure(arguments: &DiffArguments, error: MetricError) -> CommandF
     CommandFailure::new(Exit::Input, report)
 }
 
-/// Returns the flags whose limits are exceeded, such as `max-rmse`, each with an explanation such
-/// as "an RMSE of 0.2 is more than 0.1".
+/// Returns the flags whose limits the measured differences exceed, such as `max-rmse`. Each flag
+/// has an explanation such as "an RMSE of 0.2 is more than 0.1".
 fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'static str, String)> {
     let limits = [
         ("max-rmse", "an RMSE", report.rmse, arguments.max_rmse),

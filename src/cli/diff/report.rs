@@ -30,7 +30,7 @@ pub(super) struct DiffReport {
     pub differing_pixels: usize,
     /// Description of the written error map; `None` without `--output`, or if writing failed.
     pub map: Option<ErrorMapReport>,
-    /// Names of the flags, such as `max-rmse`, whose limits are exceeded.
+    /// Names of the flags whose limits the differences exceed, such as `max-rmse`.
     pub exceeded: Vec<&'static str>,
 }
 

@@ -45,7 +45,7 @@ impl CostComparison {
         Self { report, compared: Vec::new() }
     }
 
-    /// True if no report describes the cost of `algorithm`.
+    /// True if the comparison has no report of the cost of `algorithm`.
     pub(super) fn has_no_report_of(&self, algorithm: Algorithm) -> bool {
         self.reports().all(|report| report.integrator != algorithm.name())
     }

@@ -14,7 +14,7 @@ use crate::study::text::{count_text, percent_text};
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Error: the pilot was interrupted before its error could be estimated.
+/// Error: the pilot (short render) was interrupted before its error could be estimated.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the pilot ended after {passes} passes, too few to estimate an error")]
 #[diagnostic(help("let it make at least four passes"))]
@@ -33,11 +33,11 @@ pub(super) struct CostEstimateReport {
     height: u32,
     threads: usize,
     /// True if the scene has caustics and the algorithm traces no photons, so that it finds
-    /// caustics only by chance. The estimated error then leaves out the caustics that the pilot did
-    /// not find.
+    /// caustics only by chance. The estimated error then leaves out the caustics that the pilot
+    /// (short render) did not find.
     #[serde(rename = "misses_caustics")]
     pub(super) may_miss_caustics: bool,
-    /// Estimated error of the pilot's picture.
+    /// Estimated error of the picture of the pilot, which is a short render.
     #[serde(rename = "pilot")]
     pilot_error: ErrorEstimate,
     /// Time before the first pass \[s]: loading the scene and preparing the algorithm.
@@ -81,9 +81,9 @@ struct ExpectedEndReport {
 pub(super) struct CostEstimate {
     #[serde(rename = "error")]
     pub(super) target_error: f64,
-    /// Median of the predicted number of passes until the estimated error is at most the target
-    /// error. `None` if the pilot is too short to predict this number, or if bias stays above the
-    /// target error.
+    /// Predicted number of passes until the estimated error is at most the target error: median of
+    /// the forecast. `None` if the pilot (short render) is too short for a prediction, or if bias
+    /// stays above the target error.
     passes: Option<u32>,
     /// Expected time of the render for `passes` passes, including loading and preparation \[s];
     /// `None` if `passes` is `None`.
@@ -107,13 +107,13 @@ pub(super) struct CostEstimate {
 }
 
 impl CostEstimateReport {
-    /// Creates the report of a pilot by the algorithm of `method`.
+    /// Creates the report of a pilot (short render) by the algorithm of `method`.
     ///
     /// `misses_caustics` is true if that algorithm finds caustics of the scene only by chance.
     /// `setup` is the time before the first pass \[s]: loading the scene and preparing the
-    /// algorithm. `pass_seconds` is the time of each later pass \[s]. `default` and `preview` are
-    /// the stop criteria of a render without limits on the command line, and of a render with
-    /// `--preview` alone.
+    /// algorithm. `pass_seconds` is the time of each later pass \[s]. `default` holds the stop
+    /// criteria of a render without limits on the command line. `preview` holds those of a render
+    /// with `--preview` alone.
     ///
     /// Returns an error if the pilot made too few passes to estimate its error.
     pub(super) fn new(

@@ -38,7 +38,8 @@ impl ShardDivision {
     }
 
     /// Returns a division with `more` further shards of the same size. Returns `None` if this
-    /// division has shards of unequal sizes, or if the new one would have more than `most` passes.
+    /// division has shards of unequal sizes, or if the new division would have more than `most`
+    /// passes.
     pub fn with_more_shards(self, more: u32, most: u32) -> Option<Self> {
         let size = self.passes / self.shards;
         if size * self.shards != self.passes {

@@ -88,8 +88,8 @@ fn work_folder_path(arguments: &SlurmArguments) -> PathBuf {
     arguments.work_dir.clone().unwrap_or_else(beside_output)
 }
 
-/// Loads the scene, and returns the header of the films of its shards. This finds errors of the
-/// scene before any job is submitted.
+/// Loads the scene, and returns the header of the films of its shards. So errors of the scene are
+/// found before any job is submitted.
 ///
 /// Returns a failure if an output would replace an input.
 fn film_header_from_scene(
@@ -127,7 +127,7 @@ fn print_scripts(folder: &WorkFolder, scripts: &JobScripts, division: ShardDivis
     for array in &arrays {
         text += &format!("{}\n", line(shard_arguments(folder, array))?);
     }
-    // The numbers of the jobs are not known yet, so names stand for them.
+    // Slurm has not numbered the jobs yet, so the names ARRAY1, ARRAY2 … stand for their numbers.
     let jobs: Vec<String> = (1..=arrays.len()).map(|n| format!("ARRAY{n}")).collect();
     text += &format!("{}\n", line(merge_arguments(folder, &jobs))?);
     std::io::stdout().write_all(text.as_bytes()).map_err(CommandFailure::output_error)?;

@@ -111,7 +111,7 @@ fn merge_script(
     program: &str,
     cd_command: &str,
 ) -> Result<String, ScriptError> {
-    // A merge holds two films, so it may need more memory than a shard.
+    // A merge has two films in memory, so it may need more memory than the render of a shard.
     let memory = arguments.scene.memory.map(|shard| shard.max(merge_memory(header)));
     let mut words = Vec::new();
     for path in &arguments.output {
@@ -130,8 +130,8 @@ fn merge_script(
 
 /// Returns the first lines of a script, with options for sbatch.
 ///
-/// `kind` is the end of the job's name. `memory` is the memory that the job asks for \[bytes];
-/// `None` for the default of the partition. `log` is the file for the script's output.
+/// `kind` is the last part of the job's name. `memory` is the memory that the job asks for
+/// \[bytes]; `None` for the default of the partition. `log` is the file for the script's output.
 fn script_head(
     arguments: &SlurmArguments,
     kind: &str,

@@ -49,7 +49,8 @@ pub(super) enum SlurmError {
         /// Message that the program printed.
         message: String,
     },
-    /// Slurm's setting `MaxArraySize` is 0 or 1 (the stored number), so that no job array can run.
+    /// Slurm allows no job arrays, because its setting `MaxArraySize` is 0 or 1. Holds this
+    /// setting.
     #[error("this Slurm allows no job arrays: its MaxArraySize is {0}")]
     #[diagnostic(help("ask its administrator for a MaxArraySize of at least 2"))]
     NoArrays(u32),
@@ -89,7 +90,8 @@ pub(super) fn max_task_number() -> Result<u32, SlurmError> {
 pub(super) fn submit(arguments: &[String]) -> Result<String, SlurmError> {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let printed = run("sbatch", &arguments)?;
-    // With several clusters, a semicolon and the name of the cluster follow the number.
+    // If Slurm has several clusters, it prints a semicolon and the name of the cluster after the
+    // number.
     let id = printed.trim().split(';').next().unwrap_or_default();
     if id.is_empty() || !id.bytes().all(|b| b.is_ascii_digit()) {
         let message = format!("it printed `{}` instead of the number of the job", printed.trim());

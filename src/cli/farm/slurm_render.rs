@@ -1,7 +1,7 @@
 //! A render as job arrays of Slurm, from the first submission to the finished picture.
 //!
 //! The films in the work folder show which passes are made. Slurm is asked only whether jobs are
-//! still active. So an interrupted command can be run again and continues.
+//! still active. So a user can give an interrupted command again, and it continues the render.
 
 use super::args::SlurmArguments;
 use super::division::{ArrayTasks, ShardDivision, job_arrays, number_list};
@@ -22,8 +22,8 @@ use std::sync::atomic::Ordering;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Default of `--max-passes` (passes of all waves of jobs), as a multiple of `--passes` (passes of
-/// the first wave).
+/// Default of `--max-passes` (number of passes of all waves of jobs), as a multiple of `--passes`
+/// (number of passes of the first wave).
 const DEFAULT_MAX_PASSES_FACTOR: u32 = 100;
 
 /// Time after which the command gives up if Slurm answers no query.
@@ -65,8 +65,8 @@ struct CancelledJobsError {
     folder: PathBuf,
 }
 
-/// Outcome of a round. A round submits jobs for all incomplete shards and one job that merges the
-/// films of all shards, and waits until all these jobs have ended.
+/// Outcome of a round. A round submits jobs for all incomplete shards, and one job that merges the
+/// films of all shards. The round ends when all these jobs have ended.
 enum RoundEnd {
     /// All shards have all their passes, and their films are merged.
     Complete,
@@ -184,7 +184,8 @@ impl<'a> SlurmRender<'a> {
             let jobs = jobs_text(&state.last_round_jobs);
             self.progress.print_line(&format!("following {jobs} of an earlier command"));
             match self.finish_round(state)? {
-                // The earlier command may have written other outputs. If so, merge again below.
+                // The merge job of the earlier command may have written other outputs than this
+                // command asks for. If so, merge again below.
                 RoundEnd::Complete if self.has_current_merge_script(state.division)? => return Ok(None),
                 RoundEnd::Complete => {}
                 RoundEnd::Incomplete(tasks) => self.check_cancelled_jobs(&tasks, state.division)?,
@@ -278,7 +279,8 @@ impl<'a> SlurmRender<'a> {
         Ok(())
     }
 
-    /// Follows the jobs of `state` until they have ended, and returns how the round ended.
+    /// Waits until the jobs of the last round in `state` have ended, and returns the outcome of the
+    /// round.
     fn finish_round(&self, state: &FarmState) -> Result<RoundEnd, CommandFailure> {
         let Some(tasks) = self.follow_jobs(&state.last_round_jobs)? else { return Ok(RoundEnd::Interrupted) };
         self.wait_for_files(state.division, &tasks);
@@ -304,8 +306,8 @@ impl<'a> SlurmRender<'a> {
                         shown = text;
                     }
                     if !tasks.iter().any(SlurmTaskStatus::is_active) {
-                        // Slurm forgets ended jobs. The last known states of their tasks show why
-                        // they ended.
+                        // Slurm forgets ended jobs. In this case, return the last known states of
+                        // their tasks, which show why they ended.
                         return Ok(Some(if tasks.is_empty() { last } else { tasks }));
                     }
                     last = tasks;
@@ -352,7 +354,7 @@ impl<'a> SlurmRender<'a> {
         (1..=division.shards).filter(is_incomplete).collect()
     }
 
-    /// Returns the number of passes in the films of all shards.
+    /// Returns the total number of passes in the films of all shards.
     fn completed_pass_count(&self, division: ShardDivision) -> u64 {
         (1..=division.shards).map(|shard| self.folder.completed_shard_passes(shard).len()).sum()
     }

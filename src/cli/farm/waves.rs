@@ -8,7 +8,8 @@ use crate::render::{EndReason, ErrorTarget, PassTimes, RenderResult, StopCriteri
 /// Decision after a wave of jobs: another wave, or the reason why none follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum WaveDecision {
-    /// Another wave of shards. Holds the division of all passes, including those of that wave.
+    /// Another wave of shards follows. Holds the division of all passes, including those of that
+    /// wave.
     Grow(ShardDivision),
     /// No further wave: the error is at most the target.
     TargetReached,
@@ -43,7 +44,7 @@ pub(super) fn decide_next_wave(
     };
     let size = division.passes / division.shards;
     let shards = wanted.div_ceil(size).clamp(1, division.shards);
-    // Near the limit of passes, a smaller wave may fit.
+    // Near the limit `most` of passes, only a smaller wave may fit.
     let fitting = shards.min(most.saturating_sub(division.passes) / size);
     match division.with_more_shards(fitting, most) {
         Some(larger) if fitting > 0 => WaveDecision::Grow(larger),

@@ -38,7 +38,7 @@ pub(super) struct FarmState {
     pub header: FilmHeader,
     /// Division into shards of all passes that were submitted so far.
     pub division: ShardDivision,
-    /// Slurm's numbers of the jobs that the last round submitted.
+    /// Slurm's numbers of the jobs that the last round of jobs submitted.
     #[serde(rename = "jobs")]
     pub last_round_jobs: Vec<String>,
 }
@@ -106,8 +106,8 @@ impl WorkFolder {
         Ok((lock, state))
     }
 
-    /// True if the folder exists and holds files other than the log folder and the lock file, which
-    /// a farm render creates first.
+    /// True if the folder exists and holds files that no farm render wrote: other files than the
+    /// log folder and the lock file. A farm render creates these two first.
     fn has_foreign_files(&self) -> io::Result<bool> {
         let entries = match fs::read_dir(&self.path) {
             Ok(entries) => entries,

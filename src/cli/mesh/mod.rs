@@ -116,8 +116,8 @@ fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: MemoryLimit) -> R
 
 /// Returns the format of the output mesh file.
 ///
-/// Returns a failure if the file extension is unknown, the file cannot be written, or it is the
-/// source mesh.
+/// Returns a failure if the file extension is unknown, if the file cannot be written, or if the
+/// file is the source mesh.
 fn output_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, CommandFailure> {
     let format = MeshFormat::from_path(path, arguments.ascii);
     let format =
@@ -129,7 +129,7 @@ fn output_mesh_format(path: &Path, arguments: &MeshArguments) -> Result<MeshForm
 
 /// Applies all changes of the command line to the mesh, and returns counts of the repairs.
 ///
-/// Returns a failure if no triangle is left, or if coordinates become too large.
+/// Returns a failure if the changes leave no triangle, or if coordinates become too large.
 fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<RepairCounts, CommandFailure> {
     let (scale, offset) = (arguments.scale.unwrap_or(1.0), arguments.translate.unwrap_or(DVec3::ZERO));
     if arguments.scale.is_some() || arguments.translate.is_some() {
@@ -168,8 +168,8 @@ fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Res
 
 /// Writes the mesh to `path`. Returns `None` if the mesh file could not be written.
 ///
-/// If `path` is an OBJ file in another folder than the source mesh, also writes the source's
-/// materials to an MTL file beside it. Collects errors in `failures`.
+/// If `path` is an OBJ file in another folder than the source mesh, the function also writes an MTL
+/// file beside it, with the materials of the source mesh. Errors are collected in `failures`.
 fn write_mesh_and_materials(
     arguments: &MeshArguments,
     loaded: &LoadedMesh,

@@ -5,8 +5,8 @@ use std::fmt::Write;
 
 /// Returns a text table of the mesh `name`, with one row per property.
 ///
-/// The table has one column of values, or two (before, after) if `after` is given. A last line
-/// lists the repairs if `repaired` is given.
+/// If `after` is given, the table has two columns of values, before and after. Else it has one
+/// column. If `repaired` is given, a last line lists the repairs.
 pub(super) fn mesh_report_table(
     name: &str,
     before: &MeshReport,

@@ -27,8 +27,8 @@ pub(super) struct RenderOutputs<'a> {
 }
 
 impl RenderOutputs<'_> {
-    /// Writes all outputs and prints a summary. An output that cannot be written does not keep the
-    /// others from being written.
+    /// Writes all outputs and prints a summary. If an output cannot be written, the others still
+    /// are.
     ///
     /// `limits` are the limits of the command line, and `stop` the stop criteria made from them.
     /// `lights_are_black` is true if the scene has lights, but none has any power.

@@ -25,14 +25,14 @@ pub(super) fn render_passes(
     let passes_before = before.film.passes();
     let (passes, target) = (stop.max_passes, stop.target);
     progress.set_pass_number(passes_before + 1, passes);
-    // With an error target, the remaining time is known only after the first error estimate.
+    // A render with an error target knows its remaining time only after the first error estimate.
     let time_left = stop.time_limit.map(|limit| limit.saturating_sub(stop.time_before_passes));
     progress.set_time_left(time_left.filter(|_| target.is_none()));
     let began = Instant::now();
     render(before, numbers, integrator, stop, progress, |standing| {
         let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes - passes_before);
         let forecast = standing.error.as_ref().filter(|_| !progress.is_quiet()).map(|(estimate, forecast)| {
-            // Without an error target, the forecast is for half of the present error.
+            // Without an error target, forecast when the error will be half of the present error.
             let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
             let target = target.unwrap_or(half);
             (estimate, target, forecast.stop_forecast(target.error, target.interval_confidence()))
@@ -63,8 +63,8 @@ pub(super) fn render_passes(
     })
 }
 
-/// Returns the expected time until the first stop criterion holds. Returns `None` if it is unknown,
-/// for example if there is an error target but the last pass did not estimate the error.
+/// Returns the expected time until the first stop criterion holds. Returns `None` if this time is
+/// unknown. For example, there is an error target, but the last pass did not estimate the error.
 ///
 /// `passes` is the number of passes so far. `elapsed` is the time since the first pass of this run
 /// began. `pass_seconds` is the mean time of a pass of this run \[s]. `forecast` predicts the

@@ -6,9 +6,9 @@ use std::sync::atomic::Ordering;
 
 /// Calls `render` for each of `pictures`, and returns the exit code of the command.
 ///
-/// A failure or an interruption ends the series early. A picture that cannot be written does not:
-/// its errors are returned after the last picture. If a signal ends the series, the exit code is
-/// [`Exit::Interrupted`], even if pictures could not be written.
+/// A failure or an interruption ends the series early. A picture that cannot be written does not
+/// end it: the error is returned after the last picture. If a signal ends the series, the exit code
+/// is [`Exit::Interrupted`], even if pictures could not be written.
 pub(super) fn render_series<T>(
     pictures: impl IntoIterator<Item = T>,
     mut render: impl FnMut(T) -> Result<Exit, CommandFailure>,

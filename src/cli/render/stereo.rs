@@ -24,8 +24,9 @@ struct MovingStereoCameraError;
 #[diagnostic(help("use PerspectiveCamera: a shift of other cameras shows no depth"))]
 struct StereoProjectionError;
 
-/// Renders the pictures of the left and of the right eye, and writes all their outputs. The right
-/// picture is left out if the left one fails or is interrupted, but not if it cannot be written.
+/// Renders the pictures of the left and of the right eye, and writes all their outputs. If the left
+/// picture fails or is interrupted, the right one is not rendered. If only the writing of the left
+/// picture fails, the right one is still rendered.
 ///
 /// The cameras are parallel and `distance` apart \[scene units]. `camera` is the camera midway
 /// between the eyes, in the coordinates of the scene description.

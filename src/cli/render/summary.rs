@@ -28,8 +28,8 @@ pub(super) fn print_scene_summary(name: &str, scene: &Scene, progress: &Progress
     }
 }
 
-/// Prints the number and time of the passes, the rates of rays and photon paths, why the render
-/// ended, and the estimated error. Also prints the fraction of light that clamping removed.
+/// Prints the number and time of the passes, and the rates of rays and photon paths. Also prints
+/// why the render ended, the estimated error, and the fraction of light that clamping removed.
 pub(super) fn print_render_summary(
     limits: &RenderLimits,
     stop: &StopCriteria<'_>,
@@ -72,8 +72,8 @@ pub(super) fn print_render_summary(
 }
 
 /// Returns a line that says which default limit ended a render: error, time or bias. Returns `None`
-/// if the user or a limit of passes ended the render, or if `stop` has no error target or no time
-/// limit.
+/// if the user or a limit of passes ended the render. Also returns `None` if `stop` has no error
+/// target or no time limit.
 fn default_end_line(stop: &StopCriteria<'_>, end_reason: EndReason) -> Option<String> {
     let (target, time) = (stop.target?, stop.time_limit?);
     let error = percent_text(target.error);

@@ -10,7 +10,8 @@ use crate::scene::Scene;
 use std::time::Instant;
 
 /// Renders the frames `range` of the turntable around `scene`, and writes all their outputs. Ends
-/// early if a frame fails or is interrupted, but not if it cannot be written.
+/// early if a frame fails or is interrupted. A frame that cannot be written does not end the
+/// series.
 ///
 /// `camera` is the camera of frame 0 as the scene describes it.
 pub(super) fn render_frames(

@@ -208,8 +208,8 @@ struct EffectResultReport<'f> {
     /// Cost of the effect: time and rays per pass of the picture with all effects, minus those of
     /// the picture without this effect. `None` if the effect is off.
     cost: Option<AddedCost>,
-    /// Mean light that the effect adds to the picture, and mean light that it removes, such as by
-    /// shadows; `None` if the effect is off.
+    /// Mean light that the effect adds to the picture, and mean light that it removes, as shadows
+    /// do; `None` if the effect is off.
     #[serde(rename = "gain")]
     contribution: Option<EffectContribution>,
 }

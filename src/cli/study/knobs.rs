@@ -12,16 +12,19 @@ use clap::ValueEnum;
 /// Values of `--gather-k` (photons in a density estimate) that `--knobs` tries, one variant each.
 const GATHER_COUNTS: [u32; 5] = [10, 20, 50, 100, 200];
 
-/// Values of `--radius` that `--knobs` tries, divided by the gather radius that a pilot found.
+/// Values of `--radius` that `--knobs` tries, divided by the gather radius that a pilot (simulation
+/// before the first pass) found.
 const RADIUS_FACTORS: [f32; 3] = [0.5, 1.0, 2.0];
 
-/// Numbers of photon paths that `--knobs` tries, divided by the numbers that a pilot chose.
+/// Numbers of photon paths that `--knobs` tries, divided by the numbers that a pilot (simulation
+/// before the first pass) chose.
 const PHOTON_FACTORS: [f64; 2] = [0.25, 4.0];
 
 /// Values of `--alpha` (shrinking of gather radii) that `--knobs` tries besides the default of ⅔.
 const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 
-/// Numbers of camera rays per pixel that `--knobs` tries, divided by the number that a pilot chose.
+/// Numbers of camera rays per pixel that `--knobs` tries, divided by the number that a pilot
+/// (simulation before the first pass) chose.
 const CAMERA_RAY_FACTORS: [f64; 2] = [0.5, 2.0];
 
 /// Settings that pilots (short simulations before the first pass) chose for a method.
@@ -53,9 +56,9 @@ impl PilotChosenSettings {
 /// Returns the method of `algorithm` with the `shared` flags of the study, and variants of the
 /// method that each change one setting.
 ///
-/// One pilot chooses the numbers of rays and photons for all variants. Variants of `--radius` scale
-/// a gather radius that this pilot found: in `hybrid`, the radius of the caustic map; in other
-/// algorithms, the radius of the indirect map.
+/// One pilot (simulation before the first pass) chooses the numbers of rays and photons for all
+/// variants. Variants of `--radius` scale a gather radius that this pilot found: in `hybrid`, the
+/// radius of the caustic map; in other algorithms, the radius of the indirect map.
 pub(super) fn knob_study_variants(
     algorithm: Algorithm,
     shared: &MethodArguments,

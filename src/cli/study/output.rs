@@ -52,7 +52,7 @@ impl<'a, F> StudyOutputs<'a, F> {
 
     /// Writes all reports, and prints `text` to the standard output.
     ///
-    /// After a report that fails, the others are still written.
+    /// If one report fails, the others are still written.
     pub fn write_reports(
         &self,
         arguments: &StudyArguments,
@@ -82,7 +82,7 @@ pub(super) fn study_output_files(arguments: &StudyArguments) -> Vec<FileWithRole
     reports.chain(references.map(|path| FileWithRole::new("--save-truth", path))).collect()
 }
 
-/// Error: a reference picture is to be saved in a format that clips radiance, not as OpenEXR.
+/// Error: the file for a reference picture is not OpenEXR. Other formats clip radiance.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` cannot hold a reference: its format clips radiance", path.display())]
 #[diagnostic(help("give it the extension .exr"))]

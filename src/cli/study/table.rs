@@ -48,8 +48,8 @@ pub(super) fn square_root_percent_text(square: f64) -> String {
     if square > 0.0 { percent_text(square.sqrt()) } else { "-".to_owned() }
 }
 
-/// Returns the root mean square, over all seeds, of the errors that the renderer estimated itself,
-/// in percent. Empty if there are no such estimates.
+/// Returns the error that the renderer estimated itself, without a reference, in percent: the root
+/// mean square over all seeds. Returns an empty text if there are no such estimates.
 fn rms_estimated_error_text(checkpoint: &ConvergenceCheckpoint) -> String {
     checkpoint.mean_square_of_estimated_error().map_or(String::new(), square_root_percent_text)
 }
@@ -57,8 +57,8 @@ fn rms_estimated_error_text(checkpoint: &ConvergenceCheckpoint) -> String {
 /// Returns the exponent k in error ∝ time^k between two checkpoints. The error is the root of the
 /// mean squared error over seeds, and the time is processor time.
 ///
-/// Returns `None` if k is not finite, as between equal times, or if an estimated squared error is
-/// not positive.
+/// Returns `None` if an estimated squared error is not positive, or if k is not finite. For
+/// example, k is not finite between equal times.
 fn convergence_rate(before: &ConvergenceCheckpoint, after: &ConvergenceCheckpoint) -> Option<f64> {
     let squares = [before, after].map(ConvergenceCheckpoint::mean_relative_squared_error);
     if squares.iter().any(|square| *square <= 0.0) {

@@ -6,7 +6,8 @@ fn counts_take_suffixes() {
     assert_eq!(parse_count("250k"), Ok(250_000));
     assert_eq!(parse_count("2.5M"), Ok(2_500_000));
     assert_eq!(parse_count("0"), Ok(0));
-    // In f64, 4.1 · 10⁶ and 2.01 · 10³ are rounded to numbers that are not whole.
+    // In f64, the products 4.1 · 10⁶ and 2.01 · 10³ are rounded to numbers that are not whole. The
+    // parser accepts them nevertheless.
     assert_eq!((parse_count("4.1M"), parse_count("2.01k")), (Ok(4_100_000), Ok(2_010)));
     for bad in ["", "k", "-1", "1.5", "0.0001k", "1e3", "5000M", "inf", "NaN", "é"] {
         assert!(parse_count(bad).is_err(), "{bad}");

@@ -62,7 +62,7 @@ impl JobHandle {
     /// Continues a paused render.
     pub fn resume(&self) {
         self.control.pause_requested.store(false, Ordering::Relaxed);
-        // A full queue means that the job is about to resume anyway.
+        // If the queue is full, the job is about to resume anyway.
         let _ = self.resume_sender.try_send(());
     }
 
@@ -88,8 +88,8 @@ impl ProgressMonitor for JobMonitor<'_> {
 
 /// Source of the scene that a job renders.
 pub(super) enum JobScene {
-    /// The scene file, which the job reads. Parts that are unchanged since the earlier scene in
-    /// this variant are reused.
+    /// The scene file, which the job reads. Holds an earlier scene, if there is one: the job reuses
+    /// parts that are unchanged since then.
     File(Option<Arc<LoadedScene>>),
     /// A scene that an earlier job has read.
     Loaded(Arc<LoadedScene>),
@@ -101,8 +101,8 @@ pub(super) struct JobContext<'a> {
     pub arguments: &'a ViewArguments,
     pub pool: &'a ThreadPool,
     pub events: &'a EventQueue,
-    /// Lock that a job holds while it prepares the algorithm and renders passes, so that two
-    /// renders never use memory at the same time.
+    /// Lock that a job holds while it prepares the algorithm and renders passes. So the memory of
+    /// two renders is never in use at the same time.
     pub render_lock: &'a Mutex<()>,
 }
 
@@ -209,7 +209,8 @@ impl<'a> Job<'a> {
             }
             self.live.show_preview(preview_size, &pixels);
         }
-        // While the camera is dragged, previews are enough.
+        // While the user drags the camera, previews are enough. So wait until the camera rests, and
+        // end this job if a newer job replaces it meanwhile.
         if self.orbit != Orbit::default()
             && self.resume_receiver.recv_timeout(SETTLING_TIME) == Err(RecvTimeoutError::Disconnected)
         {
@@ -248,11 +249,11 @@ impl<'a> Job<'a> {
     }
 
     /// Renders passes until the job is cancelled. The render pauses when it reaches a limit of the
-    /// command line; if the user then resumes it, it continues without limits. `start` is the time
-    /// at which the preparation of `algorithm` began.
+    /// command line. If the user then resumes the render, it continues without limits. `start` is
+    /// the time at which the preparation of `algorithm` began.
     ///
-    /// If the user stops the render before a limit, the limits stay, but the time limit counts from
-    /// the moment at which the user resumes the render.
+    /// If the user stops the render before a limit, the limits stay. The time limit then counts
+    /// from the moment at which the user resumes the render.
     fn render_passes(
         &mut self,
         scene: &Scene,
@@ -267,7 +268,7 @@ impl<'a> Job<'a> {
         let limited = arguments.limits().stop_criteria(algorithm, integrator, &control.pause_requested);
         let limited = StopCriteria { time_before_passes: start.elapsed(), ..limited };
         let unlimited = StopCriteria {
-            // Ray casting needs one pass: a second pass would repeat the first.
+            // Ray casting needs only one pass, because a second pass would repeat the first.
             max_passes: (algorithm == Algorithm::Raycast).then_some(1),
             ..StopCriteria::unlimited(&control.pause_requested)
         };
@@ -289,7 +290,7 @@ impl<'a> Job<'a> {
             if self.is_cancelled() {
                 return;
             }
-            // Drop resume requests from before the pause, so that they do not end it.
+            // Drop resume requests from before the pause, so that they do not end the pause.
             while self.resume_receiver.try_recv().is_ok() {}
             let is_stopped = rendered.end_reason == EndReason::Interrupted;
             if is_stopped && !control.pause_requested.load(Ordering::Relaxed) {

@@ -27,8 +27,8 @@ pub(super) fn orbited_camera(scene: &Scene, up: DVec3, orbit: Orbit) -> Option<C
     }
     let camera = scene.camera_in_description();
     let axis = up.try_normalize()?;
-    // Angle between view direction and up axis. A positive pitch raises the view, so it lowers this
-    // angle.
+    // Angle between view direction and up axis. A positive pitch raises the view, so it makes this
+    // angle smaller.
     let angle = libm::acos(camera.forward().dot(axis).clamp(-1.0, 1.0));
     let (least, most) = (MIN_POLE_ANGLE.min(angle), (std::f64::consts::PI - MIN_POLE_ANGLE).max(angle));
     let pitch = angle - (angle - pitch).clamp(least, most);

@@ -1,4 +1,5 @@
-//! The first picture of a render: few paths through few pixels, without pilots.
+//! Preview, the first picture of a render: few paths through few pixels, without pilots
+//! (simulations before the first pass).
 
 use crate::color::Rgb;
 use crate::integrate::{Algorithm, ProgressMonitor, Settings};
@@ -18,7 +19,7 @@ fn preview_size((width, height): (u32, u32)) -> (u32, u32) {
     let pixels = f64::from(width) * f64::from(height);
     let factor = (MAX_PIXELS / pixels).sqrt().min(1.0);
     let shrunk = |side: u32| ((f64::from(side) * factor).round() as u32).max(1);
-    // A very long picture is one pixel wide, so its length must be limited too.
+    // The preview of a very long picture is one pixel wide, so its length must be limited too.
     let (width, height) = (shrunk(width), shrunk(height));
     (width.min(MAX_PIXELS as u32), height.min(MAX_PIXELS as u32))
 }
@@ -27,7 +28,7 @@ fn preview_size((width, height): (u32, u32)) -> (u32, u32) {
 /// the radiance of its pixels \[W/(m² sr)].
 ///
 /// `settings` are the settings of the full render. The preview takes fewer samples per pixel and
-/// makes no simulations before the first pass. Caustics that only photons find are missing.
+/// makes no simulations before the first pass. The preview lacks caustics that only photons find.
 pub(super) fn render_preview(
     scene: &Scene,
     settings: &Settings,

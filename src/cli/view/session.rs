@@ -1,5 +1,5 @@
 //! Session of `caustica view`: starts a render thread whenever the scene or the camera changes, and
-//! forwards requests of the page to it.
+//! forwards requests of the page to this thread.
 
 use super::ViewArguments;
 use super::event::{Event, EventQueue};
@@ -51,8 +51,8 @@ impl<'a> Session<'a> {
         Self { arguments, page, pool, queue, render_lock: Mutex::new(()) }
     }
 
-    /// Renders until the first interrupting signal. `events` receives what browsers and jobs send
-    /// to the session's queue.
+    /// Renders until the first interrupting signal. `events` receives the events that browsers and
+    /// jobs send to the session's queue.
     pub fn run(&self, events: &Receiver<Event>) {
         thread::scope(|scope| {
             let mut watch = FileWatch::default();
@@ -71,8 +71,8 @@ impl<'a> Session<'a> {
             let mut next_poll = Instant::now() + POLL_INTERVAL;
             while !INTERRUPTED.load(Ordering::Relaxed) {
                 let first = events.recv_timeout(next_poll.saturating_duration_since(Instant::now()));
-                // Handle all queued events at once: of several camera movements, only the last
-                // counts.
+                // Handle all queued events before a job is started, because only the last of
+                // several camera movements counts.
                 first.into_iter().chain(events.try_iter()).for_each(|event| state.handle_event(event));
                 let mut next_scene = state.scene_for_moved_camera();
                 if Instant::now() >= next_poll {
@@ -115,8 +115,8 @@ impl<'a> Session<'a> {
 }
 
 impl SessionState {
-    /// Handles one event: forwards a stop or resume request of the live page to the current job,
-    /// stores a requested camera position, or stores the scene that the current job has read.
+    /// Handles one event. Forwards a stop or resume request of the live page to the current job.
+    /// Stores a requested camera position, and the scene that the current job has read.
     fn handle_event(&mut self, event: Event) {
         match event {
             Event::Request(Request::Stop) => self.job.pause(),
@@ -138,8 +138,8 @@ impl SessionState {
     /// Returns the scene that a new job renders if the user has moved the camera. Returns `None` if
     /// the camera has not moved, or no scene has been read.
     ///
-    /// Also returns `None` while the current job reads the scene file: a job with the earlier scene
-    /// would cancel the reading, and so lose the edit of the file.
+    /// Also returns `None` while the current job reads the scene file. A new job with the earlier
+    /// scene would cancel this reading, and the user's edit of the file would be lost.
     fn scene_for_moved_camera(&self) -> Option<JobScene> {
         self.loaded.clone().filter(|_| self.orbit_changed && !self.reading).map(JobScene::Loaded)
     }

@@ -16,8 +16,8 @@ impl WatchedFiles {
         Self(vec![(path.to_owned(), FileStamp::of_file(path))])
     }
 
-    /// Adds those files of `other` that are not in this list, with their stamps (modification time
-    /// and length) in `other`.
+    /// Adds the files of `other` that are not in this list. They keep their stamps (modification
+    /// time and length).
     pub fn add_all(&mut self, other: &Self) {
         for (path, stamp) in &other.0 {
             if self.0.iter().all(|(known, _)| known != path) {
@@ -38,8 +38,8 @@ impl WatchedFiles {
         Self(self.0.iter().map(|(path, _)| (path.clone(), FileStamp::of_file(path))).collect())
     }
 
-    /// True if no file but the scene file, the first of the list, has changed since its stamp was
-    /// taken.
+    /// True if no file of the list, except the scene file (the first), has changed since its stamp
+    /// was taken.
     pub fn has_unchanged_inputs(&self) -> bool {
         self.0.iter().skip(1).all(|(path, stamp)| FileStamp::of_file(path) == *stamp)
     }

@@ -82,7 +82,7 @@ fn conductors_keep_their_color_at_normal_incidence() {
         assert!(e[i] > 0.4 && e[i] < 1.5);
     }
     assert!(expected.x > expected.y && expected.y > expected.z);
-    // A mirror and a surface that reflects nothing stay finite.
+    // The index of a perfect mirror and of a surface that reflects nothing is finite.
     for (eta, k) in [(0.0, 1e30), (1.0, 0.0), (1e30, 0.0)] {
         let (eta, k) = conductor_refractive_index(&Spectrum::constant(eta), &Spectrum::constant(k));
         assert!(eta.is_finite() && k.is_finite() && eta.min_element() > 0.0, "{eta} {k}");

@@ -16,8 +16,8 @@ fn hue_degrees(c: Rgb) -> f32 {
 
 /// Averages the weight over all wavelengths: the mean is white.
 ///
-/// The midpoint rule errs by at most the variation of the weight, which is below 20, over twice the
-/// number of points.
+/// For n points, the error of the midpoint rule is at most V/(2n). V is the total variation of the
+/// weight, which is below 20.
 #[test]
 fn white_light_stays_white() {
     let n = 1u32 << 22;
@@ -38,7 +38,7 @@ fn wavelength_weights_and_pdf_are_normalized() {
         assert!(w.pdf() > 0.0 && w == wavelength_of_nanometres(w.nanometres()));
         integral += f64::from(w.pdf()) * f64::from(RESPONSE_INTERVAL_NM);
     }
-    // Each of the 255 pdfs has a rounding error of f32.
+    // The tolerance allows for the rounding of the 255 pdfs to f32.
     assert!(
         (integral - 1.0).abs() < 6e-8
             && (RESPONSE_TABLE.cumulative_probabilities[RESPONSE_INTERVAL_COUNT] - 1.0).abs() < 1e-12,

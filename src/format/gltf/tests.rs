@@ -101,7 +101,8 @@ fn textures_keep_factors_channels_and_transforms() {
         },
     });
     let scene = import_json(&triangle_scene(material, json!({})));
-    // Alpha mixes the surface with a transparent one. The blue channel mixes metal in.
+    // Alpha mixes the surface with a transparent material. The blue channel of the texture mixes
+    // metal with the rest of the surface.
     let MaterialKindDescription::Mix(MixDescription { second_probability: TexturedValue::Texture(alpha), .. }) =
         material_kind(&scene, "a")
     else {
@@ -203,12 +204,13 @@ fn clear_coats_make_principled_surfaces() {
         (&TexturedValue::Constant(0.5), &TexturedValue::Constant(0.25))
     );
     assert!((surface.eta - 1.5).abs() < 1e-12);
-    // The red channel of the texture, 255 and 0, times the factor.
+    // The amount of the coat is the red channel of the texture, 255 and 0, times the factor.
     let TexturedValue::Texture(amount) = &surface.clearcoat else { panic!("{:?}", surface.clearcoat) };
     let texture = scene.description.textures.iter().find(|texture| texture.name == amount.value).unwrap();
     let TextureKindDescription::Image { path, .. } = &texture.kind else { panic!() };
     assert_eq!(scene.assets.pictures[&path.value].pixels().iter().map(|p| p.x).collect::<Vec<_>>(), [0.5, 0.0]);
-    // The green channel, 0 and 255: α is 0 and (0.5)².
+    // The roughness of the coat is the mean of α. The green channel is 0 and 255, so α is 0 and
+    // (0.5)².
     assert!((surface.clearcoat_roughness - 0.125).abs() < 1e-6, "{}", surface.clearcoat_roughness);
     let noted = |part: &str| scene.notes.iter().any(|note| note.message.contains(part));
     assert!(noted("become their mean") && noted("normals of the surface below"), "{:?}", scene.notes);

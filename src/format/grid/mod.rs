@@ -224,8 +224,8 @@ struct GridBodyReader<'a> {
 impl GridBodyReader<'_> {
     /// Returns an empty list with capacity for the densities of all cells.
     ///
-    /// Fails if the grid and `more` bytes of other data, such as the file's text, exceed the free
-    /// memory, or if the system refuses the allocation.
+    /// Fails if the grid and `more` bytes exceed the free memory, or if the system refuses the
+    /// allocation. `more` is the memory of other data, such as the file's text.
     fn allocate_densities(&self, more: u64) -> Result<Vec<f32>, GridError> {
         let Self { path, header, free_memory: free, .. } = *self;
         let needed = MEMORY_PER_CELL * header.cell_count as u64 + more;

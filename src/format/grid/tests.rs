@@ -99,7 +99,7 @@ fn text_grids_hold_one_number_per_cell() {
 fn invalid_densities_are_reported_by_cell() {
     for (bad, shown) in [(-1.0, "-1"), (f32::NAN, "NaN"), (f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
         let mut values = vec![1.0; 24];
-        // (1, 2, 3) of 2 × 3 × 4.
+        // This is the cell (1, 2, 3) of a grid of 2 × 3 × 4 cells.
         values[1 + 2 * (2 + 3 * 3)] = bad;
         for encoding in [GridEncoding::F32, GridEncoding::Text] {
             let bytes =

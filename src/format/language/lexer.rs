@@ -24,10 +24,9 @@ impl Token<'_> {
     }
 }
 
-/// Lexer of scene text. How long a token is depends on the type that the parser asks for.
+/// Lexer of scene text. The length of a token depends on its type, for which the parser asks.
 ///
-/// For example, of `20width` the token is `20` if a number is asked for, and `20width` if a word
-/// is.
+/// For example, `20width` starts with the number `20`, but the whole of it is one word.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::format) struct Lexer<'a> {
     file_name: &'a str,

@@ -2,8 +2,9 @@
 //!
 //! The files of this folder know blocks and fields, but no kinds of lights, materials or shapes.
 //! Each part of a scene has a file or folder of its own beside this one, such as
-//! [`lights`](super::lights), with the schemas of its blocks and the functions that parse and
-//! write them. Files that the text names are opened later, by [`resolve`](super::resolve()).
+//! [`lights`](super::lights). It holds the schemas of the part's blocks and the functions that
+//! parse and write them. Files that the text names are opened later, by
+//! [`resolve`](super::resolve()).
 
 pub(super) mod curves;
 pub(super) mod field_table;

@@ -58,21 +58,21 @@ pub(in crate::format) enum FieldKind {
 pub(in crate::format) enum FieldRange {
     /// Any finite number.
     Any,
-    /// Any number up to [`f32::MAX`] in magnitude.
+    /// Any number of magnitude up to [`f32::MAX`].
     SinglePrecision,
-    /// At least 0, and at most [`f32::MAX`].
+    /// Any number from 0 to [`f32::MAX`].
     NonNegative,
-    /// Above 0, and at most [`f32::MAX`].
+    /// Any number above 0, up to [`f32::MAX`].
     Positive,
-    /// Not 0.
+    /// Any finite number except 0.
     NonZero,
-    /// From the first bound to the second, both included.
+    /// Numbers from the first bound to the second, both included.
     ClosedInterval(f64, f64),
-    /// Between the bounds, both excluded.
+    /// Numbers between the bounds, both excluded.
     OpenInterval(f64, f64),
-    /// Above the first bound, up to and including the second.
+    /// Numbers above the first bound, up to and including the second.
     LeftOpenInterval(f64, f64),
-    /// The text describes the range for the language reference. The schema does not check the
+    /// A range that this text describes for the language reference. The schema does not check the
     /// range; the function that converts the block does.
     DescribedOnly(&'static str),
 }

@@ -86,8 +86,8 @@ impl LightBlock for GoniometricLightDescription {
                 let map = EquirectangularMap::new(r.read_picture(path, PixelMeaning::Color)?, Rgb::ONE);
                 (map.map_err(|e| r.file_error(path, &e, "repair the picture or name another"))?, direction, up)
             }
-            // The map that is made of a profile is symmetric about its up direction, so that must
-            // be the light's axis.
+            // The map that is made of a profile is symmetric about its up direction. So the up
+            // direction must be the light's axis.
             IntensityDistribution::ProfileFile(path) => {
                 (read_profile_as_map(r, path)?, direction.any_orthogonal_vector(), direction)
             }
@@ -107,9 +107,9 @@ impl LightBlock for GoniometricLightDescription {
 
 /// Largest memory that reading a profile takes \[bytes per byte of its file].
 ///
-/// The text takes 1. A pair takes 16 bytes in the list, and at least 4 bytes in the file: 4 bytes
-/// per byte. When the list grows, the old list and one of twice its length exist at the same time,
-/// which triples these 4.
+/// The text takes 1. The list of pairs takes 4: a pair has 16 bytes in the list, and at least 4
+/// bytes in the file. When the list grows, the old list and one of twice its length exist at the
+/// same time, so the list counts three times.
 const PROFILE_MEMORY_PER_BYTE: u64 = 1 + 3 * 4;
 
 /// Returns the intensity map of the profile in the file `path`.
@@ -128,10 +128,11 @@ fn read_profile_as_map(r: &Resolver<'_>, path: &Spanned<String>) -> Result<Equir
 
 /// Parses an intensity profile: pairs of an angle from the axis \[degrees] and an intensity.
 ///
-/// Each line holds one pair, in ascending order of angle. `#` starts a comment.
+/// Each line holds one pair, in ascending order of angle. `#` starts a comment. Lines that are
+/// empty or hold only a comment are skipped.
 ///
-/// Returns `None` if a line holds no pair, if there are fewer than two pairs, if the angles do not
-/// ascend, or if one is outside \[0, 180].
+/// Returns `None` if any other line is not one pair, or if there are fewer than two pairs. Also
+/// returns `None` if the angles do not ascend, or if one is outside \[0, 180].
 fn parse_angle_intensity_table(text: &str) -> Option<Vec<(f64, f64)>> {
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
     let pair = |line: &str| {

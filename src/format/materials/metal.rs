@@ -92,7 +92,8 @@ fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
         return Ok(MetalDescription::Named(name));
     }
     if f.get("k").is_none() {
-        // If `eta` is absent too, this error names all three.
+        // If `eta` is absent too, this error lists the alternatives `metal`, `eta` and
+        // `reflectance`.
         f.require_one_field_of(&["metal", "eta", "reflectance"])?;
     }
     Ok(MetalDescription::Index { eta: f.value_or_default("eta")?, k: f.value_or_default("k")? })

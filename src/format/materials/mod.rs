@@ -234,8 +234,8 @@ pub(super) fn add_materials<'a>(
 /// Returns `material` with its body filled by the medium that `described` names.
 ///
 /// Returns `material` unchanged if it bounds no body or no medium is named. If the body has an
-/// absorption of its own, the body is filled by a copy of the medium to which this absorption is
-/// added.
+/// absorption of its own, a copy of the medium fills the body, and this absorption is added to the
+/// copy.
 ///
 /// # Errors
 /// If no such medium exists, or if the body absorbs and the medium is heterogeneous.

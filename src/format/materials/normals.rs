@@ -13,8 +13,8 @@ use std::fmt;
 
 /// Perturbation of shading normals by the values of a texture: a bump map or a normal map.
 ///
-/// Both refer to the texture by its name. A name that no texture has is taken as the path of a
-/// picture.
+/// Both kinds of maps refer to the texture by its name. A name that no texture has is taken as the
+/// path of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalPerturbationDescription {
     /// Bump map (Blinn 1978): heights by which the surface is displaced along its normal for
@@ -101,7 +101,8 @@ impl NormalPerturbationDescription {
                     let help = "give it `encoding linear`: normals are numbers";
                     return Err(SceneError::error_at_span(r.source, name.span, message, "no normals", help));
                 }
-                // Tangents follow texture coordinates, even if the texture is solid.
+                // Even if the texture is solid, a normal map needs texture coordinates: its
+                // tangents follow from them.
                 *requirements = TextureRequirements { uses_textures: true, needs_texcoords: true };
                 NormalPerturbation::NormalMap(texture.index)
             }

@@ -16,7 +16,7 @@ pub(in crate::format) struct DeduplicatedList<T> {
 
 impl<T> DeduplicatedList<T> {
     pub fn with_capacity(n: usize) -> Self {
-        // Indices depend only on the order of insertion, so any seed works.
+        // Indices depend only on the order of insertion, so any seeds of the hash function work.
         let hasher = RandomState::with_seeds(1, 2, 3, 4);
         Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
     }
@@ -61,7 +61,8 @@ const UNASSIGNED: u32 = u32::MAX;
 pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
     let normals = mesh.normals.as_deref();
     let mut known: Vec<u32> = vec![UNASSIGNED; mesh.positions.len()];
-    // New vertices: index of the old vertex, and true if the new one has no normal.
+    // New vertices, each with two values: the index of the old vertex, and true if the new vertex
+    // has no normal.
     let mut new_vertices: DeduplicatedList<(u32, bool)> = DeduplicatedList::with_capacity(mesh.positions.len());
     let key = |&(v, flat): &(u32, bool)| {
         let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);

@@ -69,7 +69,7 @@ fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32
     let mut group_of_corner = vec![u32::MAX; 3 * mesh.triangles.len()];
     let mut next = 0;
     for corner in 0..group_of_corner.len() {
-        // The root is the lowest index, so it is numbered already.
+        // The root of a group is its lowest corner index, so it is numbered already.
         let (root, _) = union.find_root(corner);
         group_of_corner[corner] = if root == corner { next } else { group_of_corner[root] };
         next += u32::from(root == corner);

@@ -57,8 +57,8 @@ pub struct MeshReport {
     /// Number of non-manifold vertex positions. The triangles at such a position form several fans
     /// that no common edge connects.
     pub non_manifold_vertices: usize,
-    /// Number of edges that both their triangles traverse in the same direction, so that the
-    /// winding of one of the two must be wrong.
+    /// Number of edges that both their triangles traverse in the same direction. The winding of one
+    /// of the two must then be wrong.
     pub inconsistent_edges: usize,
     /// Number of triangles of area 0.
     #[serde(rename = "degenerate_faces")]

@@ -169,8 +169,8 @@ impl MitsubaMeshes {
     /// Returns the path of an embedded mesh of the unit sphere with inward normals. The first call
     /// embeds this mesh.
     ///
-    /// Texture coordinates are u = φ / 2π and v = 1 − θ / π, where θ is the angle from the z axis,
-    /// and φ is the angle about it.
+    /// Texture coordinates are u = φ / 2π and v = 1 − θ / π. Here, θ is the angle from the z
+    /// axis, and φ is the angle about it.
     pub fn inward_sphere_path(&mut self) -> String {
         const STACKS: u32 = 128;
         const SLICES: u32 = 2 * STACKS;

@@ -193,7 +193,7 @@ fn fields_of_view_refer_to_their_axis() {
         let found = angle(&fov(axis), [200, 100]);
         assert!((found - expected).abs() < 1e-9, "{axis}: {found} instead of {expected}");
     }
-    // 50 mm on film of 36 × 24 mm: the height is 24 mm.
+    // Without `fov`, the focal length is 50 mm, on film of 36 × 24 mm. The height is 24 mm.
     let found = angle("", [300, 200]);
     assert!((found - 2.0 * libm::atan(12.0 / 50.0).to_degrees()).abs() < 1e-9, "{found}");
     assert_import_error("<sensor type=\"perspective\"><float name=\"fov\" value=\"180\"/></sensor>", "field of view");
@@ -229,7 +229,8 @@ fn smooth_and_rough_materials_have_their_parameters() {
         panic!()
     };
     assert_eq!((refraction, roughness), (RefractiveIndexDescription::Constant(2.419), TexturedValue::Constant(0.0)));
-    // A dielectric is not its own surroundings. With equal indices, its surface has no effect.
+    // A dielectric is not nested in itself, so its index is relative to its own surroundings. With
+    // equal indices, its surface has no effect.
     let matched = import_text(
         "<shape type=\"sphere\"><bsdf type=\"dielectric\">\
          <float name=\"intIOR\" value=\"1.33\"/><float name=\"extIOR\" value=\"1.33\"/></bsdf></shape>",
@@ -283,7 +284,7 @@ fn tinted_metals_keep_their_reflectance_at_normal_incidence() {
     else {
         panic!()
     };
-    // Half of ((η − 1)² + k²) / ((η + 1)² + k²).
+    // The reflectance is the tint ½ times ((η − 1)² + k²) / ((η + 1)² + k²).
     let expected = DVec3::splat(0.5 * 10.0 / 18.0);
     assert!((found - expected).length() < 1e-12, "{found} instead of {expected}");
 }

@@ -107,9 +107,10 @@ fn crop_size(parameters: &Parameters, whole: [f64; 2]) -> Option<[f64; 2]> {
 /// or the identity.
 ///
 /// `to_world` maps camera space to pbrt's world. pbrt's camera space is left-handed, and Caustica's
-/// is right-handed. So the scene is mirrored, unless `to_world` already mirrors. For a spherical
-/// camera, the scene is mirrored only if `to_world` mirrors, because pictures of such cameras have
-/// equal handedness in pbrt and Caustica.
+/// is right-handed. So the scene is mirrored, unless `to_world` already mirrors.
+///
+/// The pictures of spherical cameras have equal handedness in pbrt and Caustica. For such a camera,
+/// the scene is mirrored only if `to_world` mirrors.
 pub(super) fn read_camera(
     name: &str,
     parameters: &Parameters,

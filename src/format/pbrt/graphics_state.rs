@@ -17,7 +17,7 @@ const MIN_ROTATION_RADIANS: f64 = 1e-9;
 pub(super) struct MovingTransform(pub [DAffine3; 2]);
 
 impl MovingTransform {
-    /// Identity at both times.
+    /// Identity map at the start and at the end of the motion.
     pub const IDENTITY: Self = Self([DAffine3::IDENTITY; 2]);
 
     /// Returns the inverse transforms; `None` if one of the transforms is singular.

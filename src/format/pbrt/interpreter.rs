@@ -419,7 +419,7 @@ impl<'a> Interpreter<'a> {
                 self.content.notes.add_unsupported(message, place.position_text());
                 Ok(())
             }
-            // Settings of the renderer.
+            // All other directives are settings of the renderer, which become suggested flags.
             _ => {
                 self.settings.add_directive(directive, name, &parameters);
                 Ok(())

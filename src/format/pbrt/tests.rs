@@ -77,7 +77,7 @@ fn lights_have_the_strength_of_the_file() {
     let lights: Vec<_> = scene.description.lights.iter().map(|light| light.value.clone()).collect();
     let LightDescription::Point(PointLightDescription { strength, .. }) = lights[0] else { panic!() };
     assert_eq!(strength, PointLightStrength::Intensity(DVec3::new(2.0, 4.0, 6.0)));
-    // Light spectra have luminance 1, whatever their values.
+    // pbrt-v4 scales the spectrum of a light to luminance 1, whatever its values.
     let LightDescription::Spot(SpotLightDescription { strength: PointLightStrength::Intensity(intensity), .. }) =
         lights[1]
     else {
@@ -321,7 +321,8 @@ fn sheets_between_media_are_noted() {
 #[test]
 fn pictures_in_tga_files_are_read() {
     let folder = tempfile::tempdir().unwrap();
-    // Uncompressed colors, 2 × 1 pixels of 24 bits as blue, green, red; the top row is first.
+    // The picture is uncompressed. It has 2 × 1 pixels of 24 bits as blue, green, red; the top row
+    // is first.
     let mut file = vec![0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 24, 0x20];
     file.extend([255, 0, 0, 0, 0, 255]);
     std::fs::write(folder.path().join("a.TGA"), &file).unwrap();

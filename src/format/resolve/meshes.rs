@@ -107,7 +107,7 @@ fn add_mesh_part(
     let further_copies = r.mesh_use_counts.get(path.as_str()).map_or(0, |uses| uses - 1);
     let is_shared = emission == Rgb::ZERO && further_copies * mesh.triangles.len() >= MIN_TRIANGLES_INSTANCING_SAVES;
     let is_instance = is_shared || !placement.to_world.is_constant();
-    // Instances of one mesh share one BVH, so only the first counts.
+    // Instances of one mesh share one BVH, so only the first instance takes memory for it.
     if !(is_instance && part.has_bvh()) {
         claim_triangle_memory(r, path, mesh.triangles.len())?;
     }

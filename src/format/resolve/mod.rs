@@ -112,7 +112,8 @@ pub(super) struct AddedMaterial {
     /// Name in the scene text; `None` for a material without a name, and for materials of mesh
     /// files.
     pub name: Option<String>,
-    /// Emission of those objects for which the scene text sets no emission of their own.
+    /// Emission of the objects with this material for which the scene text sets no emission of
+    /// their own.
     pub emission: MaterialEmission,
     /// True if the material is a null interface, which bounds a medium and does not affect light.
     pub is_null_interface: bool,

@@ -19,7 +19,7 @@ pub(in crate::format) struct AddedTexture {
     pub index: u32,
     /// Mean color of the texture.
     pub mean: Rgb,
-    /// Least and greatest value over all positions and channels.
+    /// Least and greatest value of the texture, over all positions and channels.
     range: (f32, f32),
     /// True if the texture is a function of position, not of texture coordinates.
     is_solid_texture: bool,

@@ -1,4 +1,5 @@
-//! The blocks `BezierCurve` and `BsplineCurve`: curves without a surface, which are not rendered.
+//! The blocks `BezierCurve` and `BsplineCurve` without `profile`: curves of the scene format of MIT
+//! course 6.837, which have no surface and are not visible.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
@@ -10,14 +11,16 @@ use crate::format::resolve::Resolver;
 use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement};
 use glam::DVec3;
 
-/// A Bézier curve, which has no surface and is not rendered.
+/// A Bézier curve, which the scene format of MIT course 6.837 can contain. It has no surface, so
+/// the renderer skips it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BezierCurveDescription {
     /// Control points in the xy plane, at least 2.
     pub controls: Vec<DVec3>,
 }
 
-/// A uniform, unclamped cubic B-spline, which has no surface and is not rendered.
+/// A uniform, unclamped cubic B-spline, which the scene format of MIT course 6.837 can contain. It
+/// has no surface, so the renderer skips it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BsplineCurveDescription {
     /// Control points in the xy plane, at least 4.

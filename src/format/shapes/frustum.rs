@@ -18,7 +18,7 @@ use std::fmt;
 /// A cylinder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CylinderDescription {
-    /// Centers of both ends, which differ.
+    /// Centers of both ends of the cylinder. They differ.
     pub ends: [DVec3; 2],
     /// Radius of the cylinder, above 0.
     pub radius: f64,
@@ -29,7 +29,7 @@ pub struct CylinderDescription {
 /// A cone or truncated cone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConeDescription {
-    /// Centers of both ends, which differ.
+    /// Centers of both ends of the cone. They differ.
     pub ends: [DVec3; 2],
     /// Radii of both ends: the first above 0, the second at least 0.
     pub radii: [f64; 2],

@@ -158,9 +158,11 @@ shape_kinds! {
     Mesh(MeshDescription),
     /// A surface of revolution.
     Revolution(RevolutionDescription),
-    /// A Bézier curve, which has no surface and is not rendered.
+    /// A Bézier curve of the scene format of MIT course 6.837. It has no surface, so the renderer
+    /// skips it.
     BezierCurve(BezierCurveDescription),
-    /// A B-spline curve, which has no surface and is not rendered.
+    /// A B-spline curve of the scene format of MIT course 6.837. It has no surface, so the renderer
+    /// skips it.
     BsplineCurve(BsplineCurveDescription),
     /// Rational Bézier patches that have the same degrees.
     Patches(BezierPatchesDescription),

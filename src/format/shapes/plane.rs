@@ -16,7 +16,7 @@ use glam::DVec3;
 /// The infinite plane of all points x with normal · x = offset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaneDescription {
-    /// Normal of any length above 0.
+    /// Normal of the plane, of any length above 0.
     pub normal: DVec3,
     /// Signed distance of the plane from the origin along `normal`, times the length of `normal`.
     pub offset: f64,

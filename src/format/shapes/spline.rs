@@ -88,7 +88,8 @@ impl ShapeBlock for BezierPatchesDescription {
         let span = placement.span;
         let [u, v] = self.degree.map(|d| SplineBasis::bezier_basis(d as usize + 1));
         let bases = [&u.map_err(|e| spline_error(r, span, &e))?, &v.map_err(|e| spline_error(r, span, &e))?];
-        // Queried once, because a query takes longer than building a small patch.
+        // The free memory is queried once, because a query takes longer than building a small
+        // patch.
         let mut free = r.memory.available_bytes();
         for net in self.controls.chunks(bases[0].control_count() * bases[1].control_count()) {
             let patch = Patch::with_memory_limit(bases, net, free).map_err(|e| spline_error(r, span, &e))?;

@@ -33,7 +33,7 @@ fn metadata_is_stored_and_bytes_repeat() {
     assert_eq!(headers[0].shared_attributes.chromaticities, Some(REC_709));
 }
 
-/// An OpenEXR `file` in which the size of the header window `name` is replaced by another size.
+/// Returns the OpenEXR `file` with another size of the window `name` in its header.
 fn exr_with_replaced_window(file: &[u8], name: &[u8], (width, height): (i32, i32)) -> Vec<u8> {
     let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
     let mut file = file.to_vec();
@@ -56,7 +56,8 @@ fn an_implausible_size_is_refused() {
             assert!(message.contains(expected), "{message}");
         }
     }
-    // A display window of four megapixels takes 192 MB, although it has little data.
+    // A display window of four megapixels takes 192 MB of memory, although the file has little
+    // data.
     let framed = exr_with_replaced_window(&file, DISPLAY, (2000, 2000));
     assert!(matches!(decode(&framed, Some(191_000_000)), Err(DecodeFailure::Memory { needed: 192_000_000, .. })));
     let image = unwrap_decoded(decode(&framed, Some(192_000_000)));
@@ -64,7 +65,8 @@ fn an_implausible_size_is_refused() {
     assert_eq!(image.pixels()[40], Vec3::ZERO);
 }
 
-/// A picture is read although it takes more than half a gigabyte, the default limit of the decoder.
+/// A picture is read although it takes more memory than the decoder's default limit of half a
+/// gigabyte.
 #[test]
 fn pictures_may_exceed_the_limit_of_the_decoder() {
     let noise = |i: u32| Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32);

@@ -21,7 +21,8 @@ const DETECTOR_WIDTH_DEGREES: f64 = 0.082;
 /// Weights of a one-dimensional filter with an odd number of taps, from left to right.
 type FilterWeights = Vec<f32>;
 
-/// All filters of ꟻLIP for a given number of pixels per degree; the filters are separable.
+/// All filters of ꟻLIP for a given number of pixels per degree. The filters are separable, so each
+/// is stored as one-dimensional weights.
 pub(super) struct FlipMetricFilters {
     luminance: FilterWeights,
     red_green: FilterWeights,
@@ -94,7 +95,7 @@ fn normalize_signed_weights(raw: &[f64]) -> FilterWeights {
     to_single_precision(raw.iter().map(|w| if *w < 0.0 { w / negative } else { w / positive }))
 }
 
-/// Samples the function `value` at the integers from −`radius` to `radius`.
+/// Returns the values of the function `value` at the integers from −`radius` to `radius`.
 fn sample_at_integers(radius: i32, value: impl Fn(f64) -> f64) -> Vec<f64> {
     (-radius..=radius).map(|x| value(f64::from(x))).collect()
 }

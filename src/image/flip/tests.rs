@@ -32,18 +32,18 @@ fn ldr_flip_at_default_exposure(a: &Image, b: &Image) -> FlipMetricResult {
     flip_metric(a, b, &FlipMetricOptions::default()).unwrap()
 }
 
-/// Asserts that two results are equal bit for bit.
+/// Asserts that two ꟻLIP results are equal.
 #[track_caller]
 fn assert_same_result(a: &FlipMetricResult, b: &FlipMetricResult) {
     assert!(a == b, "means {} and {}", a.mean, b.mean);
 }
 
-/// Asserts the mean error and three errors of pixels: the largest error, the error in column 30 of
-/// row 20, and the error of the first pixel.
+/// Asserts the mean error of a ꟻLIP result and three errors of pixels: the largest error, the error
+/// in column 30 of row 20, and the error of the first pixel.
 #[track_caller]
 fn assert_flip_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: [f32; 3]) {
-    // The authors' program computes in f32. Square roots of small feature differences amplify its
-    // rounding errors to about 10⁻⁴.
+    // The program of the authors of ꟻLIP computes in f32. Square roots of small feature differences
+    // amplify its rounding errors to about 10⁻⁴.
     assert!((found.mean - mean).abs() < 2e-5, "{} instead of {mean}", found.mean);
     let most = found.error_map.iter().copied().fold(0.0, f32::max);
     for (found, expected) in [(most, largest), (found.error_map[20 * 64 + 30], inside), (found.error_map[0], first)] {
@@ -51,7 +51,8 @@ fn assert_flip_values(found: &FlipMetricResult, mean: f64, [largest, inside, fir
     }
 }
 
-/// Results equal those of flip-evaluator 1.7, the program of the authors of ꟻLIP.
+/// The ꟻLIP errors of this module equal those of flip-evaluator 1.7, the program of the authors of
+/// ꟻLIP.
 #[test]
 fn flip_results_match_the_authors_program() {
     let shifted = image_from_color_function(|x, y| gray_box_color(x - 2, y + 1));

@@ -20,8 +20,9 @@ pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
     level.min(DVec3::ONE).as_vec3()
 }
 
-/// Returns the exposures of HDR-ꟻLIP \[stops]: about one stop apart, from the one that brings the
-/// brightest pixel of `reference` close to white, to the one that does so for the median pixel.
+/// Returns the exposures of HDR-ꟻLIP \[stops], which are about one stop apart. The first exposure
+/// brings the brightest pixel of `reference` close to white. The last exposure brings the median
+/// pixel close to white.
 ///
 /// Black pixels are left out of the median. A black reference has only the exposure 0.
 pub(super) fn hdr_flip_exposures(reference: &Image) -> Vec<f64> {

@@ -23,7 +23,8 @@ fn layers_are_stored_and_the_picture_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
     let (image, first) = image_and_its_exr_layer();
-    // In the order of names, `Noise` comes before the channels of the picture.
+    // In the order of names, the channels of `Noise` stand between the channels G and R of the
+    // picture. The reader must find the picture nevertheless.
     let layers = [
         first,
         layer_with_numbered_values("Noise", &["R", "G", "B"]),

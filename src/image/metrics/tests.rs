@@ -11,7 +11,8 @@ fn metrics_follow_their_formulas() {
     let b = image_of_one_row(&[[1.0, 0.0, 3.0], [0.0, 1.0, 0.0]]);
     // The squared differences are 4 and 1, over six channel values.
     assert!((rmse(&a, &b).unwrap() - f64::sqrt(5.0 / 6.0)).abs() < 1e-15);
-    // First pixel 4 / (0 + ½) / 3 = 8/3, second 1 / (1 + ½) / 3 = 2/9.
+    // The relative squared error is 4 / (0 + ½) / 3 = 8/3 in the first pixel, and 1 / (1 + ½) / 3 =
+    // 2/9 in the second.
     assert!((relative_mse(&a, &b, 0.5, None).unwrap() - (8.0 / 3.0 + 2.0 / 9.0) / 2.0).abs() < 1e-15);
     assert!((relative_mse(&a, &b, 0.5, Some(1.0)).unwrap() - (1.0 + 2.0 / 9.0) / 2.0).abs() < 1e-15);
     assert_eq!(rmse(&a, &a).unwrap(), 0.0);
@@ -47,7 +48,8 @@ fn largest_differences_have_positions() {
     assert_eq!(largest_differences(&image, &image).unwrap(), PixelDifferences::default());
 }
 
-/// In a reference of uniform radiance 2, an error of 0.1 is a relative error of 0.1 / √(2² + 2²).
+/// In a reference of uniform radiance 2, local radiance and median radiance are both 2. So an error
+/// of 0.1 is a relative error of 0.1 / √(2² + 2²).
 #[test]
 fn the_relative_error_is_a_root_mean_square() {
     let (a, b) = (image_of_one_row(&[[2.1; 3]; 9]), image_of_one_row(&[[2.0; 3]; 9]));

@@ -105,7 +105,7 @@ fn damaged_files_are_errors() {
     for cut in 8..file.len() - 13 {
         assert!(decode(&file[..cut], None).is_err(), "cut at {cut}");
     }
-    // A header of 16384 × 16384 pixels, with a valid checksum.
+    // Write a header that claims 16384 × 16384 pixels, with a valid checksum.
     let mut huge = file;
     huge[16..24].copy_from_slice(&[0, 0, 64, 0, 0, 0, 64, 0]);
     let checksum = crc32(&huge[12..29]);

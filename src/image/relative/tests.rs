@@ -5,7 +5,8 @@ fn gray_image(width: u32, values: &[f32]) -> Image {
     Image::from_pixels(width, values.len() as u32 / width, pixels).unwrap()
 }
 
-/// In a reference of uniform radiance 2, an error of 0.1 is a relative error of 0.1 / √(2² + 2²).
+/// In a reference of uniform radiance 2, local radiance and median radiance are both 2. So an error
+/// of 0.1 is a relative error of 0.1 / √(2² + 2²).
 #[test]
 fn error_weights_of_uniform_pictures_follow_their_radiance() {
     let error_weights = RelativeErrorWeights::from_image(&gray_image(8, &[2.0; 64]));

@@ -22,7 +22,8 @@ fn variance_and_work(sources: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f6
     )
 }
 
-/// The optimum for two sources of equal cost is n ∝ σ.
+/// For two sources of noise with equal work per sample, the best sample counts are proportional to
+/// the standard deviations.
 #[test]
 fn sample_counts_follow_standard_deviation() {
     let sources = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 1.0, 10.0), noise_source(0.0, 5.0, 7.0)];
@@ -30,7 +31,8 @@ fn sample_counts_follow_standard_deviation() {
     assert!((a - 40.0 / 3.0).abs() < 1e-9 && (b - 20.0 / 3.0).abs() < 1e-9 && c == 7.0, "{a} {b} {c}");
 }
 
-/// Any small shift of work between two sources, within the bounds, adds noise.
+/// No small shift of work from one source of noise to another lowers the variance, if both sample
+/// counts stay within their bounds.
 #[test]
 fn balance_has_the_least_noise() {
     for sources in [

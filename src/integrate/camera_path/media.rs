@@ -14,10 +14,10 @@ use glam::DVec3;
 use rand::rngs::SmallRng;
 
 /// Advances `path` to its next vertex. Adds to `radiance` the light that media on the way emit and
-/// scatter towards the start of the segment.
+/// scatter towards the previous vertex.
 ///
-/// Returns the event at the vertex, and the phase function of the medium there. The phase function
-/// is meaningful only for scattering events.
+/// Returns the event at the next vertex, and the phase function of the medium there. The phase
+/// function is meaningful only for scattering events.
 pub(super) fn advance_to_vertex<'a, I: Interior>(
     paths: &PathContext<'a>,
     weights: &PathWeights,
@@ -76,7 +76,7 @@ fn cross_medium<I: Interior>(
         return None;
     }
 
-    // Add direct light and photon estimates that scatter once on this segment.
+    // Add the direct light and the light of photons that the medium scatters on this segment.
     let continues = policy.continuation == PathContinuation::Always
         && path.bounce < paths.max_bounces
         && (!shares_indirect_light(weights.indirect, history) || is_path_continued(weights.indirect, path.sampler));
@@ -108,8 +108,9 @@ fn cross_medium<I: Interior>(
 /// throughput, to the light that `task` records.
 ///
 /// If only one path of a pixel reads the maps, the radiance is multiplied by the number of the
-/// pixel's paths. `weights` are the weights of indirect light at the path's first receiver (surface
-/// or medium that stores photons).
+/// pixel's paths, to stand for all of them. `weights` are the weights of camera paths and of photon
+/// estimates for the indirect light at the path's first receiver (surface or medium that stores
+/// photons).
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     weights: IndirectWeights,
@@ -139,8 +140,8 @@ fn photon_radiance<I: Interior>(
 /// Continues `path` from a scattering event in a direction sampled from `phase`. Returns false if
 /// Russian roulette ends the path.
 ///
-/// `weights` are the weights of camera paths and of photon estimates for indirect light, if this
-/// event is the path's first receiver (surface or medium that stores photons).
+/// `weights` are the weights of camera paths and of photon estimates for indirect light. They apply
+/// only if this event is the path's first receiver (surface or medium that stores photons).
 pub(super) fn scatter_in_medium<I: Interior>(
     path: &mut PathState<I>,
     phase: PhaseFunction,

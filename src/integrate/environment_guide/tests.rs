@@ -20,7 +20,9 @@ fn sky() -> EnvironmentLight {
     EnvironmentLight::new(Image::from_pixels(8, 4, pixels.collect()).unwrap(), 0.3, Vec3::ONE).unwrap()
 }
 
-/// Returns a guide fitted to rays that contribute only if p.x < 1/2 and u.x < 1/4.
+/// Returns a guide fitted to rays that contribute only if p.x < 1/2 and u.x < 1/4. Here p is the
+/// start of a ray, and u is the point of the unit square that the environment light maps to the
+/// direction of the ray.
 fn half_lit_guide() -> EnvironmentGuide {
     let mut fit = EnvironmentGuideFitter::new(&unit_cube());
     for i in 0..200_000 {
@@ -31,8 +33,8 @@ fn half_lit_guide() -> EnvironmentGuide {
     fit.fitted_guide().unwrap()
 }
 
-/// The pdf integrates to 1, and samples weighted by 1/pdf integrate a function over the sphere,
-/// each within five standard errors.
+/// The pdf of guided directions integrates to 1. Guided samples, weighted by 1/pdf, integrate a
+/// function over the sphere. The tolerance of both is five standard errors.
 #[test]
 fn guided_directions_follow_their_pdf() {
     let (guide, sky) = (half_lit_guide(), sky());
@@ -65,7 +67,8 @@ fn guided_directions_follow_their_pdf() {
 }
 
 /// Guided samples lie where rays contributed: if only a quarter of the unit square lights a cell,
-/// 85 % of the cell's guided samples lie there. The pdf of the other points stays at least 0.2.
+/// 85 % of the cell's guided samples lie in that quarter. The pdf of the other points stays at
+/// least 0.2.
 #[test]
 fn guided_samples_lie_where_rays_contributed() {
     let guide = half_lit_guide();
@@ -110,7 +113,8 @@ fn cells_of_points_outside_are_the_nearest() {
     assert_eq!(empty.cell_index(Vec3::ONE), empty.cell_index(Vec3::splat(2.0)));
 }
 
-/// A few far positions, such as those on a large ground plane, do not widen the other cells.
+/// A few far positions, such as those on a large ground plane, do not widen the cells around the
+/// other positions.
 #[test]
 fn far_points_do_not_widen_other_cells() {
     let mut points = unit_cube();

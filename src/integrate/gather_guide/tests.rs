@@ -44,8 +44,8 @@ fn gather_guide_pdf_integrates_to_one() {
     assert!((whole - 1.0).abs() < 5.0 / (n as f64 * covered).sqrt(), "{whole}");
 }
 
-/// Each of three directions gets a third of the samples within five sigma. Cosines are uniform
-/// over the cone.
+/// Each of three cones gets a third of the samples within five sigma. The cosines to the axis of a
+/// cone are uniformly distributed over the cone.
 #[test]
 fn each_cone_is_sampled_evenly() {
     let directions = vec![Vec3::X, Vec3::Y, Vec3::Z];

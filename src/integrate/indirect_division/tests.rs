@@ -41,10 +41,10 @@ fn weights_of_both_techniques_sum_to_one() {
     }
 }
 
-/// The single path of a pilot stands for all paths of its pixel.
+/// The single camera path of a pilot stands for all paths of its pixel.
 ///
-/// If n of the pixel's N paths continue, it continues with probability n/N. It then has the weight
-/// of one continued path among N.
+/// If n of the pixel's N paths would continue, the single path continues with probability n/N. It
+/// then has the weight of one continued path among N.
 #[test]
 fn single_pilot_path_stands_for_all_samples() {
     let weights = IndirectWeights { photon_weight: 0.25, continued_paths: 3, samples_per_pixel: 12 };
@@ -57,7 +57,7 @@ fn single_pilot_path_stands_for_all_samples() {
 #[test]
 fn photon_weight_vanishes_after_many_passes() {
     let division = division_of_cells(vec![indirect_errors(0.4, 1.0, 0.001)], 1);
-    // The law of gather radii: the area of a disc falls as N^(-1/3).
+    // The law of gather radii: the area of a disc falls as n^(-1/3) with the number n of passes.
     let weights = |pass_count: f32| division.technique_weights(Vec2::ZERO, pass_count, 1.0 / libm::cbrtf(pass_count));
     let photons = [1.0, 64.0, 4096.0, 262_144.0, 1e9].map(|pass_count| weights(pass_count).photon_weight);
     assert!(photons.windows(2).all(|pair| pair[1] <= pair[0]), "{photons:?}");

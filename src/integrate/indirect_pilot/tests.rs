@@ -54,9 +54,9 @@ fn precise_photon_estimates_need_fewer_photons() {
     assert!(photons(1e-6) < photons(5e-3), "{} {}", photons(1e-6), photons(5e-3));
 }
 
-/// From trials with normal noise of known variance and a constant bias, the pilot recovers variance
-/// and bias. With 400 cells of 16 paths, the standard errors are 2 % of the variances and 6 % of
-/// the squared bias.
+/// From trials with normally distributed noise of known variance and a constant bias, the pilot
+/// recovers variance and bias. With 400 cells of 16 paths, the standard errors are 2 % of the
+/// variances and 6 % of the squared bias.
 #[test]
 fn trials_measure_variances_and_bias() {
     let (columns, cells) = (20, 400);
@@ -79,7 +79,7 @@ fn trials_measure_variances_and_bias() {
     let mean = |value: fn(&RelativeIndirectErrors) -> f32| {
         errors.iter().map(|cell| f64::from(value(cell))).sum::<f64>() / f64::from(cells)
     };
-    // The light of a cell is 2. Its square plus the floor of 1 % is 4.04.
+    // The light of a cell is 2. Its square, plus 1 % of the squared median light, is 4.04.
     let scale = 1.0 / 4.04;
     let near = |name: &str, found: f64, expected: f64, tolerance: f64| {
         assert!((found / (expected * scale) - 1.0).abs() < tolerance, "{name}: {found} for {}", expected * scale);

@@ -5,7 +5,7 @@ use crate::scene::{Material, NoInterior, SceneBuilder};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Mat2};
 
-/// Number of rows and columns of the pictures.
+/// Number of rows and columns of the test pictures.
 const SIZE: u32 = 40;
 
 /// Builds a scene with a mirror of the given shape and a lamp, seen by an orthographic camera that
@@ -19,15 +19,14 @@ fn mirror_scene(mirror: Shape, lamp: Sphere, film: f64) -> Scene {
     b.build(Camera::orthographic(DVec3::Z * 10.0, DVec3::NEG_Z, DVec3::Y, film, SIZE, SIZE).unwrap()).unwrap()
 }
 
-/// Returns the distinct images of the lamps of `scene`.
+/// Returns the distinct lamp images of `scene`: film regions where camera rays meet a small lamp.
 fn images_in(scene: &Scene) -> Vec<FoundLampImage> {
     let key = Key::new(1).purpose_key(Purpose::LampImages);
     ImageSearch { scene, effects: Effects::ALL, lamps: lamp_spheres(scene), key }.distinct_images::<NoInterior>()
 }
 
-/// A bright lamp and one that is a thousand times dimmer, side by side: noise is proportional to
-/// the squared radiance, so the search leaves out the dim lamp. Two lamps of the same radiance are
-/// both found.
+/// If one of two lamps is a thousand times dimmer than the other, the search leaves it out, because
+/// noise is proportional to the squared radiance. Two lamps of the same radiance are both found.
 #[test]
 fn lamps_of_negligible_noise_are_not_searched() {
     let images_of_two = |second_radiance: f32| {
@@ -47,9 +46,9 @@ fn lamps_of_negligible_noise_are_not_searched() {
     assert_eq!(images_of_two(0.01), [0]);
 }
 
-/// A mirror ball of radius 1 reflects parallel rays evenly: a lamp that is far away and has the
-/// solid angle Ω has an image of area Ω/4. A lamp 60° from the viewing axis appears at sin 30° from
-/// it.
+/// A mirror ball of radius 1 reflects parallel rays evenly: a far lamp of solid angle Ω has a lamp
+/// image of area Ω/4. If the lamp lies 60° from the viewing axis, its lamp image lies at the
+/// distance sin 30° from the axis.
 #[test]
 fn mirror_balls_have_images_of_known_size() {
     let film = 2.2;
@@ -61,7 +60,7 @@ fn mirror_balls_have_images_of_known_size() {
     assert!(!found.is_empty());
     let FoundLampImage { image, radiance, .. } = found[0];
     let expected = Vec2::new((0.5 * f64::from(SIZE) + 0.5 / pixel) as f32, 0.5 * SIZE as f32);
-    // The lamp is not at infinity, which moves the image by about 1/1000 of the ball's radius.
+    // The lamp is not at infinity, which moves the lamp image by about 1/1000 of the ball's radius.
     assert!((image.center - expected).length() < 0.03, "{} not {expected}", image.center);
     let image_radius = 0.5 * radius / distance / pixel;
     let area = std::f64::consts::PI * image_radius * image_radius;
@@ -69,7 +68,7 @@ fn mirror_balls_have_images_of_known_size() {
     assert!((radiance - 10.0).abs() < 1e-4, "{radiance}");
 }
 
-/// At a flat mirror, only the pixels that the image of the lamp overlaps get images.
+/// At a flat mirror, only the pixels that the lamp image overlaps get lamp images.
 #[test]
 fn flat_mirrors_have_images_in_few_pixels() {
     let pixel = 0.01;
@@ -82,14 +81,14 @@ fn flat_mirrors_have_images_in_few_pixels() {
     assert!((found[0].image.center - center).length() < 0.02, "{}", found[0].image.center);
     let in_pixels = images_by_pixel(&found, scene.camera(), &Filter::new(FilterKind::Box), 0.0);
     let pixels: Vec<u32> = in_pixels.iter().map(|image| image.pixel).collect();
-    // The image reaches from column 22.01 to 22.61 and from row 18.53 to 19.13.
+    // The lamp image reaches from column 22.01 to 22.61 and from row 18.53 to 19.13.
     assert_eq!(pixels, [18 * SIZE + 22, 19 * SIZE + 22]);
     let light: f64 = in_pixels.iter().map(|image| image.pixel_radiance).sum();
     let expected = 10.0 * std::f64::consts::PI * 0.09;
     assert!((light / expected - 1.0).abs() < 0.02, "{light} not {expected}");
 }
 
-/// A lamp behind an opaque disc has no image.
+/// A lamp behind an opaque ball has no lamp image (film region where camera rays meet the lamp).
 #[test]
 fn hidden_lamps_have_no_image() {
     let mirror = Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0));
@@ -104,7 +103,8 @@ fn hidden_lamps_have_no_image() {
     assert!(images_in(&b.build(camera).unwrap()).is_empty());
 }
 
-/// The image of a lamp out of focus moves by l·(1/f − 1/d)/w if the lens position moves by l.
+/// The lamp image of a lamp out of focus moves by l·(1/f − 1/d)/w on the film if the lens position
+/// moves by l.
 ///
 /// The camera focuses at distance f, the lamp is at distance d, and a pixel has the width w at
 /// distance 1.

@@ -1,7 +1,7 @@
 use super::*;
 use crate::sampling::{Key, Purpose};
 
-/// Returns a small oblique image, and one twice as large that moves with the lens point.
+/// Returns a small oblique lamp image, and one twice as large that moves with the lens point.
 fn two_images() -> Vec<PixelLampImage> {
     let small = LampImage {
         center: Vec2::new(10.3, 4.6),
@@ -16,7 +16,8 @@ fn two_images() -> Vec<PixelLampImage> {
     vec![PixelLampImage { image: small, aim_probability: 0.7 }, PixelLampImage { image: moving, aim_probability: 0.3 }]
 }
 
-/// Importance sampling by aimed points and their pdf integrates a smooth bump around an image.
+/// Film points aimed at lamp images, weighted by 1/pdf, integrate a smooth bump around a lamp image
+/// correctly.
 ///
 /// The weights of 2¹⁶ stratified points vary by less than a factor of 4, so the tolerance of 1 % is
 /// above five standard deviations of as many independent points.
@@ -36,13 +37,13 @@ fn aimed_points_follow_their_pdf() {
             })
             .sum();
         let found = sum / f64::from(count);
-        // The bump has half the volume of a cylinder over the image.
+        // The bump has half the volume of a cylinder of height 1 over the lamp image.
         let expected = f64::from(0.5 * image.area());
         assert!((found / expected - 1.0).abs() < 0.01, "image {target} at {on_lens}: {found}, not {expected}");
     }
 }
 
-/// Most aimed rays fall into the image at which they are aimed.
+/// Most rays aimed at a lamp image fall into it.
 ///
 /// The tolerance is 2.5 standard deviations of as many independent rays; stratified ones vary less.
 #[test]
@@ -55,7 +56,7 @@ fn most_aimed_rays_fall_into_the_image() {
         let film = sample_aimed_film_point(&images, Sampler::new(key, *i, count), Vec2::ZERO);
         images[0].image.disc_point(film, Vec2::ZERO).length() < 1.0
     });
-    // Of the core, the fraction 1/1.25² falls into the unit disc, and of the tail 1/(2² + 1).
+    // The fraction 1/1.25² of the core falls into the unit disc, and 1/(2² + 1) of the tail.
     let expected = 0.75 / (1.25 * 1.25) + 0.25 / 5.0;
     let found = hits.count() as f64 / f64::from(count);
     assert!((found - expected).abs() < 0.02, "{found}, not {expected}");
@@ -71,7 +72,7 @@ fn lamp_images_are_listed_by_pixel() {
     assert!(some.of_pixel(1).is_empty() && some.of_pixel(2) == pixels[2]);
 }
 
-/// The longest half axis ends on the rim of the image, and all of the rim is within its length.
+/// The longest half axis ends on the rim of the lamp image. The whole rim is within its length.
 #[test]
 fn longest_axes_reach_the_rim() {
     for PixelLampImage { image, .. } in two_images() {

@@ -39,8 +39,9 @@ const DEFAULT_INDIRECT_K: u32 = 100;
 /// hold at least this many.
 const DEFAULT_AFTER_CAUSTIC_K: u32 = 50;
 
-/// Largest distance from a photon to a point that the camera sees, divided by the scene radius.
-/// Photons within this distance count as visible.
+/// Distance from a point that the camera sees within which photons count as visible, divided by the
+/// scene radius. [`find_visible_points`] adapts it to the found points. Pilots guide photon
+/// emission towards visible points.
 const VISIBLE_RELATIVE_RADIUS: f32 = 0.01;
 
 /// Gather radius, divided by the scene radius, for the case that a pilot stores no photons and so

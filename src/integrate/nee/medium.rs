@@ -13,26 +13,28 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Effect, Interior, MediumSegment};
 use glam::{Vec2, Vec3};
 
-/// Fraction of the scattering points on a medium segment that ignore the learned distribution
-/// (defensive sampling).
+/// Fraction of the scattering points (starts of shadow rays) on a medium segment that ignore the
+/// learned distribution (defensive sampling).
 ///
 /// The fraction bounds the weight of a guided point: at most 1/0.25 = 4 times its weight without
 /// guiding.
 const DEFENSIVE_FRACTION: f32 = 0.25;
 
-/// Smallest expected number of guided scattering points on a medium segment, divided by the number
-/// of shadow rays that a surface point would send. Russian roulette decides whether a segment gets
-/// a point if it expects less than one.
+/// Smallest expected number of guided scattering points (starts of shadow rays) on a medium
+/// segment, divided by the number of shadow rays that a surface point would send. Russian roulette
+/// decides if a segment gets points when this ratio is below 1.
 const MIN_RELATIVE_POINT_COUNT: f32 = 0.125;
-/// Largest expected number of guided scattering points on a medium segment, divided by the number
-/// of shadow rays that a surface point would send.
+/// Largest expected number of guided scattering points (starts of shadow rays) on a medium segment,
+/// divided by the number of shadow rays that a surface point would send.
 const MAX_RELATIVE_POINT_COUNT: f32 = 16.0;
 
-/// Number of scattering points on a medium segment, divided by the number of shadow rays that a
-/// surface point would send. It applies while a pilot records the light that shadow rays find.
+/// Number of scattering points (starts of shadow rays) on a medium segment while a pilot records
+/// the light that shadow rays find, divided by the number of shadow rays that a surface point would
+/// send.
 const RECORDED_RELATIVE_POINT_COUNT: f32 = 12.0;
 
-/// Sampled scattering point on a segment of a camera path through a medium.
+/// Sampled scattering point, from which a shadow ray starts, on a segment of a camera path through
+/// a medium.
 struct ScatterPoint {
     p: Vec3,
     /// Scattering coefficient σs times the transmittance to the start of the segment, divided by
@@ -245,8 +247,9 @@ impl NextEventEstimator<'_> {
     }
 }
 
-/// Samples the start point of a shadow ray to one light, on a segment in a homogeneous medium.
-/// `pivot` is the position of a point light, or a representative point of another light.
+/// Samples a scattering point, from which a shadow ray to one light starts, on a segment in a
+/// homogeneous medium. `pivot` is the position of a point light, or a representative point of
+/// another light.
 ///
 /// Returns `None` if the sampled distance is beyond the segment.
 fn sample_scatter_point_near<I: Interior>(
@@ -258,13 +261,14 @@ fn sample_scatter_point_near<I: Interior>(
     ScatterPointDistribution { path_segment, angles, guided: None }.sample(sampler)
 }
 
-/// Distribution of the points at which shadow rays to one light start, on a segment in a
-/// homogeneous medium.
+/// Distribution of scattering points on a segment in a homogeneous medium. Shadow rays to one light
+/// start from these points.
 ///
 /// Half of the points are sampled by transmittance. The other half are equiangular: uniform in the
 /// angle seen from the light (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path
 /// Tracing in Participating Media"). For a light at infinity, all points are sampled by
-/// transmittance. If a pilot has learned a distribution, three of four points follow it instead.
+/// transmittance. If a pilot has learned a distribution, three of four points follow it, and only
+/// the others are sampled in this way.
 struct ScatterPointDistribution<'a, I> {
     path_segment: &'a MediumPathSegment<'a, I>,
     angles: Option<EquiangularDistribution>,
@@ -304,9 +308,11 @@ struct EquiangularDistribution {
     closest_point_t: f32,
     /// Smallest distance between the ray's line and the pivot \[length].
     pivot_distance: f32,
-    /// Angle from the closest position to the start of the ray, seen from the pivot \[rad].
+    /// Angle at the pivot between the closest point of the ray's line and the start of the ray
+    /// \[rad]. It is negative if the ray starts before the closest point.
     start_angle: f32,
-    /// Angle from the closest position to the end of the ray, seen from the pivot \[rad].
+    /// Angle at the pivot between the closest point of the ray's line and the end of the ray
+    /// \[rad]. It is negative if the ray ends before the closest point.
     end_angle: f32,
 }
 

@@ -28,11 +28,12 @@ fn white_ball_in_fog() -> Scene {
     builder.build(Camera::orthographic(DVec3::Z * 5.0, DVec3::NEG_Z, DVec3::Y, 1.0, 16, 16).unwrap()).unwrap()
 }
 
-/// In fog, continued camera paths that carry half of the indirect light, with weight 2 each, and
-/// photon estimates of weight 1/2 keep the mean radiance.
+/// In fog, camera paths and photon estimates share the indirect light without a change of the mean
+/// radiance 1. Two of eight camera paths continue, with the factor 2 each. Photon estimates have
+/// the weight 1/2.
 ///
-/// The mean may differ from 1 by five standard errors, and by the bias of photon beams near the
-/// boundaries, whose kernel is 0.03 wide.
+/// The mean may differ from 1 by five standard errors, and by the bias of photon beams near
+/// boundaries: their kernel has a radius of 0.03.
 #[test]
 #[ignore = "long: many samples of weights"]
 fn indirect_light_weights_in_fog_sum_to_one() {
@@ -52,7 +53,7 @@ fn indirect_light_weights_in_fog_sum_to_one() {
     let plan = Plan::new(&scene, Algorithm::Hybrid.supported_effects(), EffectOverrides::NO_OVERRIDES);
     let mut integrator = PathIntegrator::new(&scene, plan, settings, hybrid::path_policy);
 
-    // Two of eight paths continue. Their variance of 1/2 is that of the photon estimate.
+    // Two of eight paths continue. Their mean has the variance 1/2, like the photon estimate.
     let errors = RelativeIndirectErrors {
         single_path_variance: 1.0,
         single_photon_path_variance: 0.5 * PHOTONS as f32,

@@ -60,7 +60,8 @@ fn guided_distances_match_their_pdf() {
             continue;
         }
         checked += 1;
-        // The pdf integrates to 1. Its integral is the fraction of samples below a piece's end.
+        // The pdf integrates to 1. Its integral up to the end of a piece is the fraction of samples
+        // below that end.
         let (mut integral, mut from) = (0.0, distances.start);
         let n = 4000;
         let samples: Vec<f32> = (0..n).map(|i| distances.sample((i as f32 + 0.5) / n as f32)).collect();
@@ -76,8 +77,8 @@ fn guided_distances_match_their_pdf() {
     assert!(checked > 30, "{checked}");
 }
 
-/// The visited cells follow each other along the ray, cover the part of the ray in the grid, and
-/// contain the middle of their part.
+/// The grid cells that a ray visits follow each other along the ray without gaps, and cover the
+/// part of the ray in the grid. Each cell contains the middle of its own piece of the ray.
 #[test]
 fn rays_cross_all_cells_on_their_way() {
     let grid = MediumCellGrid::new(&Bounds::from_points([Vec3::splat(-1.0), Vec3::new(1.0, 0.5, 3.0)])).unwrap();

@@ -42,8 +42,8 @@ fn first_hit_on_light_surface(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Opti
     }
 }
 
-/// Light surfaces, each with a viewpoint. The flag is true if all points of the surface are visible
-/// from the viewpoint.
+/// Light surfaces, each with a viewpoint. The flag is true if light sampling chooses only points
+/// that are visible from the viewpoint.
 fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.2, 0.5),
@@ -118,7 +118,7 @@ fn direct_samples_follow_pdf_li() {
 }
 
 /// Irradiance below and beside a rectangle light agrees with closed forms, at any distance from the
-/// plane of the light. In this plane, and behind it, there is no light.
+/// plane of the light. In this plane, and behind it, no light arrives.
 #[test]
 fn rectangle_sampling_is_exact_near_its_plane() {
     let (a, b) = (2.0f64, 1.5);
@@ -129,9 +129,9 @@ fn rectangle_sampling_is_exact_near_its_plane() {
         let term = |p: f64, q: f64| p / (h * h + p * p).sqrt() * libm::atan(q / (h * h + p * p).sqrt());
         let truth = 2.5 * (term(a, b) + term(b, a));
         assert_within_five_sigma(estimate_irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
-        // A point on a wall that faces the light, at distance 1 beside it. The closed form is the
-        // irradiance of a rectangle from the wall to the light's far edge, minus the irradiance of
-        // a rectangle to its near edge.
+        // A point on a wall that faces the light, at distance 1 beside it. The closed form is a
+        // difference of two irradiances: that of a rectangle from the wall to the light's far edge,
+        // minus that of a rectangle from the wall to the light's near edge.
         let part = |x: f64| h / libm::hypot(x, h) * libm::atan(b / libm::hypot(x, h));
         assert_within_five_sigma(
             estimate_irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X),

@@ -63,8 +63,8 @@ fn means_differ_significantly(a: (f64, f64), b: (f64, f64)) -> bool {
 #[test]
 fn half_textured_light_equals_half_sized_light() {
     for (whole, half) in textured_and_equivalent_lights() {
-        // Near points, where rectangles are sampled by solid angle, and a far point, where they are
-        // sampled by area.
+        // At the first two points, rectangles are sampled by solid angle. At the last point, which
+        // is far away, they are sampled by area.
         for p in [Vec3::ZERO, Vec3::new(1.0, 1.5, 0.2), Vec3::new(-3.0, -9.0, 1.0)] {
             let [a, b] = [&whole, &half].map(|light| estimate_irradiance(light, p, Vec3::Y));
             assert!(!means_differ_significantly(a, b) && b.0 > 0.0, "{p}: {a:?} {b:?}");

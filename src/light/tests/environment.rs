@@ -74,7 +74,8 @@ fn environment_pdf_is_positive_where_radiance_is() {
     assert!(dark > 10_000, "the lower part is black");
 }
 
-/// Power is π r² · 4π L for a constant environment, and π r² times the integral of a map.
+/// The power through a sphere of radius r is π r² · 4π L for an environment of constant radiance L,
+/// and π r² times the integral of the radiance for a map.
 #[test]
 fn power_is_the_integral_of_radiance() {
     let disc = BoundingSphere { center: Vec3::ONE, radius: 3.0 };
@@ -109,7 +110,7 @@ fn one_column_map_power_matches_quadrature() {
     }
 }
 
-/// A constant environment of radiance L gives a plane the irradiance π L. It sends the flux 4π² L
+/// An environment of constant radiance L gives a plane the irradiance π L. It sends the flux 4π² L
 /// r² through a ball of radius r.
 #[test]
 fn constant_environment_irradiance_is_pi_times_radiance() {

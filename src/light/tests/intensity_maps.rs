@@ -67,7 +67,7 @@ fn profile_power_matches_closed_forms() {
         f64::from(Light::Goniometric(light).power(BoundingSphere { center: Vec3::ZERO, radius: 1.0 }).x)
     };
     // The profiles are isotropic; linear from the axis to the opposite direction; and one
-    // hemisphere, with an edge of a quarter of a degree.
+    // hemisphere, with an edge that is a quarter of a degree wide.
     for (profile, expected, tolerance) in [
         (&[(0.0, 1.0), (180.0, 1.0)][..], 4.0 * PI, 1e-5),
         (&[(0.0, 1.0), (180.0, 0.0)], 2.0 * PI, 1e-5),

@@ -9,7 +9,7 @@ fn uniform(i: u64, which: u64) -> f64 {
     SmallRng::seed_from_u64(1000 * i + which).random()
 }
 
-/// Returns signed values from 10⁻³⁰ to 10³⁰, and their squares.
+/// Returns values of random sign, and their squares. The absolute values are from 10⁻³⁰ to 2·10³⁰.
 fn wide_values(count: u64) -> Vec<[f64; 2]> {
     let value = |i| {
         let size = libm::pow(10.0, 60.0 * uniform(i, 0) - 30.0) * (1.0 + uniform(i, 1));
@@ -25,7 +25,8 @@ fn sum_of<'a, const N: usize>(values: impl IntoIterator<Item = &'a [f64; N]>) ->
     sums
 }
 
-/// Returns the sum of `values`, dealt at random to `parts` sums that are merged in random order.
+/// Returns the sum of `values`: deals them at random to `parts` partial sums, and merges the
+/// partial sums in random order.
 fn merged_sum<const N: usize>(values: &[[f64; N]], parts: u64, seed: u64) -> BinnedSums<N> {
     let mut dealt = vec![BinnedSums::new(1); parts as usize];
     let mut order: Vec<_> = (0..values.len()).collect();
@@ -35,7 +36,8 @@ fn merged_sum<const N: usize>(values: &[[f64; N]], parts: u64, seed: u64) -> Bin
         let part = (parts as f64 * uniform(i as u64, seed)) as usize;
         dealt[part].add_to_all_pixels(|_| values[i]);
     }
-    // Pairs are merged, so that sums of different numbers of values meet.
+    // Merge the last partial sum into a random other one. So sums of different numbers of values
+    // are merged.
     while dealt.len() > 1 {
         let last = dealt.pop().unwrap();
         let at = (dealt.len() as f64 * uniform(dealt.len() as u64, seed)) as usize;

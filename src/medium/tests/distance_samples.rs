@@ -152,8 +152,10 @@ fn constant_grid_equals_homogeneous_slab() {
     assert_distance_samples_unbiased(&bluish_medium(Some(field)), &ray, 30.0, depth, "bluish slab");
 }
 
-/// Uses the density x/2 from x = 0 to x = 4, on 20 cells. The density is constant in the outer
-/// halves of the first and last cell. Rays run along x and obliquely.
+/// Estimates in a medium of linear density match closed forms of the optical depth.
+///
+/// The density is x/2 from x = 0 to x = 4, on 20 cells. It is constant in the outer halves of the
+/// first and last cell. Rays run along x and obliquely.
 #[test]
 fn linear_density_matches_its_optical_depth() {
     let place = DAffine3::from_scale_rotation_translation(
@@ -180,8 +182,8 @@ fn linear_density_matches_its_optical_depth() {
     }
 }
 
-/// Compares estimates in a cloud with closed forms of the optical depth, which a midpoint rule of
-/// 40,000 steps integrates with a relative error below 10⁻⁶.
+/// Compares estimates in a cloud with closed forms of the optical depth. A midpoint rule of 40,000
+/// steps integrates this depth with a relative error below 10⁻⁶.
 #[test]
 fn clouds_match_their_optical_depth() {
     let cloud = Cloud { octaves: 4, frequency: 3.0, cover: 0.8, softness: 0.3, seed: 5 };

@@ -86,8 +86,9 @@ fn large_optical_depths_stay_finite() {
 /// Estimates transmittance through density 0, where all tentative collisions are null collisions.
 /// The true value is 1.
 ///
-/// The optical depth of the majorant is four times the roulette interval, so 1/16 of the paths
-/// survive with weight 16. The standard error is 4/√n.
+/// The optical depth of the majorant is four times the number of collisions between two
+/// unconditional roulettes, so 1/16 of the paths survive with weight 16. The standard error is
+/// 4/√n.
 #[test]
 #[ignore = "long: many paths that roulette ends"]
 fn collision_roulette_is_unbiased() {

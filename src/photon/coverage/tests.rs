@@ -42,7 +42,8 @@ fn mean_coverage(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Ker
 }
 
 /// Asserts that the mean coverage for radius 0.5 is `expected`, within five standard errors plus
-/// 0.02 for the bias of the ratio.
+/// 0.02. The measured coverage is a ratio of two random sums, and 0.02 allows for the bias of this
+/// ratio.
 #[track_caller]
 fn assert_coverage(scene: &Scene, p: DVec3, kernel: Kernel, expected: f64) {
     let (mean, sigma) = mean_coverage(scene, p, Vec3::Y, 0.5, kernel);
@@ -133,7 +134,8 @@ fn coverage_has_a_lower_bound() {
     assert_eq!(disc_coverage(&square_scene(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), MIN_COVERAGE);
 }
 
-/// The cap of a sphere within distance r of its pole has area πr², so its coverage is 1.
+/// The cap of a sphere within distance r of its pole has area πr², so its coverage with the box
+/// kernel is 1.
 #[test]
 fn sphere_has_full_box_coverage() {
     let ball = scene_of_shapes(&[Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0))]);

@@ -31,7 +31,8 @@ fn directional_light_reaches_unbounded_planes() {
     builder.add_delta_light(UnscaledDeltaLight::Directional { direction }, LightStrength::Physical(Rgb::ONE));
     let eye = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
     let scene = builder.build(eye).unwrap();
-    // The domain extends at least to the farther plane.
+    // The photon domain, the ball onto which lights at infinity emit photons, extends at least to
+    // the farther plane.
     assert!(scene.photon_domain().radius >= 3.0);
     let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
@@ -72,9 +73,9 @@ fn lamps_in_glass_scene() -> Scene {
 /// The test counts the paths of each lamp in 4 cells of wavelengths times 4 × 4 cells of
 /// directions, or of positions. 16 successive Sobol' points from a multiple of 16 have one point in
 /// each of 4 × 4 cells. So a run of n successive points has n/16 ± 2 points in each cell. The paths
-/// in one range of wavelengths are one or two runs, whose ends are off by at most one point.
-/// Together, a count deviates by at most 4.2. With independent wavelengths, the standard deviations
-/// would be 8 and 14.
+/// in one range of wavelengths are one or two runs, whose ends are off by at most one point. In
+/// total, a count deviates from its expected value by at most 4.2. With independent wavelengths,
+/// the standard deviations of the counts of the two lamps would be 8 and 14.
 #[test]
 fn wavelengths_are_stratified_with_directions_and_positions() {
     const PATHS: u32 = 1 << 14;

@@ -43,8 +43,8 @@ const PARENT_WEIGHT: f64 = 8.0;
 /// n subdivisions give 2ⁿ cells along each side of a square.
 type CellSubdivisions = (u32, u32);
 
-/// Grid over \[0, 1)⁴ that holds, for each cell, the mean squared contribution of a photon path to
-/// the picture.
+/// Grid over the random numbers in \[0, 1)⁴ that determine the position and direction of an emitted
+/// photon. For each cell, it holds the mean squared contribution of a photon path to the picture.
 #[derive(Clone, Debug)]
 struct EmissionGuidingCells {
     subdivisions: CellSubdivisions,
@@ -92,25 +92,28 @@ impl EmissionGuidingCells {
     /// Returns the mean over all cells of √(mean squared contribution of a photon path to the
     /// picture).
     ///
-    /// The pdf of least variance is proportional to this square root. With this pdf, the root mean
-    /// square of contribution / pdf is the result.
+    /// The pdf of least variance is proportional to this square root. With this pdf, the returned
+    /// mean is the root mean square of contribution / pdf.
     fn guided_root_mean_square(&self) -> f64 {
         self.mean_squared_contributions.iter().map(|s| s.sqrt()).sum::<f64>()
             / self.mean_squared_contributions.len() as f64
     }
 
-    /// Returns the pdf of emission guiding in each cell: `uniform` + (1 − `uniform`)·s/s̄. Here, s
-    /// is √(mean squared contribution) of the cell, and s̄ is the mean of s over all cells.
+    /// Returns the pdf of emission guiding in each cell, in which the uniform pdf has the weight
+    /// `uniform`.
     ///
-    /// The pdf is 1 in all cells if no sample contributes to the picture.
+    /// The pdf is `uniform` + (1 − `uniform`)·s/s̄. Here, s is √(mean squared contribution) of the
+    /// cell, and s̄ is the mean of s over all cells.
+    ///
+    /// If no sample contributes to the picture, the pdf is 1 in all cells.
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
         let mean = self.guided_root_mean_square();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
         self.mean_squared_contributions.iter().map(pdf).collect()
     }
 
-    /// Estimates Σ (contribution / pdf)² for as many paths as there are `samples`, if their pdf
-    /// were the guided one of these cells.
+    /// Estimates Σ (contribution / pdf)² over photon paths that are sampled with the guided pdf of
+    /// these cells. The number of these paths is the number of `samples`.
     ///
     /// `uniform` is the weight of the uniform pdf in the guided pdf. The estimate is unbiased only
     /// if the cells were fitted to other samples.

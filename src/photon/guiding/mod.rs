@@ -26,14 +26,15 @@ const MIN_ROUNDS: u32 = 2;
 const MAX_ROUNDS: u32 = 12;
 
 /// Number of contributing photon paths that ends the pilot, the small photon pass that trains
-/// emission guiding. A path contributes if one of its photons lies near a visible point. At least
-/// [`MIN_ROUNDS`] rounds are made in any case.
+/// emission guiding. A path contributes if one of its photons lies near a surface point that the
+/// camera sees. At least [`MIN_ROUNDS`] rounds are made in any case.
 ///
 /// If light enters through a small window, few paths of the first round contribute. Each later
 /// round sends more paths through the window.
 const ENOUGH_CONTRIBUTING_PATHS: usize = 2000;
 
-/// Number of photon paths that one Rayon task traces in a pilot.
+/// Number of photon paths that one Rayon task traces in the pilot, the small photon pass that
+/// trains emission guiding.
 const PATHS_PER_TASK: u32 = 4096;
 
 /// Weight w of the unguided pdf in the pdf of emission guiding (defensive sampling). The pdf that
@@ -49,7 +50,7 @@ pub struct EmissionGuidingPilotSettings<'a> {
     /// Kinds of photons that the render stores. Photons of other kinds contribute nothing to the
     /// picture.
     pub mask: StoreMask,
-    /// Largest number of scattering events per path.
+    /// Largest number of scattering events per photon path.
     pub max_bounces: u32,
     /// Surface points that the camera sees. A photon is important if many of these points are near
     /// it.
@@ -58,14 +59,16 @@ pub struct EmissionGuidingPilotSettings<'a> {
     /// this number follow if few paths contribute to the picture. The default
     /// [`EmissionGuidingPilotSettings::DEFAULT_PATHS`] suffices for most scenes.
     pub paths: u32,
-    /// Seed of the render.
+    /// Seed of the render's random numbers.
     pub seed: u64,
 }
 
 impl EmissionGuidingPilotSettings<'_> {
-    /// Default number of photon paths of the pilot: 131,072.
+    /// Default of [`EmissionGuidingPilotSettings::paths`]: 131,072 photon paths in the first two
+    /// rounds of the pilot together.
     ///
-    /// If 1 % of them reach a visible point, the pilot has 1300 contributing samples.
+    /// If 1 % of them have a photon near a surface point that the camera sees, 1300 paths
+    /// contribute to the picture.
     pub const DEFAULT_PATHS: u32 = 1 << 17;
 }
 
@@ -76,9 +79,9 @@ pub struct EmissionGuidingReport {
     pub paths: u64,
     /// Number of rays that the pilot of emission guiding traced.
     pub rays: u64,
-    /// Fraction of the paths of the first round, which is not guided, that contribute to the
-    /// picture. A path contributes if one of its photons lies near a surface point that the camera
-    /// sees.
+    /// Fraction of the photon paths in the pilot's first round that contribute to the picture. This
+    /// round is not guided. A path contributes if one of its photons lies near a surface point that
+    /// the camera sees.
     #[serde(rename = "useful")]
     pub contributing_fraction: f64,
     /// Estimated ratio of the picture's variance without guiding to that with guiding, for the same
@@ -230,8 +233,9 @@ impl PhotonSource<'_> {
         if !(total > 0.0 && total.is_finite()) {
             return;
         }
-        // The defensive fraction is a fraction of the joint pdf of light, position and direction. A
-        // light that guiding makes more probable needs a smaller uniform fraction.
+        // `DEFENSIVE_FRACTION` is the weight of the unguided pdf in the joint pdf of light,
+        // position and direction. So a light that guiding makes more probable needs a smaller
+        // weight of the uniform pdf of position and direction.
         let defensive = |i: usize| DEFENSIVE_FRACTION * f64::from(unguided.probability(i));
         let chosen = |i: usize| defensive(i) + (1.0 - DEFENSIVE_FRACTION) * fits[i].guided_root_mean_square() / total;
         if let Some(choice) = DiscreteDistribution::new((0..lights.len()).map(chosen)) {
@@ -242,15 +246,17 @@ impl PhotonSource<'_> {
     }
 }
 
-/// Photon paths of one round of a pilot, with their contributions to the picture.
+/// Photon paths of one round of the pilot that trains emission guiding, with their contributions to
+/// the picture.
 #[derive(Debug, Default)]
 struct PilotRoundSamples {
     samples: Vec<EmissionGuidingSample>,
-    /// Sum over the round's paths of (contribution to the picture / pdf of the path)².
+    /// Sum over the photon paths of one pilot round of (contribution to the picture / pdf of the
+    /// path)².
     second_moment_sum: f64,
     /// Estimate of `second_moment_sum` as it would be without guiding. It is computed from the
     /// paths of this round, which are reweighted by importance sampling.
     unguided_second_moment_sum: f64,
-    /// Number of rays that the round traced.
+    /// Number of rays that the pilot round traced.
     rays: u64,
 }

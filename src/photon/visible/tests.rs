@@ -19,8 +19,8 @@ fn importance_is_squared_weight_per_visible_area() {
     let at = |x: f32, y: f32, normal: Vec3| {
         visible.squared_photon_importance(Vec3::new(x, y, 0.5), normal, &mut PhotonSearchBuffers::default())
     };
-    // An estimate from 16 neighbours has the relative deviation 1/√16, the mean of 64 estimates
-    // 1/32. The tolerance is five standard errors.
+    // An estimate from 16 neighbours has the relative standard deviation 1/√16. The mean of 64
+    // estimates has 1/32. The tolerance is five standard errors.
     let mean = (0..64).map(|i| at(0.2 + 0.01 * i as f32, 0.0, Vec3::Y)).sum::<f32>() / 64.0;
     assert!((mean / (9.0 * 4096.0) - 1.0).abs() < 5.0 / 32.0, "{mean}");
     assert_eq!(at(0.5, 0.0, Vec3::NEG_Y), 0.0);

@@ -72,7 +72,8 @@ fn assert_ray_query_matches_scan(map: &VolumePhotonMap, photons: &[VolumePhoton]
         let to = p.position.as_dvec3() - ray.origin.as_dvec3();
         let t = to.dot(d) / d.dot(d);
         let x2 = to.cross(d).length_squared() / (d.dot(d) * r * r);
-        // At the edge of the kernel, rounding decides, but the weight is almost zero there.
+        // At the edge of the kernel, rounding decides if a photon is found, but the weight is
+        // almost zero there.
         if x2 < 1.0 - 1e-9 && t > 0.0 && t < f64::from(ray.t_max) {
             expected.push((p.medium, t, 3.0 / (PI * r * r) * (1.0 - x2) * (1.0 - x2)));
         }
@@ -155,8 +156,8 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
 /// The radiance along a ray that crosses parallel light agrees with the closed form of single
 /// scattering.
 ///
-/// Photons are stored at their scattering points. The relative bias of the blur is r²σt²/16 in two
-/// dimensions and r²σt²/14 in three, here below 3·10⁻⁴.
+/// Photons are stored at their scattering points. The kernel blurs them, which gives the relative
+/// bias r²σt²/16 in two dimensions and r²σt²/14 in three. Both are below 3.1·10⁻⁴ here.
 #[test]
 fn collimated_beam_radiance_is_exact() {
     let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);
@@ -187,7 +188,7 @@ fn collimated_beam_radiance_is_exact() {
             line += part(p, f64::from(t), weight);
         });
         lines.push(line);
-        // Steps of a fifth of the radius: the midpoint rule over a smooth kernel.
+        // The midpoint rule takes steps of a fifth of the radius, because the kernel is smooth.
         let (steps, mut ball) = (160u32, 0.0);
         let step = across / f64::from(steps);
         for k in 0..steps {

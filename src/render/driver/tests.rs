@@ -44,7 +44,7 @@ fn the_image_is_the_mean_of_the_passes() {
     assert_eq!(rendered.film.mean_picture(), vec![Rgb::splat(1.5); 2]);
 }
 
-/// Monitor that cancels the second pass once `stage` has reported progress in it.
+/// Monitor that cancels the second pass as soon as `stage` of that pass reports progress.
 struct CancellingMonitor {
     stage: PassStage,
     /// Number of passes that have begun `stage`.
@@ -117,7 +117,7 @@ fn a_cancelled_pass_stops_early_and_is_dropped() {
         });
         assert_eq!((rendered.end_reason, rendered.film.passes()), (EndReason::Interrupted, 1), "{stage:?}");
         assert!(rendered.film == first.film, "{stage:?}");
-        // Each thread may finish one chunk or tile.
+        // Each of the two threads may finish the chunk or tile that it has begun.
         assert!(monitor.units.into_inner() < all / 2, "{stage:?}");
     }
 }

@@ -4,36 +4,37 @@
 //! L(r/√2) and D₁ = L(r/√2) − L(r/2) are the first terms of a series that sums to the blur. ‖D₀‖²,
 //! D₀·D₁ and ‖D₁‖² are means over the pixels of the picture.
 
-/// Lower limit of the measured ratio D₀·D₁ / ‖D₀‖². Smaller measured ratios are due to noise.
+/// Lower limit of the measured ratio D₀·D₁ / ‖D₀‖², from which the blur is extrapolated. Smaller
+/// measured ratios are due to noise.
 ///
 /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather radius
-/// r.
+/// r. D₀·D₁ and ‖D₀‖² are means over the pixels of the picture.
 const MIN_PRODUCT_RATIO: f64 = -0.5;
 
-/// Upper limit of the measured ratio D₀·D₁ / ‖D₀‖²: its value at a straight edge of light, for the
-/// Epanechnikov kernel.
+/// Upper limit of the measured ratio D₀·D₁ / ‖D₀‖², from which the blur is extrapolated. It is the
+/// ratio at a straight edge of light, for the Epanechnikov kernel.
 ///
 /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather radius
-/// r.
+/// r. D₀·D₁ and ‖D₀‖² are means over the pixels of the picture.
 pub(super) const PRODUCT_RATIO_AT_LIGHT_EDGE: f64 = 0.7275;
 
-/// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) for light that is not smooth, with the Epanechnikov
-/// kernel.
+/// Pairs of ratios for light that is not smooth, with the Epanechnikov kernel. The first, ‖D₁‖² /
+/// ‖D₀‖², can be measured. The second is the squared bias ‖bias‖² / ‖D₀‖² that belongs to it.
 ///
 /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather radius
-/// r. The pairs are computed for a straight edge of light, and for bands of light as wide as a half
-/// and a fifth of the gather disc's diameter.
+/// r. The three pairs are for a straight edge of light, a band of light half as wide as the gather
+/// disc, and a band a fifth as wide.
 const NON_SMOOTH_BIAS_RATIOS: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
 /// Upper limit of [`BlurEstimate::half_disc_ratio`], the blur at half disc area divided by the blur
 /// at full disc area. It is the ratio at a straight edge of light.
 const MAX_HALF_DISC_RATIO: f64 = 0.841;
 
-/// Relative standard deviation of the part of the blur L(r) − L(0) that is extrapolated from gather
-/// radius r/2 to 0, for the density estimate L(r) with gather radius r.
+/// Relative standard deviation of a part of the blur that is not measured: the part that is
+/// extrapolated from gather radius r/2 to 0.
 ///
-/// An edge and a band of light may have similar estimates L(r), L(r/√2) and L(r/2), although their
-/// extrapolated parts differ by this relative amount.
+/// An edge and a band of light may have similar density estimates L(r), L(r/√2) and L(r/2). Their
+/// extrapolated parts L(r/2) − L(0) still differ by this relative amount.
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
 /// Means over the picture of squares and products of two differences, D₀ and D₁.
@@ -72,11 +73,11 @@ impl NestedDifferenceMoments {
     /// Returns the variance of an estimate of ‖D₀‖² from `passes` passes. D₀ = L(r) − L(r/√2), for
     /// the density estimate L(r) with gather radius r.
     ///
-    /// `d0_squared` is ‖D₀‖², `variance` the variance of D₀ in one pass, and
-    /// `squared_noise_relative_variance` the relative variance of the squared noise of D₀. ‖D₀‖² is
-    /// estimated by products of two passes. The first term of the result is due to the noise of one
-    /// pass times the noise of the other. The second term is due to the noise of one pass times the
-    /// expected D₀ of the other.
+    /// `d0_squared` is ‖D₀‖², and `variance` the variance of D₀ in one pass.
+    /// `squared_noise_relative_variance` is the relative variance of the squared noise of D₀. ‖D₀‖²
+    /// is estimated by products of two passes. The first term of the result is due to the noise of
+    /// both passes. The second term is due to the noise of one pass times the expected D₀ of the
+    /// other.
     pub fn d0_squared_variance(
         d0_squared: f64,
         variance: f64,
@@ -88,7 +89,7 @@ impl NestedDifferenceMoments {
     }
 
     /// Returns the weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖². The
-    /// rest of the weight goes to the theoretical ratios of smooth light, ¼ and ½.
+    /// ratios ¼ and ½, which hold in smooth light, get 1 minus this weight.
     ///
     /// The weight is 1 if `d0_squared` is positive and has no noise, and 0 if it is not positive.
     pub fn measurement_weight(&self) -> f64 {

@@ -21,7 +21,8 @@ pub(super) struct DiscAreaSums {
     blur_exponent: f64,
     /// Number of summed passes.
     pub passes: u32,
-    /// Gather disc area of the next pass, which is not summed yet, relative to the first pass.
+    /// Gather disc area of the next pass, relative to the first pass. The next pass is not summed
+    /// yet.
     next_relative_area: f64,
     /// Sum over passes of 1/area. The variance of the summed photon estimates is proportional to
     /// this sum.

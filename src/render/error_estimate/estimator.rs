@@ -26,9 +26,9 @@ pub const MIN_ERROR_ESTIMATE_PASSES: u32 = 4;
 /// [`LeadingPassPictures`] measures the effective sample count of the noise from them.
 const LEADING_PASSES: usize = 8;
 
-/// Number of leading passes (those with the lowest pass numbers) whose D₀ is stored.
-/// [`LeadingPassPictures`] measures the effective sample count of D₀ from them. D₀ = L(r) −
-/// L(r/√2), for the density estimate L(r) with gather radius r.
+/// Number of leading passes (those with the lowest pass numbers) whose difference D₀ is stored.
+/// [`LeadingPassPictures`] measures the effective sample count of the noise of D₀ from them. D₀ =
+/// L(r) − L(r/√2), for the density estimate L(r) with gather radius r.
 const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 
 /// Sums over pixels, from which the noise of a picture is estimated.
@@ -38,8 +38,8 @@ struct PictureNoiseSums {
     squared_noise: f64,
     /// Sum over pixels of c², where c is the squared relative noise, clamped to 1.
     fourth_power_noise: f64,
-    /// Sum over pixels of c²·(kurtosis − 1). c is the squared relative noise, clamped to 1. The
-    /// kurtosis is that of the pixel's values in the passes.
+    /// Sum over pixels of c²·(kurtosis − 1). c is the pixel's squared relative noise, clamped to 1.
+    /// The kurtosis describes the distribution of the pixel's values in the passes.
     kurtosis_weighted_noise: f64,
     /// Histogram of the pixels whose squared relative noise exceeds 1 before it is clamped.
     fireflies: FireflyHistogram,
@@ -260,7 +260,8 @@ impl ErrorEstimator {
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&error_weights, film.size().0, n);
         let clamping = self.clamping_loss.as_ref().map(|sums| sums.squared_bias(&error_weights, n));
         let (clamping2, clamping_variance) = clamping.unwrap_or_default();
-        // Both the squared error of this one picture and its estimate vary about the expectation.
+        // Noise makes both the squared error of this picture and the estimate of that error vary
+        // about the expected squared error.
         let relative_variance = self.leading_pictures.squared_error_relative_variance(error_weights.pixel_weights(), n);
         // With outliers, the variance of a variance estimate is (kurtosis − 1) / 2 times its value
         // for Gaussian noise.
@@ -396,21 +397,22 @@ impl NestedDifferenceSums {
         self.leading_pictures.merge(&other.leading_pictures, LEADING_PASSES_OF_DIFFERENCES);
     }
 
-    /// Returns the sums over passes of D₀ = L(r) − L(r/√2) and of D₁ = L(r/√2) − L(r/2) at pixel
-    /// `i`, for the density estimate L(r) with gather radius r.
+    /// Returns two sums over passes at pixel `i`: of D₀ = L(r) − L(r/√2), and of D₁ = L(r/√2) −
+    /// L(r/2). L(r) is the density estimate with gather radius r.
     fn difference_sums(&self, i: usize) -> [DVec3; 2] {
         self.differences.each_ref().map(|sums| DVec3::from_array(sums.pixel_sums(i)))
     }
 
-    /// Returns `factor` times the sum over passes of L(r) − L(r/2) at pixel `i`, for the density
-    /// estimate L(r) with gather radius r.
+    /// Returns `factor` times the sum over passes of L(r) − L(r/2) at pixel `i`. L(r) is the
+    /// density estimate with gather radius r.
     fn scaled_difference_sum(&self, i: usize, factor: f64) -> Vec3 {
         let [d0, d1] = self.difference_sums(i);
         ((d0 + d1) * factor).as_vec3()
     }
 
-    /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, and the variances
-    /// of D₀ in one pass and of the mean of D₀². All values are relative, by `error_weights`.
+    /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes. Also returns the
+    /// variance of D₀ in one pass, and the variance of the mean of D₀². All values are relative, by
+    /// `error_weights`.
     ///
     /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather
     /// radius r. Each product combines two different passes, so its noise has mean zero.

@@ -1,10 +1,10 @@
 //! Fireflies: pixels whose relative squared noise exceeds 1.
 
-/// Number of classes of [`FireflyHistogram`], one per octave of relative squared noise. The last
-/// class also holds all brighter fireflies.
+/// Number of classes of [`FireflyHistogram`]. Each class covers a factor of 2 of a pixel's relative
+/// squared noise; the last class also holds all larger values.
 const CLASS_COUNT: usize = 32;
 
-/// Histogram of fireflies by brightness.
+/// Histogram of fireflies by their relative squared noise.
 ///
 /// A firefly is a pixel with relative squared noise c > 1, caused by one rare bright sample. Error
 /// estimates clamp c to 1. With m times as many passes, c falls to c/m², but m times as many pixels

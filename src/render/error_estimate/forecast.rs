@@ -92,7 +92,7 @@ impl ErrorForecast {
         self.estimate.shared_paths.hypot(self.estimate.clamping)
     }
 
-    /// Predicts the squared noise of the picture after `sums.passes` passes, as the square of
+    /// Predicts the squared noise of the picture after `sums.passes` passes. It is the square of
     /// [`ErrorEstimate::noise`].
     ///
     /// `sums` supplies the gather disc areas of these passes.

@@ -4,8 +4,8 @@ use super::pixel_sums::{MIN_PIXELS_PER_TASK, sum_over_pixels};
 use crate::color::Rgb;
 use rayon::prelude::*;
 
-/// Gray pictures of the leading passes (those with the lowest pass numbers), from which the
-/// effective sample count of the noise is measured.
+/// Gray pictures of the leading passes, which are those with the lowest pass numbers. The effective
+/// sample count of the noise is measured from these pictures.
 ///
 /// The difference of two passes, divided by √2, contains only noise. Its mean square is the
 /// variance of the noise. Let Σ be the covariance matrix of the pixels. The scalar product of two
@@ -66,9 +66,9 @@ impl LeadingPassPictures {
     /// values.
     ///
     /// Few passes measure 1/N badly, so the result is a weighted mean of the measured value and of
-    /// the value for [`PRIOR_EFFECTIVE_SAMPLE_COUNT`]. The formula holds for Gaussian noise. For
-    /// each pixel, `weights` holds the factor on its squared deviation from the mean of the leading
-    /// passes. The product is clamped to `max`.
+    /// the value for [`PRIOR_EFFECTIVE_SAMPLE_COUNT`]. The formula holds for Gaussian noise.
+    /// `weights` holds a factor for each pixel, which multiplies the pixel's squared deviation from
+    /// the mean of the leading passes. This product is clamped to `max`.
     pub fn squared_error_relative_variance(&self, weights: &[f64], max: f64) -> f64 {
         let n = self.pictures.len();
         if n < 2 {
@@ -119,8 +119,8 @@ impl LeadingPassPictures {
     /// Returns the weighted scalar products of the leading passes' deviations from their mean,
     /// divided by the number of pixels: one product for each pair of passes.
     ///
-    /// For each pixel, `weights` holds the factor on its squared deviation. The product is clamped
-    /// to `max`.
+    /// `weights` holds a factor for each pixel, which multiplies the pixel's squared deviation.
+    /// This product is clamped to `max`.
     fn deviation_products(&self, weights: &[f64], max: f64) -> DeviationProducts {
         let share = 1.0 / self.pictures.len() as f64;
         let add_pixel = |products: &mut DeviationProducts, pixel: usize| {

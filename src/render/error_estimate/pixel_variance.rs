@@ -19,8 +19,8 @@ pub(super) struct PixelVarianceSums {
     peaks: Vec<f32>,
 }
 
-/// Spread of a pixel's passes: their squared deviations from their mean, and a bound of their
-/// kurtosis.
+/// Spread of a pixel's values in the passes: their squared deviations from their mean, and a bound
+/// of their kurtosis.
 pub(super) struct PixelSpread {
     /// Σ (x − mean)² over the values x of the passes, by channel; 0 if it is below rounding errors.
     pub squared_deviations: DVec3,
@@ -67,7 +67,7 @@ impl PixelVarianceSums {
         let sum = DVec3::from_array(film.radiance_sums().pixel_sums(i));
         let squares = DVec3::from_array(self.squares.pixel_sums(i));
         let mean = sum / n;
-        // Rounding errors of the sum of squares, of the mean and of f64 arithmetic.
+        // Bound on the rounding errors of the sum of squares, of the mean, and of f64 arithmetic.
         let rounding = 0.5 * n * self.squares.lower_quantum(i)
             + sum.abs() * film.radiance_sums().lower_quantum(i)
             + squares * (4.0 * f64::EPSILON);

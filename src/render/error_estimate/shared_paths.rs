@@ -47,8 +47,8 @@ impl SharedPathErrorSums {
         self.squares.merge(&other.squares);
     }
 
-    /// True if there is a sum for each index in `pixel_indices`, and if each index is below
-    /// `pixels`, the number of pixels of the picture.
+    /// True if there is a sum for each index in `pixel_indices`, and each index is below the number
+    /// `pixels` of pixels of the picture.
     pub(super) fn is_consistent(&self, pixels: usize) -> bool {
         let count = self.pixel_indices.len();
         let are_pixels = self.pixel_indices.iter().all(|pixel| (*pixel as usize) < pixels);
@@ -61,13 +61,13 @@ impl SharedPathErrorSums {
         &self.pixel_indices
     }
 
-    /// Returns two numbers: the squared relative error of shared camera paths, as a mean over the
-    /// pixels that are also rendered with unshared paths, and the variance of this estimate. Both
-    /// are 0 without shared paths.
+    /// Returns two numbers: the squared relative error of shared camera paths, and the variance of
+    /// this estimate. Both are 0 without shared paths.
     ///
-    /// The square of each pixel is clamped to \[−1, 1], and the mean to 0 or more. `columns` is the
-    /// width of the picture \[pixels], and `n` the number of passes. The variance is measured
-    /// between blocks of [`BLOCK_SIDE`] × [`BLOCK_SIDE`] pixels.
+    /// The error is a mean over the pixels that are also rendered with unshared paths. The square
+    /// of each pixel is clamped to \[−1, 1], and the mean to 0 or more. `columns` is the width of
+    /// the picture \[pixels], and `n` the number of passes. The variance is measured between blocks
+    /// of [`BLOCK_SIDE`] × [`BLOCK_SIDE`] pixels.
     pub(super) fn shared_path_squared_error(
         &self,
         error_weights: &RelativeErrorWeights,

@@ -152,8 +152,8 @@ impl ErrorForecast {
         }
     }
 
-    /// Returns the largest number of passes that this forecast considers: a multiple of the passes
-    /// made so far, limited to [`MAX_FORECAST_PASSES`].
+    /// Returns the largest number of passes that this forecast considers: [`MAX_EXTRAPOLATION`]
+    /// times the passes made so far, but at most [`MAX_FORECAST_PASSES`].
     fn max_imagined_passes(&self) -> u32 {
         self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_FORECAST_PASSES)
     }
@@ -202,9 +202,10 @@ impl ErrorForecast {
     /// Returns the parts of the squared error that an imagined render would estimate after
     /// `sums.passes` passes. The imagined render is a simulated run with the random numbers `draw`.
     ///
-    /// `sums` and `sums_so_far` hold the disc areas of these passes and of the passes made so far.
-    /// `blur.d0_squared` is the expected mean square ‖D₀‖² of D₀ = L(r) − L(r/√2) after the passes
-    /// made so far, for the density estimate L(r) with gather radius r.
+    /// `sums` holds the disc areas of these passes, and `sums_so_far` those of the passes made so
+    /// far. `blur.d0_squared` is the expected ‖D₀‖² after the passes made so far. ‖D₀‖² is the mean
+    /// square over the picture of D₀ = L(r) − L(r/√2), for the density estimate L(r) with gather
+    /// radius r.
     fn imagined_parts(
         &self,
         draw: &ForecastDraw,
@@ -234,10 +235,10 @@ impl ErrorForecast {
     /// Returns the blur that an imagined render would estimate after `sums.passes` passes. The
     /// imagined render is a simulated run with the random numbers `draw`.
     ///
-    /// Blur is the bias of photon density estimates. `sums` and `sums_so_far` hold the disc areas
-    /// of these passes and of the passes made so far. `blur.d0_squared` is the expected mean square
-    /// ‖D₀‖² of D₀ = L(r) − L(r/√2) after the passes made so far, for the density estimate L(r)
-    /// with gather radius r.
+    /// Blur is the bias of photon density estimates. `sums` holds the disc areas of these passes,
+    /// and `sums_so_far` those of the passes made so far. `blur.d0_squared` is the expected ‖D₀‖²
+    /// after the passes made so far. ‖D₀‖² is the mean square over the picture of D₀ = L(r) −
+    /// L(r/√2), for the density estimate L(r) with gather radius r.
     fn imagined_blur(
         &self,
         draw: &ForecastDraw,
@@ -285,8 +286,8 @@ impl ErrorForecast {
     /// ‖D₀‖² have about the same variance.
     fn cumulative_exponent_weights(&self) -> [f64; BLUR_EXPONENTS.len()] {
         let measured = &self.estimate.difference_moments;
-        // Least variance of the difference. With it, a noise-free measured ratio between the ratios
-        // of two neighboring exponents fits both exponents.
+        // Least variance of the difference. It lets a noise-free measured ratio that lies between
+        // the ratios of two neighboring exponents fit both exponents.
         let rounding = 1e-4 * measured.d0_squared * measured.d0_squared;
         let square = |exponent: f64| {
             let ratio = squared_difference_ratio(exponent);

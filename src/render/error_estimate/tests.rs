@@ -48,7 +48,7 @@ fn three_passes_give_no_estimate() {
     assert!(estimator.forecast(&estimate).is_none());
 }
 
-/// The estimated noise is near σ/√(2n) and the estimated bias near b/√2. Both are relative to the
+/// The estimated noise is near σ/√(2n), and the estimated bias near b/√2. Both are relative to the
 /// radiance without bias, which is 1.
 #[test]
 fn noise_and_bias_are_separated() {
@@ -56,9 +56,9 @@ fn noise_and_bias_are_separated() {
         let (estimator, film) = render_noisy_passes(16, 2, sigma, bias);
         let estimate = estimator.estimate(&film);
         let unit = 2f64.sqrt();
-        // The variance of 1600 · 15 values has a relative error of √(2/24,000). Weights add the
-        // noise of 25 pixels. The noise is relative to the radiance without estimated blur, so it
-        // has the error of this estimate too.
+        // The variance of 1600 · 15 values has a relative error of √(2/24,000). The weights average
+        // 25 pixels, which adds their noise. The noise is relative to the radiance without
+        // estimated blur, so it has the error of this estimate too.
         let noise = f64::from(sigma) / 4.0 / unit;
         let expected = f64::from(bias) / unit;
         let tolerance = 0.02 + unit * (estimate.blur - expected).abs();

@@ -7,7 +7,8 @@ use std::sync::atomic::AtomicBool;
 
 const NOISY: NoisyIntegrator = NoisyIntegrator { sigma: 0.3, bias: 0.0, estimates_error: true };
 
-/// Returns the expected end of a render with `limits` by a pilot of 8 passes, and its real end.
+/// Returns the end of a render with `limits` that a pilot (trial render) of 8 passes predicts, and
+/// the real end of the render.
 fn expected_and_actual_end(
     limits: RenderLimits,
     integrator: &NoisyIntegrator,
@@ -25,8 +26,8 @@ fn expected_and_actual_end(
     (stop.expected_end(&forecast, pass_seconds).unwrap(), (made.end_reason, made.film.passes()))
 }
 
-/// The predicted number of passes is right to a twentieth, the interval of error estimates in
-/// `render`.
+/// The predicted number of passes is right to a twentieth, because `render` estimates the error
+/// only each time that the number of passes has grown by a twentieth.
 #[test]
 fn expected_end_agrees_with_render() {
     let biased = NoisyIntegrator { sigma: 0.24, bias: 0.2, ..NOISY };

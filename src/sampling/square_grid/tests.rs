@@ -20,8 +20,8 @@ fn random_points_in_square(n: u64) -> impl Iterator<Item = Vec2> {
     (0..n).map(move |i| key.child_key(i).uniform_2d(Dimension::LightPosition))
 }
 
-/// A million samples pass a chi-square test over the cells, each split in four. Its false-alarm
-/// rate is 10⁻⁴.
+/// A million samples pass a chi-square test over the quarters of all cells. The false-alarm rate of
+/// the test is 10⁻⁴.
 #[test]
 fn grid_samples_follow_the_pdf() {
     let histogram = SquareGridDistribution::new(SIDE, &grid_weights_with_zeros()).unwrap();
@@ -80,7 +80,7 @@ fn grid_pdf_is_proportional_to_weights() {
     assert!(rare.pdf(Vec2::new(0.75, 0.25)) > 0.0, "a weight above zero must keep some density");
 }
 
-/// Each row gets the expected number of 256 stratified points, within one point at each end of the
+/// Each row gets its expected share of 256 stratified points, up to one point at each end of the
 /// row.
 #[test]
 fn grid_distribution_keeps_points_stratified() {

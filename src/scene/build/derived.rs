@@ -13,11 +13,11 @@ use glam::Vec3;
 /// planes, it is the bounding sphere of all bounded objects.
 const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
-/// Ratio r/d, where r is the radius of the ball that the ambient medium fills.
+/// Radius of the ball that the ambient medium fills, divided by a distance d.
 ///
-/// d is the greatest distance from the center of the photon domain to a light, the camera or the
-/// domain's edge. The ball is limited, because an unbounded medium would scatter most photons far
-/// away from the objects.
+/// d is the greatest distance from the center of the photon domain (the ball onto which lights at
+/// infinity emit photons) to a light, the camera or the domain's edge. The medium is limited,
+/// because an unbounded one would scatter most photons far away from the objects.
 const AMBIENT_RADIUS_FACTOR: f32 = 2.0;
 
 /// Scene data that is computed from the placement of objects, lights and camera at one time.
@@ -90,8 +90,8 @@ pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
 /// `bounds` is the box around all bounded objects. `planes` are the distances of unbounded planes
 /// from the origin \[length]. Without planes, the ball is the bounding sphere of the box. With
 /// planes, the radius is multiplied by [`OPEN_DOMAIN_FACTOR`]. If there are planes but the box is
-/// empty or a point, the greatest distance of a plane stands in for the radius of the box; a
-/// distance of 0 counts as 1.
+/// empty or a point, the greatest distance of a plane replaces the radius of the box. A distance of
+/// 0 then counts as 1.
 fn photon_domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> BoundingSphere {
     let ball = bounds.bounding_sphere();
     let Some(farthest) = planes.reduce(f32::max) else { return ball };

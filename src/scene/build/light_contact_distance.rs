@@ -6,9 +6,9 @@ use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Contact distance, divided by a position error. A surface point counts as touching a light if it
-/// is nearer to the light than the contact distance. The position error is the sum of the errors of
-/// the light and of the surface.
+/// Contact distance in units of the position error. A surface point that is nearer to a light than
+/// the contact distance counts as touching the light. The position error is the sum of the errors
+/// of the light's and the surface's position.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
 /// Bound on the number of f64 rounding errors in the difference of two positions, with a safety
@@ -27,9 +27,9 @@ pub(super) fn light_contact_distance(scene: &Scene, domain: BoundingSphere, ligh
     let Some(position) = light.position() else { return 0.0 };
     let light_error = position.length() * rounding_error_bound(1)
         + (scene.origin.length() * POSITION_ROUNDINGS * 0.5 * f64::EPSILON) as f32;
-    // The position error of a triangle as large as the domain is √3·18 roundings. A ray along one
-    // of the axes meets a surface at distance d within √3·d. So `search_distance` must exceed
-    // √3·√3·18 = 54 roundings.
+    // The position error of a triangle as large as the domain is √3·18 roundings. If a surface is
+    // at distance d from the light, one of the three axes meets it within √3·d. So
+    // `search_distance` must exceed √3·√3·18 = 54 roundings.
     let search_distance = rounding_error_bound(64)
         * (domain.radius + domain.center.abs().max_element() + position.length())
         + light_error;

@@ -95,8 +95,8 @@ pub(super) fn collect_lights(
         });
         found.area_light_of_object.push(light);
     }
-    // Add the environment light last. It has no [`Mit6837Light`], and all other lights have the
-    // same index in both lists.
+    // Add the environment light last, because it has no [`Mit6837Light`]: so all other lights have
+    // the same index in both lists.
     assert_eq!(found.mit_6837_lights.len(), found.lights.len());
     if let Some(environment) = environment {
         found.environment_light_index = Some(found.lights.len());

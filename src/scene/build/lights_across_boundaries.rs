@@ -7,7 +7,7 @@ use crate::scene::geometry::Geometry;
 use crate::shape::{Plane, Shape};
 use glam::Vec3;
 
-/// Fraction of a sphere's radius. A point counts as well inside the sphere if its distance from the
+/// Fraction of a sphere's radius. A point surely lies inside the sphere if its distance from the
 /// center is below this fraction of the radius; the margin covers rounding errors.
 const INNER_RADIUS: f32 = 0.9999;
 
@@ -56,12 +56,11 @@ fn object_bounds(geometry: &Geometry, object: usize) -> Bounds {
     }
 }
 
-/// True if the surface of the shape or mesh with index `object` may meet the box `bounds`, which
-/// overlaps the object's box.
+/// True if the surface of the shape or mesh with index `object` may meet the box `bounds`.
 ///
-/// `bounds` is the box of a light or of a part of one. False if that box lies well inside a sphere,
-/// or overlaps the box of no triangle of a mesh: then the surface cannot separate two points of the
-/// light.
+/// `bounds` is the box of an area light, and overlaps the object's box. The result is false if
+/// `bounds` surely lies inside a sphere, or if it overlaps the box of no triangle of a mesh. The
+/// surface then cannot separate two points of the light.
 fn object_may_meet_box(geometry: &Geometry, object: usize, bounds: &Bounds) -> bool {
     if let Some(mesh) = object.checked_sub(geometry.shapes.len()) {
         let mut triangles = geometry.mesh_ranges[mesh].clone();

@@ -206,7 +206,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Builds the scene: checks its parts, chooses the origin and builds hierarchies.
+    /// Builds the scene: checks its parts, chooses the origin and builds bounding volume
+    /// hierarchies.
     ///
     /// # Errors
     ///
@@ -215,9 +216,9 @@ impl SceneBuilder {
         self.build_reusing_hierarchy(None, camera)
     }
 
-    /// Builds the scene as [`SceneBuilder::build`] does, but shares the hierarchy of the `earlier`
-    /// scene if it was built from the same geometry. The result is equal bit for bit to that of
-    /// `build`.
+    /// Builds the scene as [`SceneBuilder::build`] does. If the scene `earlier` was built from the
+    /// same geometry, both scenes share its bounding volume hierarchy. The result is equal bit for
+    /// bit to that of `build`.
     ///
     /// # Errors
     ///

@@ -27,7 +27,7 @@ pub(super) struct PlacedObjects {
 }
 
 /// Geometry in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin), before
-/// hierarchies are built.
+/// bounding volume hierarchies are built.
 pub(super) struct PlacedGeometry {
     /// All analytic shapes: shapes at rest, then moving shapes.
     pub shapes: Vec<Shape>,
@@ -127,7 +127,7 @@ pub(super) fn place_camera(
 }
 
 impl PlacedGeometry {
-    /// Builds the geometry with its intersection hierarchies. The hierarchy over triangles and
+    /// Builds the geometry with its bounding volume hierarchies. The hierarchy over triangles and
     /// shapes at rest is taken from the scene `earlier`, if that scene has the same triangles and
     /// the same boxes of shapes.
     ///

@@ -7,8 +7,8 @@ use crate::scene::animation::{MID_SHUTTER, shape_at_time};
 use crate::shape::Shape;
 use glam::{DVec3, Vec2};
 
-/// Largest accepted ratio of an object's distance from the origin to the object's size, 2¹². If the
-/// center of the union of all boxes keeps this limit for all objects, it becomes the origin.
+/// Largest accepted ratio of an object's distance from the origin to the object's size, 2¹². The
+/// center of the scene's bounding box becomes the origin if no object exceeds this ratio.
 ///
 /// Single precision then rounds the object's coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of its size.
 const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
@@ -75,7 +75,8 @@ fn origin_for_bounds(boxes: &[BoundsF64], view: Option<CameraAndNearestDistance>
         center: *min * 0.5 + *max * 0.5,
         size: (*max - *min).max_element(),
     };
-    // The camera may be outside of the box, but the origin must not.
+    // The camera may lie outside the box, but the origin must not: move the camera's region into
+    // the box.
     let view = view.map(|(center, size)| FineDetailRegion { center: center.clamp(min, max), size });
     let targets: Vec<FineDetailRegion> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
     let greatest_ratio =

@@ -11,9 +11,10 @@ pub struct Body {
     pub eta: f32,
     /// Absorption coefficient \[1/length].
     pub absorption: Rgb,
-    /// Priority where bodies overlap. The body of highest priority fills the overlap. Among bodies
-    /// of equal priority, `is_null_interface` decides, and then the body wins that the path entered
-    /// last (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
+    /// Priority where bodies overlap: the body of highest priority fills the overlap. Among bodies
+    /// of equal priority, one with a real boundary wins over one with a null interface. If that
+    /// decides nothing, the body that the path entered last wins (Schmidt and Budge 2002, "Simple
+    /// Nested Dielectrics in Ray Traced Images").
     pub priority: u8,
     /// Index of the dispersion formula in [`Scene::glasses`](crate::scene::Scene::glasses); `None`
     /// if the refractive index is the same at all wavelengths.

@@ -13,7 +13,8 @@ pub struct BoundaryContext {
     /// Random key of the path segment that meets the boundary: the key of the vertex at which the
     /// segment ends.
     pub key: Key,
-    /// Number of boundaries that the path has crossed since its last vertex.
+    /// Number of boundaries that the path has crossed since its last vertex. Mixes at different
+    /// boundaries use it to choose their components independently.
     pub crossed_boundary_count: u32,
     /// The ray cone over which textures are filtered, at the boundary.
     pub cone: RayCone,
@@ -26,7 +27,7 @@ impl BoundaryContext {
     /// `point` is the surface point of the hit, and `group` its coincidence group. `wo` is the
     /// direction from which the path arrives. All faces of one group make the same choice, because
     /// a path through a common edge can hit two faces of one object. Choices for different groups
-    /// are independent, and so is the choice for the boundary that the path hit first.
+    /// are independent of each other, and of the choice at the boundary that the path's ray hit.
     pub(super) fn leaf_material_at(
         &self,
         scene: &Scene,

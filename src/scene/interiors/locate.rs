@@ -26,9 +26,8 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
                 leaf_with_body(&scene.materials, material).unwrap_or(material)
             });
             let count = |material| entered.iter().filter(|m| **m == material).count();
-            // Entries and exits are handled as in `InteriorStack::stack_after_crossing`, with one
-            // difference. An exit without an entry means that the body contains the start of the
-            // ray.
+            // Entries and exits are handled as in `InteriorStack::stack_after_crossing`, except
+            // that an exit without an entry means that the body contains the start of the ray.
             let removed_by_own = usize::from(!own.entering && count(own.material) > 0);
             let pending_entry = |face: &CoincidentFace| {
                 count(face.material) <= if face.material == own.material { removed_by_own } else { 0 }

@@ -43,7 +43,8 @@ pub enum BoundaryEvent {
     /// The path scatters at the surface, or is absorbed there.
     Surface,
     /// The path passes unchanged, because another dielectric body of higher priority fills both
-    /// sides of the boundary. Shadow rays are blocked nevertheless.
+    /// sides of the boundary. Shadow rays are blocked nevertheless, so light that passes the
+    /// boundary counts as a caustic.
     Hidden,
     /// Paths and shadow rays pass unchanged, because the boundary is a null interface.
     NullInterface,
@@ -76,9 +77,9 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
 
     /// Sets the uniform number in \[0, 1) from which the path samples its first wavelength.
     ///
-    /// The closure `sample` returns this number. The closure is called only if the path can meet
-    /// dispersive surfaces. If this method is not called, the path samples its first wavelength by
-    /// the random key of the vertex.
+    /// The closure `sample` returns this number. It is called only if the path can meet dispersive
+    /// surfaces. If this method is not called, the path samples its first wavelength with a number
+    /// from the random key of the vertex.
     #[inline]
     fn set_wavelength_sample(&mut self, _: &Scene, _sample: impl FnOnce() -> f32) {}
 

@@ -27,10 +27,11 @@ pub struct SpectralInterior {
     /// Uniform number in \[0, 1) from which the path samples its first wavelength.
     ///
     /// `None` after its use, or if [`Interior::set_wavelength_sample`] was not called. The path
-    /// then samples its wavelength by the random key of the vertex.
+    /// then samples its wavelength with a number from the random key of the vertex.
     wavelength_sample: Option<f32>,
     /// BSDF of the surface at which the path sampled its wavelength, with the refractive index at
-    /// the d line.
+    /// the d line (587.56 nm). Its reflectance decides whether a reflected path continues with all
+    /// wavelengths.
     ///
     /// `None` if no wavelength was sampled, or once the weight of the wavelength has been applied
     /// to the throughput.

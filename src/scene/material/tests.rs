@@ -1,7 +1,7 @@
 use super::*;
 
-/// One or more materials of every kind; coats have roughnesses on both sides of the limit up to
-/// which they are split from their base.
+/// One or more materials of every kind. The coated ones have roughnesses on both sides of the limit
+/// up to which a coat has a BSDF of its own, apart from its base.
 fn materials_of_all_kinds() -> Vec<Material> {
     let gray = Rgb::splat(0.5);
     let mut materials = vec![
@@ -47,8 +47,8 @@ fn every_kind_of_material_is_tested() {
 }
 
 /// A coat with a BSDF of its own needs a random number at each hit, which selects coat or base.
-/// Hits get one only on materials whose `chooses_bsdf_randomly` is true; else they always select
-/// the base.
+/// This number is drawn only on materials whose `chooses_bsdf_randomly` is true; hits on other
+/// materials always select the base.
 #[test]
 fn materials_with_separate_coats_choose_bsdfs_randomly() {
     let mut coats = 0;

@@ -65,7 +65,7 @@ impl<'a> TextureFootprint<'a> {
     /// Length of the finite-difference step of a bump map along unit `direction` \[length].
     ///
     /// The step is [`Texture::finest_bump_step`] of `texture`, converted to a length on the
-    /// surface, but at least half of `width`, the diameter of the filter footprint \[length].
+    /// surface. It is at least half of `width`, the diameter of the filter footprint \[length].
     pub fn bump_map_step(&self, texture: &Texture, direction: DVec3, width: f64) -> f64 {
         let change = if texture.is_solid_texture() {
             self.mapping.vector_to_object_space(direction).length()

@@ -5,9 +5,9 @@ use glam::{DVec2, DVec3};
 /// Squared sine of the angle between a ray and the y axis, below which the ray counts as nearly
 /// parallel to the axis.
 ///
-/// A ring is a range of distances from the axis and a range of heights. For such a ray,
-/// [`CylindricalRay::clip_to_ring`] finds the interval inside a ring from the heights only. The
-/// distances only decide whether the ray misses the ring.
+/// [`CylindricalRay::clip_to_ring`] clips a ray to a ring: a range of distances from the axis and a
+/// range of heights. A nearly parallel ray is clipped by the heights only. The distances only
+/// decide whether this ray misses the ring.
 const MIN_SLANT2: f64 = 1e-2;
 
 /// Interval of the arc length τ along a ray; empty unless `lo <= hi`.
@@ -60,8 +60,8 @@ impl CylindricalRay {
         }
     }
 
-    /// Distance from the y axis at the point `base` + `t` · `direction`, and its derivative by `t`,
-    /// which is 0 on the axis.
+    /// Distance from the y axis at the point `base` + `t` · `direction`, and the derivative of this
+    /// distance by `t`. On the axis, the result for the derivative is 0.
     #[inline]
     pub fn radius_and_slope(&self, t: f64) -> (f64, f64) {
         let (x, z) = (self.base.x + t * self.direction.x, self.base.z + t * self.direction.z);

@@ -260,8 +260,7 @@ fn classify_roots(
     let [miss, along_y, along_x] = bounds.linear.map(|a| weighted_offset_from_base(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));
     let least = determinant.abs();
-    // The dot products of these vectors with a miss distance are the changes of x and y, times the
-    // determinant of the Jacobian.
+    // A Newton step changes x by for_x · miss / determinant, and y by for_y · miss / determinant.
     let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
     let (size_x, size_y) = (for_x.abs(), for_y.abs());
     let (x, y) = (for_x.dot(miss), for_y.dot(miss));

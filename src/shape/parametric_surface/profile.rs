@@ -18,10 +18,11 @@ pub struct ProfilePiece<'a> {
     pub point_error_bound: f64,
 }
 
-/// Capacity of the list of intervals that are still to be searched.
+/// Capacity of the list of intervals of the curve parameter x that must still be searched for a
+/// hit.
 ///
-/// Sixty halvings shrink an interval of x to the size of rounding errors. Each halving adds one
-/// interval to the list.
+/// Sixty halvings shrink an interval to the size of rounding errors. Each halving adds one interval
+/// to the list.
 const MAX_INTERVALS: usize = 64;
 
 /// Interval of a piece's curve parameter x.
@@ -166,8 +167,8 @@ fn classify_roots(
     let [dx, dh] = a[1];
     let determinant = slope * dh - dx * dy;
     let least = determinant.abs();
-    // The τ interval is widened if it is narrow for the piece's curvature, since Newton's method
-    // could not be proved to converge. A wider interval gives correct results, too.
+    // If the τ interval is narrow for the piece's curvature, Newton's method could not be proved to
+    // converge in it. The interval is then widened, which does not change the result.
     let wander = dh.abs() * turn[0] + dx.abs() * turn[1];
     let mut half = 0.5 * (t.hi - t.lo) + noise;
     if wander < least {

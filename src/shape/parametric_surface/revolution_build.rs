@@ -50,8 +50,8 @@ impl ProfileBuilder {
     ///
     /// A leaf is a piece that is nearly straight and on one side of the axis, or that may not be
     /// halved further. `controls` are points (x, y). The curve covers the profile parameters from
-    /// `start` to `end`. `depth` is the number of halvings that are still allowed. A piece in the
-    /// axis or in one point has no area and is left out.
+    /// `start` to `end`. `depth` is the number of halvings that are still allowed. A piece that
+    /// lies on the axis or in one point sweeps no area and is left out.
     ///
     /// # Errors
     ///

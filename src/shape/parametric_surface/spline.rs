@@ -174,10 +174,10 @@ impl SplineBasis {
 
     /// Bézier control points of the curve over one knot span.
     ///
-    /// The control points of the curve are `controls[first]`, `controls[first + stride]`, … so that
-    /// rows and columns of a surface's control net can be read. For degree p, result j is the polar
-    /// form (blossom) of the curve with j arguments at the end knot of the span and p − j at its
-    /// start knot (Ramshaw 1989). Each step is a weighted mean, so digits do not cancel.
+    /// The control points of the curve are `controls[first]`, `controls[first + stride]`, … So the
+    /// curve may also be a row or column of a surface's control net. For degree p, result j is the
+    /// polar form (blossom) of the curve with j arguments at the end knot of the span and p − j at
+    /// its start knot (Ramshaw 1989). Each step is a weighted mean, so digits do not cancel.
     pub(super) fn bezier_control_points<const N: usize>(
         &self,
         span: KnotSpan,

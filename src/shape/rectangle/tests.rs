@@ -10,14 +10,15 @@ fn triangle_solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     2.0 * atan2(a.dot(b.cross(c)).abs(), denominator)
 }
 
-/// Solid angle \[sr] seen from the origin of the points with z = -`z`, and x and y in ranges.
+/// Solid angle \[sr], seen from the origin, of the rectangle at z = −`z` with x and y in the given
+/// ranges.
 fn range_solid_angle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], z: f64) -> f64 {
     let [a, b, c, d] = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| DVec3::new(x, y, -z));
     triangle_solid_angle([a, b, c]) + triangle_solid_angle([a, c, d])
 }
 
-/// The sampled point divides the rectangle into parts whose solid angles are in the ratio of `u`,
-/// from views in front of it to views a millionth of its size above its plane.
+/// The sampled point divides the rectangle in the ratios of `u`, measured by solid angle. This
+/// holds from views in front of the rectangle to views a millionth of its size above its plane.
 #[test]
 fn samples_are_uniform_in_solid_angle_at_grazing_views() {
     let mut checked = 0;
@@ -40,7 +41,8 @@ fn samples_are_uniform_in_solid_angle_at_grazing_views() {
         assert!((view.solid_angle / whole - 1.0).abs() < 1e-8, "{z} {view:?}");
         let part = range_solid_angle([along_first[0], first], along_second, z);
         assert!((part / whole - f64::from(u.x)).abs() < 1e-8, "{z} {u}: {}", part / whole);
-        // `u.y` is the part below the point of the solid angle of a thin strip through it.
+        // `u.y` is a fraction of the solid angle of a thin strip through the point: the part below
+        // the point.
         let strip = [first - 1e-5 * z.min(size.y), first + 1e-5 * z.min(size.y)];
         let below = range_solid_angle(strip, [along_second[0], second], z);
         let ratio = below / range_solid_angle(strip, along_second, z);

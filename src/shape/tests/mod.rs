@@ -87,8 +87,8 @@ fn sampled_points_have_their_stated_pdf() {
     }
 }
 
-/// Texture coordinates of flat shapes depend only on the position. So an emission texture has equal
-/// values at a point that a ray hits, and at this point as a sample of the light.
+/// Texture coordinates of flat shapes depend only on the position. So an emission texture has one
+/// value at a point, whether a ray hits the point or light sampling chooses it.
 #[test]
 fn flat_shapes_derive_texture_coordinates_from_positions() {
     for shape in one_shape_of_each_kind().iter().filter(|shape| matches!(shape, Shape::Disc(_) | Shape::Rectangle(_))) {

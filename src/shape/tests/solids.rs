@@ -205,7 +205,7 @@ fn hits_agree_with_bisection() {
     }
 }
 
-/// Rays that start inside a closed solid hit it, even if they are aimed at its edges and rims.
+/// Rays that start inside a closed solid hit it, even if they point at its edges and rims.
 #[test]
 fn inner_rays_never_escape() {
     for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {

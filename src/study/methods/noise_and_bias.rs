@@ -29,7 +29,7 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
     let scale = references.relative_error_weights();
     let count = scale.pixel_weights().len();
     // Bessel's correction: the mean over seeds contains each picture, so squared differences from
-    // the mean are too small.
+    // this mean are too small by the factor (S − 1)/S for S seeds.
     let bessel_factor = seeds / (seeds - 1.0);
     for i in 0..count {
         let mean = mean_pixel_over_pictures(pictures, i);
@@ -49,7 +49,7 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
     NoiseAndBias { squared_errors, squared_noises, squared_noise: noise2, squared_bias: bias2, rmse }
 }
 
-/// Returns the mean of pixel `i` over `pictures`.
+/// Returns the color of pixel `i`, as a mean over `pictures`.
 pub(super) fn mean_pixel_over_pictures(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
     pictures.iter().map(|picture| picture[i].as_dvec3()).sum::<DVec3>() / pictures.len() as f64
 }

@@ -53,10 +53,10 @@ pub enum ReferenceError {
         /// Width and height of the study's pictures \[pixels].
         wanted: (u32, u32),
     },
-    /// A pixel is not finite, or the references differ in size.
+    /// A pixel of a reference is not finite, or the references differ in size.
     #[error("the references cannot be used: {0}")]
     Metric(#[from] MetricError),
-    /// The size of the picture is not allowed.
+    /// The size of a reference picture is not allowed.
     #[error(transparent)]
     InvalidSize(#[from] PictureSizeError),
 }
@@ -74,7 +74,7 @@ pub struct ReferencePictures {
 impl ReferencePictures {
     /// Makes reference pictures from `a` and `b`. Without `b`, `a` is taken as exact.
     ///
-    /// `source` is a text that tells in reports where the pictures come from.
+    /// `source` is a text that reports show: it says where the pictures come from.
     ///
     /// # Errors
     /// [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
@@ -184,7 +184,8 @@ impl ReferencePictures {
         &self.mean
     }
 
-    /// Returns the pixel weights of relative errors, made from the mean of both references.
+    /// Returns the weights that turn squared errors of pixels into relative ones. They are made
+    /// from the mean of both references.
     pub(super) fn relative_error_weights(&self) -> &RelativeErrorWeights {
         &self.relative_error_weights
     }
@@ -193,7 +194,7 @@ impl ReferencePictures {
     /// summed over channels.
     ///
     /// The estimate is (I − A)(I − B) for the radiance I and the references A and B. The noise of A
-    /// and B is independent, so it cancels in the mean over many pixels.
+    /// is independent of the noise of B, so both cancel in the mean over many pixels.
     pub(super) fn unbiased_squared_error(&self, i: usize, value: DVec3) -> f64 {
         let [a, b] = self.pair.each_ref().map(|image| image.pixels()[i].as_dvec3());
         ((value - a) * (value - b)).element_sum()

@@ -54,7 +54,8 @@ fn assert_near(found: f64, expected: f64, sigma: f64) {
     assert!((found - expected).abs() < 4.0 * sigma, "{found} is not {expected} ± {sigma}");
 }
 
-/// Known bias and noise are recovered from four pictures and two noisy references.
+/// [`separate_noise_and_bias`] recovers the known bias and noise of four pictures, from two noisy
+/// references.
 ///
 /// The tolerances follow from two facts. At radiance 1 in a picture of mean radiance 1, an error e
 /// has the relative squared error e²/(1² + 1²). The product of two independent errors of variance v
@@ -91,8 +92,8 @@ fn pixel_errors_are_rms_over_seeds() {
         ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
     let pictures = [noisy_picture(0.1, 0.0, 0), noisy_picture(-0.3, 0.0, 0)];
     let map = relative_pixel_errors(&references, &pictures);
-    // The squared errors are 0.01 and 0.09, and their mean is halved to make it relative. Pixels
-    // near 1 are rounded by 6e-8, so errors near 0.1 are rounded by 6e-7 of their value.
+    // The squared errors are 0.01 and 0.09. Their mean is halved to make it relative to 1² + 1².
+    // Pixels near 1 are rounded by 6e-8, so errors near 0.1 are rounded by 6e-7 of their value.
     assert!(map.iter().all(|e| (f64::from(*e) - 0.025f64.sqrt()).abs() < 1e-6), "{}", map[0]);
 }
 
@@ -263,7 +264,8 @@ fn interrupted_method_studies_finish_their_round() {
     );
     assert!(found.interrupted);
     assert_eq!((checkpoint_pass_counts(&found, 0), checkpoint_pass_counts(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
-    // An interruption during the last round of passes leaves no pass out.
+    // An interruption during the last round of passes leaves out no pass, because each round is
+    // completed.
     let whole = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }],
@@ -305,8 +307,8 @@ fn measured_errors_match_synthetic_methods() {
 
 #[test]
 fn references_estimate_their_noise() {
-    // The mean of both references has half the variance of each. At radiance 1, the relative
-    // error is √(0.2²/2 / 2) = 0.1.
+    // The mean of both references has half the variance of each reference. At radiance 1, the
+    // relative error of this mean is √(0.2²/2 / 2) = 0.1.
     let reference = references_with_noise(0.2).mean_reference();
     assert_near(reference.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
     let exact = ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();

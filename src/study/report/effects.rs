@@ -13,7 +13,8 @@ use std::fmt::Write;
 
 /// Smallest ratio at which both difference pictures of an effect are shown: the light that the
 /// effect adds, and the light that it removes. The ratio is the mean of the weaker picture, divided
-/// by the mean of the stronger one. A picture below the ratio is mostly noise and not shown.
+/// by the mean of the stronger one. Below this ratio, the weaker picture is mostly noise and is not
+/// shown.
 const MIN_SHOWN_RATIO: f64 = 0.1;
 
 const STYLE: &str = "\

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 pub(super) const RAMP_END_ERROR_RATIO: f64 = 0.01;
 
 /// Quantile of the pixel errors at which a colour scale ends. Larger errors get the colour of the
-/// end.
+/// end, so that fireflies do not stretch the scale.
 const SCALE_QUANTILE: f64 = 0.99;
 
 /// Side length of a crop \[pixels]. A crop is a square window of a picture that a report enlarges.
@@ -54,8 +54,8 @@ pub(super) fn signed_color_ramp(t: f64) -> Vec3 {
     oklch_to_linear_rgb(0.9 * t.abs(), 0.13 * t.abs().sqrt(), hue)
 }
 
-/// Returns the upper end of a colour scale: the 99 % quantile of the positive finite values,
-/// rounded up to 1, 2 or 5 times a power of ten. `None` if there is no such value.
+/// Returns the upper end of a colour scale: the 99 % quantile of the positive finite `values`,
+/// rounded up to 1, 2 or 5 times a power of ten. `None` if no value is positive and finite.
 pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.filter(|v| *v > 0.0 && v.is_finite()).collect();
     if values.is_empty() {
@@ -148,7 +148,8 @@ pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> V
             sum.iter_mut().zip(&method.relative_pixel_errors).for_each(|(sum, e)| *sum += square(e) / mean);
         }
     }
-    // Summed-area table (Crow 1984): each entry is the sum over all pixels to the left and above.
+    // Summed-area table (Crow 1984): each entry is the sum of the squared errors of all pixels to
+    // the left of it and above it.
     let mut table = vec![0.0; (w + 1) * (h + 1)];
     for y in 0..h {
         let mut row = 0.0;

@@ -4,7 +4,7 @@ use crate::image::{Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneCurve, ToneMap, 
 use crate::study::StudyError;
 use glam::Vec3;
 
-/// Fraction of the pixels that automatic exposure may clip to white. Black pixels are not counted.
+/// Fraction of the non-black pixels that automatic exposure may clip to white.
 const MAX_CLIPPED_FRACTION: f64 = 0.01;
 
 /// Returns `image` as the bytes of a PNG file, at an exposure of `stops` \[stops].
@@ -29,8 +29,8 @@ fn map_pixels(difference: &Image, map: fn(Vec3) -> Vec3) -> Result<Image, StudyE
     Ok(Image::from_pixels(difference.width(), difference.height(), pixels)?)
 }
 
-/// Returns the largest exposure, in whole stops, that clips at most about 1 % of the pixels of
-/// `image` to white. Black pixels are not counted; `None` if all pixels are black.
+/// Returns the largest exposure, in whole stops, that clips at most about 1 % of the non-black
+/// pixels of `image` to white. `None` if all pixels are black.
 pub(super) fn auto_exposure_stops(image: &Image) -> Option<f32> {
     let mut peaks: Vec<f32> = image.pixels().iter().map(|p| p.max_element()).filter(|p| *p > 0.0).collect();
     if peaks.is_empty() {
@@ -64,7 +64,8 @@ mod tests {
 
     #[test]
     fn auto_exposure_ignores_fireflies() {
-        // At three stops, 0.1 · 2³ = 0.8 is still below 1. At four stops it is not.
+        // At three stops, a pixel of 0.1 becomes 0.1 · 2³ = 0.8, which is below 1. At four stops,
+        // it exceeds 1.
         let mut faint = vec![0.1; 200];
         faint[7] = 1e6;
         assert_eq!(auto_exposure_stops(&gray_image(&faint)), Some(3.0));

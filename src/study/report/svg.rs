@@ -30,8 +30,8 @@ pub(super) enum LineStyle {
 
 /// Line and markers of one data series in a plot.
 ///
-/// A point is skipped if its time or its error is not positive and finite, as it has no place on a
-/// logarithmic axis.
+/// A point is skipped if its time or its error is not positive and finite, because it has no place
+/// on a logarithmic axis.
 #[derive(Clone, Debug)]
 pub(super) struct PlotSeries {
     pub(super) label: String,
@@ -340,11 +340,12 @@ fn shortened_label(label: &str) -> String {
     label.chars().take(MAX_LABEL_LETTERS - 1).chain(['…']).collect()
 }
 
-/// Returns vertical positions of labels \[px, downwards] that do not overlap. The positions are
+/// Returns vertical positions \[px, downwards] at which labels do not overlap. The positions are
 /// near the wanted positions `heights`, which are sorted.
 ///
-/// Labels are first moved down until all are below `top` and apart from each other. Then they are
-/// moved up until none is below `bottom`. If there is too little room, some labels end above `top`.
+/// The function first moves labels down until all are below `top` and apart from each other. It
+/// then moves labels up until none is below `bottom`. If there is too little room, some labels end
+/// above `top`.
 fn spread_label_positions(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
     for &height in heights {

@@ -19,7 +19,8 @@ pub fn count_text(n: f64) -> String {
     }
 }
 
-/// Smallest number that is not rounded to 0.0 when it is written with one decimal place.
+/// Numbers whose absolute value is below this limit are rounded to 0.0 when they are written with
+/// one decimal place.
 const HALF_STEP: f64 = 0.05;
 
 /// Returns the text of a count with its sign, such as `+1.9 k`, `0` or `-12`.

@@ -7,7 +7,7 @@ fn knob_variant_labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArgu
     let pilot =
         PilotChosenSettings { samples_per_pixel: 1, unaimed_paths: 1000, aimed_paths: 0, gather_radius: Some(0.25) };
     let all = one_setting_variants(VariantArguments::from_algorithm(algorithm, &shared), &pilot);
-    // Each label, parsed as text, gives the variant that it names.
+    // Parsing the label of a variant gives the same variant.
     for named in &all {
         let again = VariantArguments::parse(&named.label, &all[0].method).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(format!("{:?}", again.method), format!("{:?}", named.method));
@@ -36,8 +36,9 @@ fn variants_change_one_setting_each() {
     ] {
         assert!(ends(expected), "{expected} is not in {pm:?}");
     }
-    // 1 base, 5 gather-k, 3 radii, 2 kernels, 2 photon counts, 1 spp, 1 adaptive and 2
-    // gatherings. Half of one camera ray is one, so `--spp` has one variant.
+    // The 17 variants: the method itself, 5 of `--gather-k`, 3 of `--radius`, 2 of `--kernel`, 2 of
+    // photon counts, 1 of `--spp`, 1 of `--adaptive` and 2 of `--final-gathering`. Half of one
+    // camera ray is rounded to one, so `--spp` has only one variant.
     assert_eq!((pm.len(), pm[0].as_str()), (17, "pm"));
     assert_eq!(knob_variant_labels(Algorithm::Path, |_| {}), ["path", "path --spp 2", "path --adaptive"]);
 }

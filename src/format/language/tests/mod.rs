@@ -90,7 +90,7 @@ fn values_beyond_single_precision_are_refused() {
         assert_first_error(&format!("{textures}{before} ‹{value}› }} }}"), &format!("`{name}` of"), largest);
     }
     assert_first_error("Materials { Dielectric { absorption ‹0 2e12 0› } }", "`absorption` of", "between 0 and 1e12");
-    // ln 2 / 1e-13 is 7e12.
+    // The absorption coefficient would be ln 2 / 1e-13, which is 7e12.
     assert_first_error(
         "Materials { Dielectric { tint 1 .5 1 tintDistance ‹1e-13› } }",
         "`tintDistance` of",
@@ -175,7 +175,7 @@ fn names_may_be_quoted_or_bare() {
 #[test]
 fn stated_counts_must_match_the_entries() {
     parse_with_camera("Lights { numLights 0 } Materials { numMaterials 0 } Group { numObjects 0 }").unwrap();
-    // Materials are not objects.
+    // Entries that set a material do not count as objects.
     parse_with_camera("Materials { Mirror { } } Group { MaterialIndex 0 numObjects 1 MaterialIndex 0 Group { } }")
         .unwrap();
     assert_first_error(
@@ -234,7 +234,7 @@ fn impossible_shapes_are_refused() {
         "the area would be 0",
     );
     assert_first_error("Group { Rectangle { corner 0 0 0 edge0 ‹0 0 0› edge1 1 0 0 } }", "`edge0`", "length above 0");
-    // Meshes hold triangles without area, so they are no error.
+    // A triangle without area is no error, because meshes contain such triangles too.
     parse_with_camera("Group { Triangle { vertex0 0 0 0 vertex1 0 0 0 vertex2 0 0 0 } }").unwrap();
     let three = "vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0";
     assert_first_error(

@@ -80,7 +80,7 @@ fn impossible_indices_are_refused() {
     assert_material_error(&of("indexOfRefraction 1.5 abbe ‹1e999›"), "too large for a number", "1.7e308");
     assert_material_error(&of("cauchy ‹1.5›"), "`cauchy` of `Dielectric`", "of n = A + B/λ² + C/λ⁴");
     assert_material_error(&of("cauchy ‹1 2 3 4›"), "`cauchy`", "B in µm²");
-    // B in nm².
+    // This B is in nm², not in µm².
     assert_material_error(&of("cauchy ‹1.5 4200›"), "`cauchy`", &format!("wants B in µm² and C in µm⁴: {range}"));
     assert_material_error(&of("cauchy ‹1.5 -1›"), "`cauchy`", range);
     assert_material_error(&of("cauchy ‹1e308 1e308›"), "`cauchy`", range);
@@ -90,7 +90,7 @@ fn impossible_indices_are_refused() {
         "`sellmeierC`",
         "as many numbers as `sellmeierB`, which has 2",
     );
-    // A resonance at 500 nm.
+    // This C puts a resonance at 500 nm, where the refractive index is infinite.
     assert_material_error(
         &of("sellmeierB 1 sellmeierC ‹.25›"),
         "`sellmeierC`",

@@ -24,8 +24,8 @@ pub struct CoatedDiffuseDescription {
     pub eta: f64,
     /// GGX α of the coat, inside \[0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
-    /// True if colors become deeper because light that is reflected between coat and base takes on
-    /// the base's color repeatedly, like `nonlinear` of Mitsuba's `plastic`.
+    /// True if colors become deeper, as with `nonlinear` of Mitsuba's `plastic`. Light that is
+    /// reflected between coat and base then takes on the base's color repeatedly.
     pub is_nonlinear: bool,
 }
 

@@ -44,7 +44,7 @@ fn unsupported_obj_statements_are_skipped() {
     let odd = "mtllib none.mtl\n# C:\\\no \u{fffd}\ng a b\ns off\nl 1 2\np 1\ncurv 0 1 2\nvp 1\n";
     assert_eq!(read_mesh_text(&format!("{odd}f 1 2 3\n{odd}f 1 3 4")), read_mesh_text("f 1 2 3\nf 1 3 4"));
     assert_eq!(read_mesh_text("g a \\\nf \\\nv 9 9 9\nf 1 2 3"), read_mesh_text("f 1 2 3"));
-    // A weight and a colour.
+    // The first vertex has a weight, and the second a colour. Both are ignored.
     let coloured = "v 0 0 0 2\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3";
     assert_eq!(read_obj_text(coloured).unwrap(), read_obj_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap());
 }
@@ -54,9 +54,9 @@ fn only_bitwise_equal_vertices_are_merged() {
     let again = "v 0 0 0\nv 1 1 0\nv -0 0 0\n";
     assert_eq!(read_mesh_text(&format!("{again}f 1 2 3\nf 5 6 4")).positions.len(), 4);
     assert_eq!(read_mesh_text(&format!("{again}f 1 2 3\ng b\nf 5 6 4")).positions.len(), 4);
-    // Zero has two signs, so two bit patterns.
+    // 0 and −0 have different bits, so vertices that differ in this sign stay separate.
     assert_eq!(read_mesh_text(&format!("{again}f 1 2 3\nf 7 3 4")).positions.len(), 5);
-    // A crease keeps its two normals.
+    // A vertex on a crease becomes two vertices, one for each of its two normals.
     let crease = read_mesh_text("vn 0 0 1\nvn 0 1 1\nf 1//1 2//1 3//1\nf 1//2 3//1 4//1");
     assert_eq!(crease.positions.len(), 5);
 }

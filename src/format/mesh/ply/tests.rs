@@ -92,7 +92,7 @@ fn every_number_type_is_read_in_both_endians() {
             }
             let mesh = read_ply_bytes(&text).unwrap();
             assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X * 3.0, DVec3::Y * 3.0], "{name} {encoding}");
-            // Each text ends at another position.
+            // The file is refused if it is cut off at any byte.
             for end in 0..text.len() {
                 assert!(read_ply_bytes(&text[..end]).is_err(), "{name} {encoding} {end}");
             }
@@ -172,7 +172,7 @@ fn oversized_counts_are_refused() {
             assert_refused(&text("3", "4294967295"), "a.ply:7: 4294967295 times `face` need");
         }
     }
-    // A list of 4294967295 corners, or a negative number of corners.
+    // The face states 4294967295 corners, or a negative number of corners.
     let start = format!("ply\nformat binary_little_endian 1.0\nelement vertex 1\n{VERTEX}element face 1\n");
     let listed = |count: &str, n: u8| {
         let header = format!("{start}property list {count} int vertex_indices\nend_header\n");
@@ -219,7 +219,7 @@ fn invalid_bodies_are_reported_with_position() {
 
 #[test]
 fn lists_longer_than_the_file_are_malformed() {
-    // The file is malformed, whatever the memory.
+    // The error is that the file is too short for its list, not that the list exceeds the memory.
     let text = format!("{}{SQUARE}4000000000 0 1 2\n", ply_header_text("ascii", 4, 1).replace("uchar int", "uint int"));
     let error = read(Path::new("a.ply"), text.as_bytes(), &(), Some(100_000)).unwrap_err().to_string();
     assert!(error.contains("a list of 4000000000 entries") && error.contains("cut short"), "{error}");
@@ -289,7 +289,7 @@ fn face_memory_is_checked_before_allocation() {
         Err(MeshError::OutOfMemory { needed, free: 31_000_000, .. }) => assert!(needed > 31_999_000, "{needed}"),
         other => panic!("{other:?}"),
     }
-    // The same in text, with many faces.
+    // Reading of a text file with many faces also keeps to the limit.
     let body = "3 0 1 2\n4 0 1 2 3\n".repeat(1000);
     let file = format!("{}{SQUARE}{body}", ply_header_text("ascii", 4, 2000)).into_bytes();
     let reading = |free| read(Path::new("a.ply"), &file, &(), Some(free));

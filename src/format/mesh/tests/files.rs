@@ -101,7 +101,8 @@ fn ply_writes_single_precision_values_as_float() {
         write_and_load(mesh, folder.path(), (MeshFormat::PlyBinary, name));
         std::fs::metadata(folder.path().join(name)).unwrap().len()
     };
-    // Four bytes less for each coordinate, and two letters less in three words of the header.
+    // A single-precision file has four bytes less for each coordinate. Its header has `float`
+    // instead of `double` in three lines, which is one letter less in each.
     assert_eq!(size(&long, "long.ply") - size(&short, "short.ply"), 600 * 3 * 4 + 3);
 }
 

@@ -48,8 +48,8 @@ fn a_ball_has_the_normals_of_a_sphere() {
 
 #[test]
 fn vertex_normals_are_weighted_by_angle() {
-    // One face of the cube's corner is divided twice there: the number of triangles must not
-    // matter.
+    // Of the three faces at a corner of the cube, one consists of three triangles there. The number
+    // of triangles must not matter.
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.2, 1.0, 0.0]];
     let mut corner = triangle_mesh(&points, &[[0, 1, 4], [0, 4, 5], [0, 5, 2], [0, 3, 1], [0, 2, 3]]);
     corner.compute_missing_smooth_normals(180.0);
@@ -88,7 +88,7 @@ fn degenerate_faces_do_not_affect_normals() {
     let normals = cube.normals.as_ref().unwrap();
     assert!(cube.triangles[..12].iter().flatten().all(|v| normals[*v as usize].is_normalized()));
     assert_eq!(normals.iter().filter(|n| **n == DVec3::ZERO).count(), 2);
-    // Tiny faces count like others.
+    // Faces with an area that underflows to 0 count like others.
     let mut tiny = scaled_and_translated_mesh(super::cube_mesh(), 1e-170, DVec3::ZERO);
     tiny.compute_missing_smooth_normals(180.0);
     assert!(tiny.normals.unwrap().iter().all(|n| n.is_normalized()));

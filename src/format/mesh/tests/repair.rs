@@ -19,7 +19,8 @@ fn repaired_mesh(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
     let repair = all_mesh_repairs(&broken);
     broken.repair(&repair);
     let report = broken.mesh_report();
-    // Sums may be taken in another order.
+    // The repaired mesh may have its triangles in another order, so that the sums round
+    // differently.
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
     assert!(near(report.area, whole.area) && near(report.volume.unwrap(), whole.volume.unwrap()), "{report:?}");
     let (area, volume, bounds_min, bounds_max) = (whole.area, whole.volume, whole.bounds_min, whole.bounds_max);
@@ -51,7 +52,8 @@ fn every_kind_of_defect_is_repaired() {
         worn.triangles.insert(2, [a, a, b]);
         worn.triangles.insert(0, [b, a, c]);
         worn.positions.push(DVec3::splat(9.0));
-        // Exactly on the line of the edge.
+        // Add a degenerate triangle with its third corner on the line of an edge, if rounding
+        // permits an exact position.
         let beyond = 2.0 * worn.positions[b as usize] - worn.positions[a as usize];
         if (beyond - worn.positions[b as usize]) == worn.positions[b as usize] - worn.positions[a as usize] {
             worn.positions.push(beyond);

@@ -5,7 +5,7 @@ use super::*;
 
 #[track_caller]
 fn assert_near(a: f64, b: f64) {
-    // Sums of some thousand terms.
+    // The values are sums of up to some thousand terms, which err by rounding.
     assert!((a - b).abs() <= 1e-12 * b.abs(), "{a} is not {b}");
 }
 
@@ -36,7 +36,7 @@ fn closed_solids_have_their_area_volume_and_genus() {
 fn open_and_one_sided_surfaces_are_reported() {
     let report = moebius_band_mesh(20).mesh_report();
     assert!(!report.is_orientable && !report.is_closed && report.is_manifold);
-    // One border runs around the band twice.
+    // The band has one border, which runs around it twice.
     assert_eq!((report.boundary_edges, report.euler_characteristic, report.volume, report.genus), (40, 0, None, None));
     let mut open = cube_mesh();
     open.triangles.truncate(10);
@@ -51,7 +51,7 @@ fn defects_are_counted() {
     odd.triangles[0].swap(1, 2);
     let report = odd.mesh_report();
     assert_eq!((report.inconsistent_edges, report.is_orientable, report.volume), (3, true, None));
-    // Two cubes that share an edge: it has four faces; the surface is pinched nowhere else.
+    // The edge that two cubes share has four triangles. The surface is pinched nowhere else.
     let two = union_of_meshes(cube_mesh(), &scaled_and_translated_mesh(cube_mesh(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
     let report = two.mesh_report();
     assert_eq!((report.non_manifold_edges, report.is_manifold, report.components, report.genus), (1, false, 1, None));
@@ -76,7 +76,7 @@ fn texture_seams_are_not_borders() {
     let report = seam.mesh_report();
     assert!(report.is_closed && report.has_normals);
     assert_eq!((report.genus, report.repeated_vertices), (Some(0), 0));
-    // Both zeros are one position.
+    // Vertices at 0 and at −0 have one position.
     let mut zeros = tetrahedron_mesh();
     zeros.positions.push(-DVec3::ZERO);
     zeros.triangles[0][0] = 4;

@@ -27,7 +27,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         let solid = self.add_mix_component("solid", solid, surface)?;
         match self.materials.list.mix_defect(&clear, &solid) {
             Some(MixDefect::TooDeep) => Err(too_deep_error(bsdf)),
-            // The transparent material is no body, so there are never two.
+            // The transparent material bounds no body, so a mask never mixes two dielectrics.
             Some(MixDefect::TwoDielectrics) | None => Ok(mix_of(clear, solid, opacity).into()),
         }
     }

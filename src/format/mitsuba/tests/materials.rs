@@ -30,7 +30,7 @@ fn principled_has_the_parameters_of_the_file() {
     let PrincipledDescription { base_color, metallic, roughness, eta, transmission, clearcoat, .. } = principled;
     assert_eq!(base_color, DVec3::new(0.1, 0.2, 0.3).into());
     assert_eq!([metallic, roughness, transmission], [0.25, 0.25, 0.75].map(TexturedValue::Constant));
-    // The reflectance along the normal is 0.04.
+    // A `specular` of 0.5 is a reflectance of 0.04 at normal incidence, so the index is 1.5.
     assert!((eta - 1.5).abs() < 1e-12, "{eta}");
     assert_eq!(clearcoat, TexturedValue::Constant(0.2));
     assert!((principled.clearcoat_roughness - 0.001).abs() < 1e-12);
@@ -59,7 +59,7 @@ fn spectra_in_scale_textures_keep_bright_radiance() {
 #[test]
 fn a_bsdf_of_many_blends_is_converted_once() {
     let scene = import_text(&(doubling_blends(8) + "<shape type=\"sphere\"><ref id=\"b0\"/></shape>"));
-    // Eight mixes and the diffuse BSDF.
+    // The materials are eight mixes and the diffuse BSDF.
     assert_eq!(scene.description.materials.len(), 9, "{:?}", scene.description.materials);
 }
 

@@ -17,7 +17,7 @@ fn octahedral_maps_preserve_areas() {
         counts[(cell.y * 8.0 + cell.x) as usize] += 1;
     }
     let expected = f64::from(n * n) / 64.0;
-    // Some points near the four borders of a cell fall outside.
+    // Some points near the four borders of a cell fall into other cells.
     assert!(counts.iter().all(|count| (f64::from(*count) / expected - 1.0).abs() < 0.05), "{counts:?}");
     assert!(octahedral_coordinates(DVec3::Z).abs_diff_eq(DVec2::splat(0.5), 1e-12));
     assert!(octahedral_coordinates(DVec3::X).abs_diff_eq(DVec2::new(1.0, 0.5), 1e-12));

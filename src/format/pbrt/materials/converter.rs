@@ -55,11 +55,13 @@ pub(super) struct PbrtMaterialConverter<'m> {
 /// is α itself.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum RoughnessMap {
-    /// Square root: the map of pbrt-v4.
+    /// Square root of the roughness, as in pbrt-v4.
     SquareRoot,
-    /// Polynomial of pbrt-v3. Its least α is 0.047, at roughness 0.001 and below.
+    /// Polynomial in the logarithm of the roughness, as in pbrt-v3. Its least α is 0.047, at
+    /// roughness 0.001 and below.
     Polynomial,
-    /// Polynomial of pbrt-v3 for roughness above 0; roughness 0 is smooth. The map of `glass`.
+    /// Polynomial of pbrt-v3 for roughness above 0; roughness 0 gives a smooth surface. pbrt-v3's
+    /// `glass` has this map.
     PolynomialOrSmooth,
 }
 
@@ -306,7 +308,7 @@ impl PbrtMaterialConverter<'_> {
     /// Converts the material `disney` of pbrt-v3.
     fn disney_description(&mut self, p: &Parameters) -> ReadResult<MaterialKindDescription> {
         let place = &p.place;
-        // `sheentint` has no effect without `sheen`.
+        // The list lacks `sheentint`, which has no effect without `sheen`.
         for name in ["anisotropic", "speculartint", "sheen", "flatness", "difftrans", "scatterdistance"] {
             if p.find(name).is_some_and(|value| value.numbers.iter().any(|number| *number != 0.0)) {
                 self.add_note(&format!("`{name}` of `disney` is ignored"), place);

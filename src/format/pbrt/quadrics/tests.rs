@@ -12,7 +12,8 @@ fn mesh_area(mesh: &TriangleMesh) -> f64 {
     mesh.triangles.iter().map(|triangle| mesh.triangle_area(*triangle)).sum()
 }
 
-/// Compares with exact areas. The area of the facets is smaller, because they lie inside.
+/// Compares the areas of meshes with the exact areas of the quadrics. Areas of meshes are smaller,
+/// because their facets lie inside the curved surfaces.
 #[test]
 fn facets_have_the_area_of_their_surface() {
     let cases = [

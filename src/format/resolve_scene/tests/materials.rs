@@ -107,7 +107,8 @@ fn mixes_resolve_to_material_indices() {
 
 #[test]
 fn a_mix_that_contains_itself_is_refused() {
-    // The parser refuses such names in a file. A description may be changed after parsing.
+    // The parser refuses a mix that contains itself. But a description may be changed after
+    // parsing.
     let text = format!("{CAMERA}Materials {{ Mirror a {{ }}\nMix m {{ first a second a amount 0 }} }} {BALL}");
     let mut description = parse("a.txt", &text).unwrap();
     if let MaterialKindDescription::Mix(MixDescription { second, .. }) = &mut description.materials[1].value.kind {

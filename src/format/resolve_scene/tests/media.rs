@@ -109,7 +109,7 @@ fn density_grids_fill_their_box() {
     let row = [-4.5, -3.0, -2.0, 0.0, 2.0, 3.0, 4.5].map(|x| at(&found, x, 0.5, 0.5));
     assert_eq!(row, [0.0, 2.0, 2.0, 4.0, 6.0, 6.0, 0.0]);
     assert_eq!((at(&found, 0.0, 1.5, 0.5), at(&found, 0.0, 0.5, -0.5)), (0.0, 0.0));
-    // A quarter turn about y takes x to −z; then it moves.
+    // A quarter turn about y takes x to −z. Then the grid moves.
     let turned = of("min -4 0 0 max 4 1 1 Transform { Translate 10 0 0 YRotate 90 }").unwrap();
     let is_nearly_equal = |a: f32, b: f32| assert!((a - b).abs() < 1e-5, "{a} {b}");
     is_nearly_equal(at(&turned, 10.5, 0.5, 2.0), 1.0);
@@ -207,7 +207,7 @@ fn clear_objects_cannot_emit() {
 
 #[test]
 fn unknown_medium_names_are_refused() {
-    // The parser refuses such names in a file. A description may be changed after parsing.
+    // The parser refuses unknown names of media. But a description may be changed after parsing.
     let text = format!("{CAMERA}{}", scene_text_with_media("Medium a { }", "Clear { medium a }"));
     let mut description = parse("a.txt", &text).unwrap();
     description.media.pop();

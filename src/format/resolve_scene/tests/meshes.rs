@@ -64,7 +64,7 @@ fn a_mesh_uses_scene_or_file_materials() {
     assert_eq!(visible_reflectance(&own, dvec3(0.1, 0.8, 9.0), Vec3::NEG_Z), Vec3::splat(0.5));
     let [Light::Area(lamp)] = own.lights() else { panic!("{:?}", own.lights()) };
     assert_eq!(lamp.radiance, vec3(3.0, 2.0, 1.0));
-    // Materials are added once.
+    // The materials of a file that two shapes use are added once.
     let twice = "TriangleMesh { file a.obj materials file }".repeat(2);
     assert_eq!(folder.resolve_scene_with_objects(&twice).materials().len(), 4);
 }
@@ -106,7 +106,8 @@ fn invalid_file_materials_are_reported_at_the_mesh() {
     assert!(folder.resolve_error_message(body).contains("a.mtl:2: `d` is 2"));
     std::fs::remove_file(folder.0.path().join("a.mtl")).unwrap();
     assert!(folder.resolve_error_message(body).contains("there is no material file"));
-    // Without `materials file`, the file keeps the material of the scene.
+    // Without `materials file`, the mesh keeps the material of the scene, so its material file may
+    // be missing.
     folder.resolve_scene_with_objects("TriangleMesh { file a.obj }");
 }
 
@@ -120,7 +121,7 @@ fn mesh_options_select_the_normals() {
     let (written, flat) = (Vec3::new(0.0, 1.0, 1.0).normalize(), Vec3::new(-1.0, 0.0, 1.0).normalize());
     assert!(is_nearly_equal(normal("", 0.9), written) && is_nearly_equal(normal("", 1.5), flat));
     assert!(is_nearly_equal(normal("normals none", 0.9), Vec3::Z));
-    // Faces at 45° to each other.
+    // The normals of the two faces are 45° apart, so an angle of 44° smooths nothing.
     assert!(
         is_nearly_equal(normal("smoothAngle 44", 1.5), flat) && is_nearly_equal(normal("smoothAngle 44", 0.9), written)
     );
@@ -152,8 +153,8 @@ fn file_materials_can_have_textures() {
     let path = folder.0.path().join("pictures/tile.exr");
     image::write(&path, &picture, &WriteOptions::default()).unwrap();
     let body = "TriangleMesh { file a.obj materials file }";
-    // At the middles of the two texels and off the edge between the triangles, with and without
-    // materials of the scene, still and moving.
+    // The rays hit the middles of the two texels, off the edge between the triangles. The mesh is
+    // at rest or moves, and the scene has materials or none.
     let reflectance_seen_from_front =
         |scene: &Scene, x: f64| visible_reflectance(scene, dvec3(x, 0.3, 9.0), Vec3::NEG_Z);
     for text in [body.to_owned(), format!("Moving {{ Translate 0 0 -.001 {body} }}")] {

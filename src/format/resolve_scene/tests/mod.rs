@@ -75,7 +75,8 @@ fn objects_before_any_material_use_the_first() {
 
 #[test]
 fn unknown_material_names_are_refused() {
-    // The parser refuses such names in a file. A description may be changed after parsing.
+    // The parser refuses unknown names of materials. But a description may be changed after
+    // parsing.
     let text = format!("{CAMERA}{MATERIAL_BLOCK_PARSERS}Group {{ MaterialName b }}");
     let mut description = parse("a.txt", &text).unwrap();
     description.materials.pop();
@@ -111,7 +112,7 @@ fn mirroring_preserves_the_outer_side() {
             assert_eq!(surface.emission, Vec3::ONE, "{scale} {shape}");
             assert!(surface.point.ng.z > 0.0 && surface.point.ns.dot(surface.point.ng) > 0.0, "{scale} {shape}");
         }
-        // Mirrored in its own plane's normal, a flat shape emits on its other side.
+        // A flat shape that is mirrored along its normal emits on its other side.
         let scene = resolve_scene_text(&format!("Group {{ Transform {{ Scale 1 1 -1 {shape} }} }}"));
         let from_front = visible_surface(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap().0.emission;
         let from_behind = visible_surface(&scene, dvec3(0.1, 0.1, -5.0), Vec3::Z).unwrap().0.emission;
@@ -131,7 +132,8 @@ fn shading_normals_use_the_inverse_transpose() {
 
 #[test]
 fn planes_move_with_their_transform() {
-    // y = 1 doubled is y = 2, moved by −5 is y = −3; a normal of length 2 halves the offset.
+    // The plane has normal length 2 and offset 2, so it lies at y = 1. It is doubled to y = 2, and
+    // then moved by −5 to y = −3.
     let scene =
         resolve_scene_text("Group { Transform { Translate 0 -5 0 UniformScale 2 Plane { normal 0 2 0 offset 2 } } }");
     let (surface, p) = visible_surface(&scene, dvec3(0.0, 3.0, 0.0), Vec3::NEG_Y).unwrap();
@@ -265,7 +267,7 @@ fn area_lights_have_the_given_strength() {
     assert!(is_nearly_equal(emission(10.0), vec3(0.0, 1.0 / (PI * PI), 0.0)));
     assert!(is_nearly_equal(emission(20.0), vec3(0.0, 0.0, 9.0 / (PI * 36.0 * PI))));
     assert_eq!(emission(30.5), vec3(1.0, 2.0, 3.0));
-    // Rectangle and disc are dark from behind, and all of them are black.
+    // A rectangle light is dark from behind. The surfaces of all area lights reflect nothing.
     assert_eq!(visible_surface(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
     assert!(scene.materials().iter().skip(1).all(|m| *m == Material::black()));
     let power = |i: usize| scene.lights()[i].power(scene.photon_domain());
@@ -337,10 +339,10 @@ fn the_camera_has_the_given_direction() {
         assert!((camera.center() + scene.origin() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
         let middle = camera.generate_ray(glam::vec2(15.0, 10.0), None).direction;
         assert!(is_nearly_equal(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
-        // `up` appears upward.
+        // The direction `up` appears upward in the picture.
         assert!(camera.generate_ray(glam::vec2(15.0, 0.0), None).direction.z > middle.z);
     }
-    // The parser refuses an `up` along the view. A description may be changed after parsing.
+    // The parser refuses an `up` along the view. But a description may be changed after parsing.
     let text = format!("{CAMERA}Group {{ }}");
     let mut description = parse("a.txt", &text).unwrap();
     description.camera.value.up = DVec3::Z;

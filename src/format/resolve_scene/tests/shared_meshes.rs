@@ -87,7 +87,7 @@ fn later_versions_parse_changed_meshes_only() {
     let (first, parsed) = resolve_after(None, &file(&scene_of_meshes(".5 .5 .5")));
     assert_eq!(parsed, 2);
 
-    // An edit of a material of the scene, and one of a material of a mesh.
+    // Edit a material of the scene, and a material in the MTL file of a mesh.
     let edited = file(&scene_of_meshes(".2 .7 .2"));
     fs::write(folder.path().join("b.mtl"), "newmtl red\nKd .1 .1 .9\nillum 1\n").unwrap();
     let (second, parsed) = resolve_after(Some(&first), &edited);
@@ -95,14 +95,15 @@ fn later_versions_parse_changed_meshes_only() {
     let (shared, fresh) = (picture_bits(&second.scene), picture_bits(&edited.resolve().unwrap()));
     assert!(shared == fresh && shared != picture_bits(&first.scene));
 
-    // An edit of a mesh.
+    // Edit the file of one mesh.
     fs::write(folder.path().join("a.obj"), TETRAHEDRON.replace("v 0 0 1", "v 0 0 1.5")).unwrap();
     let (third, parsed) = resolve_after(Some(&second), &edited);
     assert_eq!(parsed, 1);
     let (changed, fresh) = (picture_bits(&third.scene), picture_bits(&edited.resolve().unwrap()));
     assert!(changed == fresh && changed != shared);
 
-    // Other options give another mesh, and a mesh that the scene drops is forgotten.
+    // With other mesh options, the mesh is read again. A mesh that the scene no longer uses is
+    // dropped.
     let other_options = format!("{CAMERA}Group {{ TriangleMesh {{ file a.obj smoothAngle 9 }} }}");
     let (fourth, parsed) = resolve_after(Some(&third), &file(&other_options));
     assert_eq!((parsed, format!("{:?}", fourth.meshes).matches("obj").count()), (1, 1));
@@ -121,7 +122,7 @@ fn embedded_meshes_are_compared_bit_by_bit() {
     let only = |scene: &ResolvedScene| scene.meshes.expect_single_part();
     let same = resolve_after(Some(&first), &file_with(mesh.clone())).0;
     assert!(Arc::ptr_eq(&only(&same), &only(&first)) && only(&first).has_bvh());
-    // Both zeros are equal as numbers.
+    // 0 and −0 are equal as numbers, but not in their bits, so the mesh is not reused.
     let mut negated = mesh;
     negated.positions[0].z = -0.0;
     let other = resolve_after(Some(&first), &file_with(negated)).0;

@@ -27,7 +27,8 @@ fn texture_values_out_of_range_are_refused() {
         assert_eq!((error.line(), error.offending_text()), (3, "loud"), "{error}");
         assert!(error.message().contains("from 0 to 2") && error.remedy().contains("between 0 and 1"), "{error}");
     }
-    // Radiance has no upper bound, nor has a colour that is scaled down.
+    // Radiance has no upper bound. Neither has the diffuse color of `Phong`, because too bright a
+    // material is scaled down.
     resolve_scene_text(&ball_scene_text("Checker loud { color1 2 0 0 }", "Phong { diffuseColor loud emission loud }"));
 }
 
@@ -115,7 +116,8 @@ fn solid_textures_move_with_their_objects() {
             other => panic!("{other:?}"),
         };
         is_nearly_equal(at(&moved, dvec3(5.0 + 2.0 * x, 2.0 * y, 9.0)));
-        // XRotate takes (x, y, z) to (x, −z, y): where its z is seen from above.
+        // `XRotate 90` takes (x, y, z) to (x, −z, y). So a view from −y at the turned sphere shows
+        // the side that faced +z before.
         is_nearly_equal(visible_surface(&turned, dvec3(x, -9.0, y), Vec3::Y).unwrap().0.bsdf);
     }
 }

@@ -54,16 +54,15 @@ fn draws_are_spread_evenly() {
     assert!(mean(|draw| draw.noise_variate * draw.later_blur_variate).abs() < 0.1);
 }
 
-/// Half the noise needs four times as many passes. The uncertainty of the model widens the range.
-///
-/// Noise of 0.1 after 8 passes falls to 0.05 after 32 passes.
+/// Half the noise needs four times as many passes: noise of 0.1 after 8 passes falls to 0.05 after
+/// 32 passes. The uncertainty of the noise model widens the predicted range of passes.
 #[test]
 fn noise_alone_needs_four_times_the_passes() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);
     let PassRange { low, median, high } = range(forecast.stop_forecast(0.05, CENTER));
     assert!((31..=34).contains(&median), "{median}");
-    // The relative deviation of the variance is 0.2·¾. The tolerance includes the schedule of
-    // estimates.
+    // The relative deviation of the noise variance is 0.2·¾ (`NOISE_MODEL_DEVIATION`, and ¾ of the
+    // passes still to come). The tolerance includes the schedule of error estimates.
     let factor = libm::exp(1.2816 * 0.15);
     assert!((f64::from(low) * factor / 32.0 - 1.0).abs() < 0.08, "{low}");
     assert!((f64::from(high.unwrap()) / factor / 32.0 - 1.0).abs() < 0.08, "{high:?}");
@@ -81,7 +80,7 @@ fn forecast_uses_the_upper_end_of_the_interval() {
     assert!((f64::from(upper) / f64::from(center) / expected - 1.0).abs() < 0.06, "{upper} {center}");
 }
 
-/// The forecast for a target that the pilot has reached is at most the pilot's number of passes.
+/// If the passes made so far have reached a target, the forecast is at most their number.
 #[test]
 fn reached_targets_are_not_in_the_future() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);

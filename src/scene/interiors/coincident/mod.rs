@@ -1,9 +1,9 @@
 //! Coincident boundaries of dielectric bodies, such as the face that a liquid shares with its
 //! glass.
 //!
-//! A ray starts outside the position error of the boundary that it leaves, so it would miss a
-//! second boundary within that error. A path therefore crosses all coincident boundaries at once,
-//! entries before exits.
+//! The origin of a ray is offset by the position error of the boundary that the ray leaves. So the
+//! ray would miss a second boundary within that distance. A path therefore crosses all coincident
+//! boundaries at once, entries before exits.
 
 mod search;
 
@@ -68,8 +68,8 @@ impl CoincidentFaces {
     }
 }
 
-/// The dielectric bodies around a path before and after the path crosses a boundary, together with
-/// all boundaries that coincide with this one.
+/// The dielectric bodies around a path before and after the path crosses a boundary. All boundaries
+/// that coincide with this boundary are crossed together with it.
 pub(super) struct BoundarySides<'a> {
     /// The body whose refractive index holds on the side where the path arrives, with the body's
     /// material index; `None` is air.
@@ -80,7 +80,7 @@ pub(super) struct BoundarySides<'a> {
     /// True if the boundary and all that coincide with it are null interfaces.
     pub is_null_interface: bool,
     /// Greatest roughness α of the boundary and all boundaries that coincide with it, except null
-    /// interfaces. The roughness texture of a coincident boundary counts with its mean.
+    /// interfaces. For a coincident boundary with a roughness texture, the texture's mean counts.
     pub roughness: f32,
 }
 
@@ -106,8 +106,8 @@ impl InteriorStack {
     }
 }
 
-/// Returns the dielectric bodies before and after a path crosses `surface`, the boundary of `body`,
-/// together with all boundaries that coincide with it.
+/// Returns the dielectric bodies before and after a path crosses `surface`, the boundary of `body`.
+/// All boundaries that coincide with `surface` are crossed together with it.
 ///
 /// `stack` holds the bodies around the path before the crossing. `entering` is true if the path
 /// enters `body`.

@@ -9,20 +9,22 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Maximum number of faces (triangles or whole shapes) in a leaf of the search tree.
+/// Maximum number of faces (triangles or whole shapes) in a leaf of the tree that is searched for
+/// coincident boundaries.
 const LEAF_FACES: usize = 8;
 
-/// Largest number of pairs of faces that the search may test, divided by the number of faces. If
-/// the search needs more tests, all faces count as possibly coincident.
+/// Limit of the search for coincident boundaries: the number of pairs of faces that it may test,
+/// divided by the number of faces. If the search needs more tests, all faces count as possibly
+/// coincident.
 const PAIRS_PER_FACE: usize = 1000;
 
-/// Greatest number of pairs of profile leaves (short pieces of a profile curve) that the search may
-/// test where surfaces of revolution share their axis. If there are more pairs, whole surfaces
-/// count as possibly coincident.
+/// Greatest number of pairs of profile leaves (short pieces of a profile curve) that the search for
+/// coincident boundaries may test. Such pairs are tested where surfaces of revolution share their
+/// axis. If there are more pairs, whole surfaces count as possibly coincident.
 const MAX_PROFILE_LEAF_PAIRS: usize = 100_000_000;
 
-/// Factor from the size c + s of a bounding box to the margin by which the box is expanded. c is
-/// the greatest absolute coordinate of the box, and s the longest side.
+/// Margin by which a bounding box is expanded, divided by the size c + s of the box. c is the
+/// greatest absolute coordinate of the box, and s the longest side.
 ///
 /// The margin exceeds the position errors of two surface points (see
 /// `SurfacePoint::position_error`).
@@ -59,8 +61,8 @@ pub(in crate::scene) struct CoincidentFlags {
     triangles: Arc<[bool]>,
     /// For each shape, the part with which the boundary of another object may coincide.
     shapes: Arc<[CoincidentPart]>,
-    /// True if all primitives count as flagged: if there are two boundaries or more, and one of
-    /// them moves or is unbounded, so that it may be anywhere.
+    /// True if every primitive may coincide with another object's boundary. This is assumed if the
+    /// scene has two or more boundaries, and one of them moves or is unbounded.
     all_flagged: bool,
 }
 
@@ -198,7 +200,7 @@ fn flag_coaxial_pairs(
     mut budget: usize,
     shapes: &mut [CoincidentPart],
 ) {
-    // Drop duplicate pairs: the join tests two faces of one tree leaf in both orders.
+    // Drop duplicate pairs: the search may test two faces of one tree leaf in both orders.
     pairs.sort_unstable_by_key(|(i, j, _)| (*i, *j));
     pairs.dedup_by_key(|(i, j, _)| (*i, *j));
     for (i, j, margin) in pairs {
@@ -258,7 +260,7 @@ fn lie_on_one_side_of_plane(a: &[DVec3; 3], b: &[DVec3; 3], margin: f64) -> bool
     heights.iter().all(|h| *h > margin) || heights.iter().all(|h| *h < -margin)
 }
 
-/// A node of the search tree: a range of faces, and two children or none.
+/// A node of the tree over boundary faces: a range of faces, and two children or none.
 struct FaceTreeNode {
     bounds: Bounds,
     members: Range<usize>,

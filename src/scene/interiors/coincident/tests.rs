@@ -112,7 +112,7 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
             .body_materials(),
         &[1]
     );
-    // A film thinner than the position error has no effect.
+    // A layer thinner than the position error has no effect.
     assert_eq!(
         InteriorStack::EMPTY
             .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(1, false)]))
@@ -138,8 +138,8 @@ fn coincident_faces_are_unique_and_limited() {
     assert!(CoincidentFaces::NONE.is_empty());
 }
 
-/// A mix on a face that coincides with a face of glass resolves to its liquid component with the
-/// probability of this component.
+/// A path meets a face of glass that coincides with a face of a mix. The mix resolves to its liquid
+/// component with the probability of this component.
 ///
 /// The standard error over 4096 keys is 0.0072. The tolerance is 5.5 times as large.
 #[test]

@@ -10,7 +10,7 @@ use glam::{DMat3, DVec3};
 const PROFILE_INTERVALS: usize = 1024;
 
 /// Largest relative deviation from a coaxial map that counts as a rounding error. A coaxial map
-/// keeps the axis of revolution, and keeps circles around it.
+/// maps the axis of revolution to itself, and circles around the axis to such circles.
 ///
 /// Offsets of the axis are relative to the size of the surface, matrix entries to the largest
 /// entry, and deviations from circles to the squared radius.
@@ -68,8 +68,8 @@ impl CoaxialMap {
 }
 
 impl Revolution {
-    /// True if both surfaces surely have a common axis, and if circles around this axis in one
-    /// object space are circles in the other.
+    /// True if both surfaces surely have a common axis. Circles around this axis must also be
+    /// circles in the object spaces of both surfaces.
     pub(crate) fn shares_axis(&self, other: &Self) -> bool {
         CoaxialMap::new(other, self).is_some()
     }

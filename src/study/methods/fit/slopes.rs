@@ -3,8 +3,8 @@
 use crate::sampling::{Dimension, Key};
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
-/// Limit of the fit. The last checkpoint (measurement after a number of passes) has at most this
-/// many times the passes of any checkpoint that is fitted.
+/// Limit of the fit: a line is fitted only to checkpoints (measurements after a number of passes)
+/// with at least 1/`MAX_TAIL_PASS_RATIO` of the passes of the last checkpoint.
 const MAX_TAIL_PASS_RATIO: u32 = 16;
 
 /// Smallest number of checkpoints to which a line is fitted. A line through two checkpoints would
@@ -97,8 +97,8 @@ fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceChe
 /// Fits log-log slopes of one quantity (error, noise or bias) over time and over passes, through
 /// the checkpoints `tail`. Returns `None` if the quantity is not positive at one of them.
 ///
-/// `square` returns the squared quantity at a checkpoint, averaged over seeds. The second argument
-/// of `square` holds the weights of the seeds; `None` means equal weights.
+/// `square` returns the squared quantity at a checkpoint, as a mean over seeds. Its second argument
+/// holds the weights of the seeds in this mean; `None` means equal weights.
 ///
 /// Bootstrap replicates with random weights of the seeds give the confidence intervals. The slopes
 /// have no intervals with fewer than two `seeds`, or if more than 2.5 % of the replicates cannot be
@@ -119,8 +119,8 @@ fn fit_convergence_slopes(
     let replicates: Vec<[f64; 2]> = (0..BOOTSTRAP_REPLICATES)
         .filter_map(|replicate| fit_slopes(Some(&bootstrap_seed_weights(replicate, seeds))))
         .collect();
-    // Replicates whose `square` is not positive at a checkpoint are missing. An interval needs 97.5
-    // % of the replicates.
+    // Replicates whose `square` is not positive at a checkpoint are missing from `replicates`. A
+    // confidence interval needs 97.5 % of all replicates.
     let has_interval = seeds >= 2 && replicates.len() as u64 * 40 >= BOOTSTRAP_REPLICATES * 39;
     let slope = |value: f64, axis: usize| {
         let interval = has_interval.then(|| {
@@ -159,8 +159,8 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
     (values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
 }
 
-/// Returns the factor by which the standard deviation of the bootstrap replicates is multiplied to
-/// get the half-width of a 95 % confidence interval.
+/// Returns the factor of bootstrap intervals: the half-width of a 95 % confidence interval, divided
+/// by the standard deviation of the bootstrap replicates.
 ///
 /// For S seeds, the factor is the 97.5 % quantile of Student's t distribution times √(S/(S − 1)).
 /// The root corrects the variance of the bootstrap, which has the divisor S instead of S − 1

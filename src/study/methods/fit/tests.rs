@@ -96,7 +96,8 @@ fn slope_intervals_cover_theory() {
             {
                 let law = predicted_convergence_slopes(algorithm, quantity, &fit.checkpoint_passes, alpha).unwrap();
                 let [low, high] = slopes.unwrap().by_passes.confidence_interval.unwrap();
-                // Without bias, the slope of the error is that of noise, the steepest of the range.
+                // Without bias, only noise remains. Its slope is the steepest of the predicted
+                // range.
                 let law = if bias == 0.0 { SlopeRange { flattest: law.steepest, ..law } } else { law };
                 *covered += usize::from(low <= law.flattest && high >= law.steepest);
             }
@@ -112,8 +113,8 @@ fn fitted_slopes_match_theory() {
     let sppm = fit_convergence(&synthetic_method(Algorithm::Sppm, 4.0, DEFAULT_ALPHA, &passes, 2)).unwrap();
     let pm = fit_convergence(&synthetic_method(Algorithm::Pm, 4.0, 1.0, &passes, 3)).unwrap();
     // The logarithm of an estimated error has the standard deviation σ = 1/√(2 · SEEDS · PIXELS) =
-    // 0.031. For five checkpoints at distances of log 2, a fitted slope then has σ/√(10 log²2) =
-    // σ/2.19. The tolerance is four times this.
+    // 0.031. For five checkpoints at distances of log 2, a fitted slope then has the standard
+    // deviation σ/√(10 log²2) = σ/2.19. The tolerance is four times this.
     let close = |slopes: Option<ConvergenceSlopes>, slope: f64| {
         let ConvergenceSlopes { by_time, by_passes } = slopes.unwrap();
         assert!(
@@ -150,7 +151,7 @@ fn verdicts_name_the_cause_of_bias() {
         verdict_of(Algorithm::Sppm, 3.0, DEFAULT_ALPHA, &passes),
         ConvergenceVerdict::Expected { bias_floor: None, .. }
     ));
-    // The bias of `synthetic_method` is then 0.1 · 3.
+    // A method that `synthetic_method` makes for the argument 3 has the relative bias 0.1 · 3.
     let plateau = verdict_of(Algorithm::Pm, 3.0, 1.0, &passes);
     assert!(
         matches!(plateau, ConvergenceVerdict::Plateau { floor, cause: BiasCause::Radii(_) } if (floor - 0.3).abs() < 0.01),
@@ -252,7 +253,8 @@ fn plateaus_never_reach_smaller_errors() {
     assert!(matches!(time_to_tenth_of_error(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
-/// Above a constant bias, only the noise falls, so the predicted time follows from the noise alone.
+/// Only the noise of a method with constant bias falls, so the predicted time follows from the
+/// noise alone.
 ///
 /// The bias is 0.1, and the noise is 0.1 after 256 passes. For an error of 0.12, the squared noise
 /// must fall from 0.01 to 0.12² − 0.1² = 0.0044. It does so after 256 · 0.01/0.0044 passes.
@@ -290,7 +292,7 @@ fn predicted_times_are_limited_to_a_thousandfold() {
     assert!((high / (1000.0 * effort.cpu_seconds) - 1.0).abs() < 1e-9 && low < effort.cpu_seconds, "{low} {high}");
 }
 
-/// If the interval of a slope is too wide, there is no verdict.
+/// If the confidence interval of a slope is too wide, there is no verdict.
 ///
 /// The squared errors of the seeds vary by factors from 1/18 to 18 before the last checkpoint,
 /// so many slopes agree with them.
@@ -310,10 +312,11 @@ fn wide_intervals_give_no_verdict() {
     assert!(verdict.to_string().starts_with("cannot tell: slope "), "{verdict}");
 }
 
-/// The Pareto front and the recommendation hold the method with the least error at each time.
+/// The Pareto front holds the method with the least error at each time, and the recommendation the
+/// one with the least error after the time budget.
 ///
-/// A pass of the second method takes twice as long as one of the first. Its error begins at a third
-/// of the first method's error, and does not fall.
+/// A pass of the second method takes twice as long as one of the first. The error of the second
+/// method begins at a third of the first method's error, and does not fall.
 #[test]
 fn pareto_front_and_recommendation_have_least_error() {
     let mut early = method_without_noise();

@@ -45,7 +45,7 @@ impl SlopeRange {
 /// - In `sppm` and `hybrid`, camera paths add noise that falls as n^−½. The sum of this noise and
 ///   the photon noise follows no single power law, so its slope is a range.
 /// - All passes of `ppm` share their camera paths, so the noise of these paths does not fall.
-/// - In `hybrid`, later passes take less of the indirect light from photon estimates, so the bias
+/// - In `hybrid`, later passes take less of the indirect light from photon estimates. So the bias
 ///   of indirect light falls up to twice as steeply as the bias of caustics.
 /// - Bias stays constant with fixed radii (α = 1), and in algorithms that leave out light.
 ///
@@ -62,16 +62,16 @@ pub fn predicted_convergence_slopes(
     let [variance, bias] = variance_and_bias_slopes(passes, alpha);
     let noise = match algorithm {
         Sppm | Hybrid => SlopeRange::single_slope_range(0.5 * variance).enclosing_slope_range(independent),
-        // All passes of `ppm` share the camera paths, so more passes do not reduce their noise. The
-        // noise still differs between seeds.
+        // All passes of `ppm` share the camera paths, so more passes do not reduce the noise of
+        // these paths. This noise still differs between seeds.
         Ppm => SlopeRange::single_slope_range(0.0).enclosing_slope_range(independent),
         Path | Pm | Distributed | Whitted | Raycast => independent,
     };
     let bias = match algorithm {
         Path => None,
         Sppm | Ppm => Some(SlopeRange::single_slope_range(bias)),
-        // For indirect light, the weight of photon estimates falls as fast as their bias. So this
-        // part of the bias falls twice as steeply.
+        // For indirect light, the weight of photon estimates falls as fast as their bias. So the
+        // bias of indirect light falls twice as steeply.
         Hybrid => Some(SlopeRange { steepest: 2.0 * bias, flattest: bias }),
         Pm | Distributed | Whitted | Raycast => Some(SlopeRange::single_slope_range(0.0)),
     };

@@ -4,8 +4,8 @@ use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Limit of extrapolation. Let t be the processor time of the method's last checkpoint. A predicted
-/// time above this factor times t counts as unknown.
+/// Limit of extrapolation: a predicted time counts as unknown if it exceeds this factor times the
+/// processor time of the method's last checkpoint.
 ///
 /// The confidence interval of a predicted time p is also limited: to at least p divided by this
 /// factor, and at most p times this factor.
@@ -61,14 +61,14 @@ impl RenderEffort {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(tag = "how", rename_all = "lowercase")]
 pub enum TimeToError {
-    /// The error is already reached at the first checkpoint. Holds the time and work of that
-    /// checkpoint, which are upper bounds.
+    /// The method reaches the given error already at its first checkpoint. Holds the time and work
+    /// of that checkpoint, which are upper bounds.
     Within(RenderEffort),
-    /// The error is reached between two checkpoints. Holds time and work, interpolated between the
-    /// last checkpoint with a larger error and the checkpoint after it.
+    /// The method reaches the given error between two checkpoints. Holds time and work,
+    /// interpolated between the last checkpoint with a larger error and the checkpoint after it.
     Measured(RenderEffort),
-    /// The error is not yet reached at the last checkpoint. Holds time and work, extrapolated from
-    /// that checkpoint by the fitted slope.
+    /// The method has not yet reached the given error at its last checkpoint. Holds time and work,
+    /// extrapolated from that checkpoint by the fitted slope.
     Predicted {
         /// Time and work at which the extrapolated error equals the given error.
         effort: RenderEffort,
@@ -80,13 +80,14 @@ pub enum TimeToError {
         #[serde(rename = "seconds")]
         cpu_seconds_interval: Option<[f64; 2]>,
     },
-    /// The given error is never reached, because a bias remains that is at least as large.
+    /// The method never reaches the given error, because a bias remains that is at least as large.
     Never {
         /// Relative bias that remains after any number of passes.
         floor: f64,
     },
-    /// Time and work are unknown: no slope is fitted, the error of the method does not fall, or the
-    /// predicted time exceeds [`MAX_EXTRAPOLATION_FACTOR`] times the time of the last checkpoint.
+    /// Time and work are unknown. No slope is fitted, the error of the method does not fall, or the
+    /// predicted time exceeds a limit: [`MAX_EXTRAPOLATION_FACTOR`] times the time of the last
+    /// checkpoint.
     Unknown,
 }
 
@@ -114,8 +115,8 @@ pub fn time_to_error(
         return extrapolate_time_to_error(before, fit, verdict, error);
     };
     let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.mean_relative_squared_error()));
-    // If the later squared error is not positive, its logarithm is unknown: use the later
-    // checkpoint.
+    // If the squared error at `after` is not positive, its logarithm is unknown. Then take the time
+    // and work of `after`.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
     TimeToError::Measured(RenderEffort::interpolate_effort(
         RenderEffort::effort_at_checkpoint(before),
@@ -144,7 +145,7 @@ fn extrapolate_time_to_error(
     if let Some(floor) = floor.filter(|floor| *floor >= error) {
         return TimeToError::Never { floor };
     }
-    // Above a constant bias, only the noise falls: extrapolate the noise alone.
+    // If a constant bias remains, only the noise falls: extrapolate the noise alone.
     let (slopes, square, target) = match floor {
         Some(floor) => (
             fit.and_then(|fit| fit.noise),
@@ -171,7 +172,7 @@ fn extrapolate_time_to_error(
     TimeToError::Predicted { effort, cpu_seconds_interval: slope.confidence_interval.map(|ends| ends.map(end)) }
 }
 
-/// Returns the time and work at which the error of `method` falls to 1/10 of its value at the last
+/// Returns the time and work after which the error of `method` is 1/10 of its error at the last
 /// checkpoint. The result is extrapolated from that checkpoint.
 #[must_use]
 pub fn time_to_tenth_of_error(
@@ -190,9 +191,9 @@ pub fn time_to_tenth_of_error(
 /// Returns the relative error of `method` after `seconds` of processor time, interpolated between
 /// checkpoints or extrapolated from the last one.
 ///
-/// `None` if the time is before the first checkpoint, or if it is after the last one and no slope
-/// of the error is fitted. Also `None` if a checkpoint that is needed has an estimated squared
-/// error that is not positive.
+/// `None` in three cases. The time is before the first checkpoint. The time is after the last
+/// checkpoint, and no slope of the error is fitted. The estimated squared error of a checkpoint
+/// that is needed is not positive.
 #[must_use]
 pub fn error_after_cpu_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, seconds: f64) -> Option<f64> {
     let error = |c: &ConvergenceCheckpoint| Some(c.mean_relative_squared_error()).filter(|s| *s > 0.0).map(f64::sqrt);

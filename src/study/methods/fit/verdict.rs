@@ -24,8 +24,8 @@ const MAX_DECIDED_INTERVAL_WIDTH: f64 = 0.25;
 pub enum ConvergenceVerdict {
     /// The method has too few checkpoints (measurements after 1, 2, 4 … passes) for a fit.
     TooFewCheckpoints,
-    /// The error is too small to be measured: the confidence interval of its square contains 0, or
-    /// the error does not exceed the error of the reference.
+    /// The error is too small to be measured. It does not exceed the error of the reference, an
+    /// estimate of its square is not positive, or the confidence interval of its square contains 0.
     ErrorTooSmall {
         /// Relative error of the reference; `None` if the reference is taken as exact.
         reference_error: Option<f64>,
@@ -91,7 +91,7 @@ pub enum BiasCause {
     Radii([f32; 2]),
     /// The algorithm leaves out some light by design.
     OmittedLight,
-    /// No known cause: the algorithm should not be biased.
+    /// The cause of the bias is unknown: by theory, the algorithm has no such bias.
     Unknown,
 }
 
@@ -128,7 +128,8 @@ pub fn judge_convergence(
         return ConvergenceVerdict::NoInterval { slope };
     };
     let bias = predicted_slopes_of(ErrorComponent::Bias);
-    // Flattest slope that theory predicts for the noise, and for the bias unless it is constant.
+    // Flattest slope that theory predicts for the noise and for the bias. A constant or zero bias
+    // does not count.
     let flattest_falling_slope =
         bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
     if low > flattest_falling_slope

@@ -65,8 +65,8 @@ fn error_maps_are_logarithmic() {
     assert!(map.pixels().iter().zip(expected).all(|(a, b)| (*a - b).length() < 1e-5));
 }
 
-/// Differences are divided by the local radiance and the mean radiance: in a picture of radiance 2,
-/// by √(2² + 2²). See [`RelativeErrorWeights`].
+/// Differences are divided by √(L² + m²). L is the local radiance and m the median radiance of the
+/// reference: see [`RelativeErrorWeights`]. Both are 2 in a reference of uniform radiance 2.
 #[test]
 fn differences_are_relative_to_local_radiance() {
     let reference = Image::from_pixels(2, 1, vec![Vec3::splat(2.0); 2]).unwrap();

@@ -23,7 +23,7 @@ use std::fmt::Write;
 /// largest errors.
 const CROP_COUNT: usize = 2;
 
-/// Factor by which the page enlarges windows of pictures where errors are largest.
+/// Factor by which the page enlarges the windows of pictures in which errors are largest.
 const CROP_MAGNIFICATION: u32 = 4;
 
 /// Returns an HTML figure with three parts: the HTML `content`, the text `caption`, and the shell
@@ -65,7 +65,7 @@ pub(super) fn error_plot_html(result: &MethodStudyResult) -> String {
     let all = || series.iter().flat_map(|s| s.points.iter()).filter(|p| p.0 > 0.0 && p.1 > 0.0);
     let first = all().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let most = all().map(|p| p.1).fold(0.0, f64::max);
-    // The guide lines, which show the predicted slopes, start above all measured points.
+    // The guide lines, which show the slopes −1/2 and −1/3, start above all measured points.
     let guide = |slope: f64, label: &str| SlopeGuideLine {
         label: label.into(),
         slope,
@@ -114,7 +114,8 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     let last = method.checkpoints.last()?;
     let guide = |quantity: ErrorComponent, name: &str, square: f64| {
         let law = judged.predicted_convergence_slopes(method, quantity)?;
-        // The guide line lies below the measured line, which would hide it.
+        // Draw the guide line below the measured line, which would hide a guide line at the same
+        // height.
         let through = (last.cpu_seconds, 0.8 * square.max(0.0).sqrt());
         Some(SlopeGuideLine {
             label: format!("{name} {}", slope_text(law.flattest)),
@@ -124,7 +125,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
         })
     };
     let noise = guide(ErrorComponent::Noise, "noise", last.squared_noise);
-    // If noise hides the bias, the bias has no guide line.
+    // A bias that is small compared with the error is hidden by noise, so it gets no guide line.
     let bias = guide(ErrorComponent::Bias, "bias", last.squared_bias)
         .filter(|_| last.squared_bias > 0.1 * last.mean_relative_squared_error());
     let title = format!("Error, noise and bias of {}", method.label);

@@ -3,8 +3,8 @@
 use crate::study::methods::{MIN_THREAD_TIME_SHARE, MethodStudyResult};
 use crate::study::report::text::error_percent_text;
 
-/// Smallest ratio of a method's measured error to the error of the reference at which the measured
-/// error is reliable. Below the ratio, the report contains a warning.
+/// Smallest reliable value of a method's measured error, as a multiple of the error of the
+/// reference. If the measured error is smaller, the report contains a warning.
 ///
 /// At the ratio 3, the squared error of the reference is 1/9 of the squared error of the method.
 /// This changes the measured error by about 6 %.

@@ -30,7 +30,7 @@ fn flagged_triangles_of_cubes(scale: f64, shift: DVec3) -> [usize; 2] {
 #[test]
 fn only_faces_that_may_coincide_are_flagged() {
     let beside = |x: f64| flagged_triangles_of_cubes(0.5, DVec3::new(x, 0.25, 0.25));
-    // Of the unit cube, the two triangles of the shared wall are flagged. Of the small cube, this
+    // In the unit cube, the two triangles of the shared wall are flagged. In the small cube, this
     // wall and the four walls that end at it are flagged.
     assert_eq!(beside(1.0), [2, 10]);
     assert_eq!(beside(1.0 + 1e-7), [2, 10], "within the position error");
@@ -40,7 +40,8 @@ fn only_faces_that_may_coincide_are_flagged() {
     }
 }
 
-/// Scene of a glass from height −1 to 1 and a liquid from 0 to 3, which share the wall from 0 to 1.
+/// Scene of a glass and a liquid that share a wall. The glass reaches from height −1 to 1, the
+/// liquid from 0 to 3, and the shared wall from 0 to 1.
 fn coaxial_tubes() -> Scene {
     let mut builder = SceneBuilder::new();
     for (index, heights) in [(1.5, [-1.0, 1.0]), (1.33, [0.0, 3.0])] {
@@ -60,7 +61,8 @@ fn coaxial_surfaces_are_flagged_where_they_meet() {
     assert_eq!([(0, 0.25), (0, 0.75), (1, 0.2), (1, 0.8)].map(may), [false, true, true, false]);
 }
 
-/// Each tube has one leaf, so there is one pair of leaves to test.
+/// A budget of zero pairs of profile leaves does not suffice for two tubes of one leaf each, so
+/// both tubes are flagged wholly. With a budget of one pair, intervals are flagged.
 #[test]
 fn coaxial_surfaces_over_budget_are_flagged_wholly() {
     let scene = coaxial_tubes();

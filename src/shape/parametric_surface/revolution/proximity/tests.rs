@@ -11,8 +11,9 @@ fn surface(basis: &SplineBasis, controls: &[[f64; 2]]) -> Revolution {
     Revolution::new(basis, &controls).unwrap()
 }
 
-/// Asserts that the intervals of `a` are flagged that are within `margin` of `b`, and at most 1/16
-/// of all intervals. Points at two opposite azimuths stand for the circles around the axis.
+/// Asserts that all profile intervals of `a` within `margin` of `b` are flagged, and that fewer
+/// than 1/16 of all intervals are flagged. Points at two opposite azimuths stand for the circles
+/// around the axis.
 #[track_caller]
 fn assert_flags(a: &Revolution, b: &Revolution, margin: f64) {
     let points = |s: &Revolution| -> Vec<(f32, DVec3)> {
@@ -30,8 +31,9 @@ fn assert_flags(a: &Revolution, b: &Revolution, margin: f64) {
     assert!(count(&near) > 0 && count(&flags) < PROFILE_INTERVALS / 16, "{} {}", count(&near), count(&flags));
 }
 
-/// The second liquid lies on the other side of the axis in its profile's plane, the third crosses
-/// the axis. Maps tilt, stretch and mirror.
+/// The flags of a glass wall and a liquid cover the profile intervals near the other surface. The
+/// second liquid's profile lies on the other side of the axis, and the third crosses the axis. The
+/// maps shift, tilt, stretch and mirror both surfaces.
 #[test]
 fn flags_cover_what_is_near_and_little_more() {
     let basis = SplineBasis::bezier_basis(4).unwrap();
@@ -69,7 +71,7 @@ fn surfaces_beside_or_across_each_other_do_not_share_an_axis() {
         moved(Transform::IDENTITY.translated(DVec3::X * 1e-6)),
         moved(Transform::new(DAffine3::from_rotation_z(0.01)).unwrap()),
         moved(Transform::new(DAffine3::from_scale(DVec3::new(1.0, 1.0, 1.01))).unwrap()),
-        // A 1 : 2 ellipse, which is small beside the height.
+        // A tube with an elliptic cross-section (axes 1 : 2) that is tiny compared with the height.
         moved(Transform::new(DAffine3::from_scale(DVec3::new(1e-5, 1.0, 2e-5))).unwrap()),
     ] {
         assert!(!tube.shares_axis(&other));
