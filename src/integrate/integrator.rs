@@ -41,8 +41,8 @@ pub trait Integrator: Send + Sync {
 
     /// Returns the mean number of prefix rays per pixel and pass.
     ///
-    /// Prefix rays are extra camera paths that end at the first surface that stores photons, such as
-    /// a diffuse wall.
+    /// Prefix rays are extra camera paths that end at the first surface that stores photons, such
+    /// as a diffuse wall.
     fn prefix_rays_per_pixel(&self) -> f64 {
         0.0
     }

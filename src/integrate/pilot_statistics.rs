@@ -1,5 +1,7 @@
 //! Statistics that several pilots (small simulations before the first pass) compute.
 
+use crate::math::square_sum;
+
 /// Returns the median of the positive `values`: the upper of the two middle ones if their number is
 /// even. `None` if no value is positive.
 pub(super) fn positive_median(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -11,22 +13,8 @@ pub(super) fn positive_median(values: impl Iterator<Item = f64>) -> Option<f64> 
 /// Returns the mean of `value` over the box of pixels that are at most `half_width` columns and
 /// rows away from pixel `center`.
 ///
-/// Pixels are indexed by rows from the top, in a picture of (`width`, `height`) pixels.
-pub(super) fn box_mean(
-    value: impl Fn(usize) -> f64,
-    center: usize,
-    half_width: usize,
-    (width, height): (usize, usize),
-) -> f64 {
-    let (x, y) = (center % width, center / width);
-    let columns = x.saturating_sub(half_width)..width.min(x + half_width + 1);
-    let rows = y.saturating_sub(half_width)..height.min(y + half_width + 1);
-    let count = (columns.len() * rows.len()) as f64;
-    let mut sum = 0.0;
-    for y in rows {
-        for pixel in y * width + columns.start..y * width + columns.end {
-            sum += value(pixel);
-        }
-    }
+/// Pixels are indexed by rows from the top, in a picture of `size` pixels (width, height).
+pub(super) fn box_mean(value: impl Fn(usize) -> f64, center: usize, half_width: usize, size: (usize, usize)) -> f64 {
+    let (sum, count) = square_sum(value, center, half_width, size);
     sum / count
 }

@@ -1,4 +1,4 @@
-//! Rays, boxes, frames, transforms, sampling warps, exact sums and error bounds.
+//! Rays, boxes, frames, transforms, sampling warps, sums and error bounds.
 
 mod binned_sums;
 mod bounds;
@@ -9,6 +9,7 @@ mod frame;
 mod gcd;
 mod morton;
 mod motion;
+mod pixel_square;
 mod ray;
 mod transform;
 pub mod warp;
@@ -22,5 +23,6 @@ pub use frame::Frame;
 pub use gcd::gcd;
 pub use morton::morton_order;
 pub use motion::{Motion, MotionFactor, rotation_matrix, rotation_matrix_degrees};
+pub use pixel_square::square_sum;
 pub use ray::{Ray, offset_ray_origin};
 pub use transform::{SingularTransformError, Transform};

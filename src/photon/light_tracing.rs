@@ -1,151 +1,21 @@
 //! Light tracing: connects caustic photons to the camera and splats their light on the film.
 //!
-//! A density estimate blurs a caustic over its disc. Splats do not blur, but are noisy where few
-//! photons fall in a pixel. Each caustic photon therefore divides its flux: a fraction, the
-//! *share*, goes to density estimates, and the rest to its splat. The share depends only on film
-//! position, so all light is counted exactly once.
-//!
-//! The method is described by Veach 1997, section 10.3. Shares take the place of multiple
-//! importance sampling weights (Georgiev et al. 2012).
+//! The method is described by Veach 1997, section 10.3. [`PassDensityEstimateShares`] takes the
+//! place of multiple importance sampling weights (Georgiev et al. 2012): each caustic photon divides
+//! its flux between density estimates and its splat.
 
 use super::PhotonKind;
+use super::density_estimate_shares::PassDensityEstimateShares;
 use super::deposits::{Deposit, DepositPlace, Splat};
 use super::surface_photon::SHARE_STEPS;
 use crate::bsdf::TransportMode;
 use crate::camera::{Camera, CameraConnection, Filter};
-use crate::color::{self, Rgb};
+use crate::color::Rgb;
 use crate::math::Ray;
 use crate::sampling::{Dimension, Key};
 use crate::scene::{Interior, PathRay, Scene, SurfaceInteraction};
-use glam::{DVec3, Vec2};
+use glam::DVec3;
 use rayon::prelude::*;
-
-/// Number of caustic photons per pixel at which their flux is split equally in the first pass: half
-/// to density estimates, half to splats.
-///
-/// In pixels with fewer photons, splats are noisier, so density estimates get more than half.
-const EQUAL_SHARE_PHOTON_COUNT: f64 = 0.5;
-
-/// Number of splats that is enough to estimate the number of caustic photons per pixel. The splats
-/// of a small simulation before the render (pilot) are counted in a square around the pixel. The
-/// square grows until it holds this number or has its largest size. Splats of unequal values v
-/// count as (Σv)²/Σv².
-///
-/// With fewer splats, the split of caustic flux between density estimates and splats would vary
-/// randomly from pixel to pixel, and this noise would show in the picture.
-const ENOUGH_SPLATS: f64 = 16.0;
-
-/// Largest half width \[pixels] of the square around a pixel in which splats are counted to
-/// estimate the number of caustic photons. The largest square has 2·8 + 1 columns and rows.
-const MAX_HALF_WIDTH: u32 = 8;
-
-/// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film. The
-/// rest of the flux goes to a splat, which adds it directly to the film (light tracing).
-///
-/// The fraction falls from pass to pass, because the mean of n passes divides the variance of
-/// splats by n, but the bias of density estimates only by about ∛n.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DensityEstimateShares {
-    width: u32,
-    height: u32,
-    /// Ratio of the caustic flux that splats carry to the flux that density estimates use, for each
-    /// pixel in the first pass, by rows from the top. It is infinite where splats carry all flux.
-    first_pass_ratios: Vec<f32>,
-}
-
-/// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film, in
-/// one given pass. [`DensityEstimateShares`] holds the data for all passes.
-#[derive(Clone, Copy, Debug)]
-pub struct PassDensityEstimateShares<'a> {
-    shares: &'a DensityEstimateShares,
-    /// Ratio of splat flux to density estimate flux in this pass, divided by the same ratio in the
-    /// first pass. In pass i, counted from 0, this growth is (i + 1)^⅔.
-    ratio_growth: f32,
-}
-
-impl DensityEstimateShares {
-    /// Computes, for each pixel, the fraction of caustic flux that density estimates use. In pass
-    /// i, counted from 0, this fraction is 1/(1 + 4n²(i + 1)^⅔), where n is the estimated number of
-    /// caustic photons per pixel and pass.
-    ///
-    /// The number n is estimated from the `splats` of a small simulation before the render: their
-    /// effective number per pixel, in a square around the pixel, times `ratio`. `ratio` is the
-    /// number of photon paths in a pass, divided by their number in that simulation. At foci, where
-    /// density estimates have rare large errors, n is large, and its square makes the fraction
-    /// small.
-    #[must_use]
-    pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
-        let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
-        let mut sums = vec![(0.0, 0.0); width as usize * height as usize];
-        for splat in splats {
-            if let Some((x, y)) = pixel_at_film_position(splat.film_position, width, height) {
-                let value = f64::from(color::channel_mean(splat.integrated_radiance));
-                let sum = &mut sums[index(x, y)];
-                *sum = (sum.0 + value, sum.1 + value * value);
-            }
-        }
-        // Effective number of splats in a square of pixels around (x, y), and the number of pixels.
-        let effective_count = |x: u32, y: u32, half_width: u32| {
-            let range = |at: u32, size: u32| at.saturating_sub(half_width)..size.min(at + half_width + 1);
-            let (columns, rows) = (range(x, width), range(y, height));
-            let pixels = (columns.len() * rows.len()) as f64;
-            let (sum, squares) = rows
-                .flat_map(|y| columns.clone().map(move |x| index(x, y)))
-                .fold((0.0, 0.0), |(sum, squares), i| (sum + sums[i].0, squares + sums[i].1));
-            (if squares > 0.0 { sum * sum / squares } else { 0.0 }, pixels)
-        };
-        let first_pass_ratio = |pixel: usize| {
-            let (x, y) = (pixel as u32 % width, pixel as u32 / width);
-            let mut half_width = 1;
-            let (mut count, mut pixels) = effective_count(x, y, half_width);
-            while count < ENOUGH_SPLATS && half_width < MAX_HALF_WIDTH {
-                half_width *= 2;
-                (count, pixels) = effective_count(x, y, half_width);
-            }
-            let relative = ratio * count / pixels / EQUAL_SHARE_PHOTON_COUNT;
-            (relative * relative) as f32
-        };
-        let first_pass_ratios = (0..sums.len()).into_par_iter().map(first_pass_ratio).collect();
-        Self { width, height, first_pass_ratios }
-    }
-
-    /// Returns the split in which splats carry all caustic flux and density estimates none, for all
-    /// pixels of a film of the given width and height \[pixels].
-    #[must_use]
-    pub fn all_to_splats((width, height): (u32, u32)) -> Self {
-        Self { width, height, first_pass_ratios: vec![f32::INFINITY; width as usize * height as usize] }
-    }
-
-    /// Returns the fractions of caustic flux that density estimates use in pass `pass`, counted
-    /// from 0.
-    #[must_use]
-    pub fn in_pass(&self, pass: u32) -> PassDensityEstimateShares<'_> {
-        let root = libm::cbrt(f64::from(pass) + 1.0);
-        PassDensityEstimateShares { shares: self, ratio_growth: (root * root) as f32 }
-    }
-}
-
-impl PassDensityEstimateShares<'_> {
-    /// Returns the fraction of caustic flux that density estimates use at `film_position` \[pixels
-    /// from the top left], in units of 1/[`SHARE_STEPS`]. Outside the film, the fraction is 1.
-    #[inline]
-    fn share_steps_at_film_position(&self, film_position: Vec2) -> u8 {
-        let DensityEstimateShares { width, height, first_pass_ratios } = self.shares;
-        pixel_at_film_position(film_position, *width, *height).map_or(SHARE_STEPS, |(x, y)| {
-            let ratio = self.ratio_growth * first_pass_ratios[y as usize * *width as usize + x as usize];
-            (f32::from(SHARE_STEPS) / (1.0 + ratio)).round() as u8
-        })
-    }
-}
-
-/// Returns column and row of the pixel that contains `film_position` \[pixels from the top left];
-/// `None` outside the film.
-#[inline]
-fn pixel_at_film_position(film_position: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
-    let inside =
-        film_position.cmpge(Vec2::ZERO).all() && film_position.x < width as f32 && film_position.y < height as f32;
-    inside.then_some((film_position.x as u32, film_position.y as u32))
-}
 
 /// Connects caustic photons to the camera of a scene, and splats their light on the film.
 #[derive(Clone, Copy, Debug)]

@@ -5,6 +5,7 @@ mod beam;
 mod beam_thinning;
 mod concatenation;
 mod coverage;
+mod density_estimate_shares;
 mod deposits;
 mod emit;
 mod estimate;
@@ -24,14 +25,13 @@ pub use audit::EnergyAudit;
 pub use beam::{BeamIntersection, PhotonBeam, PhotonBeamMap};
 pub use beam_thinning::thin_beams;
 pub use coverage::{disc_coverage, nested_disc_coverage};
+pub use density_estimate_shares::{DensityEstimateShares, PassDensityEstimateShares};
 pub use deposits::{Deposits, Splat, VolumePhotons};
 pub use emit::PhotonSource;
 pub use estimate::{Bandwidth, NESTED_DISC_COUNT, NestedRadianceEstimate, PhotonSearchBuffers, RadianceEstimate};
 pub use guiding::{EmissionGuidingPilotSettings, EmissionGuidingReport};
 pub use kernel::{Kernel, UnknownKernel};
-pub use light_tracing::{
-    DensityEstimateShares, LightTracer, PassDensityEstimateShares, add_splats, add_splats_across_seams,
-};
+pub use light_tracing::{LightTracer, add_splats, add_splats_across_seams};
 pub use map::PhotonMap;
 pub use store_mask::{AFTER_CAUSTIC_THINNING, PhotonKind, StoreMask};
 pub use surface_photon::{Photon, PhotonAttributes};

@@ -1,7 +1,8 @@
-//! Division of flux between density estimates and splats, and splats on the film.
+//! Splats on the film.
 
 use super::*;
 use crate::camera::FilterKind;
+use glam::Vec2;
 
 const SIZE: (u32, u32) = (12, 8);
 
@@ -62,44 +63,5 @@ fn panorama_splats_keep_their_light_at_seam_and_poles() {
         for (x, y) in at_edges {
             assert!((sum_at(x, y) - middle).length() < 1e-5, "{kind:?} at {x}, {y}");
         }
-    }
-}
-
-/// With half a photon per pixel, density estimates and splats each get half of the flux of the
-/// first pass. With fewer photons, density estimates get more; with more photons, or in later
-/// passes, splats do.
-#[test]
-fn density_estimate_share_falls_with_photon_count() {
-    let splats = |count: u32| -> Vec<Splat> {
-        (0..SIZE.0 * SIZE.1)
-            .flat_map(|i| (0..count).map(move |_| splat_at((i % SIZE.0) as f32 + 0.5, (i / SIZE.0) as f32 + 0.5)))
-            .collect()
-    };
-    let step = |count: u32, ratio: f64, pass: u32| {
-        let shares = DensityEstimateShares::from_splats(&splats(count), SIZE, ratio);
-        let first = shares.first_pass_ratios[0];
-        assert!(shares.first_pass_ratios.iter().all(|ratio| *ratio == first), "uniform photons, uniform shares");
-        shares.in_pass(pass).share_steps_at_film_position(Vec2::new(6.0, 4.0))
-    };
-    assert_eq!((step(0, 1.0, 0), step(1, 0.05, 0), step(20, 1.0, 0)), (15, 15, 0));
-    assert_eq!((step(1, 0.5, 0), step(5, 0.1, 0), step(2, 0.25, 0)), (8, 8, 8));
-    // In the eighth pass, the ratio of fluxes is 8^(2/3) = 4 times as large as in the first.
-    assert_eq!((step(1, 0.25, 0), step(1, 0.25, 7)), (12, 8));
-    let shares = DensityEstimateShares::all_to_splats(SIZE);
-    let share = |x, y| shares.in_pass(3).share_steps_at_film_position(Vec2::new(x, y));
-    assert_eq!((share(11.9, 7.9), share(12.0, 1.0)), (0, 15));
-}
-
-/// A photon stores the fraction of its flux that density estimates use. Storing it changes the flux
-/// by less than 10⁻⁵.
-#[test]
-fn photons_store_their_density_estimate_share() {
-    use crate::photon::Photon;
-    use glam::Vec3;
-    let photon = Photon::new(Vec3::ONE, Rgb::new(0.2, 0.5, 0.3), Vec3::Z, Vec3::Z).unwrap();
-    for steps in 0..=SHARE_STEPS {
-        let data = photon.with_density_estimate_share(steps).attributes;
-        assert!((data.density_estimate_share() - f32::from(steps) / 15.0).abs() < 1e-6);
-        assert!((data.flux() - photon.attributes.flux()).length() < 2e-6);
     }
 }
