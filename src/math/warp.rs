@@ -134,11 +134,8 @@ mod tests {
         }
     }
 
-    /// Moments of warped points agree with integrals over the warped distributions. The moments are
-    /// means over the midpoints of a grid of n × n cells.
-    ///
-    /// The worst integrand behaves like a square root at an edge of the unit square. So the error
-    /// is O(n^−3/2) = 3·10⁻⁵.
+    /// Moments, as means over the midpoints of n × n cells, agree with integrals. The worst
+    /// integrand is a square root at an edge of the square, with an error of n^−3/2 = 3·10⁻⁵.
     #[test]
     fn warped_points_have_the_expected_moments() {
         let n = 1024u32;

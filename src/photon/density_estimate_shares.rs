@@ -37,9 +37,9 @@ const BLUR_WEIGHT: f64 = 10.0;
 const EQUAL_SHARE_PHOTONS: f64 = 10.0;
 
 /// Number of splats that is enough to estimate the number of photons per pixel. The splats of the
-/// pilot, a small simulation before the render, are counted in a square around the pixel. The square
-/// grows until it holds this number or has its largest size. Splats of unequal values v count as
-/// (Σv)²/Σv².
+/// pilot, a small simulation before the render, are counted in a square around the pixel. The
+/// square grows until it holds this number or has its largest size. Splats of unequal values v
+/// count as (Σv)²/Σv².
 ///
 /// With fewer splats, shares would vary randomly from pixel to pixel, and this noise would show in
 /// the picture.
@@ -86,9 +86,9 @@ pub struct PassDensityEstimateShares<'a> {
 
 impl DensityEstimateShares {
     /// Computes, for each pixel, the fraction of caustic flux that density estimates use. In pass
-    /// i, counted from 0, this fraction is 1/(1 + g·(i + 1)^⅔), with g = n·(1/50 + 10·b²) + (n/10)².
-    /// Here n is the estimated number of caustic photons per pixel and pass, and b² the estimated
-    /// squared relative error of a density estimate by blur.
+    /// i, counted from 0, this fraction is 1/(1 + g·(i + 1)^⅔), with g = n·(1/50 + 10·b²) +
+    /// (n/10)². Here n is the estimated number of caustic photons per pixel and pass, and b² the
+    /// estimated squared relative error of a density estimate by blur.
     ///
     /// Both are estimated from the `splats` of a small simulation before the render. `ratio` is the
     /// number of photon paths in a pass, divided by their number in that simulation.
@@ -107,8 +107,8 @@ impl DensityEstimateShares {
             -libm::log1p(n * (1.0 / DENSITY_ESTIMATE_PHOTONS + BLUR_WEIGHT * squared_blur) + relative * relative)
         };
         let log_shares: Vec<f64> = pixels.clone().into_par_iter().map(log_share).collect();
-        // An edge between different shares would show in the picture, because density estimates blur
-        // it and splats do not. So shares change only over distances as large as the disc.
+        // An edge between different shares would show in the picture, because density estimates
+        // blur it and splats do not. So shares change only over distances as large as the disc.
         let first_pass_ratio = |pixel: usize| {
             let half_width = disc_half_width(counts[pixel]) as usize;
             let size = (width as usize, height as usize);
@@ -262,14 +262,14 @@ struct BlurMap {
     rows: u32,
     /// Sums over the pixels of each block, by rows from the top.
     blocks: Vec<BlurSums>,
-    /// Sums over all pixels of the film, multiplied by [`FILM_BLUR_WEIGHT`] and divided by the number
-    /// of pixels.
+    /// Sums over all pixels of the film, multiplied by [`FILM_BLUR_WEIGHT`] and divided by the
+    /// number of pixels.
     film: BlurSums,
 }
 
 impl BlurMap {
-    /// Estimates blur from the splats of a pilot. `counts` holds the number of photons per pixel and
-    /// pass, for each pixel.
+    /// Estimates blur from the splats of a pilot. `counts` holds the number of photons per pixel
+    /// and pass, for each pixel.
     fn new(image: &SplatImage, counts: &[f64]) -> Self {
         let (columns, rows) = (image.width.div_ceil(BLOCK_SIZE), image.height.div_ceil(BLOCK_SIZE));
         let lit = image.sums.iter().filter(|sums| sums.values > 0.0).count().max(1);
@@ -320,9 +320,9 @@ fn disc_half_width(count: f64) -> u32 {
 }
 
 /// Estimates the squared error that blur causes in a density estimate at `pixel`, and the squared
-/// mean of the light in the disc of the estimate. Both are multiplied by the weight 1/(m² + `mean`²),
-/// where m is the mean of the light in the disc. The weight keeps bright pixels from hiding the blur
-/// of all others.
+/// mean of the light in the disc of the estimate. Both are multiplied by the weight 1/(m² +
+/// `mean`²), where m is the mean of the light in the disc. The weight keeps bright pixels from
+/// hiding the blur of all others.
 ///
 /// A square of pixels stands for the disc. It holds [`DENSITY_ESTIMATE_PHOTONS`] photons of a pass
 /// with `count` photons per pixel. The mean over a square of a third of its width stands for the

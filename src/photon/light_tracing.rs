@@ -1,8 +1,8 @@
 //! Light tracing: connects caustic photons to the camera and splats their light on the film.
 //!
 //! The method is described by Veach 1997, section 10.3. [`PassDensityEstimateShares`] takes the
-//! place of multiple importance sampling weights (Georgiev et al. 2012): each caustic photon divides
-//! its flux between density estimates and its splat.
+//! place of multiple importance sampling weights (Georgiev et al. 2012): each caustic photon
+//! divides its flux between density estimates and its splat.
 
 use super::PhotonKind;
 use super::density_estimate_shares::PassDensityEstimateShares;
