@@ -115,7 +115,10 @@ fn prefix_rays_line(mean: f64) -> Option<String> {
 }
 
 /// Returns a line with the fraction of indirect light that comes from photon estimates, in pass 1
-/// and in pass 100. Returns `None` if all indirect light of pass 1 comes from camera paths.
+/// and in pass 100. Returns `None` if this fraction is 0 in pass 1.
+///
+/// Here, indirect light excludes the indirect light of caustics, which photons always carry in
+/// `hybrid`.
 fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
     let percent = |pass| (100.0 * integrator.interreflection_photon_weight(pass)).round();
     let (first, later) = (percent(0), percent(99));

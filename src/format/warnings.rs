@@ -110,7 +110,8 @@ impl<'a> UsedSceneItems<'a> {
 
     /// Records the materials and dielectric meshes that the objects of a group use.
     ///
-    /// `material` is the index of the material of the next object. Entries of the group change it.
+    /// `material` is the index of the material that the scene text has selected for the next
+    /// object. Entries of the group may select another one; the function then changes `material`.
     fn collect_items_used_by_group(
         &mut self,
         description: &'a SceneDescription,
@@ -129,10 +130,12 @@ impl<'a> UsedSceneItems<'a> {
         }
     }
 
-    /// Records the materials and dielectric meshes that an object uses.
+    /// Records the material and the dielectric mesh that `object` uses. For a group, records those
+    /// of all its objects.
     ///
-    /// `material` is the index of the object's material. If the object is a group, its entries
-    /// change `material`.
+    /// `material` is the index of the material that the scene text has selected for the next
+    /// object. If `object` is a group, entries of the group may select another one. The function
+    /// then changes `material`.
     fn collect_items_used_by_object(
         &mut self,
         description: &'a SceneDescription,

@@ -4,8 +4,8 @@ use super::Image;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Number of pixels on each side of the center in the window of 5 × 5 pixels over which
-/// [`RelativeErrorWeights`] averages radiance.
+/// Half width of the window of 5 × 5 pixels over which [`RelativeErrorWeights`] averages radiance:
+/// the number of pixels on each side of the center pixel.
 const NEIGHBORHOOD_HALF_WIDTH: usize = 2;
 
 /// Smallest number of pixels that a parallel loop gives to one task.

@@ -4,8 +4,9 @@
 //! all directions, and photon paths aimed at casters such as glass. With nᵢ samples, source i has
 //! variance σᵢ²/nᵢ and work cᵢ·nᵢ. For constant work, the variance is least if nᵢ ∝ σᵢ/√cᵢ.
 //!
-//! The balance keeps gather radii, and so the bias of photon estimates. Radii change with the
-//! number of photon paths only if the setting `gather_k` limits the photons of an estimate.
+//! The ray-photon balance does not change gather radii, and so keeps the bias of photon estimates.
+//! Radii change with the number of photon paths only if the setting `gather_k` limits the photons
+//! of an estimate.
 
 use super::pilot_statistics::positive_median;
 use crate::color::{self, Rgb};
@@ -61,7 +62,8 @@ pub(super) struct NoiseSource {
     /// Estimated time of one sample (one camera ray per pixel, or one photon path), divided by the
     /// time to trace one photon ray.
     pub work_per_sample: f64,
-    /// Number of samples (camera rays per pixel, or photon paths) before the balance changes it.
+    /// Number of samples (camera rays per pixel, or photon paths) before the ray-photon balance
+    /// changes it.
     pub sample_count: f64,
 }
 

@@ -282,7 +282,7 @@ fn scatter_at_caster<I: Interior>(
     let interior = path.path_ray.interior;
     let vertex = path.vertex_at_surface(paths, surface, &interior, caster.distance);
 
-    // Add direct light at glossy casters, unless photons carry the light that arrives over this
+    // Add direct light at glossy casters, unless photons carry the light that arrives via this
     // caster.
     if !surface.bsdf.is_specular() && policy.uses_nee && may_add_light_after(policy, path.history) {
         let direct = path.throughput * nee.estimate_direct_light(&vertex, continues, task);
@@ -292,7 +292,7 @@ fn scatter_at_caster<I: Interior>(
         return false;
     }
 
-    // Follow both branches at a smooth dielectric that the camera sees directly or over mirrors and
+    // Follow both branches at a smooth dielectric that the camera sees directly or via mirrors and
     // glass.
     if let Some(split) =
         surface.bsdf.reflect_and_refract(surface.wo, surface.point.ns, surface.point.ng, TransportMode::Radiance)

@@ -67,9 +67,11 @@ pub(super) fn map_paths_through_film_points<T: Send>(
     (results, counters)
 }
 
-/// Traces camera paths through `points`, in parallel by chunks of 64.
+/// Traces a camera path through each of `points`. Each parallel task traces at most 64 of them.
 ///
-/// Returns the value of `result` for each path, and the task of each chunk.
+/// Returns the value of `result` for each path, and the final state of each task, with its ray
+/// counts and records for pilots. If `repeats_in_nested_discs` is true, each photon estimate is
+/// repeated in smaller discs with the same center.
 fn trace_paths_by_chunks<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],

@@ -21,8 +21,8 @@ pub(super) struct FilmSampling<'a> {
     /// Number of rays of each pixel, divided by the mean over all pixels. `None` if all pixels get
     /// `samples_per_pixel` rays.
     pub relative_ray_counts: Option<&'a [f32]>,
-    /// Numbers and keys of [prefix rays](super::prefix_rays), extra camera paths that end at the
-    /// first surface that stores photons; `None` for no prefix rays.
+    /// Numbers and random keys of [prefix rays](super::prefix_rays), extra camera paths that end at
+    /// the first surface that stores photons; `None` for no prefix rays.
     pub prefix_rays: Option<PrefixRays<'a>>,
     /// True if each photon estimate is repeated in smaller gather discs with the same center. The
     /// differences between these estimates show the bias.
@@ -179,8 +179,8 @@ impl FilmSampling<'_> {
         (camera_rays, prefix_rays, aimed_rays)
     }
 
-    /// Makes one of the `rays` of a pixel, with its weights. `sampler` chooses its film point and
-    /// lens point.
+    /// Makes one ray of the set `rays` of a pixel, with its weights. `sampler` chooses its film
+    /// point and lens point.
     ///
     /// `corner` is the upper left corner of the pixel \[pixels from the top left]. `slice` is the
     /// index of the slice of the shutter interval in which the ray is traced.
@@ -193,9 +193,10 @@ impl FilmSampling<'_> {
         PixelRay { ray, filter_weight, prefix_weights: rays.prefix_weights }
     }
 
-    /// Makes one of the `rays` of a pixel in which some prefix rays are aimed at the lamp images
-    /// `images`: film regions where camera rays meet a small lamp. The ray gets an MIS weight,
-    /// because both aimed rays and rays that the pixel filter distributes find the same light.
+    /// Makes one ray of the set `rays` of a pixel in which some prefix rays are aimed at the lamp
+    /// images `images`: film regions where camera rays meet a small lamp. The ray gets an MIS
+    /// weight, because both aimed rays and rays that the pixel filter distributes find the same
+    /// light.
     ///
     /// `weights` holds the numbers of both kinds of rays. The other arguments are those of
     /// [`FilmSampling::generate_pixel_ray`]. The function is not inlined, so that the loop over

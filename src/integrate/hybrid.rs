@@ -11,7 +11,7 @@
 //!   and photons, and balance camera rays against photons. They divide caustics between photon
 //!   estimates and light tracing. They find the numbers of prefix rays, extra camera paths that end
 //!   at their first receiver.
-//! - **Each pass, photons**: trace photon paths aimed at casters. Where they reach a receiver over
+//! - **Each pass, photons**: trace photon paths aimed at casters. Where they reach a receiver via
 //!   casters, connect them to the camera (light tracing) and store photons in the caustic map. At
 //!   later receivers, store photons in the indirect map. Trace unaimed photon paths, which start in
 //!   all directions. Store their photons in the interreflection map once a receiver has reflected

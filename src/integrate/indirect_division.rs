@@ -97,15 +97,16 @@ pub(super) struct IndirectDivision {
 }
 
 /// Technique that finds the indirect light at the first *receiver* of each camera path of a pass:
-/// the first surface or medium that stores photons.
+/// the first surface or medium that stores photons. In `hybrid`, this light excludes the indirect
+/// light of caustics, because photon estimates always carry that light.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) enum IndirectTechnique<'a> {
-    /// Camera paths find all indirect light: they continue beyond their first receiver, the surface
-    /// or medium that stores photons.
+    /// Camera paths find all indirect light that does not come from caustics: they continue beyond
+    /// their first receiver, the surface or medium that stores photons.
     #[default]
     Paths,
     /// Photon density estimates at the first receiver (surface or medium that stores photons) find
-    /// all indirect light.
+    /// all indirect light, so camera paths end there.
     Photons,
     /// Camera paths and photon estimates, both with weight 1. A pilot (small simulation before the
     /// first pass) uses this to compare the two techniques.

@@ -2,9 +2,10 @@
 //! and photon estimates.
 //!
 //! It traces camera paths through each cell of a grid over the film. For each path, both techniques
-//! find all indirect light: the continued path, and a photon estimate at the path's first
-//! *receiver*, a surface or medium that stores photons. A second trial uses independent random
-//! numbers. The differences between the two trials measure the variance of each technique.
+//! find all indirect light that does not come from caustics: the continued path, and a photon
+//! estimate at the path's first *receiver*, a surface or medium that stores photons. A second trial
+//! uses independent random numbers. The differences between the two trials measure the variance of
+//! each technique.
 //!
 //! The bias of a photon estimate is proportional to the area of its disc. So twice the difference
 //! from an estimate with half the area measures the bias. Each trial measures it independently, and
@@ -36,7 +37,7 @@ const CELL_POINTS: u32 = 16;
 
 /// Smallest ratio of the photon paths of a pass to those of one trial: each of the indirect-light
 /// pilot's two trials traces at most 1/8 of the paths of a pass.
-const MIN_PHOTON_PATH_DIVISOR: u32 = 8;
+const MIN_PASS_TO_TRIAL_PATH_RATIO: u32 = 8;
 
 /// Largest number of photon paths in each of the indirect-light pilot's two trials.
 const MAX_PHOTON_PATHS: u32 = 1 << 17;
@@ -134,7 +135,7 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
     let unaimed_paths = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
     pilot.map_builder.compares_techniques = true;
-    let divisor = unaimed_paths.div_ceil(MAX_PHOTON_PATHS).max(MIN_PHOTON_PATH_DIVISOR);
+    let divisor = unaimed_paths.div_ceil(MAX_PHOTON_PATHS).max(MIN_PASS_TO_TRIAL_PATH_RATIO);
     let (cell_size, grid) = film_grid(renderer.scene.camera().size());
     let points = |trial: u32| -> Vec<FilmPoint> {
         let key = pilot_key(&pilot).pilot_trial_key(trial).purpose_key(Purpose::CameraPaths);

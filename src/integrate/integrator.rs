@@ -88,8 +88,8 @@ pub trait Integrator: Send + Sync {
 
     /// True if the scene has emitting media whose light on surfaces is missing from the picture.
     ///
-    /// Only camera paths that continue from surfaces find this light: media emit no photons, and
-    /// get no shadow rays.
+    /// Only camera paths that continue from surfaces find this light: photon paths never start in
+    /// media, and shadow rays never aim at media that emit light.
     fn omits_light_from_media(&self) -> bool {
         false
     }

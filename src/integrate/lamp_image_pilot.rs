@@ -1,7 +1,7 @@
 //! Pilot (small simulation before the first pass) that finds lamp images: film regions where camera
-//! rays meet a small lamp, directly or over specular surfaces.
+//! rays meet a small lamp, directly or via specular surfaces.
 //!
-//! The pilot traces camera rays, together with close neighbours, over all chains of specular
+//! The pilot traces camera rays, together with close neighbours, along all chains of specular
 //! vertices. Where a linear approximation predicts a lamp image nearby, the pilot moves the film
 //! point to that lamp image by Newton's method. The point on the lens stays fixed. So the pilot
 //! finds lamp images that cover a tiny part of a pixel. This is the search of Zeltner, Georgiev and
@@ -23,7 +23,7 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// Largest number of camera rays per pixel that search for lamp images: film regions where camera
-/// rays meet a small lamp, directly or over specular surfaces.
+/// rays meet a small lamp, directly or via specular surfaces.
 const MAX_RAYS_PER_PIXEL: u32 = 16;
 
 /// Largest number of lamps for whose lamp images the pilot searches. A lamp image is a film region
@@ -174,7 +174,7 @@ fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
     lamps.into_iter().map(|(_, lamp)| lamp).take(MAX_LAMPS).collect()
 }
 
-/// Search for lamp images: film regions where camera rays meet a small lamp, directly or over
+/// Search for lamp images: film regions where camera rays meet a small lamp, directly or via
 /// specular surfaces.
 struct ImageSearch<'a> {
     scene: &'a Scene,
@@ -246,9 +246,11 @@ impl ImageSearch<'_> {
         search_starts
     }
 
-    /// Searches for a lamp image from each of `search_starts`. From each lamp image that is found,
-    /// searches on for other parts of it. Makes at most `searches` searches, in descending order of
-    /// predicted noise. Returns the distinct lamp images.
+    /// Searches for lamp images (film regions where camera rays meet a small lamp) from
+    /// `search_starts`, those with the most predicted noise first. Skips starts that a found lamp
+    /// image already covers. After each lamp image that it finds, searches from the ends of this
+    /// lamp image for further parts, before the next start. Makes at most `searches` searches in
+    /// all. Returns the distinct lamp images.
     fn search_images<I: Interior>(
         &self,
         mut search_starts: Vec<ImageSearchStart>,
@@ -467,8 +469,8 @@ impl ImageSet {
         true
     }
 
-    /// True if a lamp image of light `light` over the specular vertices `chain` covers film point
-    /// `film` \[pixels], for rays through the point `on_lens` of the lens.
+    /// True if a lamp image of light `light`, seen via the specular vertices `chain`, covers film
+    /// point `film` \[pixels], for rays through the point `on_lens` of the lens.
     fn covers(&self, film: Vec2, on_lens: Vec2, light: u32, chain: SpecularChain) -> bool {
         let pixel = film.floor().as_ivec2();
         let images = self.by_pixel.get(&(pixel.x, pixel.y)).into_iter().flatten().map(|i| &self.images[*i as usize]);

@@ -19,7 +19,7 @@ enum_with_all! {
         /// it reaches the camera path's first receiver.
         Indirect,
         /// Light that reaches the camera path's first receiver (surface or medium that stores
-        /// photons) over one or more casters, such as glass, and over no other receiver.
+        /// photons) via one or more casters, such as glass, without another receiver before.
         Caustic,
     }
 }

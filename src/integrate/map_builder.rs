@@ -132,8 +132,9 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// simulation before the first pass) found it. `None` without such a pilot, or if the pilot
     /// left all of this light to camera paths.
     pub division: Option<Arc<IndirectDivision>>,
-    /// True if camera paths and photon estimates both find all indirect light, for a pilot (small
-    /// simulation before the first pass) that compares the two techniques.
+    /// True if camera paths and photon estimates both find all indirect light that does not come
+    /// from caustics. A pilot (small simulation before the first pass) uses this to compare the two
+    /// techniques.
     pub compares_techniques: bool,
     /// Radii of the density-estimation kernels in media in the first pass, for each map \[length].
     volume_radii: VolumeKernelRadiiPerMap,
@@ -153,7 +154,9 @@ impl<'a> PhotonMapBuilder<'a> {
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let mut request = policy.photon_map_request();
         if policy.indirect_photons != IndirectPhotons::Off && has_emitting_media(scene, policy.effects) {
-            // Media emit no photons. So if media emit light, camera paths carry all indirect light.
+            // Photons never start in media, so photon maps miss the light that media emit. If media
+            // emit light, `hybrid` therefore traces no unaimed photon paths: camera paths carry all
+            // indirect light that does not come from caustics.
             request.unaimed = StoreMask::NONE;
         }
         let source = |mask: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {

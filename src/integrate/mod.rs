@@ -9,11 +9,11 @@
 //!
 //! - *Receiver*: a surface or medium that stores photons, such as a diffuse wall or fog. *Caster*:
 //!   a surface that passes photons on, such as a mirror or glass. *Caustic*: light that reaches a
-//!   receiver over one or more casters. [`PhotonKind`](crate::photon::PhotonKind) has the exact
+//!   receiver via one or more casters. [`PhotonKind`](crate::photon::PhotonKind) has the exact
 //!   definitions.
 //! - *Prefix*: the part of a camera path up to its first receiver. *Prefix ray*: an extra camera
 //!   path that ends at its first receiver.
-//! - *Lamp image*: the part of the film at which camera rays meet a small lamp, directly or over
+//! - *Lamp image*: the part of the film at which camera rays meet a small lamp, directly or via
 //!   specular surfaces.
 //! - *Scattering point*: a point in a medium from which a shadow ray starts.
 //! - *Pilot*: a small simulation before the first pass, whose rays and photons no pass uses.

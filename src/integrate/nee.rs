@@ -57,8 +57,9 @@ pub(super) enum ScatterPointSampling {
     #[default]
     Unguided,
     /// Scattering points (points in a medium from which shadow rays start) follow no learned
-    /// distribution. A medium segment has many of them, and a pilot records the light that their
-    /// shadow rays find.
+    /// distribution. Each medium segment gets many of them, and the light that each of their shadow
+    /// rays finds is recorded. A pilot (small simulation before the first pass) learns from these
+    /// records where direct light arrives.
     Recorded,
     /// Scattering points (points in a medium from which shadow rays start) follow a distribution
     /// that a pilot has learned: most lie where direct light arrives.

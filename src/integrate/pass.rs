@@ -108,12 +108,12 @@ pub struct PassResult {
     ///
     /// Empty unless [`CameraPathSettings::clamp`](super::CameraPathSettings::clamp) is set.
     pub removed_by_clamp: Vec<Rgb>,
-    /// Pixels that were rendered a second time, with camera paths that only this pass traces. Each
-    /// pair holds the pixel's index in `image` and its radiance \[W/(m² sr)] by these paths.
+    /// Some pixels of `image`, rendered a second time with camera paths that no other pass traces.
+    /// Each pair holds the pixel's index in `image`, and its radiance \[W/(m² sr)] by these paths.
     ///
-    /// Empty unless all passes share the camera paths of `image` and the error is estimated. The
-    /// difference from `image` then shows the error of the shared paths, which more passes do not
-    /// reduce.
+    /// If all passes share the camera paths of `image`, more passes do not reduce the error of
+    /// these paths. The difference from `image` then shows this error. The list is empty if passes
+    /// do not share camera paths, or if the error is not estimated.
     pub unshared_path_pixels: Vec<(u32, Rgb)>,
 }
 

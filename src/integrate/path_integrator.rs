@@ -237,7 +237,7 @@ impl<'a> PathIntegrator<'a> {
             None
         };
         // Balance camera rays against photons. Use only effects that change the picture, so that
-        // the others do not change the balance.
+        // the others do not change the ray-photon balance.
         let balances = settings.allows_ray_photon_balance
             && settings.camera_paths.samples_per_pixel.is_none()
             && policy.allows_ray_photon_balance();

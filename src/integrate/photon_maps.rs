@@ -44,7 +44,7 @@ pub(super) enum PhotonMapChoice {
 /// Photon maps of one pass: the caustic, indirect and interreflection map, and the map that guides
 /// final-gathering rays.
 pub(super) struct PhotonMaps<'a> {
-    /// Caustic map: photons that went from a light over mirrors, glass and other casters to a
+    /// Caustic map: photons that went from a light via mirrors, glass and other casters to a
     /// surface or medium.
     pub caustic: PhotonDensityEstimator<'a>,
     /// Indirect map: photons that a diffuse surface, for example, has scattered; in `hybrid`, only

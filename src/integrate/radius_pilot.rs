@@ -250,8 +250,8 @@ fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
     distances.get(distances.len() / 2).map_or(0.0, |distance| width + spread * distance)
 }
 
-/// Traces 512 camera paths over casters, such as glass, up to the first surface that stores
-/// photons. Returns the segments of each path in scattering media.
+/// Traces 512 camera paths up to their first surface that stores photons. The paths reflect and
+/// refract at casters, such as glass. Returns the segments of each path in scattering media.
 fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);

@@ -99,8 +99,9 @@ struct LearnedGuide {
     shadow_rays: u64,
 }
 
-/// Learns which parts of media each of the `lights` lights reaches. Traces camera paths that send
-/// shadow rays from many points of media. Returns `None` if no shadow ray finds light.
+/// Learns which parts of media each of the lights reaches; `lights` is their number. Traces camera
+/// paths that send shadow rays from many points of media. Returns `None` if no shadow ray finds
+/// light.
 fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<LearnedGuide> {
     let (width, height) = renderer.scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
@@ -121,11 +122,13 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
     Some(LearnedGuide { guide: Arc::new(fit.fitted_guide()), mean_radiance, shadow_rays: samples().count() as u64 })
 }
 
-/// Chooses how many scattering points (starts of shadow rays in media) the guided sampling uses:
-/// the fewest for which variance times work is close to its lowest value. Returns the guided
-/// sampling with this number. Also returns its efficiency gain: variance times work of unguided
-/// sampling, divided by variance times work of the returned sampling. If the estimates have no
-/// noise, returns unguided sampling and 1 (no gain).
+/// Finds the best number of scattering points (points in media from which shadow rays start) for
+/// guided sampling. Tries several numbers, and chooses the smallest whose variance times work is
+/// close to the lowest value.
+///
+/// Returns guided sampling with this number, and its gain: variance times work of unguided
+/// sampling, divided by variance times work of guided sampling. If the estimates have no noise,
+/// returns unguided sampling and 1 (no gain).
 fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGuide) -> (ScatterPointSampling, f64) {
     let LearnedGuide { guide, mean_radiance, .. } = learned;
     let guided = TRIAL_POINTS_PER_PATH.map(|points| ScatterPointSampling::Guided {

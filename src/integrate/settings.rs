@@ -158,13 +158,14 @@ pub enum FinalGathering {
 /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid), photon estimates always carry it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IndirectPhotons {
-    /// Camera paths carry all indirect light.
+    /// Camera paths carry all of the indirect light that does not come from caustics.
     Off,
-    /// Camera paths and photon estimates each carry a part of the indirect light. A pilot (small
-    /// simulation before the first pass) finds these parts.
+    /// Camera paths and photon estimates each carry a part of the indirect light that does not come
+    /// from caustics. A pilot (small simulation before the first pass) finds these parts.
     #[default]
     Weighted,
-    /// Photon estimates carry all indirect light.
+    /// Photon estimates carry all indirect light. But if media emit light, camera paths carry the
+    /// indirect light that does not come from caustics, because photons never start in media.
     Full,
 }
 

@@ -55,8 +55,8 @@ impl ShutterSlice {
     }
 }
 
-/// Cameras of all slices of the shutter interval, and the key by which camera rays are divided
-/// among the slices.
+/// Cameras of all slices of the shutter interval, and the random key for the division of camera
+/// rays among the slices.
 pub(super) struct SlicedCameras<'a> {
     /// Camera at the time of each slice of the shutter interval.
     pub cameras: Vec<&'a Camera>,

@@ -207,8 +207,9 @@ pub fn render_surface_aovs(
     })
 }
 
-/// Follows a camera ray of `at_time`, over specular surfaces if `at_time.follows_specular` is true.
-/// Returns the AOVs of the surface that the ray reaches.
+/// Follows a camera ray of `at_time`. The ray is reflected and refracted at specular surfaces if
+/// `at_time.follows_specular` is true, and ends there otherwise. Returns the AOVs of the surface
+/// that the ray reaches.
 fn trace_ray<I: Interior>(at_time: &SceneAtTime<'_>, path_ray: PathRay<I>, sampler: Sampler) -> RayAovs {
     let SceneAtTime { scene, effects, follows_specular, .. } = *at_time;
     let mut found = RayAovs::default();

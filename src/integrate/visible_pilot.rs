@@ -23,7 +23,7 @@ const RAY_COUNT_RANGE: (u32, u32) = (2000, 20_000);
 const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
 /// Returns a map of the points that the camera sees on *receivers* (surfaces that store photons),
-/// directly or over casters such as glass or mirrors.
+/// directly or via casters such as glass or mirrors.
 ///
 /// A photon within `radius` \[length] of such a point counts as visible. The radius is smaller if
 /// the visible part of the scene is small, and larger if the found points are sparse.

@@ -2,9 +2,9 @@
 //!
 //! # Algorithm
 //! - **Prepare**: nothing.
-//! - **Each pass**: follow camera rays over mirrors and glass, and split them at glass into a
-//!   reflected and a refracted branch. Shade other surfaces by shadow rays to the center of each
-//!   light. A branch ends if it is too deep or too faint.
+//! - **Each pass**: reflect camera rays at mirrors, and split them at glass into a reflected and a
+//!   refracted branch. Shade other surfaces by shadow rays to the center of each light. A branch
+//!   ends if it is too deep or too faint.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{IndirectPhotons, LightTracing, Settings};

@@ -173,10 +173,11 @@ mod tests {
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
-    /// The balance does not depend on the setting for unaimed photon paths if `hybrid` traces no
-    /// such paths.
+    /// The ray-photon balance (camera rays and photon paths per pass) does not depend on
+    /// `Settings::unaimed_paths` if `hybrid` traces no unaimed paths, photon paths that start in
+    /// all directions.
     ///
-    /// `hybrid` traces none if photon estimates of indirect light are off.
+    /// `hybrid` traces none if `indirect_photons` is off.
     #[test]
     fn untraced_photons_do_not_change_the_balance() {
         let mut builder = SceneBuilder::new();

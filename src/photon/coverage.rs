@@ -33,14 +33,15 @@ const MAX_FLAT_RISE: f32 = 1e-3;
 /// [`MAX_FLAT_RISE`].
 const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
 
-/// Returns the coverage: the kernel's integral over the real surface around `p`, divided by its
-/// integral over a flat disc.
+/// Returns the coverage: the fraction of the disc of `radius` \[length] around `p` that is surface,
+/// weighted by `kernel`. It is the kernel's integral over the surface around `p`, divided by the
+/// kernel's integral over the flat disc.
 ///
-/// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface. If
-/// the surface ends, bends or is occluded, the estimate is too dark (boundary bias, Jensen 2001,
-/// section 7.2.3). Division by the coverage corrects this bias. The coverage is measured by probe
-/// rays along −`normal`, at random positions from `key`. If one flat shape contains the disc, no
-/// rays are needed, and the coverage is 1. Hits on surfaces tilted by more than 60° do not count.
+/// A density estimate assumes that the whole disc is surface. If the surface ends, bends or is
+/// occluded, the estimate is too dark (boundary bias, Jensen 2001, section 7.2.3). Division by the
+/// coverage corrects this bias. The coverage is measured by probe rays along −`normal`, at random
+/// positions, which the random key `key` gives. If one flat shape contains the disc, no rays are
+/// needed, and the coverage is 1. Hits on surfaces tilted by more than 60° do not count.
 ///
 /// The coverage is at least 0.05. It is exactly 1 if the whole disc lies on a flat surface. It may
 /// exceed 1 where the surface is tilted against `normal`, because a tilted surface has more area

@@ -10,18 +10,18 @@
 ///   ([`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics)). A path has no vertex on a thin
 ///   sheet that it crosses straight on, since shadow rays cross the sheet, too
 ///   ([`Bsdf::straight_transmittance`](crate::bsdf::Bsdf::straight_transmittance)).
-/// - *Caustic*: light that goes from its source over one or more casters to a receiver.
+/// - *Caustic*: light that goes from its source via one or more casters to a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PhotonKind {
     /// Direct light: the path has no vertex between the light and the photon.
     Direct,
     /// Caustic: the path has one or more vertices between the light and the photon, all on casters.
     Caustic,
-    /// Indirect light of a caustic: the path has reached a receiver over one or more casters, and
-    /// has scattered there.
+    /// Indirect light of a caustic: the path has reached its first receiver via one or more
+    /// casters, and has scattered there.
     AfterCaustic,
-    /// Indirect light without a caustic: the path has reached a receiver straight from the light,
-    /// and has scattered there.
+    /// Indirect light that does not come from a caustic: the path went straight from the light to
+    /// its first receiver, and has scattered there. Later vertices may lie on casters.
     AfterDirect,
 }
 
@@ -35,7 +35,8 @@ pub struct StoreMask {
     /// True to store photons of the indirect light that caustics cause
     /// ([`PhotonKind::AfterCaustic`]).
     pub after_caustic: bool,
-    /// True to store photons of indirect light without a caustic ([`PhotonKind::AfterDirect`]).
+    /// True to store photons of indirect light whose path went straight from the light to its first
+    /// receiver ([`PhotonKind::AfterDirect`]). Later vertices may lie on casters.
     pub after_direct: bool,
     /// True to store only one in [`AFTER_CAUSTIC_THINNING`] photons of
     /// [`PhotonKind::AfterCaustic`], in separate lists.

@@ -122,7 +122,7 @@ impl SceneFeatures {
                 (false, false, false, false, false);
             scene.for_each_leaf_material(object.material, &mut |leaf| {
                 casts |= leaf.casts_caustics();
-                if let Some(body) = leaf.bounded_body {
+                if let Some(body) = leaf.enclosed_body {
                     bounds_body = true;
                     disperses |= body.glass.is_some();
                 } else if leaf.bsdf.stores_photons() {

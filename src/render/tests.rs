@@ -42,7 +42,7 @@ fn noisy_pass(number: u32, decades: f64) -> PassResult {
     }
 }
 
-fn empty_render() -> Render {
+fn render_without_passes() -> Render {
     (Film::new(SIZE.0, SIZE.1), ErrorEstimator::new(Some(LAW)))
 }
 
@@ -55,7 +55,7 @@ fn add_pass((film, estimator): &mut Render, number: u32, pass: &PassResult) {
 /// random order.
 fn render_in_parts(passes: &[PassResult], seed: u64) -> Render {
     let key = Key::new(seed).purpose_key(Purpose::Test);
-    let mut parts: Vec<Render> = (0..=seed % 9).map(|_| empty_render()).collect();
+    let mut parts: Vec<Render> = (0..=seed % 9).map(|_| render_without_passes()).collect();
     let mut order: Vec<u32> = (0..passes.len() as u32).collect();
     let rank = |i: &u32| uniform_random_number(key.child_key(u64::from(*i)));
     order.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
@@ -85,7 +85,7 @@ fn result_bits_and_error((film, estimator): &Render) -> (Vec<u64>, Vec<u32>, Err
 fn pass_order_and_merging_change_no_bit() {
     for (decades, count) in [(0.5, 40), (6.0, 23), (30.0, 40), (1.0, 5)] {
         let passes: Vec<PassResult> = (0..count).map(|number| noisy_pass(number, decades)).collect();
-        let mut whole = empty_render();
+        let mut whole = render_without_passes();
         (0..count).zip(&passes).for_each(|(number, pass)| add_pass(&mut whole, number, pass));
         let expected = result_bits_and_error(&whole);
         assert!(expected.2.error > 0.0 && expected.2.low < expected.2.high, "{:?}", expected.2);
@@ -108,7 +108,7 @@ fn infinities_and_nan_survive_merging() {
     passes[7].image[4].x = f32::NEG_INFINITY;
     passes[3].image[9].y = f32::NAN;
     passes[5].image[0].z = f32::INFINITY;
-    let mut whole = empty_render();
+    let mut whole = render_without_passes();
     (0..9).zip(&passes).for_each(|(number, pass)| add_pass(&mut whole, number, pass));
     let mean = whole.0.mean_picture();
     assert!(mean[4].x.is_nan() && mean[9].y.is_nan() && mean[0].z == f32::INFINITY);

@@ -98,7 +98,7 @@ pub enum Purpose {
     /// (points in media from which shadow rays start) are then chosen there.
     ScatterPointGuiding,
     /// Pilot simulation that finds lamp images: film regions in which a small lamp appears,
-    /// directly or over specular surfaces.
+    /// directly or via specular surfaces.
     LampImages,
     /// Extra camera paths that are aimed at lamp images, the film regions in which a small lamp
     /// appears. They end at the first surface that stores photons (aimed prefix rays).

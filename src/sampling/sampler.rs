@@ -3,7 +3,8 @@
 use super::{Dimension, Key, sobol_2d};
 use glam::Vec2;
 
-/// Source of random numbers for one sample: number `index` of `count` samples that share a key.
+/// Source of random numbers for one sample: number `index` of `count` samples that share a random
+/// key.
 ///
 /// Each number is uniform. In each dimension, the numbers of the `count` samples are stratified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,14 +15,15 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Creates the sampler of sample number `index` among `count` samples that share `key`.
+    /// Creates the sampler of sample number `index` among `count` samples that share the random key
+    /// `key`.
     #[must_use]
     pub fn new(key: Key, index: u32, count: u32) -> Self {
         Self { key, index, count }
     }
 
-    /// Sampler for the same sample with a child key, which is the hash of this key and the number
-    /// `n`.
+    /// Sampler for the same sample with a child of its random key: the hash of this key and the
+    /// number `n`.
     ///
     /// Other code should call a function with a specific name instead, such as
     /// [`Sampler::shadow_ray_sampler`].
@@ -80,7 +82,7 @@ impl Sampler {
         }
     }
 
-    /// Key for random numbers of this sample that need not be stratified over the samples. No other
+    /// Random key for numbers of this sample that need not be stratified over the samples. No other
     /// sample has this key.
     #[inline]
     #[must_use]
@@ -88,8 +90,8 @@ impl Sampler {
         self.key.child_key(u64::from(self.index))
     }
 
-    /// Index of this sample, and the number of samples that share its key. The random numbers of
-    /// these samples are stratified together.
+    /// Index of this sample, and the number of samples that share its random key. The random
+    /// numbers of these samples are stratified together.
     #[inline]
     #[must_use]
     pub fn sample_index_and_count(self) -> (u32, u32) {

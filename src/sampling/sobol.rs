@@ -5,10 +5,10 @@ use glam::Vec2;
 
 /// Point `index` of a two-dimensional Sobol' sequence with Owen scrambling, in \[0, 1)².
 ///
-/// `key` and `dimension` seed the scrambling; different seeds give independent sequences. Over
-/// random seeds, each point is uniformly distributed. If 2ᵏ consecutive indices start at a multiple
-/// of 2ᵏ, then each elementary interval of area 2⁻ᵏ contains one of their points. Source: Burley
-/// 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4).
+/// The random key `key` and `dimension` seed the scrambling; different seeds give independent
+/// sequences. Over random seeds, each point is uniformly distributed. If 2ᵏ consecutive indices
+/// start at a multiple of 2ᵏ, then each elementary interval of area 2⁻ᵏ contains one of their
+/// points. Source: Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4).
 #[inline]
 #[must_use]
 pub fn sobol_2d(index: u32, key: Key, dimension: Dimension) -> Vec2 {
@@ -74,8 +74,8 @@ mod tests {
         }
     }
 
-    /// Checks that one Sobol' point, averaged over many keys, has the mean ½ in both coordinates,
-    /// within five standard deviations. The variance of a uniform number is 1/12.
+    /// Checks that one Sobol' point, averaged over many random keys, has the mean ½ in both
+    /// coordinates, within five standard deviations. The variance of a uniform number is 1/12.
     #[test]
     fn each_sobol_point_alone_is_uniform() {
         let n = 20_000;

@@ -213,10 +213,10 @@ impl Material {
         self.normal_perturbation
     }
 
-    /// The dielectric body that this material bounds; `None` if it bounds none.
+    /// The dielectric body that a surface of this material encloses; `None` if it encloses none.
     #[inline]
     #[must_use]
-    pub fn bounded_body(&self) -> Option<&Body> {
+    pub fn enclosed_body(&self) -> Option<&Body> {
         self.kind.as_dielectric().map(|(body, _)| body)
     }
 

@@ -71,7 +71,7 @@ pub struct Scene {
     background: Rgb,
     geometry: Geometry,
     materials: Vec<Material>,
-    glasses: Vec<DispersionFormula>,
+    dispersion_formulas: Vec<DispersionFormula>,
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
     /// True if shadow rays cross the surface of some object: a null interface or a thin sheet, or a
@@ -199,8 +199,8 @@ impl Scene {
 
     /// Dispersion formulas to which [`Body::glass`] refers by index.
     #[must_use]
-    pub fn glasses(&self) -> &[DispersionFormula] {
-        &self.glasses
+    pub fn dispersion_formulas(&self) -> &[DispersionFormula] {
+        &self.dispersion_formulas
     }
 
     /// All participating media, by medium index.

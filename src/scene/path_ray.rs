@@ -313,7 +313,7 @@ mod tests {
     /// Each of two faces inside a glass of higher priority absorbs the path with probability p. The
     /// path passes both with probability (1 − p)².
     ///
-    /// The standard error over 4096 keys is 0.0078. The tolerance is 5.5 times as large.
+    /// The standard error over 4096 random keys is 0.0078. The tolerance is 5.5 times as large.
     #[test]
     fn mixes_at_hidden_boundaries_choose_independently() {
         const COUNT: u64 = 4096;

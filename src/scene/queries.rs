@@ -31,7 +31,7 @@ pub struct ObjectSummary {
 #[derive(Clone, Copy, Debug)]
 pub struct LeafMaterial<'a> {
     /// The dielectric body that the material bounds, if it bounds one.
-    pub bounded_body: Option<&'a Body>,
+    pub enclosed_body: Option<&'a Body>,
     /// One of the BSDFs that the material can have at a hit.
     ///
     /// Textured parameters have their mean values, or the least or greatest value of a roughness
@@ -46,7 +46,7 @@ impl LeafMaterial<'_> {
     /// False for a null interface, which light crosses undeflected.
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
-        match self.bounded_body {
+        match self.enclosed_body {
             Some(body) => !body.is_null_interface,
             None => self.bsdf.casts_caustics(),
         }
@@ -55,7 +55,7 @@ impl LeafMaterial<'_> {
     /// True if shadow rays cross surfaces of the material: null interfaces and thin sheets.
     #[must_use]
     pub fn is_crossed_by_shadow_rays(&self) -> bool {
-        self.bsdf.transmits_straight() || self.bounded_body.is_some_and(|body| body.is_null_interface)
+        self.bsdf.transmits_straight() || self.enclosed_body.is_some_and(|body| body.is_null_interface)
     }
 }
 
@@ -115,7 +115,7 @@ impl Scene {
 
     /// The dielectric body of each material that bounds one.
     pub fn bodies(&self) -> impl Iterator<Item = &Body> {
-        self.materials.iter().filter_map(Material::bounded_body)
+        self.materials.iter().filter_map(Material::enclosed_body)
     }
 
     /// True if shadow rays cross some of the surfaces: null interfaces and thin sheets.
@@ -155,7 +155,7 @@ impl Scene {
         match material.mix_component_indices() {
             Some(parts) => parts.into_iter().for_each(|part| self.for_each_leaf_material(part, visit)),
             None => material.visit_bsdf_variants(&self.textures, |bsdf| {
-                visit(LeafMaterial { bounded_body: material.bounded_body(), bsdf });
+                visit(LeafMaterial { enclosed_body: material.enclosed_body(), bsdf });
             }),
         }
     }
@@ -167,7 +167,7 @@ impl Scene {
         let mut indices: Vec<u32> = self.ambient_medium.into_iter().collect();
         for object in self.object_summaries() {
             self.for_each_leaf_material(object.material, &mut |leaf| {
-                indices.extend(leaf.bounded_body.and_then(|body| body.medium));
+                indices.extend(leaf.enclosed_body.and_then(|body| body.medium));
             });
         }
         indices.sort_unstable();
@@ -255,10 +255,10 @@ impl Scene {
     /// [`Effect::Specular`](super::Effect::Specular), thin sheets. `effects` also decides whether
     /// textures of sheets and mixes are looked up.
     ///
-    /// `interior` holds the dielectric bodies and media around the ray's origin, and `key` seeds
-    /// all random choices. If `ray.t_max` is finite, the direction of `ray` must be the vector from
-    /// its origin to its end, so that t = 1 at the end. If `ray.t_max` is infinite, the direction
-    /// must have unit length.
+    /// `interior` holds the dielectric bodies and media around the ray's origin, and the random key
+    /// `key` seeds all random choices. If `ray.t_max` is finite, the direction of `ray` must be the
+    /// vector from its origin to its end, so that t = 1 at the end. If `ray.t_max` is infinite, the
+    /// direction must have unit length.
     #[must_use]
     pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, interior: I, effects: Effects, key: Key) -> Rgb {
         path_ray::shadow_transmittance(self, ray, interior, effects, key)

@@ -79,7 +79,7 @@ impl SurfaceInteraction<'_> {
     #[inline]
     #[must_use]
     pub fn is_null_interface(&self) -> bool {
-        self.material.bounded_body().is_some_and(|body| body.is_null_interface)
+        self.material.enclosed_body().is_some_and(|body| body.is_null_interface)
     }
 
     /// True if the ray arrives from the side of the geometric normal. For the boundary of a

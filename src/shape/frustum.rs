@@ -336,8 +336,11 @@ impl BoundedShape for Frustum {
         let total = self.area();
         let pdf = match FrustumPart::from_hit_coordinates(point.shape_coords) {
             FrustumPart::Side => {
-                // M is the linear part of the map, and n the object-space normal. |M⁻ᵀ n| = |n|/|Mᵀ
-                // ng|, since Mᵀ maps the unit world normal ng to a multiple of n.
+                // The pdf per world area is P(side) / (object-space area · area ratio). With the
+                // linear part M of the object-to-world map and the object-space normal n, the ratio
+                // is |det M|·|M⁻ᵀ n|/|n|. The unit world normal is ng = M⁻ᵀ n/|M⁻ᵀ n|, so the ratio
+                // is |det M|/|Mᵀ ng|. The object-space area is π (ρ(0) + ρ(1))·|n|, with
+                // |n| = √(1 + (ρ(0) − ρ(1))²). `stretch` is the ratio times |n|.
                 let m = self.to_world.forward().matrix3;
                 let back = (m.transpose() * point.ng.as_dvec3()).length();
                 let stretch = self.to_world.determinant().abs() * hypot(1.0, self.radius_decrease()) / back;

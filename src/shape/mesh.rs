@@ -48,8 +48,10 @@ impl Mesh {
         let b = b.as_dvec2();
         let cross = e1.cross(e2);
         let mut p = p0 + e1 * b.x + e2 * b.y;
-        // The f32 triangle test rounds the corners relative to the ray's origin. Near the triangle,
-        // its error is a few f32 ulps of the triangle's size.
+        // Sixteen position errors ([`EDGE_MARGIN`]). A position error is the rounding of `p` to
+        // f32, plus the error of the triangle test. The test rounds the corners, relative to the
+        // ray's origin, to f32. For a ray that starts near the triangle, its error is a few f32
+        // ulps of the triangle's size; four are allowed.
         let size = e1.abs().max(e2.abs()).max_element();
         let min_edge_distance = EDGE_MARGIN * f64::from(f32::EPSILON) * (p.abs().max_element() + 4.0 * size);
         // The distance of the point from an edge is a barycentric weight times |e1 × e2| over the

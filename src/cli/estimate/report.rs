@@ -48,18 +48,19 @@ pub(super) struct CostEstimateReport {
     #[serde(rename = "pass_photons")]
     photon_paths_per_pass: f64,
     peak_memory_bytes: Option<u64>,
-    /// Probability that the time of a render lies between the fields `seconds_low` and
-    /// `seconds_high` of its [`CostEstimate`].
+    /// Probability that a render takes between `seconds_low` and `seconds_high`, the time range in
+    /// its [`CostEstimate`].
     #[serde(rename = "range_probability")]
     time_range_probability: f64,
     #[serde(rename = "prices")]
     pub(super) estimates: Vec<CostEstimate>,
-    /// Expected end of a render without `--passes`, `--time`, `--target-error` and `--preview`;
-    /// `None` if no limit is expected to end the render.
+    /// Expected end of a render that has only the default limits of error and time, without the
+    /// flags `--passes`, `--time`, `--target-error` and `--preview`. `None` if no limit is expected
+    /// to end it.
     #[serde(rename = "default")]
     default_end: Option<ExpectedEndReport>,
-    /// Expected end of a render whose only limit is `--preview`; `None` if no limit is expected to
-    /// end the render.
+    /// Expected end of a render with the flag `--preview` and no other limit. `None` if its limits
+    /// are not expected to end the render.
     #[serde(rename = "preview")]
     preview_end: Option<ExpectedEndReport>,
 }

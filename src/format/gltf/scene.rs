@@ -160,8 +160,8 @@ fn trs_transform(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffin
 impl NodeWalker<'_, '_> {
     /// Adds the objects, the camera and the light of a node to the content of the scene.
     ///
-    /// `to_world` is the transform from the node to world space. A camera is ignored with a note if
-    /// an earlier node has one.
+    /// `to_world` is the transform from the node to world space. A camera is ignored if an earlier
+    /// node has one, and a message tells the user.
     fn add_node(&mut self, node: &gltf::Node<'_>, to_world: DAffine3) -> ReadResult<()> {
         let place = node_name(node);
         if node.skin().is_some() {

@@ -244,7 +244,7 @@ fn with_body_medium(
     material: scene::Material,
     described: &MaterialDescription,
 ) -> Result<scene::Material, SceneError> {
-    let (Some(name), Some(body)) = (&described.medium, material.bounded_body()) else { return Ok(material) };
+    let (Some(name), Some(body)) = (&described.medium, material.enclosed_body()) else { return Ok(material) };
     let mut body = *body;
     let (mut index, mut medium) = medium_by_name(r, name)?;
     if body.absorption != Rgb::ZERO {

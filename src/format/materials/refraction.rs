@@ -169,8 +169,8 @@ fn write_refraction(refraction: &RefractiveIndexDescription, out: &mut SceneWrit
 }
 
 /// Returns a dielectric's refractive index at the d line (587.56 nm). If the dielectric has
-/// dispersion, adds its dispersion formula to the scene's list of glasses, and also returns the
-/// formula's position in this list.
+/// dispersion, adds its dispersion formula to the scene's list, and also returns the formula's
+/// position in this list.
 ///
 /// Without dispersion, adds nothing, and the position is `None`.
 pub(super) fn resolve_refractive_index(
@@ -183,7 +183,7 @@ pub(super) fn resolve_refractive_index(
         RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
         RefractiveIndexDescription::Formula(glass) => *glass,
     };
-    Ok((glass.refractive_index_at_d_line(), Some(r.builder.add_glass(glass))))
+    Ok((glass.refractive_index_at_d_line(), Some(r.builder.add_dispersion_formula(glass))))
 }
 
 /// Returns the dispersion formula of the glass called `name`. The error for an unknown name lists

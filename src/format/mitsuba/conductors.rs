@@ -30,7 +30,7 @@ const METAL_NAMES: [(&str, &str); 14] = [
     ("W", "tungsten"),
 ];
 
-/// Converts a conductor. An unknown metal becomes chromium, with a message.
+/// Converts a conductor. An unknown metal becomes chromium, and a message tells the user.
 ///
 /// A conductor that states no metal is a perfect mirror, but copper in files of version 0. `tint`
 /// (`specular_reflectance`) is the reflectance of a perfect mirror. The reflectance of a metal at

@@ -31,7 +31,7 @@ const MAX_TEXTURED_CUTOFF_DEGREES: f64 = 85.0;
 /// Converts an emitter to a light. Returns `None` for a light of strength 0, and for an area light,
 /// which becomes emission of its shape.
 ///
-/// Also returns `None` for an emitter of unknown kind, with a message.
+/// Also returns `None` for an emitter of unknown kind, and a message tells the user.
 ///
 /// # Errors
 /// If a value or file is not valid, or if the emitter is a daylight model.

@@ -117,8 +117,8 @@ impl MitsubaMedia {
     /// Returns the coefficients and the density grid of a heterogeneous medium. Embeds the grid
     /// under the path `name`.
     ///
-    /// Only the density varies over the grid. A varying color or albedo becomes its mean, with a
-    /// message.
+    /// Only the density varies over the grid. A varying color or albedo becomes its mean, and a
+    /// message tells the user.
     fn heterogeneous_medium(
         &mut self,
         context: &ImportContext<'_>,
@@ -227,12 +227,13 @@ fn read_volume(context: &ImportContext<'_>, volume: &MitsubaObject) -> ReadResul
     }
 }
 
-/// Returns the transform from the unit cube that the cells of a `gridvolume` fill to the volume's
-/// own space.
+/// Returns the transform from the unit cube to the volume's own space. The unit cube stands for the
+/// box that the cells of a `gridvolume` fill.
 ///
-/// In files of version 0, the file's box joins the centers of the outermost cells. The cells then
-/// reach half a cell beyond this box, with a message. In later files, the cells fill the unit cube,
-/// or the file's box if `use_grid_bbox` is true.
+/// In old files (version 0, or with the value `send_data` or `min`), the box of the grid file joins
+/// the centers of the outermost cells. The cells then reach half a cell beyond that box, and a
+/// message tells the user. In later files, the cells fill the unit cube, or the box of the grid
+/// file if `use_grid_bbox` is true.
 fn grid_to_volume(context: &ImportContext<'_>, volume: &MitsubaObject, grid: &VolumeGrid) -> DMat4 {
     let is_old = context.tree.has_version_zero || ["send_data", "min"].iter().any(|k| volume.values.contains_key(*k));
     if !volume.boolean("use_grid_bbox", is_old) {
@@ -253,7 +254,8 @@ fn singular_transform_error(volume: &MitsubaObject) -> SceneReadError {
     volume.place.error("the transform of the volume is singular", "scale it less")
 }
 
-/// Reads the phase function of a medium. One of unknown kind becomes isotropic, with a message.
+/// Reads the phase function of a medium. A phase function of unknown kind becomes isotropic, and a
+/// message tells the user.
 fn read_phase_function(context: &ImportContext<'_>, medium: &MitsubaObject) -> ReadResult<PhaseFunctionDescription> {
     let Some(phase) = context.named_or_unnamed_child(medium, ObjectClass::PhaseFunction, "phase")? else {
         return Ok(PhaseFunctionDescription::Isotropic);

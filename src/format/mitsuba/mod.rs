@@ -135,8 +135,9 @@ fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Imp
 
 /// Converts the lights of the scene, except area lights, which are emission of shapes.
 ///
-/// Only the first environment emitter is kept; others are left out with a message. If there is no
-/// light, and `has_emissive_surfaces` is false (no shape emits), adds a white sky and a message.
+/// Only the first environment emitter is kept. Others are left out, and a message tells the user.
+/// If there is no light, and `has_emissive_surfaces` is false (no shape emits), adds a white sky,
+/// and a message tells the user.
 fn read_lights(
     context: &ImportContext<'_>,
     textures: &mut MitsubaTextures,

@@ -124,7 +124,8 @@ pub(super) fn tan_half_vertical_fov(sensor: &MitsubaObject, size: [f64; 2]) -> R
     })
 }
 
-/// Reads the size of a sensor's film and its crop. A crop off the center is ignored with a message.
+/// Reads the size of a sensor's film and its crop. A crop off the center is ignored, and a message
+/// tells the user.
 fn read_film(context: &ImportContext<'_>, sensor: &MitsubaObject) -> ReadResult<MitsubaFilm> {
     let [width, height] = DEFAULT_FILM_SIZE.map(f64::from);
     let Some(film) = context.named_or_unnamed_child(sensor, ObjectClass::Film, "film")? else {

@@ -5,7 +5,7 @@ use super::files::ReadResult;
 use super::tree::{MitsubaObject, ObjectClass};
 use std::rc::Rc;
 
-/// Integrators of Mitsuba, each with the Caustica algorithm that finds the same light paths.
+/// Integrators of Mitsuba, each with the most similar algorithm of Caustica.
 const INTEGRATOR_NAMES: [(&str, &str); 13] = [
     ("path", "path"),
     ("prbvolpath", "path"),

@@ -261,7 +261,7 @@ impl MitsubaShapes {
 
     /// Returns the emission of a shape, from its first nested emitter.
     ///
-    /// An emitter of another kind than `area` is ignored with a message.
+    /// An emitter of another kind than `area` is ignored, and a message tells the user.
     fn shape_emission(
         &mut self,
         context: &ImportContext<'_>,
@@ -411,7 +411,7 @@ impl MitsubaShapes {
 
     /// Adds a shape to the imported scene. `source` is the shape's object in the Mitsuba file.
     ///
-    /// A shape with a singular transform is left out with a message.
+    /// A shape with a singular transform is left out, and a message tells the user.
     fn push_shape(
         &mut self,
         context: &ImportContext<'_>,

@@ -139,7 +139,8 @@ impl MitsubaTextures {
     /// `factor`.
     ///
     /// Values are clamped to the range of `texture_use`. A texture of unknown kind counts as gray
-    /// of value 0.5, with a message. `depth` is the number of textures in which this one is nested.
+    /// of value 0.5, and a message tells the user. `depth` is the number of textures in which this
+    /// one is nested.
     pub fn convert_texture(
         &mut self,
         context: &ImportContext<'_>,
@@ -305,7 +306,8 @@ impl MitsubaTextures {
         Ok(MitsubaConvertedTexture::Texture(self.texture_name(kind), mean))
     }
 
-    /// Converts a checkerboard of two colors. A texture inside it becomes its mean, with a message.
+    /// Converts a checkerboard of two colors. A texture inside the checkerboard becomes its mean,
+    /// and a message tells the user.
     fn convert_checkerboard(
         &mut self,
         context: &ImportContext<'_>,
@@ -429,8 +431,8 @@ fn value_for_use(pixel: Rgb, texture_use: MitsubaTextureUse) -> Vec3 {
 /// Returns an affine map of texture coordinates, as its linear part and its offset. The map goes
 /// from a shape's coordinates in Caustica to those at which Mitsuba looks up `texture`.
 ///
-/// The map includes the transform `to_uv` of the texture. A singular transform is ignored with a
-/// message.
+/// The map includes the transform `to_uv` of the texture. A singular transform is ignored, and a
+/// message tells the user.
 fn mitsuba_texcoord_transform(
     context: &ImportContext<'_>,
     texture: &MitsubaObject,
@@ -468,7 +470,7 @@ fn flipped_v((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
 
 /// Converts an affine map of texture coordinates to three steps: scale, then rotation, then offset.
 ///
-/// A shear of the map is ignored with a message.
+/// A shear of the map is ignored, and a message tells the user.
 fn texcoord_transform_description(
     context: &ImportContext<'_>,
     texture: &MitsubaObject,

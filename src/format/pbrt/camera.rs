@@ -31,7 +31,7 @@ impl FilmSize {
 
 /// Reads the size of a film of type `name`, such as `rgb`, and of its crop window.
 ///
-/// A crop window off the center is ignored with a message.
+/// A crop window off the center is ignored, and a message tells the user.
 pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportNotes) -> ReadResult<FilmSize> {
     let place = &parameters.place;
     if !matches!(name, "rgb" | "image" | "gbuffer" | "spectral") {

@@ -65,7 +65,7 @@ impl PbrtMedia {
     /// Converts and adds the medium `name`. It replaces an earlier medium of this name.
     ///
     /// `to_world` maps the medium's own space to pbrt's world space. Media of unknown kinds are
-    /// left out with a message.
+    /// left out, and a message tells the user.
     pub fn add_medium(
         &mut self,
         name: &str,
@@ -107,7 +107,8 @@ impl PbrtMedia {
 
     /// Converts a grid medium with one density per cell, and embeds its grid.
     ///
-    /// Emission that varies over cells becomes its density-weighted mean, with a message.
+    /// Emission that varies over cells becomes its density-weighted mean, and a message tells the
+    /// user.
     fn uniform_grid_medium(
         &mut self,
         parameters: &Parameters,

@@ -28,7 +28,7 @@ const PATCH_SEGMENTS: u32 = 16;
 
 /// Converts a `Shape` directive to a shape in object space.
 ///
-/// Returns `None`, with a message, for curves and for meshes without triangles.
+/// Returns `None` for curves and for meshes without triangles; a message tells the user.
 ///
 /// `kind` is the shape's type in pbrt. A mesh is embedded under the path `name`. If `is_reversed`
 /// is true, the shape is turned inside out. If `needs_texcoords` is true, the result is a mesh with

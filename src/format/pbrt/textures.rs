@@ -340,7 +340,7 @@ fn image_map(
 /// Returns the transform of texture coordinates from a texture's parameters `uscale`, `vscale`,
 /// `udelta` and `vdelta`.
 ///
-/// A `mapping` other than `uv` is ignored with a message. Scales of 0 become 10⁻¹².
+/// A `mapping` other than `uv` is ignored, and a message tells the user. Scales of 0 become 10⁻¹².
 fn texcoord_transform_description(parameters: &Parameters, notes: &mut ImportNotes) -> TexcoordTransformDescription {
     if parameters.text("mapping").is_some_and(|mapping| mapping != "uv") {
         let message = "textures are mapped by texture coordinates only";

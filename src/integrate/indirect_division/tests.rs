@@ -65,8 +65,8 @@ fn photon_weight_vanishes_after_many_passes() {
     assert_eq!((weights(1.0).continued_paths, weights(1e9).continued_paths), (0, SAMPLES));
 }
 
-/// If a pilot found no light by one technique in a cell, camera paths carry all indirect light
-/// there.
+/// If a pilot found no light by one technique in a cell, camera paths carry all of the indirect
+/// light there that the two techniques share.
 #[test]
 fn cells_without_measured_errors_use_camera_paths() {
     for cell in [indirect_errors(0.0, 1.0, 0.0), indirect_errors(1.0, 0.0, 0.0)] {

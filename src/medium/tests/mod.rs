@@ -1,7 +1,7 @@
 //! Tests of media against closed forms.
 //!
-//! Random numbers have fixed keys, so results are deterministic. Tolerances are five standard
-//! errors of the mean; a correct estimate exceeds them with probability 6·10⁻⁷.
+//! Random numbers come from fixed random keys, so results are deterministic. Tolerances are five
+//! standard errors of the mean; a correct estimate exceeds them with probability 6·10⁻⁷.
 
 mod distance_samples;
 mod extremes;

@@ -57,7 +57,7 @@ fn distant_planes_shadow_parallel_light() {
 /// A scene with two lamps of powers 1 : 3 inside a ball of dispersive glass.
 fn lamps_in_glass_scene() -> Scene {
     let mut builder = SceneBuilder::new();
-    let flint = builder.add_glass(DispersionFormula::from_abbe_number(1.8, 25.0));
+    let flint = builder.add_dispersion_formula(DispersionFormula::from_abbe_number(1.8, 25.0));
     let glass = builder.add_material(Material::smooth_boundary(Body { glass: Some(flint), ..Body::new(1.8) }));
     builder.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 2.0)), glass, Rgb::ZERO);
     for (x, power) in [(-1.0, 1.0), (1.0, 3.0)] {

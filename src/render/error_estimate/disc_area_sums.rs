@@ -6,8 +6,9 @@ use crate::integrate::squared_radius_ratio;
 /// groups.
 pub(super) const EXACT_PASSES: u32 = 1024;
 
-/// Divisor for the size of a group of passes that is summed at once: after n summed passes, the
-/// next group has n/`GROUP_DIVISOR` passes.
+/// Divisor for the size of a group of passes that is summed at once. The first [`EXACT_PASSES`]
+/// passes are summed one by one. After them, the next group has n/`GROUP_DIVISOR` passes, where n
+/// is the number of passes summed so far.
 pub(super) const GROUP_DIVISOR: u32 = 128;
 
 /// Sums over passes of two powers of the gather disc area: area^−1 and area^`blur_exponent`. Areas

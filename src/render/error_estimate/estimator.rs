@@ -34,12 +34,12 @@ const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 /// Sums over pixels, from which the noise of a picture is estimated.
 #[derive(Default)]
 struct PictureNoiseSums {
-    /// Sum over pixels of the squared relative noise c, clamped to 1.
+    /// Sum over pixels of c, the squared relative noise of one pixel, clamped to 1 in each pixel.
     squared_noise: f64,
-    /// Sum over pixels of c², where c is the squared relative noise, clamped to 1.
+    /// Sum over pixels of c², with c as in `squared_noise`.
     fourth_power_noise: f64,
-    /// Sum over pixels of c²·(kurtosis − 1). c is the pixel's squared relative noise, clamped to 1.
-    /// The kurtosis describes the distribution of the pixel's values in the passes.
+    /// Sum over pixels of c²·(kurtosis − 1), with c as in `squared_noise`. The kurtosis describes
+    /// the distribution of the pixel's values in the passes.
     kurtosis_weighted_noise: f64,
     /// Histogram of the pixels whose squared relative noise exceeds 1 before it is clamped.
     fireflies: FireflyHistogram,

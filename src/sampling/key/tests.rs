@@ -25,8 +25,8 @@ fn random_numbers_depend_on_every_key_part() {
     assert_eq!(base(1, 2, 3, 4).random_bits(Dimension::Light), reference);
 }
 
-/// A million points with consecutive keys pass a chi-square test over 32² cells. The false-alarm
-/// rate of the test is 5·10⁻⁵ per tail.
+/// A million points with consecutive random keys pass a chi-square test over 32² cells. The
+/// false-alarm rate of the test is 5·10⁻⁵ per tail.
 #[test]
 fn random_points_of_consecutive_keys_are_uniform() {
     const CELLS: usize = 32;

@@ -15,7 +15,7 @@ pub(super) fn cull_air_boundaries(
     materials: &[Material],
     has_ambient_medium: bool,
 ) -> (Vec<SceneObject>, MergedMeshes) {
-    let is_air = |material: u32| materials[material as usize].bounded_body().is_some_and(|body| body.is_air());
+    let is_air = |material: u32| materials[material as usize].enclosed_body().is_some_and(|body| body.is_air());
     if has_ambient_medium || !(0..materials.len() as u32).any(is_air) {
         return (objects, mesh);
     }
@@ -55,7 +55,7 @@ fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
     match material.mix_component_indices() {
         Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
-        None => material.bounded_body().is_some_and(|body| !body.is_air()),
+        None => material.enclosed_body().is_some_and(|body| !body.is_air()),
     }
 }
 
@@ -64,6 +64,6 @@ pub(super) fn may_bound_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
     match material.mix_component_indices() {
         Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
-        None => material.bounded_body().is_some(),
+        None => material.enclosed_body().is_some(),
     }
 }

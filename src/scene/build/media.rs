@@ -43,7 +43,7 @@ fn motion_of_medium<'a>(
         return None;
     }
     let fills = |object: &&SceneObject| {
-        let body = materials.get(object.material as usize).and_then(Material::bounded_body);
+        let body = materials.get(object.material as usize).and_then(Material::enclosed_body);
         body.is_some_and(|body| body.medium == Some(index))
     };
     let motions: Option<Vec<&Motion>> = objects.iter().filter(fills).map(|object| object.motion.as_ref()).collect();

@@ -39,7 +39,7 @@ pub struct SceneBuilder {
     background: Rgb,
     environment: Option<EnvironmentLight>,
     materials: Vec<Material>,
-    glasses: Vec<DispersionFormula>,
+    dispersion_formulas: Vec<DispersionFormula>,
     media: Vec<Medium>,
     ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
@@ -80,9 +80,9 @@ impl SceneBuilder {
 
     /// Adds a dispersion formula (refractive index by wavelength) for dielectric bodies, and
     /// returns its index: see [`Body::glass`](super::Body::glass).
-    pub fn add_glass(&mut self, glass: DispersionFormula) -> u32 {
-        self.glasses.push(glass);
-        self.glasses.len() as u32 - 1
+    pub fn add_dispersion_formula(&mut self, glass: DispersionFormula) -> u32 {
+        self.dispersion_formulas.push(glass);
+        self.dispersion_formulas.len() as u32 - 1
     }
 
     /// Adds a medium and returns its index.
@@ -257,7 +257,7 @@ impl SceneBuilder {
             background: self.background,
             geometry,
             materials: self.materials,
-            glasses: self.glasses,
+            dispersion_formulas: self.dispersion_formulas,
             media,
             ambient_medium: self.ambient_medium,
             shadow_rays_cross_surfaces: false,

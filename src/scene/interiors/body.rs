@@ -16,8 +16,9 @@ pub struct Body {
     /// decides nothing, the body that the path entered last wins (Schmidt and Budge 2002, "Simple
     /// Nested Dielectrics in Ray Traced Images").
     pub priority: u8,
-    /// Index of the dispersion formula in [`Scene::glasses`](crate::scene::Scene::glasses); `None`
-    /// if the refractive index is the same at all wavelengths.
+    /// Index of the dispersion formula in
+    /// [`Scene::dispersion_formulas`](crate::scene::Scene::dispersion_formulas); `None` if the
+    /// refractive index is the same at all wavelengths.
     pub glass: Option<u32>,
     /// Index of the medium that fills the dielectric body, if any.
     pub medium: Option<u32>,

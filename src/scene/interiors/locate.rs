@@ -64,7 +64,7 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
 fn leaf_with_body(materials: &[Material], index: u32) -> Option<u32> {
     let material = &materials[index as usize];
     let Some(([first, second], amount)) = material.kind().as_mix() else {
-        return material.bounded_body().map(|_| index);
+        return material.enclosed_body().map(|_| index);
     };
     let amount = amount.mean();
     let parts = [(first, amount < 1.0), (second, amount > 0.0)].into_iter().filter(|(_, is_chosen)| *is_chosen);

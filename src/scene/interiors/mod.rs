@@ -217,7 +217,9 @@ impl Interior for InteriorStack {
 
     #[inline]
     fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>) {
-        if surface.material.bounded_body().is_some() && !surface.is_entering() && !self.contains(surface.material_index)
+        if surface.material.enclosed_body().is_some()
+            && !surface.is_entering()
+            && !self.contains(surface.material_index)
         {
             self.insert_outermost_body(surface.material_index);
         }
@@ -230,7 +232,7 @@ impl Interior for InteriorStack {
         surface: &mut SurfaceInteraction<'_>,
         context: &BoundaryContext,
     ) -> BoundaryEvent {
-        let Some(body) = surface.material.bounded_body() else { return BoundaryEvent::Surface };
+        let Some(body) = surface.material.enclosed_body() else { return BoundaryEvent::Surface };
         let (event, body, interface) = resolve_interface(self, scene, surface, *body, context);
         if event != BoundaryEvent::NullInterface {
             let eta = interface.relative_eta(&body, |body| body.eta);
@@ -242,7 +244,7 @@ impl Interior for InteriorStack {
 
     #[inline]
     fn cross_boundary(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3) {
-        if surface.material.bounded_body().is_none() {
+        if surface.material.enclosed_body().is_none() {
             return;
         }
         if surface.coincident.is_empty() {

@@ -58,7 +58,7 @@ impl Interior for SpectralInterior {
 
     #[inline]
     fn set_wavelength_sample(&mut self, scene: &Scene, sample: impl FnOnce() -> f32) {
-        if self.effects.has(Effect::Dispersion) && !scene.glasses.is_empty() {
+        if self.effects.has(Effect::Dispersion) && !scene.dispersion_formulas.is_empty() {
             self.wavelength_sample = Some(sample());
         }
     }
@@ -97,9 +97,10 @@ impl Interior for SpectralInterior {
         surface: &mut SurfaceInteraction<'_>,
         context: &BoundaryContext,
     ) -> BoundaryEvent {
-        let (Some(body), true) =
-            (surface.material.bounded_body(), self.effects.has(Effect::Dispersion) && !scene.glasses.is_empty())
-        else {
+        let (Some(body), true) = (
+            surface.material.enclosed_body(),
+            self.effects.has(Effect::Dispersion) && !scene.dispersion_formulas.is_empty(),
+        ) else {
             return self.stack.resolve_boundary(scene, surface, context);
         };
         let (event, body, interface) = resolve_interface(&self.stack, scene, surface, *body, context);
@@ -115,7 +116,9 @@ impl Interior for SpectralInterior {
                 Some(Dielectric { eta: interface.relative_eta(&body, |body| body.eta) });
         }
         let eta = |body: &Body| match (body.glass, self.wavelength) {
-            (Some(glass), Some(wavelength)) => scene.glasses[glass as usize].refractive_index(wavelength.nanometres()),
+            (Some(glass), Some(wavelength)) => {
+                scene.dispersion_formulas[glass as usize].refractive_index(wavelength.nanometres())
+            }
             _ => body.eta,
         };
         let scattering = surface.material.boundary_microfacet_scattering();

@@ -114,7 +114,7 @@ impl InteriorStack {
     ) -> Option<(u32, &'a Body)> {
         let mut top: Option<(u32, &Body)> = None;
         for index in self.body_materials() {
-            if let Some(body) = materials[*index as usize].bounded_body()
+            if let Some(body) = materials[*index as usize].enclosed_body()
                 && counts(body)
                 && top.is_none_or(|(_, t)| body.overlap_priority() >= t.overlap_priority())
             {

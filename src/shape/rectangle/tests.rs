@@ -33,7 +33,7 @@ fn samples_are_uniform_in_solid_angle_at_grazing_views() {
         let Some(view) = rectangle.rectangle_view(from) else { continue };
         checked += 1;
 
-        // The first edge of the rectangle is the y axis here.
+        // The first edge of the rectangle is parallel to the y axis here.
         let (first, second) = view.sample(u);
         let (along_first, along_second, z) =
             ([corner.y, corner.y + size.y], [corner.x, corner.x + size.x], f64::from(z));

@@ -22,7 +22,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const SIZE: (u32, u32) = (64, 64);
 const CHANNELS: f64 = 3.0 * 64.0 * 64.0;
 
-/// Returns uniform noise of mean 0 and standard deviation `sigma`; `key` selects the random number.
+/// Returns uniform noise of mean 0 and standard deviation `sigma`; the number `key` selects the
+/// random number.
 fn uniform_noise(sigma: f64, key: u64) -> f64 {
     // SplitMix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
     let mut z = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -111,7 +111,7 @@ pub fn render_one_pass(integrator: &dyn Integrator, pass: u32) -> Vec<Rgb> {
     pass.image
 }
 
-/// Returns the key of the random numbers of test `number`.
+/// Returns the random key of test `number`.
 pub fn test_key(number: u64) -> Key {
     Key::new(number).purpose_key(Purpose::Test)
 }

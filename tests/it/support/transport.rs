@@ -59,7 +59,7 @@ pub fn box_faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
     [face(lo, z, x), face(lo + y, x, z), face(lo, y, z), face(lo + x, z, y), face(lo, x, y), face(lo + z, y, x)]
 }
 
-/// Returns one key for each of `passes` independent passes.
+/// Returns one random key for each of `passes` independent passes.
 pub fn pass_keys(passes: u32) -> impl Iterator<Item = Key> {
     (0..u64::from(passes)).map(|pass| Key::new(20_240_229).purpose_key(Purpose::Test).child_key(pass))
 }

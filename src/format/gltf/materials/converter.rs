@@ -422,7 +422,7 @@ impl GltfMaterialConverter<'_, '_> {
     /// Returns the texture that `info` refers to, with its texture coordinates.
     ///
     /// `None` if `info` is `None`. A texture whose transform is not invertible also gives `None`,
-    /// with a note.
+    /// and a message tells the user.
     pub(super) fn texture_reference<'t>(
         &mut self,
         info: Option<&gltf::texture::Info<'t>>,
@@ -430,7 +430,8 @@ impl GltfMaterialConverter<'_, '_> {
         self.with_valid_transform(TextureReference::from_info(info?))
     }
 
-    /// Returns `reference`; `None`, with a note, if its texture transform is not invertible.
+    /// Returns `reference`. Returns `None` if its texture transform is not invertible, and a
+    /// message tells the user.
     pub(super) fn with_valid_transform<'t>(&mut self, reference: TextureReference<'t>) -> Option<TextureReference<'t>> {
         if reference.has_valid_transform() {
             return Some(reference);

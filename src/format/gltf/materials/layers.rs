@@ -22,7 +22,7 @@ pub(super) struct GltfClearCoat {
 impl<'a> GltfMaterialConverter<'_, 'a> {
     /// Returns the clear coat of `material`; `None` without one.
     ///
-    /// A clear coat on glass also gives `None`, with a note.
+    /// A clear coat on glass also gives `None`, and a message tells the user.
     pub(super) fn clear_coat(&mut self, material: &gltf::Material<'_>) -> ReadResult<Option<GltfClearCoat>> {
         let Some(extension) = material.extension_value("KHR_materials_clearcoat") else { return Ok(None) };
         let texture = self.extension_texture(extension, "clearcoatTexture")?;

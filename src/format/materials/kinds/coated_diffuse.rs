@@ -1,7 +1,7 @@
 //! The block `CoatedDiffuse`.
 
 use super::fields::{ROUGHNESS_FIELD, UNIT_RANGE};
-use super::{BoundedBody, MaterialBlock};
+use super::{EnclosedBody, MaterialBlock};
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
@@ -51,7 +51,7 @@ impl MaterialBlock for CoatedDiffuseDescription {
             .with_table(Self::FIELDS)
             .with_aliases(&["Plastic"])
             .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
+    const ENCLOSED_BODY: EnclosedBody = EnclosedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let reflectance = r.resolve_reflectance_parameter(&self.reflectance, requirements)?;

@@ -1,7 +1,7 @@
 //! The block `Conductor`.
 
 use super::fields::{MULTIPLE_SCATTERING_FIELD, ROUGHNESS_FIELD, with_multiple_scattering};
-use super::{BoundedBody, MaterialBlock};
+use super::{EnclosedBody, MaterialBlock};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, block_schema};
@@ -36,7 +36,7 @@ impl MaterialBlock for ConductorDescription {
     const BLOCK: &'static BlockSchema = &block_schema("Conductor", "metal; opaque, reflects on both sides")
         .with_table(Self::FIELDS)
         .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
+    const ENCLOSED_BODY: EnclosedBody = EnclosedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let index = resolve_metal(r, &self.metal, requirements)?;

@@ -1,7 +1,7 @@
 //! The block `Dielectric`.
 
 use super::fields::{MULTIPLE_SCATTERING_FIELD, PRIORITY_FIELD, ROUGHNESS_FIELD, with_multiple_scattering};
-use super::{BoundedBody, MaterialBlock};
+use super::{EnclosedBody, MaterialBlock};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
@@ -46,7 +46,7 @@ impl MaterialBlock for DielectricDescription {
         .with_table(Self::FIELDS)
         .with_own_fields(&[field_schema("medium", FieldKind::Name, "medium that fills the body").make_optional("none")])
         .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BOUNDED_BODY: BoundedBody = BoundedBody::Dielectric;
+    const ENCLOSED_BODY: EnclosedBody = EnclosedBody::Dielectric;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let roughness = r.resolve_fraction_parameter(&self.roughness, requirements)?;

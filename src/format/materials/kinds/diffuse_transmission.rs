@@ -1,7 +1,7 @@
 //! The block `DiffuseTransmission`.
 
 use super::fields::UNIT_RANGE;
-use super::{BoundedBody, MaterialBlock};
+use super::{EnclosedBody, MaterialBlock};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
@@ -43,7 +43,7 @@ impl MaterialBlock for DiffuseTransmissionDescription {
         &block_schema("DiffuseTransmission", "sheet that scatters light diffusely to both sides: paper, cloth, leaves")
             .with_table(Self::FIELDS)
             .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
+    const ENCLOSED_BODY: EnclosedBody = EnclosedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let reflectance = r.resolve_reflectance_parameter(&self.reflectance, requirements)?;

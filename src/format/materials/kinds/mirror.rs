@@ -1,7 +1,7 @@
 //! The block `Mirror`.
 
 use super::fields::UNIT_RANGE;
-use super::{BoundedBody, MaterialBlock};
+use super::{EnclosedBody, MaterialBlock};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
@@ -31,7 +31,7 @@ impl MaterialBlock for MirrorDescription {
     const BLOCK: &'static BlockSchema = &block_schema("Mirror", "perfect mirror")
         .with_table(Self::FIELDS)
         .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
+    const ENCLOSED_BODY: EnclosedBody = EnclosedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         Ok(Material::mirror(r.resolve_reflectance_parameter(&self.reflectance, requirements)?))

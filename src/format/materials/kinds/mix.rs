@@ -1,7 +1,7 @@
 //! The block `Mix`.
 
 use super::fields::UNIT_RANGE;
-use super::{BoundedBody, MaterialBlock, MaterialKindDescription};
+use super::{EnclosedBody, MaterialBlock, MaterialKindDescription};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::fields::{BlockFields, ParsedField};
@@ -44,7 +44,7 @@ impl MaterialBlock for MixDescription {
     const BLOCK: &'static BlockSchema = &block_schema("Mix", "one of two materials at each point, chosen at random")
         .with_table(Self::FIELDS)
         .with_shared_fields(&[EMISSION_FIELDS]);
-    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
+    const ENCLOSED_BODY: EnclosedBody = EnclosedBody::None;
 
     fn parse<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         let first = parse_mix_component(parser, f.require_field("first")?)?;

@@ -52,7 +52,7 @@ trait MaterialBlock: BlockCodec {
     const BLOCK: &'static BlockSchema;
 
     /// Kind of body that a surface of this material encloses.
-    const BOUNDED_BODY: BoundedBody;
+    const ENCLOSED_BODY: EnclosedBody;
 
     /// Converts the parsed fields of the parameters that belong to this kind of material. The
     /// caller handles the fields for emission, bump or normal map, and medium, which several kinds
@@ -85,7 +85,7 @@ trait MaterialBlock: BlockCodec {
 
 /// Kind of body that a closed surface encloses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum BoundedBody {
+enum EnclosedBody {
     /// No body. The components of a mix or of a `Principled` material may still enclose one.
     None,
     /// A dielectric body.
@@ -127,9 +127,9 @@ macro_rules! material_kinds {
                 }
             }
 
-            fn bounded_body(&self) -> BoundedBody {
+            fn enclosed_body(&self) -> EnclosedBody {
                 match self {
-                    $(Self::$kind(_) => $description::BOUNDED_BODY,)*
+                    $(Self::$kind(_) => $description::ENCLOSED_BODY,)*
                 }
             }
 
@@ -213,7 +213,7 @@ impl MaterialKindDescription {
     /// True if the material is the boundary of a dielectric body.
     #[must_use]
     pub fn is_dielectric(&self) -> bool {
-        self.bounded_body() == BoundedBody::Dielectric
+        self.enclosed_body() == EnclosedBody::Dielectric
     }
 
     /// True for a `Dielectric`, which bounds a dielectric body, and for a `Principled` material
@@ -232,6 +232,6 @@ impl MaterialKindDescription {
     /// True if the material is a null interface, which neither reflects nor refracts light.
     #[must_use]
     pub fn is_null_interface(&self) -> bool {
-        self.bounded_body() == BoundedBody::NullInterface
+        self.enclosed_body() == EnclosedBody::NullInterface
     }
 }

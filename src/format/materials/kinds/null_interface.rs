@@ -1,7 +1,7 @@
 //! The block `Clear`.
 
 use super::fields::PRIORITY_FIELD;
-use super::{BoundedBody, MaterialBlock};
+use super::{EnclosedBody, MaterialBlock};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, FieldEntry};
 use crate::format::language::fields::BlockFields;
@@ -44,7 +44,7 @@ impl MaterialBlock for NullInterfaceDescription {
                 PRIORITY_FIELD,
             ])
             .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BOUNDED_BODY: BoundedBody = BoundedBody::NullInterface;
+    const ENCLOSED_BODY: EnclosedBody = EnclosedBody::NullInterface;
 
     fn resolve(&self, _: &mut Resolver<'_>, _: &mut TextureRequirements) -> Result<Material, SceneError> {
         let body = Body { priority: self.priority, is_null_interface: true, ..Body::new(1.0) };

@@ -1,6 +1,6 @@
 //! The block `PhongMaterial`.
 
-use super::{BoundedBody, MaterialBlock};
+use super::{EnclosedBody, MaterialBlock};
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
 use crate::format::language::schema::{BlockSchema, FieldKind, FieldRange, block_schema, field_schema};
@@ -72,7 +72,7 @@ impl MaterialBlock for PhongDescription {
         .with_aliases(&["Material", "Phong"])
         .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS])
         .mark_as_mit_6837_syntax();
-    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
+    const ENCLOSED_BODY: EnclosedBody = EnclosedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let diffuse = r.resolve_phong_diffuse_parameter(&self.diffuse, self.texture.as_ref(), requirements)?;

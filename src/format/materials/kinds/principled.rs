@@ -1,7 +1,7 @@
 //! The block `Principled`.
 
 use super::fields::{MULTIPLE_SCATTERING_FIELD, ROUGHNESS_FIELD, UNIT_RANGE, with_multiple_scattering};
-use super::{BoundedBody, MaterialBlock};
+use super::{EnclosedBody, MaterialBlock};
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::error::SceneError;
 use crate::format::language::field_table::{BlockCodec, field_table};
@@ -90,7 +90,7 @@ impl MaterialBlock for PrincipledDescription {
         &block_schema("Principled", "mix of metal, glass and a coated diffuse base, as in glTF and Blender")
             .with_table(Self::FIELDS)
             .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
-    const BOUNDED_BODY: BoundedBody = BoundedBody::None;
+    const ENCLOSED_BODY: EnclosedBody = EnclosedBody::None;
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let base_color = r.resolve_reflectance_parameter(&self.base_color, requirements)?;

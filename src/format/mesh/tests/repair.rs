@@ -146,7 +146,8 @@ fn welding_keeps_the_first_vertex_in_range() {
 
 #[test]
 fn a_degenerate_triangle_that_closes_a_slit_stays() {
-    // The edge 0–1 of the first face contains vertex 3 of the others.
+    // Vertex 3 lies on the edge 0–1 of the first face. The degenerate face (0, 3, 1) joins this
+    // edge to the edges 0–3 and 3–1 of the other faces; without it, the mesh would have a slit.
     let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0]];
     let mut slit = triangle_mesh(&points, &[[0, 1, 2], [0, 4, 3], [3, 4, 1], [0, 3, 1]]);
     let before = slit.mesh_report();

@@ -87,7 +87,7 @@ impl MitsubaMaterialConverter<'_, '_> {
     }
 
     /// Converts a BSDF that has not been converted before. A BSDF of unknown kind becomes diffuse
-    /// gray, with a message.
+    /// gray, and a message tells the user.
     fn convert_new_bsdf(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let context = self.context;
         Ok(match bsdf.plugin.as_str() {
@@ -335,8 +335,8 @@ impl MitsubaMaterialConverter<'_, '_> {
         }
     }
 
-    /// Returns the factor that converts α of a BSDF to GGX α: 1 for GGX, and √ln 2 for Beckmann,
-    /// with a message.
+    /// Returns the factor that converts α of a BSDF to GGX α: 1 for GGX, and √ln 2 for Beckmann.
+    /// For Beckmann, a message tells the user of the conversion.
     fn ggx_alpha_factor(&self, bsdf: &MitsubaObject) -> f64 {
         if bsdf.text("distribution") == Some("ggx") {
             return 1.0;

@@ -35,7 +35,7 @@ impl MitsubaMaterialConverter<'_, '_> {
     /// Converts a `blendbsdf` or `mixturebsdf` of two BSDFs to a mix.
     ///
     /// Caustica's scene language forbids mixes of two different dielectric bodies. Such a blend
-    /// becomes the BSDF of the larger mean weight, with a message.
+    /// becomes the BSDF of the larger mean weight, and a message tells the user.
     pub(super) fn convert_blend(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let weight = self.blend_weight(bsdf)?;
         let parts = self.context.children_of_class(bsdf, ObjectClass::Bsdf)?;
@@ -75,7 +75,7 @@ impl MitsubaMaterialConverter<'_, '_> {
     }
 
     /// Returns `surface`. If `surface` is a mix with a bump map or normal map, removes this map,
-    /// with a message.
+    /// and a message tells the user.
     ///
     /// In Caustica, only the two materials of a mix can have such maps, not the mix itself.
     pub(super) fn without_mix_perturbation(&mut self, bsdf: &MitsubaObject, surface: ConvertedBsdf) -> ConvertedBsdf {

@@ -70,7 +70,7 @@ impl Interpreter<'_> {
 
     /// Returns the emission of the current `AreaLightSource`; `None` if shapes emit nothing.
     ///
-    /// Shapes inside an object definition emit nothing, with a message.
+    /// Shapes inside an object definition emit nothing, and a message tells the user.
     fn shape_emission(&mut self, place: &PbrtSourceLocation) -> ReadResult<Option<PbrtShapeEmission>> {
         let Some(light) = &self.state.area_light else { return Ok(None) };
         if self.objects.has_open_definition() {

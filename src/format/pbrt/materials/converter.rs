@@ -402,7 +402,7 @@ impl PbrtMaterialConverter<'_> {
     /// none does.
     ///
     /// A named glass gives its index at 587.56 nm. Any other spectrum gives its mean, weighted by
-    /// the response of the green channel. A texture gives 1.5, with a message.
+    /// the response of the green channel. A texture gives 1.5, and a message tells the user.
     fn refractive_index(&mut self, p: &Parameters, names: &[&str]) -> ReadResult<f64> {
         let place = &p.place;
         let index = match p.find_any(names) {

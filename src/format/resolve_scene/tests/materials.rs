@@ -25,7 +25,7 @@ fn materials_are_resolved() {
         Phong { diffuseColor .1 .2 .3 specularColor .4 .5 .6 shininess 7 }
     }";
     let scene = resolve_scene_text(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
-    let absorption = |i: usize| scene.materials()[i].bounded_body().unwrap().absorption;
+    let absorption = |i: usize| scene.materials()[i].enclosed_body().unwrap().absorption;
     let body = Body { priority: 7, ..Body::new(1.7) };
     assert_eq!(scene.materials()[0], Material::rough_boundary(body, 0.25));
     assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
@@ -57,8 +57,8 @@ fn metals_have_the_named_or_given_index() {
 #[test]
 fn glasses_have_the_named_or_given_index() {
     let index = |scene: &Scene| {
-        let body = scene.materials()[0].bounded_body().unwrap();
-        (body.eta, body.glass.map(|g| scene.glasses()[g as usize]))
+        let body = scene.materials()[0].enclosed_body().unwrap();
+        (body.eta, body.glass.map(|g| scene.dispersion_formulas()[g as usize]))
     };
     for (name, glass, _) in GLASSES {
         let scene = resolve_materials(&format!("Dielectric {{ glass {name} }}"));

@@ -18,7 +18,7 @@ fn scene_text_with_media(media: &str, materials: &str) -> String {
 }
 
 fn body_of_material(scene: &Scene, material: usize) -> Body {
-    *scene.materials()[material].bounded_body().unwrap()
+    *scene.materials()[material].enclosed_body().unwrap()
 }
 
 /// Returns the medium inside bodies of the first material.

@@ -1,4 +1,5 @@
-//! Tests of scenes that share the meshes of an earlier version.
+//! Tests that an edited scene reuses the unchanged meshes of its earlier version, and reads only
+//! changed meshes again.
 
 use super::*;
 use crate::format::SceneFile;

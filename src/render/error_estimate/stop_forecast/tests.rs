@@ -1,7 +1,8 @@
 use super::*;
 use crate::render::error_estimate::ErrorEstimate;
 
-/// Confidence of an interval of half width 0, whose upper end is the estimated error.
+/// Confidence so small that the error interval has practically no width. Tests with it compare the
+/// target with the estimated error itself.
 const CENTER: Confidence = Confidence::LEAST;
 
 /// Returns the forecast after 8 passes with the given moments of nested differences. Each pass has

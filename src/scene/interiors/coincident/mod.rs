@@ -123,7 +123,7 @@ pub(super) fn boundary_sides<'a>(
     let mut roughness = if is_null_interface { 0.0 } else { surface.boundary_roughness };
     for face in surface.coincident.iter() {
         let material = &scene.materials[face.material as usize];
-        if material.bounded_body().is_some_and(|other| !other.is_null_interface) {
+        if material.enclosed_body().is_some_and(|other| !other.is_null_interface) {
             is_null_interface = false;
             roughness = material.mean_boundary_roughness().max(roughness);
         }
@@ -173,7 +173,7 @@ fn find_coincident_faces(
         let group = geometry.coincidence_group(hit.primitive);
         let material = leaf_at(&hit, &point, group);
         let face = CoincidentFace { material, entering, group };
-        if face != own && scene.materials[material as usize].bounded_body().is_some() {
+        if face != own && scene.materials[material as usize].enclosed_body().is_some() {
             faces.insert_if_room(face);
         }
     });

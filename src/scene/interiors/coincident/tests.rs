@@ -13,7 +13,7 @@ fn coincident_face(material: u32, entering: bool) -> CoincidentFace {
     CoincidentFace { material, entering, group: CoincidenceGroup::group_of_single_object(material) }
 }
 
-fn coincident_faces_from_list(list: &[CoincidentFace]) -> CoincidentFaces {
+fn coincident_face_set(list: &[CoincidentFace]) -> CoincidentFaces {
     let mut faces = CoincidentFaces::NONE;
     list.iter().for_each(|f| faces.insert_if_room(*f));
     faces
@@ -33,18 +33,14 @@ fn coincident_faces_are_crossed_together() {
     for (own, other) in
         [(coincident_face(0, false), coincident_face(1, true)), (coincident_face(1, true), coincident_face(0, false))]
     {
-        assert_eq!(
-            glass.stack_after_crossing(own, &coincident_faces_from_list(&[other])).body_materials(),
-            &[1],
-            "{own:?}"
-        );
+        assert_eq!(glass.stack_after_crossing(own, &coincident_face_set(&[other])).body_materials(), &[1], "{own:?}");
     }
     for (own, other) in
         [(coincident_face(1, false), coincident_face(0, true)), (coincident_face(0, true), coincident_face(1, false))]
     {
         assert_eq!(
             interior_stack_of_materials(&[1])
-                .stack_after_crossing(own, &coincident_faces_from_list(&[other]))
+                .stack_after_crossing(own, &coincident_face_set(&[other]))
                 .body_materials(),
             &[0],
             "{own:?}"
@@ -54,25 +50,25 @@ fn coincident_faces_are_crossed_together() {
     // of one body share.
     assert_eq!(
         InteriorStack::EMPTY
-            .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(0, true)]))
+            .stack_after_crossing(coincident_face(1, true), &coincident_face_set(&[coincident_face(0, true)]))
             .body_materials(),
         &[0, 1]
     );
     assert_eq!(
         interior_stack_of_materials(&[0, 1])
-            .stack_after_crossing(coincident_face(1, false), &coincident_faces_from_list(&[coincident_face(0, false)]))
+            .stack_after_crossing(coincident_face(1, false), &coincident_face_set(&[coincident_face(0, false)]))
             .body_materials(),
         &[0u32; 0]
     );
     assert_eq!(
         glass
-            .stack_after_crossing(coincident_face(0, false), &coincident_faces_from_list(&[coincident_face(0, true)]))
+            .stack_after_crossing(coincident_face(0, false), &coincident_face_set(&[coincident_face(0, true)]))
             .body_materials(),
         &[0]
     );
     assert_eq!(
         glass
-            .stack_after_crossing(coincident_face(0, true), &coincident_faces_from_list(&[coincident_face(0, false)]))
+            .stack_after_crossing(coincident_face(0, true), &coincident_face_set(&[coincident_face(0, false)]))
             .body_materials(),
         &[0]
     );
@@ -87,7 +83,7 @@ fn objects_of_one_material_count_separately() {
     };
     let stack_after_crossing = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
         interior_stack_of_materials(around)
-            .stack_after_crossing(own, &coincident_faces_from_list(&[other]))
+            .stack_after_crossing(own, &coincident_face_set(&[other]))
             .body_materials()
             .len()
     };
@@ -101,21 +97,21 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
     // The liquid overlaps the glass slightly, so the path is already inside it.
     assert_eq!(
         interior_stack_of_materials(&[0, 1])
-            .stack_after_crossing(coincident_face(0, false), &coincident_faces_from_list(&[coincident_face(1, true)]))
+            .stack_after_crossing(coincident_face(0, false), &coincident_face_set(&[coincident_face(1, true)]))
             .body_materials(),
         &[1]
     );
     // A small gap between both bodies: the path left the glass just before it enters the liquid.
     assert_eq!(
         InteriorStack::EMPTY
-            .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(0, false)]))
+            .stack_after_crossing(coincident_face(1, true), &coincident_face_set(&[coincident_face(0, false)]))
             .body_materials(),
         &[1]
     );
     // A layer thinner than the position error has no effect.
     assert_eq!(
         InteriorStack::EMPTY
-            .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(1, false)]))
+            .stack_after_crossing(coincident_face(1, true), &coincident_face_set(&[coincident_face(1, false)]))
             .body_materials(),
         &[0u32; 0]
     );
@@ -123,7 +119,7 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
         interior_stack_of_materials(&[0])
             .stack_after_crossing(
                 coincident_face(0, false),
-                &coincident_faces_from_list(&[coincident_face(1, true), coincident_face(1, false)])
+                &coincident_face_set(&[coincident_face(1, true), coincident_face(1, false)])
             )
             .body_materials(),
         &[0u32; 0]
@@ -133,15 +129,15 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
 #[test]
 fn coincident_faces_are_unique_and_limited() {
     let many: Vec<CoincidentFace> = (0..5).map(|m| coincident_face(m % 4, true)).collect();
-    assert_eq!(coincident_faces_from_list(&many).iter().count(), MAX_COINCIDENT_FACES);
-    assert_eq!(coincident_faces_from_list(&[coincident_face(1, true), coincident_face(1, true)]).iter().count(), 1);
+    assert_eq!(coincident_face_set(&many).iter().count(), MAX_COINCIDENT_FACES);
+    assert_eq!(coincident_face_set(&[coincident_face(1, true), coincident_face(1, true)]).iter().count(), 1);
     assert!(CoincidentFaces::NONE.is_empty());
 }
 
 /// A path meets a face of glass that coincides with a face of a mix. The mix resolves to its liquid
 /// component with the probability of this component.
 ///
-/// The standard error over 4096 keys is 0.0072. The tolerance is 5.5 times as large.
+/// The standard error over 4096 random keys is 0.0072. The tolerance is 5.5 times as large.
 #[test]
 fn coincident_mixes_resolve_by_their_component_probabilities() {
     const COUNT: u64 = 4096;

@@ -9,7 +9,7 @@ fn water_ice_glass_materials() -> Vec<Material> {
 }
 
 fn body_of_material(i: usize) -> Body {
-    *water_ice_glass_materials()[i].bounded_body().unwrap()
+    *water_ice_glass_materials()[i].enclosed_body().unwrap()
 }
 
 fn interior_stack_of_materials(bodies: &[u32]) -> InteriorStack {
@@ -64,7 +64,7 @@ fn a_boundary_has_one_interface_from_both_sides() {
 fn equal_priorities_let_the_last_entered_body_win() {
     let mut m = water_ice_glass_materials();
     for material in &mut m {
-        *material = material.with_body(Body { priority: 0, ..*material.bounded_body().unwrap() });
+        *material = material.with_body(Body { priority: 0, ..*material.enclosed_body().unwrap() });
     }
     assert_eq!(interior_stack_of_materials(&[2, 0]).dominant_body(&m).unwrap().0, 0, "the last one entered counts");
     let glass = Body { priority: 0, ..body_of_material(2) };

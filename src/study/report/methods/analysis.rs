@@ -101,11 +101,12 @@ pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
     law.map_or("none".to_owned(), |law| law.to_string())
 }
 
-/// Returns two texts about reaching an error: the time, and a list with the confidence interval of
-/// the time, the number of passes, and the number of photons.
+/// Returns texts on the effort after which a method's error has fallen to a given value: the
+/// processor time, and a list of further texts. The list holds the confidence interval of the time,
+/// the number of passes, and the number of photon paths.
 ///
-/// `has_photons` is true if the method traces photons. If the error is never reached, the list
-/// holds the reason instead.
+/// `has_photons` is true if the method traces photons. If the error never falls to that value, the
+/// list holds the reason instead.
 pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
     let work = |effort: &RenderEffort| {
         let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));
