@@ -35,20 +35,27 @@ use crate::color::{self, Rgb};
 use crate::sampling::{Key, Purpose};
 use crate::scene::{Effect, with_interior_type};
 use crate::stats::Counters;
-use glam::Vec2;
 use rayon::prelude::*;
 
-/// Number of pictures, with one ray per pixel each, that the prefix-ray pilot traces with whole
-/// camera paths.
+/// Number of pictures, with one ray per block of pixels each, that the prefix-ray pilot traces with
+/// whole camera paths.
 const WHOLE_PICTURES: u32 = 2;
 
-/// Number of pictures, with one ray per pixel each, that the prefix-ray pilot traces with [prefix
-/// rays](super::prefix_rays): camera paths that end at the first surface that stores photons.
+/// Number of pictures, with one ray per block of pixels each, that the prefix-ray pilot traces with
+/// [prefix rays](super::prefix_rays): camera paths that end at the first surface that stores
+/// photons.
 const PREFIX_PICTURES: u32 = 4;
 
 /// Number of pictures, among the [`PREFIX_PICTURES`], in which prefix rays also evaluate photon
 /// estimates. Only rays in pixels that [`find_lookup_candidates`] selects do so.
 const LOOKUP_PICTURES: u32 = 2;
+
+/// Largest number of pixels that a picture of the prefix-ray pilot traces. In a picture with more
+/// pixels, the pilot divides the film into [blocks](PilotBlocks), and traces one pixel of each.
+///
+/// Highlights and caustics cover more pixels of a larger picture, so the pilot finds them with as
+/// many rays as in a smaller one.
+const MAX_TRACED_PIXELS: u32 = 1 << 19;
 
 /// Smallest ratio of the photon paths of a pass to those of the prefix-ray pilot: the pilot traces
 /// at most 1/4 of the paths of a pass.
@@ -96,6 +103,55 @@ const MAX_AIMED_RAYS: f64 = 64.0;
 /// rays.
 const ASSUMED_AIMED_RAYS: u8 = 8;
 
+/// Blocks of pixels, for each of which the prefix-ray pilot measures the light of one pixel per
+/// picture. Blocks are squares, cut off at the right and lower edge of the film.
+#[derive(Clone, Copy, Debug)]
+struct PilotBlocks {
+    /// Number of pixels per row and column of a block.
+    edge: usize,
+    /// Width and height of the film \[pixels].
+    film_size: (usize, usize),
+}
+
+impl PilotBlocks {
+    /// Divides a film of the given width and height \[pixels] into the smallest blocks whose number
+    /// is at most about [`MAX_TRACED_PIXELS`].
+    fn new((width, height): (u32, u32)) -> Self {
+        let pixels = u64::from(width) * u64::from(height);
+        let is_enough = |edge: &u64| pixels <= u64::from(MAX_TRACED_PIXELS) * edge * edge;
+        let edge = (1..).find(is_enough).unwrap_or(1) as usize;
+        Self { edge, film_size: (width as usize, height as usize) }
+    }
+
+    /// Returns the numbers of columns and rows of blocks.
+    fn size(&self) -> (usize, usize) {
+        (self.film_size.0.div_ceil(self.edge), self.film_size.1.div_ceil(self.edge))
+    }
+
+    /// Returns the number of blocks.
+    fn count(&self) -> usize {
+        self.size().0 * self.size().1
+    }
+
+    /// Returns the block that contains pixel `pixel`. Blocks and pixels are indices by rows from
+    /// the top.
+    fn block_of_pixel(&self, pixel: usize) -> usize {
+        let (x, y) = (pixel % self.film_size.0, pixel / self.film_size.0);
+        y / self.edge * self.size().0 + x / self.edge
+    }
+
+    /// Returns the pixel of `block` that picture `i` traces. Consecutive pictures trace different
+    /// pixels. Blocks and pixels are indices by rows from the top.
+    fn traced_pixel(&self, block: usize, i: u32) -> usize {
+        let (columns, edge) = (self.size().0, self.edge);
+        // edge + 1 has no common factor with edge², so all pixels of a block take turns.
+        let turn = i as usize * (edge + 1) % (edge * edge);
+        let x = (block % columns * edge + turn % edge).min(self.film_size.0 - 1);
+        let y = (block / columns * edge + turn / edge).min(self.film_size.1 - 1);
+        y * self.film_size.0 + x
+    }
+}
+
 /// Running mean and variance of a series of values (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
 struct RunningVariance {
@@ -119,12 +175,12 @@ impl RunningVariance {
     }
 }
 
-/// Means and variances of the light of one pixel over the pictures of the prefix-ray pilot. The
-/// light is averaged over RGB \[W/(m² sr)].
+/// Means and variances of the light of one [block](PilotBlocks) of pixels over the pictures of the
+/// prefix-ray pilot. The light is averaged over RGB \[W/(m² sr)].
 ///
 /// *Receiver*: a surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default)]
-struct PixelLightStatistics {
+struct BlockLightStatistics {
     /// Light that camera paths find at and after their first receiver (surface or medium that
     /// stores photons), without photon estimates.
     from_receiver: RunningVariance,
@@ -192,6 +248,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 
     // Find lamp images.
     let (width, height) = scene.camera().size();
+    let blocks = PilotBlocks::new((width, height));
     let found_images = find_lamp_images(renderer);
     let lamp_images = images_of_pixels(&found_images, width as usize * height as usize);
 
@@ -204,11 +261,12 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, divisor) };
         renderer.map_builder.build(&options, &SilentMonitor, &mut out)
     });
-    let mut light = vec![PixelLightStatistics::default(); width as usize * height as usize];
+    let mut light = vec![BlockLightStatistics::default(); blocks.count()];
     let mut whole_work = Counters::default();
     for i in 0..WHOLE_PICTURES {
-        let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, i, |_| PathParts::Whole);
-        light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
+        let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, &blocks, i, |_| PathParts::Whole);
+        light.par_iter_mut().enumerate().for_each(|(block, light)| {
+            let parts = picture.image[blocks.traced_pixel(block, i)];
             let before = parts.x - light.from_receiver.mean;
             light.from_receiver.add(parts.x);
             light.up_to_receiver.add(parts.y);
@@ -217,24 +275,26 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         });
         whole_work += picture.counters;
     }
-    let candidates = pixel_variances(&light, &found_images, (width as usize, height as usize)).map_or_else(
-        || vec![false; light.len()],
+    let candidates = pixel_variances(&light, &found_images, &blocks).map_or_else(
+        || vec![false; width as usize * height as usize],
         |variances| find_lookup_candidates(&variances, renderer.samples_per_pixel),
     );
-    let candidate_count = candidates.iter().filter(|candidate| **candidate).count();
+    let mut traced_lookups = 0;
     let (mut ray_work, mut lookup_work) = (Counters::default(), Counters::default());
     for i in WHOLE_PICTURES..WHOLE_PICTURES + PREFIX_PICTURES {
         let looks_up = |pixel: usize| i < WHOLE_PICTURES + LOOKUP_PICTURES && candidates[pixel];
-        let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, i, |center| {
-            let pixel = center.y as usize * width as usize + center.x as usize;
+        let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, &blocks, i, |pixel| {
             if looks_up(pixel) { PathParts::PrefixWithLookup } else { PathParts::Prefix }
         });
-        light.par_iter_mut().zip(&picture.image).enumerate().for_each(|(pixel, (light, parts))| {
+        light.par_iter_mut().enumerate().for_each(|(block, light)| {
+            let pixel = blocks.traced_pixel(block, i);
+            let parts = picture.image[pixel];
             light.up_to_receiver.add(parts.y);
             if looks_up(pixel) {
                 light.photon_estimate.add(parts.z);
             }
         });
+        traced_lookups += (0..blocks.count()).filter(|block| looks_up(blocks.traced_pixel(*block, i))).count();
         let Counters { density_estimates: gathers, gathered_photons, .. } = picture.counters;
         lookup_work += Counters { density_estimates: gathers, gathered_photons, ..Counters::default() };
         ray_work += Counters { density_estimates: 0, gathered_photons: 0, ..picture.counters };
@@ -242,8 +302,9 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 
     // Measure the work of the camera paths and photons of a pass, of a prefix ray and of a lookup.
     let pixels = f64::from(width) * f64::from(height);
-    let traced_rays = pixels * f64::from(PREFIX_PICTURES);
-    let traced_lookups = candidate_count.max(1) as f64 * f64::from(LOOKUP_PICTURES);
+    let pixels_per_block = pixels / blocks.count() as f64;
+    let traced_rays = blocks.count() as f64 * f64::from(PREFIX_PICTURES);
+    let traced_lookups = traced_lookups.max(1) as f64;
     let part = f64::from(divisor);
     let lookup = |counters: &Counters| {
         balance::LOOKUP_WORK * counters.density_estimates as f64
@@ -252,15 +313,16 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let stored = out.aimed.stored_photons + out.unaimed.stored_photons;
     let photons = part * (out.counters.photon_rays as f64 + balance::photon_storage_work(stored));
     let whole_pictures = f64::from(WHOLE_PICTURES);
-    let camera = f64::from(renderer.samples_per_pixel) * balance::camera_path_work(&whole_work) / whole_pictures;
+    let scaled_to_all_pixels = |work: f64| pixels_per_block * work / whole_pictures;
+    let camera = scaled_to_all_pixels(f64::from(renderer.samples_per_pixel) * balance::camera_path_work(&whole_work));
     let work = PassWork {
         camera_work_per_pixel: camera / pixels,
-        photon_work_per_pixel: (photons + lookup(&whole_work) / whole_pictures) / pixels,
+        photon_work_per_pixel: (photons + scaled_to_all_pixels(lookup(&whole_work))) / pixels,
         work_per_prefix_ray: balance::camera_path_work(&ray_work) / traced_rays,
         work_per_lookup: lookup(&lookup_work) / traced_lookups,
     };
 
-    let variances = pixel_variances(&light, &found_images, (width as usize, height as usize))?;
+    let variances = pixel_variances(&light, &found_images, &blocks)?;
     let counts = efficient_ray_counts(&variances, renderer.samples_per_pixel, &work)?;
     let sum =
         |number: fn(&PixelPrefixRayCounts) -> u8| counts.iter().map(|count| u64::from(number(count))).sum::<u64>();
@@ -329,8 +391,9 @@ fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) ->
     variances.iter().map(|v| v.photon_estimate * n * n > least).collect()
 }
 
-/// Renders picture `i` of the prefix-ray pilot, with one ray per pixel. `parts` tells which part of
-/// a camera path to trace in a pixel, given the center of the pixel.
+/// Renders picture `i` of the prefix-ray pilot, with one ray in one pixel of each block. Other
+/// pixels stay black. `parts` tells which part of a camera path to trace in a pixel, given the
+/// index of the pixel by rows from the top.
 ///
 /// The three channels of a pixel hold three parts of its light, each averaged over RGB. Channel x
 /// is the light at and after the first receiver (surface or medium that stores photons), without
@@ -343,8 +406,9 @@ fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
     lamp_images: &LampImages,
+    blocks: &PilotBlocks,
     i: u32,
-    parts: impl Fn(Vec2) -> PathParts + Sync,
+    parts: impl Fn(usize) -> PathParts + Sync,
 ) -> FilmImage {
     // No render reaches these passes, so no random number is used twice.
     let pass = u32::MAX - i;
@@ -357,8 +421,13 @@ fn render_light_parts(
     with_interior_type!(pilot.policy.effects, <I> {
         tiles::render_tiles(&sampling, key, &SilentMonitor, |camera_ray, task, branches| {
             let center = camera_ray.weight_lookup_position;
-            let parts = parts(center);
-            let images = lamp_images.of_pixel(center.y as usize * width as usize + center.x as usize);
+            let pixel = center.y as usize * width as usize + center.x as usize;
+            if blocks.traced_pixel(blocks.block_of_pixel(pixel), i) != pixel {
+                task.counters.camera_rays -= 1;
+                return Rgb::ZERO;
+            }
+            let parts = parts(pixel);
+            let images = lamp_images.of_pixel(pixel);
             let up_to_receiver = if images.is_empty() {
                 1.0
             } else {
@@ -383,28 +452,32 @@ fn render_light_parts(
 
 /// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
 ///
-/// `light` holds the statistics of the pilot's pictures. These contain little light of the lamp
-/// images `images` (film regions where camera rays meet a small lamp), so the function adds that
-/// light. `size` is the picture's (width, height).
+/// `light` holds the statistics of each of the `blocks`, which all pixels of a block share. They
+/// contain little light of the lamp images `images` (film regions where camera rays meet a small
+/// lamp), so the function adds that light.
 ///
 /// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ the median of L
 /// over the picture. This measure lies between the absolute error, which neglects dark pixels, and
 /// the relative error, which neglects bright ones.
 fn pixel_variances(
-    light: &[PixelLightStatistics],
+    light: &[BlockLightStatistics],
     images: &[LampImageContribution],
-    size: (usize, usize),
+    blocks: &PilotBlocks,
 ) -> Option<Vec<RelativePixelVariances>> {
-    let values = |value: fn(&PixelLightStatistics) -> f64| light.par_iter().map(value).collect::<Vec<f64>>();
+    let values = |value: fn(&BlockLightStatistics) -> f64| light.par_iter().map(value).collect::<Vec<f64>>();
     let mut mean = values(|l| f64::from(l.from_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean));
-    images.iter().for_each(|image| mean[image.pixel as usize] += image.pixel_radiance);
+    let pixels = blocks.film_size.0 * blocks.film_size.1;
+    let pixels_per_block = pixels as f64 / blocks.count() as f64;
+    images
+        .iter()
+        .for_each(|image| mean[blocks.block_of_pixel(image.pixel as usize)] += image.pixel_radiance / pixels_per_block);
     let median = positive_median(mean.iter().copied())?;
     let from_receiver = values(|l| l.from_receiver.variance());
     let up_to_receiver = values(|l| l.up_to_receiver.variance());
     let (products, photons) = (values(|l| l.deviation_product_sum), values(|l| l.photon_estimate.variance()));
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright rays.
-    let box_mean = |values: &[f64], i: usize, half_width: usize| box_mean(|i| values[i], i, half_width, size);
+    let box_mean = |values: &[f64], i: usize, half_width: usize| box_mean(|i| values[i], i, half_width, blocks.size());
     let smoothed = |values: &[f64], i: usize| 0.5 * (box_mean(values, i, 1) + box_mean(values, i, 4));
     let scale = |i: usize| 1.0 / (median * (box_mean(&mean, i, 1) + median));
     let variance = |i: usize| {
@@ -419,13 +492,16 @@ fn pixel_variances(
             ..RelativePixelVariances::default()
         }
     };
-    let mut variances: Vec<RelativePixelVariances> = (0..light.len()).into_par_iter().map(variance).collect();
+    let of_blocks: Vec<RelativePixelVariances> = (0..light.len()).into_par_iter().map(variance).collect();
+    let of_pixel = |pixel: usize| of_blocks[blocks.block_of_pixel(pixel)];
+    let mut variances: Vec<RelativePixelVariances> = (0..pixels).into_par_iter().map(of_pixel).collect();
     for in_pixel in images.chunk_by(|a, b| a.pixel == b.pixel) {
         let pixel = in_pixel[0].pixel as usize;
         let sum = |value: fn(&LampImageContribution) -> f64| in_pixel.iter().map(value).sum::<f64>();
         let light = sum(|image| image.pixel_radiance);
-        variances[pixel].aimed = light * light * scale(pixel);
-        variances[pixel].unaimed = sum(|image| image.mean_square) * scale(pixel);
+        let scale = scale(blocks.block_of_pixel(pixel));
+        variances[pixel].aimed = light * light * scale;
+        variances[pixel].unaimed = sum(|image| image.mean_square) * scale;
     }
     Some(variances)
 }

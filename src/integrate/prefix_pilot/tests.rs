@@ -99,3 +99,26 @@ fn undefined_variances_give_no_prefix_rays() {
     assert_eq!(efficient_ray_counts(&[broken; 4], SAMPLES, &WORK), None);
     assert_eq!(efficient_ray_counts(&[RelativePixelVariances::default(); 4], SAMPLES, &WORK), None);
 }
+
+/// Small films have blocks of one pixel. In larger films, each block has its own pixel in each
+/// picture, and each pixel of a whole block takes its turn.
+#[test]
+fn blocks_trace_each_of_their_pixels_in_turn() {
+    let edges = [(1, 1), (640, 480), (1024, 512), (1025, 512), (1280, 960), (3840, 2160)];
+    assert_eq!(edges.map(|size| PilotBlocks::new(size).edge), [1, 1, 1, 2, 2, 4]);
+    assert_eq!(PilotBlocks::new((20, 30)).traced_pixel(599, 3), 599);
+    for edge in [2, 3, 4] {
+        let blocks = PilotBlocks { edge, film_size: (13, 11) };
+        let mut traced = vec![0; 13 * 11];
+        for i in 0..(edge * edge) as u32 {
+            for block in 0..blocks.count() {
+                let pixel = blocks.traced_pixel(block, i);
+                assert_eq!(blocks.block_of_pixel(pixel), block);
+                traced[pixel] += 1;
+            }
+        }
+        let is_whole = |pixel: usize| pixel % 13 / edge < 13 / edge && pixel / 13 / edge < 11 / edge;
+        assert!((0..13 * 11).filter(|pixel| is_whole(*pixel)).all(|pixel| traced[pixel] == 1), "{edge}");
+        assert!(traced.iter().all(|count| *count > 0), "{edge}");
+    }
+}
