@@ -9,6 +9,8 @@
 //! only if a camera ray there hits the lamp. Each lamp image is stored as an ellipse; several
 //! ellipses cover one of another shape.
 
+mod image_set;
+
 use super::lamp_images::LampImage;
 use super::pass_renderer::PassRenderer;
 use super::specular_chain::{CameraPoint, LampPassage, LampSphere, RayBundle, SpecularChain};
@@ -18,8 +20,9 @@ use crate::light::{Light, LightSurface};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{Effect, Effects, Interior, PathEvent, Scene, with_interior_type};
 use glam::{DVec2, Vec2};
+use image_set::{FoundLampImage, ImageSet};
 use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// Largest number of camera rays per pixel that search for lamp images: film regions where camera
@@ -70,11 +73,6 @@ const MAX_SEARCHES_PER_PIXEL: f64 = 3.0;
 /// meet a small lamp.
 const MAX_STEPS: u32 = 8;
 
-/// Distance from the center of an elliptic lamp image to a point just beyond its end, relative to
-/// the longest half axis of the ellipse. From that point, the pilot searches for other parts of the
-/// lamp image.
-const RELATIVE_IMAGE_END_DISTANCE: f32 = 1.1;
-
 /// Largest half width and half height \[pixels] of the film region that a lamp image sweeps as the
 /// lens point varies. Prefix rays are not aimed at larger lamp images: these are blurred or thin,
 /// so that no pixel gets much of their light.
@@ -89,22 +87,6 @@ const TARGET_RELATIVE_MISS: f64 = 0.5;
 /// Threshold at which the search for a lamp image has converged: the ray passes the lamp's center
 /// at a distance of at most 0.75 lamp radii.
 const CONVERGED_RELATIVE_MISS: f64 = 0.75;
-
-/// Lamp image (film region where camera rays meet a small lamp) that the pilot has found.
-#[derive(Clone, Copy, Debug)]
-struct FoundLampImage {
-    image: LampImage,
-    /// Film point and lens point of the camera ray by which the pilot found the lamp image. This
-    /// ray hits the lamp.
-    point: CameraPoint,
-    /// Sampler of the camera ray through `point`.
-    sampler: Sampler,
-    /// Index of the lamp's light in the scene.
-    light: u32,
-    chain: SpecularChain,
-    /// Radiance that the camera ray through `point` finds, averaged over RGB \[W/(m² sr)].
-    radiance: f32,
-}
 
 /// Light that a lamp image (film region where camera rays meet a small lamp) adds to one pixel,
 /// averaged over RGB.
@@ -422,62 +404,6 @@ fn pixels_near_images(tile: &[(u32, u32)], search_starts: &[ImageSearchStart]) -
 /// `passage` describes how far the ray passes from the lamp.
 fn vector_to_near_side(passage: &LampPassage) -> DVec2 {
     passage.to_image * (1.0 - TARGET_RELATIVE_MISS / passage.relative_miss).max(0.0)
-}
-
-impl FoundLampImage {
-    /// Returns two film points \[pixels], just beyond both ends of the longest axis of the lamp
-    /// image's ellipse. They apply to the lens point at which the lamp image was found.
-    fn ends(&self) -> [Vec2; 2] {
-        let longest = self.image.longest_half_axis() * RELATIVE_IMAGE_END_DISTANCE;
-        let center = self.image.film_point(Vec2::ZERO, self.point.lens_point());
-        [center - longest, center + longest]
-    }
-}
-
-/// Set of the lamp images that the pilot has found, without repetitions. A lamp image is a film
-/// region where camera rays meet a small lamp.
-struct ImageSet {
-    images: Vec<FoundLampImage>,
-    /// Radius of the lens \[length]; 0 if all camera rays start at the lens center.
-    lens_radius: f32,
-    /// Indices in `images`, by column and row of a pixel. A pixel lists the lamp images that reach
-    /// it from at least one point of the lens.
-    by_pixel: HashMap<(i32, i32), Vec<u32>>,
-}
-
-impl ImageSet {
-    fn new(lens_radius: f32) -> Self {
-        Self { images: Vec::new(), lens_radius, by_pixel: HashMap::new() }
-    }
-
-    /// Adds the lamp image `image` and returns true. Returns false if the set already has a lamp
-    /// image of the same lamp, over the same chain of specular vertices, that covers the film point
-    /// at which `image` was found.
-    fn insert(&mut self, image: FoundLampImage) -> bool {
-        let FoundLampImage { point, light, chain, .. } = image;
-        if self.covers(point.film, point.lens_point(), light, chain) {
-            return false;
-        }
-        let center = image.image.center;
-        let half_extent = image.image.half_extent_over_lens(self.lens_radius);
-        let (low, high) = ((center - half_extent).floor().as_ivec2(), (center + half_extent).floor().as_ivec2());
-        let index = self.images.len() as u32;
-        for pixel in (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| (x, y))) {
-            self.by_pixel.entry(pixel).or_default().push(index);
-        }
-        self.images.push(image);
-        true
-    }
-
-    /// True if a lamp image of light `light`, seen via the specular vertices `chain`, covers film
-    /// point `film` \[pixels], for rays through the point `on_lens` of the lens.
-    fn covers(&self, film: Vec2, on_lens: Vec2, light: u32, chain: SpecularChain) -> bool {
-        let pixel = film.floor().as_ivec2();
-        let images = self.by_pixel.get(&(pixel.x, pixel.y)).into_iter().flatten().map(|i| &self.images[*i as usize]);
-        images.into_iter().any(|image| {
-            image.light == light && image.chain == chain && image.image.disc_point(film, on_lens).length_squared() < 1.0
-        })
-    }
 }
 
 /// Returns the light that each of the lamp images `images` adds to each pixel whose filter reaches

@@ -18,6 +18,10 @@
 //!
 //! No pass uses rays of the pilot, so the mean of the passes stays unbiased.
 
+mod blocks;
+mod efficient_counts;
+mod variances;
+
 use super::balance;
 use super::camera_path;
 use super::camera_ray::CameraRay;
@@ -28,14 +32,16 @@ use super::map_builder::MapBuildOptions;
 use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
-use super::pilot_statistics::{box_mean, positive_median};
 use super::prefix_rays::{LampImageRayCounts, PixelPrefixRayCounts, PrefixRayAllocation, PrefixWeights};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::sampling::{Key, Purpose};
 use crate::scene::{Effect, with_interior_type};
 use crate::stats::Counters;
+use blocks::PilotBlocks;
+use efficient_counts::{PassWork, efficient_ray_counts};
 use rayon::prelude::*;
+use variances::{BlockLightStatistics, RelativePixelVariances, pixel_variances};
 
 /// Number of pictures, with one ray per block of pixels each, that the prefix-ray pilot traces with
 /// whole camera paths.
@@ -50,33 +56,12 @@ const PREFIX_PICTURES: u32 = 4;
 /// estimates. Only rays in pixels that [`find_lookup_candidates`] selects do so.
 const LOOKUP_PICTURES: u32 = 2;
 
-/// Largest number of pixels that a picture of the prefix-ray pilot traces. In a picture with more
-/// pixels, the pilot divides the film into [blocks](PilotBlocks), and traces one pixel of each.
-///
-/// Highlights and caustics cover more pixels of a larger picture, so the pilot finds them with as
-/// many rays as in a smaller one.
-const MAX_TRACED_PIXELS: u32 = 1 << 19;
-
 /// Smallest ratio of the photon paths of a pass to those of the prefix-ray pilot: the pilot traces
 /// at most 1/4 of the paths of a pass.
 const MIN_PHOTON_PATH_DIVISOR: u32 = 4;
 
 /// Largest number of photon paths that the prefix-ray pilot traces for one photon map.
 const MAX_PHOTON_PATHS: u32 = 1 << 20;
-
-/// Number of iterations of each search for the numbers of prefix rays that minimize variance times
-/// work.
-const SEARCH_STEPS: u32 = 20;
-
-/// Largest work of all prefix rays (extra camera rays that stop at the first surface that stores
-/// photons) of a pass, divided by the work of the rest of the pass.
-///
-/// The bound limits wasted work where the pilot met a rare bright ray by chance.
-const MAX_RELATIVE_WORK: f64 = 0.3;
-
-/// Mean number of prefix rays (extra camera rays that stop at the first surface that stores
-/// photons) per pixel below which a pass traces none at all.
-const MIN_MEAN_COUNT: f64 = 1e-3;
 
 /// Threshold on v·n²/V above which the prefix-ray pilot measures photon estimates at prefix rays of
 /// a pixel.
@@ -91,10 +76,6 @@ const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
 /// the part of the film where camera rays meet a small lamp, directly or over specular surfaces.
 const MAX_PIXEL_IMAGES: usize = 16;
 
-/// Largest number of extra camera rays of one pixel that are aimed at lamp images, the film regions
-/// where camera rays meet a small lamp.
-const MAX_AIMED_RAYS: f64 = 64.0;
-
 /// Number of extra camera rays aimed at lamp images (film regions where camera rays meet a small
 /// lamp) that the prefix-ray pilot assumes in each pixel with lamp images, while it measures
 /// variances.
@@ -102,136 +83,6 @@ const MAX_AIMED_RAYS: f64 = 64.0;
 /// Such rays would take over most of the light of lamp images, which lowers the variance of other
 /// rays.
 const ASSUMED_AIMED_RAYS: u8 = 8;
-
-/// Blocks of pixels, for each of which the prefix-ray pilot measures the light of one pixel per
-/// picture. Blocks are squares, cut off at the right and lower edge of the film.
-#[derive(Clone, Copy, Debug)]
-struct PilotBlocks {
-    /// Number of pixels per row and column of a block.
-    edge: usize,
-    /// Width and height of the film \[pixels].
-    film_size: (usize, usize),
-}
-
-impl PilotBlocks {
-    /// Divides a film of the given width and height \[pixels] into the smallest blocks whose number
-    /// is at most about [`MAX_TRACED_PIXELS`].
-    fn new((width, height): (u32, u32)) -> Self {
-        let pixels = u64::from(width) * u64::from(height);
-        let is_enough = |edge: &u64| pixels <= u64::from(MAX_TRACED_PIXELS) * edge * edge;
-        let edge = (1..).find(is_enough).unwrap_or(1) as usize;
-        Self { edge, film_size: (width as usize, height as usize) }
-    }
-
-    /// Returns the numbers of columns and rows of blocks.
-    fn size(&self) -> (usize, usize) {
-        (self.film_size.0.div_ceil(self.edge), self.film_size.1.div_ceil(self.edge))
-    }
-
-    /// Returns the number of blocks.
-    fn count(&self) -> usize {
-        self.size().0 * self.size().1
-    }
-
-    /// Returns the block that contains pixel `pixel`. Blocks and pixels are indices by rows from
-    /// the top.
-    fn block_of_pixel(&self, pixel: usize) -> usize {
-        let (x, y) = (pixel % self.film_size.0, pixel / self.film_size.0);
-        y / self.edge * self.size().0 + x / self.edge
-    }
-
-    /// Returns the pixel of `block` that picture `i` traces. Consecutive pictures trace different
-    /// pixels. Blocks and pixels are indices by rows from the top.
-    fn traced_pixel(&self, block: usize, i: u32) -> usize {
-        let (columns, edge) = (self.size().0, self.edge);
-        // edge + 1 has no common factor with edge², so all pixels of a block take turns.
-        let turn = i as usize * (edge + 1) % (edge * edge);
-        let x = (block % columns * edge + turn % edge).min(self.film_size.0 - 1);
-        let y = (block / columns * edge + turn / edge).min(self.film_size.1 - 1);
-        y * self.film_size.0 + x
-    }
-}
-
-/// Running mean and variance of a series of values (Welford 1962).
-#[derive(Clone, Copy, Debug, Default)]
-struct RunningVariance {
-    count: u32,
-    mean: f32,
-    squared_deviation_sum: f64,
-}
-
-impl RunningVariance {
-    fn add(&mut self, value: f32) {
-        self.count += 1;
-        let before = value - self.mean;
-        self.mean += before / self.count as f32;
-        // Use f64: the square of a small f32 could underflow.
-        self.squared_deviation_sum += f64::from(before) * f64::from(value - self.mean);
-    }
-
-    /// Returns the unbiased sample variance; there must be at least two values.
-    fn variance(&self) -> f64 {
-        self.squared_deviation_sum / f64::from(self.count - 1)
-    }
-}
-
-/// Means and variances of the light of one [block](PilotBlocks) of pixels over the pictures of the
-/// prefix-ray pilot. The light is averaged over RGB \[W/(m² sr)].
-///
-/// *Receiver*: a surface or medium that stores photons.
-#[derive(Clone, Copy, Debug, Default)]
-struct BlockLightStatistics {
-    /// Light that camera paths find at and after their first receiver (surface or medium that
-    /// stores photons), without photon estimates.
-    from_receiver: RunningVariance,
-    /// Light that camera paths find before their first receiver (surface or medium that stores
-    /// photons): emission, and direct light at casters such as rough glass.
-    up_to_receiver: RunningVariance,
-    /// Photon estimate at the first receiver (surface or medium that stores photons).
-    photon_estimate: RunningVariance,
-    /// Sum, over whole camera paths, of (`from_receiver` − its mean)·(`up_to_receiver` − its mean).
-    /// The covariance of `from_receiver` and `up_to_receiver` is this sum divided by (number of
-    /// paths − 1).
-    deviation_product_sum: f64,
-}
-
-/// Variances of the light that one ray of a pixel finds, divided by L̃·(L + L̃). L is the light of
-/// the pixel, and L̃ the median of L over the picture.
-///
-/// *Receiver*: a surface or medium that stores photons.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct RelativePixelVariances {
-    /// Relative variance of the light that a camera path finds at and after its first receiver
-    /// (surface or medium that stores photons), without photon estimates.
-    from_receiver: f64,
-    /// Relative variance of the light that a path finds before its first receiver (surface or
-    /// medium that stores photons): emission, and direct light at casters such as rough glass.
-    ///
-    /// A negative covariance of this light and that of `from_receiver` is included: twice the
-    /// covariance is added. It is negative at edges, where a ray finds either one light or the
-    /// other.
-    up_to_receiver: f64,
-    /// Relative variance of the photon estimate at the first receiver (surface or medium that
-    /// stores photons).
-    photon_estimate: f64,
-    /// Relative variance of one ray that is aimed at the pixel's lamp images, the film regions
-    /// where camera rays meet a small lamp. The value is approximated by the square of the light of
-    /// these lamp images.
-    aimed: f64,
-    /// Relative variance of the light that one ordinary camera ray finds in the pixel's lamp
-    /// images, the film regions where camera rays meet a small lamp.
-    unaimed: f64,
-}
-
-/// Relative standard deviations of the light of one ray: the square roots of
-/// [`RelativePixelVariances`]. For least noise, numbers of rays are chosen in proportion to these
-/// values.
-struct PixelStandardDeviations {
-    up_to_receiver: f64,
-    photons: f64,
-    aimed: f64,
-    unaimed: f64,
-}
 
 /// Returns the number of [prefix rays](super::prefix_rays) that each pixel should get: extra camera
 /// paths that end at the first surface that stores photons. Returns `None` if such rays do not pay,
@@ -289,6 +140,10 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         light.par_iter_mut().enumerate().for_each(|(block, light)| {
             let pixel = blocks.traced_pixel(block, i);
             let parts = picture.image[pixel];
+            if blocks.starts_new_pixels(i) {
+                light.up_to_receiver.start_group();
+                light.photon_estimate.start_group();
+            }
             light.up_to_receiver.add(parts.y);
             if looks_up(pixel) {
                 light.photon_estimate.add(parts.z);
@@ -448,160 +303,6 @@ fn render_light_parts(
             Rgb::new((total - up_to_receiver - photons).max(0.0), up_to_receiver, photons)
         })
     })
-}
-
-/// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
-///
-/// `light` holds the statistics of each of the `blocks`, which all pixels of a block share. They
-/// contain little light of the lamp images `images` (film regions where camera rays meet a small
-/// lamp), so the function adds that light.
-///
-/// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ the median of L
-/// over the picture. This measure lies between the absolute error, which neglects dark pixels, and
-/// the relative error, which neglects bright ones.
-fn pixel_variances(
-    light: &[BlockLightStatistics],
-    images: &[LampImageContribution],
-    blocks: &PilotBlocks,
-) -> Option<Vec<RelativePixelVariances>> {
-    let values = |value: fn(&BlockLightStatistics) -> f64| light.par_iter().map(value).collect::<Vec<f64>>();
-    let mut mean = values(|l| f64::from(l.from_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean));
-    let pixels = blocks.film_size.0 * blocks.film_size.1;
-    let pixels_per_block = pixels as f64 / blocks.count() as f64;
-    images
-        .iter()
-        .for_each(|image| mean[blocks.block_of_pixel(image.pixel as usize)] += image.pixel_radiance / pixels_per_block);
-    let median = positive_median(mean.iter().copied())?;
-    let from_receiver = values(|l| l.from_receiver.variance());
-    let up_to_receiver = values(|l| l.up_to_receiver.variance());
-    let (products, photons) = (values(|l| l.deviation_product_sum), values(|l| l.photon_estimate.variance()));
-    // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
-    // keeps detail, a larger one includes rare bright rays.
-    let box_mean = |values: &[f64], i: usize, half_width: usize| box_mean(|i| values[i], i, half_width, blocks.size());
-    let smoothed = |values: &[f64], i: usize| 0.5 * (box_mean(values, i, 1) + box_mean(values, i, 4));
-    let scale = |i: usize| 1.0 / (median * (box_mean(&mean, i, 1) + median));
-    let variance = |i: usize| {
-        let scale = scale(i);
-        let up_to_receiver = smoothed(&up_to_receiver, i);
-        let covariance = smoothed(&products, i) / f64::from(WHOLE_PICTURES - 1);
-        let photons = smoothed(&photons, i);
-        RelativePixelVariances {
-            from_receiver: box_mean(&from_receiver, i, 1) * scale,
-            up_to_receiver: (up_to_receiver + 2.0 * covariance.min(0.0)).max(0.0) * scale,
-            photon_estimate: photons * scale,
-            ..RelativePixelVariances::default()
-        }
-    };
-    let of_blocks: Vec<RelativePixelVariances> = (0..light.len()).into_par_iter().map(variance).collect();
-    let of_pixel = |pixel: usize| of_blocks[blocks.block_of_pixel(pixel)];
-    let mut variances: Vec<RelativePixelVariances> = (0..pixels).into_par_iter().map(of_pixel).collect();
-    for in_pixel in images.chunk_by(|a, b| a.pixel == b.pixel) {
-        let pixel = in_pixel[0].pixel as usize;
-        let sum = |value: fn(&LampImageContribution) -> f64| in_pixel.iter().map(value).sum::<f64>();
-        let light = sum(|image| image.pixel_radiance);
-        let scale = scale(blocks.block_of_pixel(pixel));
-        variances[pixel].aimed = light * light * scale;
-        variances[pixel].unaimed = sum(|image| image.mean_square) * scale;
-    }
-    Some(variances)
-}
-
-/// Work of the parts of a pass, in units of tracing one photon ray.
-#[derive(Clone, Copy, Debug)]
-struct PassWork {
-    /// Work of all camera paths of a pixel.
-    camera_work_per_pixel: f64,
-    /// Work of tracing, indexing and gathering photons, divided by the number of pixels.
-    photon_work_per_pixel: f64,
-    /// Work of one prefix ray (extra camera ray that stops at the first surface that stores
-    /// photons), without its photon estimate.
-    work_per_prefix_ray: f64,
-    /// Work of the photon estimates of one prefix ray.
-    work_per_lookup: f64,
-}
-
-/// Returns the numbers of prefix rays of each pixel (extra camera rays that stop at the first
-/// surface that stores photons) that minimize variance times work of a pass, within
-/// [`MAX_RELATIVE_WORK`]. Returns `None` if almost no pixel needs prefix rays.
-///
-/// The noise of photons is not measured here. Another pilot has balanced rays and photons. So
-/// photons are assumed to have the same ratio of variance to work as camera paths.
-fn efficient_ray_counts(
-    variances: &[RelativePixelVariances],
-    samples: u32,
-    work: &PassWork,
-) -> Option<Vec<PixelPrefixRayCounts>> {
-    let n = f64::from(samples);
-    let (ray_scale, lookup_scale) =
-        (1.0 / work.work_per_prefix_ray.sqrt(), 1.0 / (work.work_per_prefix_ray + work.work_per_lookup).sqrt());
-    // Compute the numbers of prefix rays, of photon lookups and of aimed rays in a pixel. They give
-    // all pixels the same derivative of variance by work: −1/scale².
-    let count = |deviations: &PixelStandardDeviations, scale: f64| {
-        // `max` ignores NaN, so a NaN variance gives no ray.
-        let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));
-        let lookups = whole(deviations.photons * scale * lookup_scale - 1.0);
-        let rays = whole(deviations.up_to_receiver * scale * ray_scale - n).max(lookups);
-        let pays = deviations.unaimed * scale * ray_scale > n.sqrt();
-        let aimed = if pays { whole(deviations.aimed * scale * ray_scale).clamp(1.0, MAX_AIMED_RAYS) } else { 0.0 };
-        (rays, lookups, aimed)
-    };
-    let deviations = |v: &RelativePixelVariances| PixelStandardDeviations {
-        up_to_receiver: v.up_to_receiver.sqrt(),
-        photons: v.photon_estimate.sqrt(),
-        aimed: v.aimed.sqrt(),
-        unaimed: v.unaimed.sqrt(),
-    };
-    let deviations: Vec<PixelStandardDeviations> = variances.par_iter().map(deviations).collect();
-    let pixels = variances.len() as f64;
-    // The sum is serial: its rounding depends on the order.
-    let mean = |values: Vec<f64>| values.iter().sum::<f64>() / pixels;
-    let prefix_work = |scale: f64| {
-        let pixel_work = |deviations: &PixelStandardDeviations| {
-            let (rays, lookups, aimed) = count(deviations, scale);
-            work.work_per_prefix_ray * (rays + aimed) + work.work_per_lookup * lookups
-        };
-        mean(deviations.par_iter().map(pixel_work).collect())
-    };
-    let rest_work = work.camera_work_per_pixel + work.photon_work_per_pixel;
-    let photon_variance_factor = rest_work / work.camera_work_per_pixel.max(f64::MIN_POSITIVE);
-    let variance = |scale: f64| {
-        let pixel_variance = |(v, deviations): (&RelativePixelVariances, &PixelStandardDeviations)| {
-            let (rays, lookups, aimed) = count(deviations, scale);
-            let images = if aimed > 0.0 { v.aimed / aimed } else { v.unaimed / n };
-            photon_variance_factor * v.from_receiver / n
-                + v.up_to_receiver / (n + rays)
-                + v.photon_estimate / (1.0 + lookups)
-                + images
-        };
-        mean(variances.par_iter().zip(&deviations).map(pixel_variance).collect())
-    };
-
-    // At the least product of variance and work, 1/scale² is the variance over the work of a pass.
-    let mut scale = 0.0;
-    for _ in 0..SEARCH_STEPS {
-        let next = ((rest_work + prefix_work(scale)) / variance(scale)).sqrt();
-        if !next.is_finite() {
-            return None;
-        }
-        scale = next;
-    }
-
-    // If the work of prefix rays is above the limit, bisect for fewer rays.
-    if prefix_work(scale) > MAX_RELATIVE_WORK * rest_work {
-        let (mut low, mut high) = (0.0, scale);
-        for _ in 0..SEARCH_STEPS {
-            let middle = 0.5 * (low + high);
-            if prefix_work(middle) > MAX_RELATIVE_WORK * rest_work { high = middle } else { low = middle }
-        }
-        scale = low;
-    }
-    let whole = |deviations: &PixelStandardDeviations| {
-        let (rays, lookups, aimed) = count(deviations, scale);
-        PixelPrefixRayCounts { unaimed: rays as u8, lookups: lookups as u8, aimed: aimed as u8 }
-    };
-    let counts: Vec<PixelPrefixRayCounts> = deviations.par_iter().map(whole).collect();
-    let mean_count = counts.iter().map(|n| f64::from(n.unaimed) + f64::from(n.aimed)).sum::<f64>() / pixels;
-    (mean_count >= MIN_MEAN_COUNT).then_some(counts)
 }
 
 #[cfg(test)]

@@ -1,3 +1,4 @@
+use super::efficient_counts::MAX_RELATIVE_WORK;
 use super::*;
 
 const SAMPLES: u32 = 4;
@@ -100,8 +101,8 @@ fn undefined_variances_give_no_prefix_rays() {
     assert_eq!(efficient_ray_counts(&[RelativePixelVariances::default(); 4], SAMPLES, &WORK), None);
 }
 
-/// Small films have blocks of one pixel. In larger films, each block has its own pixel in each
-/// picture, and each pixel of a whole block takes its turn.
+/// Small films have blocks of one pixel. In larger films, each block has its own pixel in each pair
+/// of pictures, and each pixel of a whole block takes its turn.
 #[test]
 fn blocks_trace_each_of_their_pixels_in_turn() {
     let edges = [(1, 1), (640, 480), (1024, 512), (1025, 512), (1280, 960), (3840, 2160)];
@@ -112,7 +113,8 @@ fn blocks_trace_each_of_their_pixels_in_turn() {
         let mut traced = vec![0; 13 * 11];
         for i in 0..(edge * edge) as u32 {
             for block in 0..blocks.count() {
-                let pixel = blocks.traced_pixel(block, i);
+                let pixel = blocks.traced_pixel(block, 2 * i);
+                assert_eq!(blocks.traced_pixel(block, 2 * i + 1), pixel);
                 assert_eq!(blocks.block_of_pixel(pixel), block);
                 traced[pixel] += 1;
             }
@@ -120,5 +122,31 @@ fn blocks_trace_each_of_their_pixels_in_turn() {
         let is_whole = |pixel: usize| pixel % 13 / edge < 13 / edge && pixel / 13 / edge < 11 / edge;
         assert!((0..13 * 11).filter(|pixel| is_whole(*pixel)).all(|pixel| traced[pixel] == 1), "{edge}");
         assert!(traced.iter().all(|count| *count > 0), "{edge}");
+    }
+}
+
+/// All pixels of a block have the variance of its pictures, which leaves out the difference between
+/// the pixels that they trace.
+#[test]
+fn pixels_share_the_variances_of_their_block() {
+    let blocks = PilotBlocks { edge: 2, film_size: (5, 3) };
+    let pixel_counts: Vec<usize> = (0..blocks.count()).map(|block| blocks.pixel_count(block)).collect();
+    assert_eq!(pixel_counts, [4, 4, 2, 2, 2, 1]);
+    let mut light = vec![BlockLightStatistics::default(); blocks.count()];
+    for light in &mut light {
+        [0.9, 1.1].iter().for_each(|value| light.from_receiver.add(*value));
+        [0.0, 0.0].iter().for_each(|value| light.up_to_receiver.add(*value));
+        // Two pixels with different light, each with a variance of 0.02.
+        [1.0, 1.2].iter().for_each(|value| light.photon_estimate.add(*value));
+        light.photon_estimate.start_group();
+        [5.0, 5.2].iter().for_each(|value| light.photon_estimate.add(*value));
+    }
+    let variances = pixel_variances(&light, &[], &blocks).unwrap();
+    assert_eq!(variances.len(), 15);
+    // The light is 1 + 3.1, so L̃·(L + L̃) is 2·4.1².
+    for v in &variances {
+        let expected = 0.02 / (2.0 * 4.1 * 4.1);
+        assert!((v.from_receiver / expected - 1.0).abs() < 1e-5 && (v.photon_estimate / expected - 1.0).abs() < 1e-5);
+        assert_eq!((v.up_to_receiver, v.aimed), (0.0, 0.0));
     }
 }
