@@ -440,6 +440,13 @@ impl<'a> PhotonMapBuilder<'a> {
         self.trace_photons(task, monitor, out).deposits.surface_photons
     }
 
+    /// Returns the default photon limit of caustic density estimates. It grows with the number of
+    /// photon paths aimed at casters such as glass, so that gather discs keep their size.
+    fn default_caustic_k(&self) -> u32 {
+        let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.aimed_paths.max(1));
+        (f64::from(DEFAULT_CAUSTIC_K) * ratio).round().max(1.0) as u32
+    }
+
     /// Builds the search structures of `photons`. Returns the caustic map, the indirect map, and
     /// the interreflection map, which only `hybrid` has. Reports progress to `monitor`, and adds
     /// the time to `out`.
@@ -463,10 +470,7 @@ impl<'a> PhotonMapBuilder<'a> {
             estimator
         };
 
-        // The default photon limit of caustic density estimates grows with the number of photon
-        // paths aimed at casters, so that gather discs keep their size.
-        let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.aimed_paths.max(1));
-        let usual_k = (f64::from(DEFAULT_CAUSTIC_K) * ratio).round().max(1.0) as u32;
+        let usual_k = self.default_caustic_k();
         let limits = |surface: f32, volume: VolumeKernelRadii, usual_k: u32| DensityEstimateLimits {
             radii: MapRadii { surface, volume },
             k: photon_limit(self.settings.gather_k.unwrap_or(usual_k), options.photon_path_divisor),

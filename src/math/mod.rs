@@ -23,6 +23,6 @@ pub use frame::Frame;
 pub use gcd::gcd;
 pub use morton::morton_order;
 pub use motion::{Motion, MotionFactor, rotation_matrix, rotation_matrix_degrees};
-pub use pixel_square::square_sum;
+pub use pixel_square::{SummedAreaTable, square_sum};
 pub use ray::{Ray, offset_ray_origin};
 pub use transform::{SingularTransformError, Transform};

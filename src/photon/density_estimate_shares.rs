@@ -10,23 +10,20 @@
 //! density estimate, and b² its squared relative error by blur. The mean of N passes has the
 //! relative variance 1/(N·n) for splats, and the relative squared error 1/(N·k) + b² for density
 //! estimates. Their weighted mean has the least squared error if splats and density estimates carry
-//! flux in the ratio n·(1/k + N·b²). In this ratio, N·b² grows with the number of passes, because
-//! the radii of density estimates shrink slowly.
+//! flux in the ratio n/k + N·n·b². Both terms grow from pass to pass: k shrinks with the gather
+//! disc, about as N^-⅓, and b² shrinks more slowly than 1/N.
 
 use super::deposits::Splat;
 use super::surface_photon::SHARE_STEPS;
 use crate::color;
-use crate::math::square_sum;
+use crate::math::{SummedAreaTable, square_sum};
 use glam::Vec2;
 use rayon::prelude::*;
 use std::ops::{AddAssign, Mul};
 
-/// Number k of photons in a density estimate, from which its noise and its radius follow. It is the
-/// default of the setting `gather_k` for caustics.
-const DENSITY_ESTIMATE_PHOTONS: f64 = 50.0;
-
-/// Weight of squared blur in the ratio of flux. It includes that the mean over passes keeps part of
-/// the blur of its first passes. Measured: docs/decisions/048-light-tracing.md.
+/// Weight of squared blur in the ratio of flux in the first pass. It includes that the mean over
+/// passes keeps part of the blur of its first passes. docs/decisions/048-light-tracing.md has the
+/// measurements.
 const BLUR_WEIGHT: f64 = 10.0;
 
 /// Number of photons per pixel and pass at which splats carry half of the flux even without blur.
@@ -56,22 +53,36 @@ const MAX_DISC_HALF_WIDTH: u32 = 12;
 /// center of a block is the mean over this block and the eight blocks around it.
 const BLOCK_SIZE: u32 = 8;
 
-/// Number of pixels as which the blur of the whole film counts in the mean of a block's blur. The
-/// blur of few pixels is noisy, because the pilot stores few photons in them.
-const FILM_BLUR_WEIGHT: f64 = 200.0;
+/// Number of standard errors by which blur must exceed its expected value to count as larger.
+const LARGER_BLUR: f64 = 3.0;
+
+/// Number of standard errors by which blur must fall below its expected value to count as smaller.
+/// A lower bar than [`LARGER_BLUR`]: where blur is taken as too small, density estimates blur a
+/// little more, but splats would show noise.
+const SMALLER_BLUR: f64 = 1.0;
 
 /// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film. The
 /// rest of the flux goes to a splat, which adds it directly to the film (light tracing).
 ///
-/// The fraction falls from pass to pass, because the mean of n passes divides the variance of
-/// splats by n, but the bias of density estimates only by about ∛n.
+/// The fraction falls from pass to pass, because the noise of splats falls faster with the number
+/// of passes than the blur of density estimates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DensityEstimateShares {
     width: u32,
     height: u32,
-    /// Ratio of the caustic flux that splats carry to the flux that density estimates use, for each
-    /// pixel in the first pass, by rows from the top. It is infinite where splats carry all flux.
-    first_pass_ratios: Vec<f32>,
+    /// Ratio of flux in the first pass, for each pixel, by rows from the top.
+    first_pass_ratios: Vec<FluxRatio>,
+}
+
+/// Ratio of the caustic flux that splats carry to the flux that density estimates use. The ratio is
+/// the sum of two terms, which grow differently from pass to pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct FluxRatio {
+    /// Term for the noise of density estimates: n/k for n photons per pixel and k photons in a
+    /// density estimate.
+    noise: f32,
+    /// Term for the blur of density estimates. It is infinite where splats carry all flux.
+    blur: f32,
 }
 
 /// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film, in
@@ -79,50 +90,61 @@ pub struct DensityEstimateShares {
 #[derive(Clone, Copy, Debug)]
 pub struct PassDensityEstimateShares<'a> {
     shares: &'a DensityEstimateShares,
-    /// Ratio of splat flux to density estimate flux in this pass, divided by the same ratio in the
-    /// first pass. In pass i, counted from 0, this growth is (i + 1)^⅔.
-    ratio_growth: f32,
+    /// Noise term of the ratio of flux in this pass, divided by that in the first pass. In pass i,
+    /// counted from 0, this growth is (i + 1)^⅓.
+    noise_growth: f32,
+    /// Blur term of the ratio of flux in this pass, divided by that in the first pass. In pass i,
+    /// counted from 0, this growth is (i + 1)^⅔.
+    blur_growth: f32,
 }
 
 impl DensityEstimateShares {
     /// Computes, for each pixel, the fraction of caustic flux that density estimates use. In pass
-    /// i, counted from 0, this fraction is 1/(1 + g·(i + 1)^⅔), with g = n·(1/50 + 10·b²) +
-    /// (n/10)². Here n is the estimated number of caustic photons per pixel and pass, and b² the
-    /// estimated squared relative error of a density estimate by blur.
+    /// i, counted from 0, this fraction is 1/(1 + (i + 1)^⅓·n/k + (i + 1)^⅔·(10·n·b² + (n/10)²)).
+    /// Here n is the estimated number of caustic photons per pixel and pass, and b² the estimated
+    /// squared relative error of a density estimate by blur.
     ///
     /// Both are estimated from the `splats` of a small simulation before the render. `ratio` is the
-    /// number of photon paths in a pass, divided by their number in that simulation.
+    /// number of photon paths in a pass, divided by their number in that simulation. `gather_count`
+    /// is k, the number of photons in a density estimate of the first pass.
     #[must_use]
-    pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
+    pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64, gather_count: f64) -> Self {
         let image = SplatImage::new(splats, (width, height));
         let pixels = 0..image.sums.len();
+        if !image.has_splats() {
+            return Self { width, height, first_pass_ratios: vec![FluxRatio::default(); pixels.len()] };
+        }
+
         let counts: Vec<f64> =
             pixels.clone().into_par_iter().map(|pixel| ratio * image.splats_per_pixel(pixel)).collect();
-        let blurs = BlurMap::new(&image, &counts);
-        // Logarithm of the fraction 1/(1 + g) of density estimates.
-        let log_share = |pixel: usize| {
+        let disc_half_widths: Vec<u8> = counts.par_iter().map(|count| disc_half_width(gather_count / count)).collect();
+        let blurs = BlurMap::new(&image, &disc_half_widths);
+        let blur_term = |pixel: usize| {
             let n = counts[pixel];
-            let squared_blur = blurs.squared_blur(image.column_and_row(pixel));
             let relative = n / EQUAL_SHARE_PHOTONS;
-            -libm::log1p(n * (1.0 / DENSITY_ESTIMATE_PHOTONS + BLUR_WEIGHT * squared_blur) + relative * relative)
+            BLUR_WEIGHT * n * blurs.squared_blur(image.column_and_row(pixel)) + relative * relative
         };
-        let log_shares: Vec<f64> = pixels.clone().into_par_iter().map(log_share).collect();
+
         // An edge between different shares would show in the picture, because density estimates
         // blur it and splats do not. So shares change only over distances as large as the disc.
-        let first_pass_ratio = |pixel: usize| {
-            let half_width = disc_half_width(counts[pixel]) as usize;
-            let size = (width as usize, height as usize);
-            let (sum, count) = square_sum(|pixel| log_shares[pixel], pixel, half_width, size);
-            libm::expm1(-sum / count) as f32
+        let smoothed = |term: &(dyn Fn(usize) -> f64 + Sync)| -> Vec<f32> {
+            let logarithms: Vec<f64> = pixels.clone().into_par_iter().map(|pixel| libm::log1p(term(pixel))).collect();
+            let table = SummedAreaTable::new(&logarithms, (width as usize, height as usize));
+            let mean = |pixel: usize| table.square_mean(pixel, disc_half_widths[pixel].into());
+            pixels.clone().into_par_iter().map(|pixel| libm::expm1(mean(pixel)) as f32).collect()
         };
-        Self { width, height, first_pass_ratios: pixels.into_par_iter().map(first_pass_ratio).collect() }
+        let noise = smoothed(&|pixel| counts[pixel] / gather_count);
+        let first_pass_ratios =
+            noise.into_iter().zip(smoothed(&blur_term)).map(|(noise, blur)| FluxRatio { noise, blur });
+        Self { width, height, first_pass_ratios: first_pass_ratios.collect() }
     }
 
     /// Returns the split in which splats carry all caustic flux and density estimates none, for all
     /// pixels of a film of the given width and height \[pixels].
     #[must_use]
     pub fn all_to_splats((width, height): (u32, u32)) -> Self {
-        Self { width, height, first_pass_ratios: vec![f32::INFINITY; width as usize * height as usize] }
+        let ratio = FluxRatio { noise: 0.0, blur: f32::INFINITY };
+        Self { width, height, first_pass_ratios: vec![ratio; width as usize * height as usize] }
     }
 
     /// Returns the fractions of caustic flux that density estimates use in pass `pass`, counted
@@ -130,7 +152,7 @@ impl DensityEstimateShares {
     #[must_use]
     pub fn in_pass(&self, pass: u32) -> PassDensityEstimateShares<'_> {
         let root = libm::cbrt(f64::from(pass) + 1.0);
-        PassDensityEstimateShares { shares: self, ratio_growth: (root * root) as f32 }
+        PassDensityEstimateShares { shares: self, noise_growth: root as f32, blur_growth: (root * root) as f32 }
     }
 }
 
@@ -141,7 +163,8 @@ impl PassDensityEstimateShares<'_> {
     pub(super) fn share_steps_at_film_position(&self, film_position: Vec2) -> u8 {
         let DensityEstimateShares { width, height, first_pass_ratios } = self.shares;
         pixel_at_film_position(film_position, *width, *height).map_or(SHARE_STEPS, |(x, y)| {
-            let ratio = self.ratio_growth * first_pass_ratios[y as usize * *width as usize + x as usize];
+            let FluxRatio { noise, blur } = first_pass_ratios[y as usize * *width as usize + x as usize];
+            let ratio = self.noise_growth * noise + self.blur_growth * blur;
             (f32::from(SHARE_STEPS) / (1.0 + ratio)).round() as u8
         })
     }
@@ -185,6 +208,9 @@ struct SplatImage {
     height: u32,
     /// Sums of each pixel, by rows from the top.
     sums: Vec<SplatSums>,
+    /// True for the blocks of [`BLOCK_SIZE`]² pixels within two blocks of a splat, by rows from the
+    /// top. All other pixels are farther than [`MAX_COUNT_HALF_WIDTH`] from any splat.
+    is_block_near_splats: Vec<bool>,
 }
 
 impl SplatImage {
@@ -196,7 +222,21 @@ impl SplatImage {
                 sums[y as usize * width as usize + x as usize] += SplatSums { values: value, squares: value * value };
             }
         }
-        Self { width, height, sums }
+        let (columns, rows) = (width.div_ceil(BLOCK_SIZE), height.div_ceil(BLOCK_SIZE));
+        let mut is_block_near_splats = vec![false; columns as usize * rows as usize];
+        for (pixel, _) in sums.iter().enumerate().filter(|(_, sums)| sums.values > 0.0) {
+            let (column, row) = (pixel as u32 % width / BLOCK_SIZE, pixel as u32 / width / BLOCK_SIZE);
+            let range = |at: u32, size: u32| at.saturating_sub(2)..size.min(at + 3);
+            for block_row in range(row, rows) {
+                range(column, columns).for_each(|x| is_block_near_splats[(block_row * columns + x) as usize] = true);
+            }
+        }
+        Self { width, height, sums, is_block_near_splats }
+    }
+
+    /// True if any splat lies on the film.
+    fn has_splats(&self) -> bool {
+        self.is_block_near_splats.contains(&true)
     }
 
     /// Returns column and row of the pixel with index `pixel`.
@@ -213,6 +253,11 @@ impl SplatImage {
 
     /// Estimates the effective number of splats per pixel around `pixel`.
     fn splats_per_pixel(&self, pixel: usize) -> f64 {
+        let (x, y) = self.column_and_row(pixel);
+        let block = y / BLOCK_SIZE * self.width.div_ceil(BLOCK_SIZE) + x / BLOCK_SIZE;
+        if !self.is_block_near_splats[block as usize] {
+            return 0.0;
+        }
         let mut half_width = 1;
         let (mut sums, mut pixels) = self.square_sums(pixel, half_width);
         while sums.effective_count() < ENOUGH_SPLATS && half_width < MAX_COUNT_HALF_WIDTH {
@@ -226,8 +271,11 @@ impl SplatImage {
 /// Weighted sums over pixels, from which squared blur follows as a ratio.
 #[derive(Clone, Copy, Debug, Default)]
 struct BlurSums {
-    /// Sum of squared differences that blur makes, each times its pixel's weight.
+    /// Unbiased estimate of the sum of squared differences that blur makes, each times its pixel's
+    /// weight. Noise can make it negative.
     squared_differences: f64,
+    /// Variance of `squared_differences` by the noise of the splats.
+    variance: f64,
     /// Sum of squared means, each times its pixel's weight.
     squared_means: f64,
 }
@@ -235,6 +283,7 @@ struct BlurSums {
 impl AddAssign for BlurSums {
     fn add_assign(&mut self, other: Self) {
         self.squared_differences += other.squared_differences;
+        self.variance += other.variance;
         self.squared_means += other.squared_means;
     }
 }
@@ -243,14 +292,33 @@ impl Mul<f64> for BlurSums {
     type Output = Self;
 
     fn mul(self, factor: f64) -> Self {
-        let Self { squared_differences, squared_means } = self;
-        Self { squared_differences: factor * squared_differences, squared_means: factor * squared_means }
+        Self {
+            squared_differences: factor * self.squared_differences,
+            variance: factor * factor * self.variance,
+            squared_means: factor * self.squared_means,
+        }
     }
 }
 
 impl BlurSums {
-    fn ratio(&self) -> f64 {
-        if self.squared_means > 0.0 { (self.squared_differences / self.squared_means).max(0.0) } else { 0.0 }
+    /// Returns the unbiased estimate of squared blur, and its standard error. Both are 0 without
+    /// light.
+    fn estimate(&self) -> (f64, f64) {
+        if self.squared_means > 0.0 {
+            (self.squared_differences / self.squared_means, self.variance.sqrt() / self.squared_means)
+        } else {
+            (0.0, 0.0)
+        }
+    }
+
+    /// Returns the estimate of squared blur, drawn towards `expected` by as much as noise could
+    /// explain the difference (James and Stein 1961). Without this, noise would count as blur,
+    /// because squared blur cannot be negative.
+    fn estimate_drawn_towards(&self, expected: f64) -> f64 {
+        let (squared_blur, error) = self.estimate();
+        let difference = squared_blur - expected;
+        let noise = if difference > 0.0 { LARGER_BLUR } else { SMALLER_BLUR } * error / difference;
+        if noise.abs() < 1.0 { (expected + difference * (1.0 - noise * noise)).max(0.0) } else { expected }
     }
 }
 
@@ -262,25 +330,34 @@ struct BlurMap {
     rows: u32,
     /// Sums over the pixels of each block, by rows from the top.
     blocks: Vec<BlurSums>,
-    /// Sums over all pixels of the film, multiplied by [`FILM_BLUR_WEIGHT`] and divided by the
-    /// number of pixels.
-    film: BlurSums,
+    /// Squared blur of the whole film.
+    film: f64,
 }
 
 impl BlurMap {
-    /// Estimates blur from the splats of a pilot. `counts` holds the number of photons per pixel
-    /// and pass, for each pixel.
-    fn new(image: &SplatImage, counts: &[f64]) -> Self {
+    /// Estimates blur from the splats of a pilot. `disc_half_widths` holds, for each pixel, the
+    /// half width \[pixels] of the square that stands for the disc of a density estimate.
+    fn new(image: &SplatImage, disc_half_widths: &[u8]) -> Self {
         let (columns, rows) = (image.width.div_ceil(BLOCK_SIZE), image.height.div_ceil(BLOCK_SIZE));
-        let lit = image.sums.iter().filter(|sums| sums.values > 0.0).count().max(1);
-        let mean = image.sums.iter().map(|sums| sums.values).sum::<f64>() / lit as f64;
+        let mut lit: Vec<f64> = image.sums.iter().map(|sums| sums.values).filter(|value| *value > 0.0).collect();
+        let middle = lit.len() / 2;
+        let median = if lit.is_empty() { 0.0 } else { *lit.select_nth_unstable_by(middle, f64::total_cmp).1 };
         let block_sums = |block: u32| {
             let (left, top) = (block % columns * BLOCK_SIZE, block / columns * BLOCK_SIZE);
             let mut sums = BlurSums::default();
+            if !image.is_block_near_splats[block as usize] {
+                return sums;
+            }
+            // Inner squares of neighbouring pixels overlap, so some of the pixels stand for all.
             for y in top..image.height.min(top + BLOCK_SIZE) {
                 for x in left..image.width.min(left + BLOCK_SIZE) {
                     let pixel = y as usize * image.width as usize + x as usize;
-                    sums += pixel_blur(image, pixel, counts[pixel], mean);
+                    let inner_half_width = disc_half_widths[pixel] / 3;
+                    let stride = u32::from(inner_half_width) + 1;
+                    if x.is_multiple_of(stride) && y.is_multiple_of(stride) {
+                        let area = f64::from(stride * stride);
+                        sums += pixel_blur(image, pixel, disc_half_widths[pixel], median) * area;
+                    }
                 }
             }
             sums
@@ -288,17 +365,17 @@ impl BlurMap {
         let blocks: Vec<BlurSums> = (0..columns * rows).into_par_iter().map(block_sums).collect();
         let mut film = BlurSums::default();
         blocks.iter().for_each(|block| film += *block);
-        // The estimate is unbiased, so it is sometimes negative where there is no blur.
-        film.squared_differences = film.squared_differences.max(0.0);
-        Self { columns, rows, blocks, film: film * (FILM_BLUR_WEIGHT / image.sums.len() as f64) }
+        Self { columns, rows, blocks, film: film.estimate_drawn_towards(0.0) }
     }
 
-    /// Returns the squared blur at the pixel in the given column and row. Sums are interpolated
-    /// between the centers of blocks, so that the result has no edges.
+    /// Returns the squared blur at the pixel in the given column and row.
+    ///
+    /// It is that of the 24 × 24 pixels around the pixel, drawn towards that of the film. Sums are
+    /// interpolated between the centers of blocks, so that the result has no edges.
     fn squared_blur(&self, (x, y): (u32, u32)) -> f64 {
         let position = |at: u32| (f64::from(at) + 0.5) / f64::from(BLOCK_SIZE) - 0.5;
         let (column, row) = (position(x), position(y));
-        let mut sums = self.film;
+        let mut sums = BlurSums::default();
         let weight = |distance: f64| (2.0 - distance.abs()).clamp(0.0, 1.0);
         let range = |at: f64, size: u32| (at - 1.0).floor().max(0.0) as u32..size.min((at + 3.0) as u32);
         for block_row in range(row, self.rows) {
@@ -307,45 +384,51 @@ impl BlurMap {
                 sums += self.blocks[(block_row * self.columns + block_column) as usize] * factor;
             }
         }
-        sums.ratio()
+        sums.estimate_drawn_towards(self.film)
     }
 }
 
-/// Half width \[pixels] of the square that stands for the disc of a density estimate. The square
-/// holds [`DENSITY_ESTIMATE_PHOTONS`] photons of a pass with `count` photons per pixel, unless its
-/// half width would be below 1 or above [`MAX_DISC_HALF_WIDTH`].
-fn disc_half_width(count: f64) -> u32 {
-    let half_width = (((DENSITY_ESTIMATE_PHOTONS / count).sqrt() - 1.0) / 2.0).round();
-    half_width.clamp(1.0, f64::from(MAX_DISC_HALF_WIDTH)) as u32
+/// Returns the half width \[pixels] of the square that stands for the disc of a density estimate,
+/// which covers the area `area` \[pixels²]. The half width is at least 1 and at most
+/// [`MAX_DISC_HALF_WIDTH`].
+fn disc_half_width(area: f64) -> u8 {
+    ((area.sqrt() - 1.0) / 2.0).round().clamp(1.0, f64::from(MAX_DISC_HALF_WIDTH)) as u8
 }
 
 /// Estimates the squared error that blur causes in a density estimate at `pixel`, and the squared
 /// mean of the light in the disc of the estimate. Both are multiplied by the weight 1/(m² +
-/// `mean`²), where m is the mean of the light in the disc. The weight keeps bright pixels from
-/// hiding the blur of all others.
+/// `median`² + q), where m is the mean of the light in the disc, and q the variance of the
+/// difference by noise. The weight keeps bright pixels from hiding the blur of all others.
 ///
-/// A square of pixels stands for the disc. It holds [`DENSITY_ESTIMATE_PHOTONS`] photons of a pass
-/// with `count` photons per pixel. The mean over a square of a third of its width stands for the
-/// light without blur. The squared difference of both means includes the noise of the splats, whose
-/// expected value is subtracted.
-fn pixel_blur(image: &SplatImage, pixel: usize, count: f64, mean: f64) -> BlurSums {
-    if count <= 0.0 {
-        return BlurSums::default();
-    }
-    let half_width = disc_half_width(count);
-    let (disc, disc_pixels) = image.square_sums(pixel, half_width);
+/// A square of pixels with half width `half_width` stands for the disc. The mean over a square of
+/// about a third of its width stands for the light without blur. The squared difference of both
+/// means includes the noise of the splats, whose expected value is subtracted.
+fn pixel_blur(image: &SplatImage, pixel: usize, half_width: u8, median: f64) -> BlurSums {
+    let (disc, disc_pixels) = image.square_sums(pixel, half_width.into());
     if disc.values <= 0.0 {
         return BlurSums::default();
     }
-    let (inner, inner_pixels) = image.square_sums(pixel, half_width / 3);
+    let inner_half_width = half_width / 3;
+    let (inner, inner_pixels) = image.square_sums(pixel, inner_half_width.into());
     let disc_mean = disc.values / disc_pixels;
     let difference = inner.values / inner_pixels - disc_mean;
     let inner_factor = 1.0 / inner_pixels - 1.0 / disc_pixels;
     let noise =
         inner.squares * inner_factor * inner_factor + (disc.squares - inner.squares) / (disc_pixels * disc_pixels);
-    let weight = 1.0 / (disc_mean * disc_mean + mean * mean);
+    // All splats of the disc give the noise that is expected at its center.
+    let expected_noise = disc.squares / disc_pixels * inner_factor;
+    let weight = 1.0 / (disc_mean * disc_mean + median * median + expected_noise);
+
+    // Splats fall like a Poisson process, so the squared difference less `noise` has the variance
+    // 2q². Inner squares of half width h, h + 1 pixels apart, overlap
+    // by h/(2h + 1) of their width, so these values are correlated. Along each axis, the squares of
+    // the correlations sum to 1 + 2h²/(2h + 1)².
+    let overlap = f64::from(inner_half_width) / (2.0 * f64::from(inner_half_width) + 1.0);
+    let correlation_sum = 1.0 + 2.0 * overlap * overlap;
+    let weighted_noise = weight * expected_noise * correlation_sum;
     BlurSums {
         squared_differences: weight * (difference * difference - noise),
+        variance: 2.0 * weighted_noise * weighted_noise,
         squared_means: weight * disc_mean * disc_mean,
     }
 }

@@ -206,7 +206,9 @@ impl<'a> PhotonMapBuilder<'a> {
                 let traced =
                     photon_tracer.trace_and_connect(key, paths, Some(&light_tracer), &|_| ControlFlow::Continue(()));
                 let ratio = f64::from(self.counts.aimed) / f64::from(paths.max(1));
-                DensityEstimateShares::from_splats(&traced.deposits.splats, size, ratio)
+                // Without a limit, the radius alone bounds a disc. It suits the default limit.
+                let k = self.settings.gather_k.filter(|k| *k > 0).unwrap_or_else(|| self.default_caustic_k());
+                DensityEstimateShares::from_splats(&traced.deposits.splats, size, ratio, k.into())
             }
         };
         self.density_estimate_shares = Some(Arc::new(shares));

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::color::Rgb;
+use rand::{RngExt, SeedableRng, rngs::SmallRng};
 
 const SIZE: (u32, u32) = (48, 32);
 
@@ -17,64 +18,112 @@ fn splats(count: impl Fn(u32, u32) -> u32) -> Vec<Splat> {
 }
 
 fn shares(count: impl Fn(u32, u32) -> u32, ratio: f64) -> DensityEstimateShares {
-    DensityEstimateShares::from_splats(&splats(count), SIZE, ratio)
+    DensityEstimateShares::from_splats(&splats(count), SIZE, ratio, 50.0)
+}
+
+/// Returns about `per_pixel` splats per pixel of equal value at random positions.
+fn random_splats(per_pixel: f64, seed: u64) -> Vec<Splat> {
+    let (width, height) = SIZE;
+    let mut rng = SmallRng::seed_from_u64(seed);
+    let count = (per_pixel * f64::from(width * height)) as u32;
+    (0..count).map(|_| splat_at(rng.random::<f32>() * width as f32, rng.random::<f32>() * height as f32)).collect()
+}
+
+/// Ratio of splats to density estimates in the first pass, in column `x` of the middle row.
+fn ratio_at(shares: &DensityEstimateShares, x: usize) -> f32 {
+    let FluxRatio { noise, blur } = shares.first_pass_ratios[16 * SIZE.0 as usize + x];
+    noise + blur
 }
 
 /// Where photons are uniform, density estimates do not blur. The ratio of splats to density
-/// estimates is then n/50 + (n/10)² with n photons per pixel, and grows as the power ⅔ of the pass.
+/// estimates is then n/50 + (n/10)² with n photons per pixel. The first term grows as the power ⅓
+/// of the pass, and the second as the power ⅔.
 #[test]
 fn uniform_light_needs_many_photons_for_splats() {
     for (count, ratio) in [(1, 1.0), (4, 0.5), (5, 2.0), (9, 10.0)] {
         let n = f64::from(count) * ratio;
-        let expected = (n / 50.0 + n * n / 100.0) as f32;
-        for found in shares(|_, _| count, ratio).first_pass_ratios {
-            assert!((found / expected - 1.0).abs() < 1e-6, "{n}: {found} instead of {expected}");
+        let expected = [n / 50.0, n * n / 100.0];
+        for FluxRatio { noise, blur } in shares(|_, _| count, ratio).first_pass_ratios {
+            for (found, expected) in [noise, blur].into_iter().zip(expected) {
+                assert!((f64::from(found) / expected - 1.0).abs() < 1e-6, "{n}: {found} instead of {expected}");
+            }
         }
     }
     let step =
         |ratio: f64, pass: u32| shares(|_, _| 1, ratio).in_pass(pass).share_steps_at_film_position(Vec2::new(6.0, 4.0));
-    // n = 9 gives the ratio 0.99. In the eighth pass, it is 8^(2/3) = 4 times as large.
+    // n = 9 gives the ratio 0.18 + 0.81. In the eighth pass, it is 2·0.18 + 4·0.81 = 3.6.
     assert_eq!((step(0.01, 0), step(9.0, 0), step(9.0, 7), step(500.0, 0)), (15, 8, 3, 0));
-    assert!(shares(|_, _| 0, 1.0).first_pass_ratios.iter().all(|ratio| *ratio == 0.0));
+    assert!(shares(|_, _| 0, 1.0).first_pass_ratios.iter().all(|ratio| *ratio == FluxRatio::default()));
 }
 
-/// A bright line is blurred by density estimates, so splats carry more of its flux than in uniform
-/// light with as many photons per pixel. Far from the line, uniform light keeps its small share of
-/// splats but for the weight of the whole film.
+/// The noise of few splats in a pilot does not count as blur. In uniform light with one photon per
+/// pixel and pass, and a quarter of it in the pilot, the mean ratio stays near 1/50 + 1/100.
+#[test]
+fn pilot_noise_hardly_raises_the_share_of_splats() {
+    let ratios: Vec<f64> = (0..20)
+        .flat_map(|seed| {
+            DensityEstimateShares::from_splats(&random_splats(0.25, seed), SIZE, 4.0, 50.0).first_pass_ratios
+        })
+        .map(|FluxRatio { noise, blur }| f64::from(noise + blur))
+        .collect();
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    assert!((0.027..0.045).contains(&mean), "{mean}");
+}
+
+/// A bright line is blurred by density estimates, so splats carry more of its flux and of that near
+/// it than in uniform light with as many photons per pixel. Far from the line, uniform light keeps
+/// its small share of splats.
 #[test]
 fn splats_carry_more_flux_where_light_is_blurred() {
     let line = shares(|x, _| if x == 8 { 40 } else { 4 }, 0.25);
-    let uniform = shares(|_, _| 4, 0.25);
-    let at = |shares: &DensityEstimateShares, x: usize| shares.first_pass_ratios[16 * 48 + x];
-    assert!(at(&line, 8) > 5.0 * at(&shares(|_, _| 40, 0.25), 8).min(10.0), "{}", at(&line, 8));
-    assert!(at(&line, 4) > 5.0 * at(&uniform, 4), "{}", at(&line, 4));
-    assert!(at(&line, 40) < 0.5 * at(&line, 4), "{} {}", at(&line, 40), at(&line, 4));
+    let (dim, bright) = (shares(|_, _| 4, 0.25), shares(|_, _| 40, 0.25));
+    assert!(ratio_at(&line, 8) > 3.0 * ratio_at(&bright, 8), "{} {}", ratio_at(&line, 8), ratio_at(&bright, 8));
+    assert!(ratio_at(&line, 4) > 5.0 * ratio_at(&dim, 4), "{} {}", ratio_at(&line, 4), ratio_at(&dim, 4));
+    assert!(ratio_at(&line, 40) < 1.01 * ratio_at(&dim, 40), "{} {}", ratio_at(&line, 40), ratio_at(&dim, 40));
 }
 
-/// Blur is measured free of the noise of the pilot: for uniform light with few random splats, its
-/// mean over many pilots is 0 within five standard errors.
+/// Shares have no edges, even where light has one: the logarithm of a share changes by at most a
+/// third of its range from pixel to pixel, because it is averaged over at least three.
 #[test]
-fn pilot_noise_does_not_count_as_blur() {
-    use rand::{RngExt, SeedableRng, rngs::SmallRng};
-    let mut rng = SmallRng::seed_from_u64(7);
-    let estimates: Vec<f64> = (0..400)
-        .map(|_| {
-            let (width, height) = SIZE;
-            let random: Vec<Splat> = (0..300)
-                .map(|_| splat_at(rng.random::<f32>() * width as f32, rng.random::<f32>() * height as f32))
-                .collect();
-            let image = SplatImage::new(&random, SIZE);
-            let blurs = BlurMap::new(&image, &vec![0.2; image.sums.len()]);
+fn shares_change_gradually_at_edges_of_light() {
+    let shares = shares(|x, _| if x < 24 { 40 } else { 0 }, 0.25);
+    let logarithms: Vec<f32> = (0..48).map(|x| ratio_at(&shares, x).ln_1p()).collect();
+    let range = logarithms.iter().fold(0.0f32, |largest, value| largest.max(*value));
+    let step = logarithms.windows(2).fold(0.0f32, |largest, pair| largest.max((pair[0] - pair[1]).abs()));
+    assert!(range > 0.5 && step < 0.4 * range, "{step} of {range}");
+}
+
+/// One splat that is brighter than all others together hardly changes distant shares.
+#[test]
+fn one_bright_splat_hardly_changes_distant_shares() {
+    let is_bright = |splat: &Splat| splat.film_position.x % 8.0 < 2.0;
+    let stripes: Vec<Splat> = random_splats(8.0, 1).into_iter().filter(is_bright).collect();
+    let share = |splats: &[Splat]| ratio_at(&DensityEstimateShares::from_splats(splats, SIZE, 1.0, 50.0), 40);
+    let before = share(&stripes);
+    let bright = Splat { integrated_radiance: Rgb::splat(1e5), ..splat_at(4.5, 4.5) };
+    let after = share(&[&stripes[..], &[bright]].concat());
+    assert!(before > 1.0 && (after / before - 1.0).abs() < 0.1, "{before} becomes {after}");
+}
+
+/// Estimates of blur are unbiased: for uniform light with few random splats, their mean over many
+/// pilots is 0 within five standard errors. Their spread is the standard error that they report.
+#[test]
+fn blur_of_uniform_light_is_zero_within_its_error() {
+    let estimates: Vec<(f64, f64)> = (0..400)
+        .map(|seed| {
+            let image = SplatImage::new(&random_splats(0.2, seed), SIZE);
+            let blurs = BlurMap::new(&image, &vec![7; image.sums.len()]);
             let mut sums = BlurSums::default();
             blurs.blocks.iter().for_each(|block| sums += *block);
-            sums.squared_differences / sums.squared_means
+            sums.estimate()
         })
         .collect();
-    let mean = estimates.iter().sum::<f64>() / estimates.len() as f64;
-    let variance = estimates.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (estimates.len() - 1) as f64;
-    let error = (variance / estimates.len() as f64).sqrt();
-    assert!(mean.abs() < 5.0 * error, "{mean} ± {error}");
-    assert!(error < 0.01, "{error}");
+    let count = estimates.len() as f64;
+    let mean = estimates.iter().map(|(blur, _)| blur).sum::<f64>() / count;
+    let variance = estimates.iter().map(|(blur, _)| (blur - mean) * (blur - mean)).sum::<f64>() / (count - 1.0);
+    let reported = estimates.iter().map(|(_, error)| error * error).sum::<f64>() / count;
+    assert!(mean.abs() < 5.0 * (variance / count).sqrt(), "{mean} ± {}", (variance / count).sqrt());
+    assert!((0.7..1.4).contains(&(reported / variance)), "{reported} instead of {variance}");
 }
 
 /// Light tracing alone leaves nothing to density estimates on the film. Photons outside the film
