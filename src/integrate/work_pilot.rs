@@ -16,6 +16,18 @@ use crate::stats::Counters;
 /// traces.
 const PHOTON_PATH_DIVISOR: u32 = 16;
 
+/// Largest work of the camera rays of a pass, in units of tracing one photon ray. The
+/// ray-photon-balance pilot chooses fewer camera rays per pixel than the balance asks for if these
+/// would take more work, but at least [`MIN_SAMPLES_PER_PIXEL`].
+///
+/// Renders estimate their error from at least four passes. The bound lets large pictures of complex
+/// scenes make several passes within the default time limit on few cores. It does not change the
+/// number of photon paths: fewer photons in each pass would mean larger gather radii.
+const MAX_CAMERA_WORK: f64 = 6e7;
+
+/// Smallest number of camera rays per pixel to which [`MAX_CAMERA_WORK`] may lower their number.
+const MIN_SAMPLES_PER_PIXEL: f64 = 2.0;
+
 /// Radiance at each film point of the ray-photon-balance pilot, and counts of the rays and photons
 /// of all camera paths through these points.
 struct FilmPointEstimates {
@@ -115,13 +127,22 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     };
 
     // Divide the work between the sources.
+    let camera_work_per_sample = camera.work_per_sample;
     let [samples, unaimed, aimed] = balance::balance_sample_counts(&[camera, unaimed, aimed]);
+    let samples = limit_samples(samples, camera_work_per_sample);
     let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
     Some(RayPhotonBalance {
         samples_per_pixel: samples.round().max(1.0) as u32,
         unaimed_paths: paths(unaimed, pilot_result.unaimed.emitted_paths),
         aimed_paths: paths(aimed, pilot_result.aimed.emitted_paths),
     })
+}
+
+/// Returns the number of camera rays per pixel, if the balance asks for `samples` of them and one
+/// takes the work `work_per_sample` in all pixels. See [`MAX_CAMERA_WORK`].
+fn limit_samples(samples: f64, work_per_sample: f64) -> f64 {
+    // `max` ignores NaN.
+    samples.min((MAX_CAMERA_WORK / work_per_sample).floor().max(MIN_SAMPLES_PER_PIXEL))
 }
 
 /// Estimates the ray and photon counts of a pass by tracing few camera rays and few photons.
@@ -199,5 +220,12 @@ mod tests {
         let found = balance(1);
         assert_eq!((found, found.unaimed_paths), (balance(4_000_000), None));
         assert!((5000..=80_000).contains(&found.aimed_paths.unwrap()), "{found:?}");
+    }
+
+    #[test]
+    fn expensive_camera_rays_lower_their_number() {
+        use super::limit_samples;
+        assert_eq!([1e5, 1e7, 2.3e7, 1e9, 0.0].map(|work| limit_samples(8.4, work)), [8.4, 6.0, 2.0, 2.0, 8.4]);
+        assert_eq!((limit_samples(1.0, 1e9), limit_samples(8.0, f64::NAN)), (1.0, 2.0));
     }
 }
