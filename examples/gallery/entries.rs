@@ -32,7 +32,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Caustic by reflection",
         scene: "scenes/ring.txt",
         arguments: "--size 480x360",
-        text: "The nephroid inside a ring of gold, and inside one of silver.",
+        text: "The kidney-shaped caustic (nephroid) inside a gold ring, and inside a silver ring.",
     },
     Entry {
         name: "glass-ball",
@@ -40,7 +40,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Caustic by refraction",
         scene: "scenes/glass-ball.txt",
         arguments: "--size 480x360",
-        text: "The light that a ball of glass gathers, in a room whose walls colour each other.",
+        text: "The light that a glass ball focuses, in a room whose coloured walls tint the white surfaces.",
     },
     Entry {
         name: "pool",
@@ -48,7 +48,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Caustic through waves",
         scene: "scenes/pool.txt",
         arguments: "--size 480x360",
-        text: "Light that came through the waves, seen through the waves: paths that only photons find.",
+        text: "Waves refract light on its way to the floor and again on its way to the camera: only photons find such paths.",
     },
     Entry {
         name: "gem",
@@ -56,7 +56,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Cut stones",
         scene: "scenes/gem.txt",
         arguments: "--size 480x360",
-        text: "Total reflection inside of diamond, ruby and sapphire, with the sparks that they throw.",
+        text: "Total internal reflection in diamond, ruby and sapphire, and the patches of light that the stones cast.",
     },
     Entry {
         name: "prism",
@@ -72,7 +72,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Rainbow",
         scene: "scenes/rainbow.txt",
         arguments: "--size 480x360",
-        text: "What one drop sends back: the first bow at 42 degrees, a second around it, a dark band between.",
+        text: "Light that one drop of water reflects: the first bow at 42 degrees, a second around it, a dark band between.",
     },
     Entry {
         name: "cut-stone",
@@ -80,7 +80,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Fire of diamond",
         scene: "scenes/cut-stone.txt",
         arguments: "--size 480x360",
-        text: "Facets of one stone and the patches of light that they throw, with edges of colour.",
+        text: "Facets of one diamond, and the patches of light that they cast, with coloured edges.",
     },
     Entry {
         name: "soft-shadows",
@@ -88,7 +88,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Area lights and soft shadows",
         scene: "scenes/window.txt",
         arguments: "--size 480x360",
-        text: "A room that a window lights.",
+        text: "Sunlight and skylight enter a room through a window.",
     },
     Entry {
         name: "many-lights",
@@ -96,7 +96,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Many lights",
         scene: "scenes/many-lights.txt",
         arguments: "--size 480x360",
-        text: "Lights chosen by a tree over power, place and direction.",
+        text: "A light hierarchy chooses which light to sample, by power, distance and orientation.",
     },
     Entry {
         name: "sky",
@@ -104,7 +104,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Light from all around",
         scene: "scenes/sky.txt",
         arguments: "--size 480x360",
-        text: "A sky lights, and is mirrored and refracted.",
+        text: "A sky that lights the scene, reflected in silver and refracted by glass.",
     },
     Entry {
         name: "bulb",
@@ -112,7 +112,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "A lamp inside of glass",
         scene: "scenes/bulb.txt",
         arguments: "--size 480x360",
-        text: "All light of the room has gone through the glass of the bulb: no shadow ray finds it.",
+        text: "All light of the room has gone through the glass of the bulb, so no shadow ray finds it.",
     },
     Entry {
         name: "frosted",
@@ -120,7 +120,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Rough glass and rough metal",
         scene: "scenes/frosted.txt",
         arguments: "--size 480x360",
-        text: "Microfacets of growing roughness.",
+        text: "Glass balls of increasing roughness, and rings of rough metal, with their caustics.",
     },
     Entry {
         name: "fishbowl",
@@ -128,7 +128,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Bodies inside of bodies",
         scene: "scenes/fishbowl.txt",
         arguments: "--size 480x360",
-        text: "Water in glass, whose common boundary bends light by the ratio of their indices.",
+        text: "Water in a glass bowl: their common boundary refracts light by the ratio of their refractive indices.",
     },
     Entry {
         name: "textures",
@@ -136,7 +136,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Textures, bumps and normal maps",
         scene: "scenes/textures.txt",
         arguments: "--size 480x360",
-        text: "Pictures, tiles to the horizon, marble and wood cut from a block, and reliefs, filtered by the footprint of the ray.",
+        text: "Image textures, tiles up to the horizon, solid marble and wood, bump and normal maps, filtered by ray footprints.",
     },
     Entry {
         name: "lens-in-fog",
@@ -144,7 +144,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Caustic in fog",
         scene: "scenes/lens-in-fog.txt",
         arguments: "--size 480x360",
-        text: "A ball lens gathers light in thin fog: the caustic is seen in space, by beams that photons leave.",
+        text: "A ball lens focuses light in thin fog: photon beams show the caustic in space.",
     },
     Entry {
         name: "god-rays",
@@ -160,7 +160,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Smoke",
         scene: "scenes/smoke.txt",
         arguments: "--size 480x360",
-        text: "A plume of noise that shadows itself and the ground.",
+        text: "A plume of smoke, made of procedural noise, that casts shadows on itself and on the ground.",
     },
     Entry {
         name: "milk",
@@ -168,7 +168,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Milk and tea",
         scene: "scenes/milk.txt",
         arguments: "--size 400x300",
-        text: "Liquids that scatter and absorb, in glass that they touch: bodies in bodies, by priorities.",
+        text: "Liquids that scatter and absorb light, in glass that they touch: where bodies overlap, priorities decide.",
     },
     Entry {
         name: "teapot",
@@ -192,7 +192,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Depth of field",
         scene: "scenes/marbles.txt",
         arguments: "--size 480x360 --adaptive",
-        text: "A lens of six blades: what is out of focus takes its form.",
+        text: "A lens with six blades: lamps out of focus become hexagons.",
     },
     Entry {
         name: "motion",
@@ -208,7 +208,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Ray casting",
         scene: "scenes/glass-ball.txt",
         arguments: "--integrator raycast --size 320x240 --spp 16",
-        text: "The course's Phong model: no shadows, nothing mirrored.",
+        text: "The Phong model of MIT course 6.837: no shadows, no reflections.",
     },
     Entry {
         name: "whitted",
@@ -224,7 +224,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Distributed ray tracing",
         scene: "scenes/glass-ball.txt",
         arguments: "--integrator distributed --size 320x240",
-        text: "Soft shadows; no light between matt walls.",
+        text: "Soft shadows, but no light from one diffuse wall to another.",
     },
     Entry {
         name: "path",
@@ -232,7 +232,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Path tracing",
         scene: "scenes/glass-ball.txt",
         arguments: "--integrator path --size 320x240",
-        text: "Light between walls; caustics come by chance, as grain.",
+        text: "Light from wall to wall. Caustics are found only by chance, as bright noise.",
     },
     Entry {
         name: "pm",
@@ -240,7 +240,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Photon mapping",
         scene: "scenes/glass-ball.txt",
         arguments: "--integrator pm --final-gathering none --size 320x240",
-        text: "Both maps seen as they are: fast, with seams at edges that stay.",
+        text: "Both photon maps, read at the visible surfaces: fast, but more passes do not remove the blur at edges.",
     },
     Entry {
         name: "ppm",
@@ -248,7 +248,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Progressive photon mapping",
         scene: "scenes/glass-ball.txt",
         arguments: "--integrator ppm --size 320x240",
-        text: "Radii shrink from pass to pass, so blur goes as noise does.",
+        text: "Gather radii shrink from pass to pass, so blur decreases as noise does.",
     },
     Entry {
         name: "sppm",
@@ -256,7 +256,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Stochastic progressive photon mapping",
         scene: "scenes/glass-ball.txt",
         arguments: "--integrator sppm --size 320x240",
-        text: "The same with new camera rays in each pass.",
+        text: "Progressive photon mapping with new camera rays in each pass.",
     },
     Entry {
         name: "hybrid",
@@ -264,7 +264,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Hybrid",
         scene: "scenes/glass-ball.txt",
         arguments: "--integrator hybrid --size 320x240",
-        text: "Paths for what connections find, photons for the rest: the default.",
+        text: "The default: path tracing, with photons for caustics and a part of the indirect light.",
     },
     Entry {
         name: "still-life",
@@ -272,7 +272,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Still life",
         scene: "scenes/still-life.txt",
         arguments: "--spp 4",
-        text: "Surfaces of revolution, a mesh, wine in glass, marble and wood, dented brass, caustics, soft light, depth of field.",
+        text: "Surfaces of revolution, a mesh, wine in glass, marble, wood, bumpy brass, caustics, soft light, depth of field.",
     },
     Entry {
         name: "garden-pool",
@@ -280,7 +280,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Garden pool",
         scene: "scenes/garden-pool.txt",
         arguments: "--spp 3",
-        text: "Caustics through waves under a sky, tiles, stone, a ball that drops, glass, gold, instances of a mesh.",
+        text: "Caustics through waves under a sky, tiles, stone, a falling ball, glass, gold, instances of a mesh.",
     },
     Entry {
         name: "cabinet",
@@ -288,6 +288,6 @@ pub const ENTRIES: &[Entry] = &[
         title: "Cabinet of optics",
         scene: "scenes/cabinet.txt",
         arguments: "--spp 4",
-        text: "A ring's nephroid, a ball lens, a cut stone, metals, frosted and thin glass, marble, a relief, light from wall to wall.",
+        text: "The nephroid of a ring, a ball lens, a cut stone, metals, frosted and thin glass, marble, a relief, interreflection.",
     },
 ];

@@ -73,11 +73,11 @@ fn render_in_process(entry: &Entry) -> Result<(), Box<dyn Error>> {
 /// Returns the page, made of the existing images and statistics.
 fn page() -> Result<String, Box<dyn Error>> {
     let mut page = String::from(
-        "# Gallery\n\nThis page has one picture for each effect, then compositions of many. Below each picture are the command\n\
-         that makes it, the passes, the estimated error, the photons stored in all passes, and the time on the wall\n\
-         and of the processor, on two cores that other work shared. A render ends at an estimated error of 3 %, or\n\
-         after five minutes. The error is relative to the median of the picture in dark pixels, so dark scenes have\n\
-         large ones. This command renders all pictures and writes the page:\n\n```sh\n\
+        "# Gallery\n\nThis page has one picture for each effect, then compositions of many. Below each picture are the command that\n\
+         makes it, the passes, the estimated error, the photons stored in all passes, and the wall time and processor\n\
+         time, on two cores that other work shared. A render ends at an estimated error of 3 %, or after five minutes.\n\
+         In dark pixels, the error is relative to the median radiance of the picture. So pictures that are mostly dark\n\
+         have large errors. This command renders all pictures and writes the page:\n\n```sh\n\
          cargo run --release --example gallery\n```\n",
     );
     let mut part = "";
