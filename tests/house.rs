@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 ///
 /// A room uses only rooms of lower storeys.
 const STOREYS: [&[&str]; 11] = [
-    &["stats"],
-    &["math", "sampling", "color", "image"],
+    &["math", "stats"],
+    &["sampling", "color", "image"],
     &["accel", "texture", "bsdf"],
     &["shape", "medium"],
     &["light", "camera"],

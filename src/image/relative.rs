@@ -1,6 +1,7 @@
 //! Weights for relative errors between pictures.
 
 use super::Image;
+use crate::math::positive_median;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -68,9 +69,7 @@ impl RelativeErrorWeights {
                 sum / f64::from(count.max(1))
             })
             .collect();
-        let mut lit: Vec<f64> = local.iter().copied().filter(|l| *l > 0.0).collect();
-        let middle = lit.len() / 2;
-        let median = if lit.is_empty() { 1.0 } else { *lit.select_nth_unstable_by(middle, f64::total_cmp).1 };
+        let median = positive_median(local.iter().copied()).unwrap_or(1.0);
         let local = local.par_iter().with_min_len(MIN_PIXELS_PER_TASK);
         let weights = local.map(|l| 1.0 / (3.0 * (l * l + median * median))).collect();
         Self { weights }

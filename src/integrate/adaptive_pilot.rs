@@ -10,9 +10,9 @@ use super::camera_path;
 use super::map_builder::MapBuildOptions;
 use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
-use super::pilot_statistics::{box_mean, positive_median};
 use super::tiles;
 use crate::color;
+use crate::math::{positive_median, square_mean};
 use crate::sampling::{Key, Purpose};
 use crate::scene::with_interior_type;
 use std::sync::Arc;
@@ -75,7 +75,7 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
     // A few pictures do not measure one pixel well, so means and variances are averaged over
     // neighbours. A small box keeps detail; a larger one includes rare bright samples.
     let box_mean =
-        |values: &[f64], i: usize, half_width: usize| box_mean(|i| values[i], i, half_width, (width, height));
+        |values: &[f64], i: usize, half_width: usize| square_mean(|i| values[i], i, half_width, (width, height));
     let wanted: Vec<f64> = (0..width * height)
         .map(|i| {
             let light = box_mean(&mean, i, 1);

@@ -8,8 +8,8 @@
 //! Radii change with the number of photon paths only if the setting `gather_k` limits the photons
 //! of an estimate.
 
-use super::pilot_statistics::positive_median;
 use crate::color::{self, Rgb};
+use crate::math::positive_median;
 use crate::stats::Counters;
 
 /// Numbers of camera rays and photon paths of a pass that a pilot (small simulation) chose for

@@ -21,8 +21,8 @@ use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::path_task::{LightByPart, PathTask};
 use super::photon_maps::PhotonMaps;
-use super::pilot_statistics::{box_mean, positive_median};
 use crate::color::{self, Rgb};
+use crate::math::{positive_median, square_mean};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::stats::Counters;
 use glam::Vec2;
@@ -344,7 +344,7 @@ fn cell_errors(
         .collect();
     let grid = (columns as usize, cells.len() / columns as usize);
     // Average over neighbouring cells to reduce noise.
-    let smoothed = |i: usize, value: usize| box_mean(|i| raw[i][value], i, 1, grid);
+    let smoothed = |i: usize, value: usize| square_mean(|i| raw[i][value], i, 1, grid);
     let errors = |i: usize| {
         let (by_paths, by_photons) = (smoothed(i, 4), smoothed(i, 5));
         // Bound the variance of the photon estimate from below if the pilot has too few photons to

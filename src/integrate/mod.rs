@@ -90,7 +90,6 @@ mod path;
 mod path_integrator;
 mod path_task;
 mod photon_maps;
-mod pilot_statistics;
 mod pm;
 mod policy;
 mod ppm;

@@ -1,4 +1,4 @@
-//! Sums over squares of pixels.
+//! Sums and means over squares of pixels.
 
 use std::ops::AddAssign;
 
@@ -25,6 +25,13 @@ pub fn square_sum<T: Default + AddAssign>(
         }
     }
     (sum, count)
+}
+
+/// Returns the mean of `value` over the square of pixels around the pixel `center` with the given
+/// half width \[pixels]. The arguments are those of [`square_sum`].
+pub fn square_mean(value: impl Fn(usize) -> f64, center: usize, half_width: usize, size: (usize, usize)) -> f64 {
+    let (sum, count) = square_sum(value, center, half_width, size);
+    sum / count
 }
 
 /// Sums of values over all rectangles of pixels between the top left corner of an image and each
@@ -70,7 +77,7 @@ impl SummedAreaTable {
 
 #[cfg(test)]
 mod tests {
-    use super::{SummedAreaTable, square_sum};
+    use super::{SummedAreaTable, square_mean, square_sum};
 
     #[test]
     fn squares_end_at_the_edge_of_the_image() {
@@ -85,8 +92,8 @@ mod tests {
         let values: Vec<f64> = (0..35).map(|i| f64::from(i * i % 11)).collect();
         let table = SummedAreaTable::new(&values, (7, 5));
         for (center, half_width) in (0..35).flat_map(|center| (0..8).map(move |half_width| (center, half_width))) {
-            let (sum, count) = square_sum(|pixel| values[pixel], center, half_width, (7, 5));
-            assert!((table.square_mean(center, half_width) - sum / count).abs() < 1e-12);
+            let expected = square_mean(|pixel| values[pixel], center, half_width, (7, 5));
+            assert!((table.square_mean(center, half_width) - expected).abs() < 1e-12);
         }
     }
 }

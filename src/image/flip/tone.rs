@@ -1,6 +1,7 @@
 //! Exposures and the film curve of HDR-ꟻLIP (Andersson et al. 2021, section 4).
 
 use crate::image::Image;
+use crate::math::positive_median;
 use glam::{DVec3, Vec3};
 
 /// Coefficients k₀ … k₄ of the film curve of HDR-ꟻLIP: (k₀x² + k₁x) / (k₂x² + k₃x + k₄).
@@ -27,10 +28,9 @@ pub(super) fn film_curve(radiance: Vec3, scale: f64) -> Vec3 {
 /// Black pixels are left out of the median. A black reference has only the exposure 0.
 pub(super) fn hdr_flip_exposures(reference: &Image) -> Vec<f64> {
     let luminance = |p: &Vec3| p.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722));
-    let mut lit: Vec<f64> = reference.pixels().iter().map(luminance).filter(|y| *y > 0.0).collect();
-    let Some(brightest) = lit.iter().copied().reduce(f64::max) else { return vec![0.0] };
-    let middle = lit.len() / 2;
-    let median = *lit.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let luminances = || reference.pixels().iter().map(luminance);
+    let Some(median) = positive_median(luminances()) else { return vec![0.0] };
+    let brightest = luminances().fold(median, f64::max);
     let bright = film_input_near_white();
     let (first, last) = (libm::log2(bright / brightest), libm::log2(bright / median));
     let count = (last - first).ceil().max(2.0);

@@ -3,7 +3,7 @@
 use super::WHOLE_PICTURES;
 use super::blocks::PilotBlocks;
 use crate::integrate::lamp_image_pilot::LampImageContribution;
-use crate::integrate::pilot_statistics::{box_mean, positive_median};
+use crate::math::{positive_median, square_mean};
 use rayon::prelude::*;
 
 /// Running mean of a series of values, and their variance within groups (Welford 1962). All values
@@ -120,7 +120,8 @@ pub(super) fn pixel_variances(
     let (products, photons) = (values(|l| l.deviation_product_sum), values(|l| l.photon_estimate.variance()));
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright rays.
-    let box_mean = |values: &[f64], i: usize, half_width: usize| box_mean(|i| values[i], i, half_width, blocks.size());
+    let box_mean =
+        |values: &[f64], i: usize, half_width: usize| square_mean(|i| values[i], i, half_width, blocks.size());
     let smoothed = |values: &[f64], i: usize| 0.5 * (box_mean(values, i, 1) + box_mean(values, i, 4));
     let scale = |i: usize| 1.0 / (median * (box_mean(&mean, i, 1) + median));
     let variance = |i: usize| {
