@@ -58,7 +58,7 @@ const LOOKUP_PICTURES: u32 = 2;
 
 /// Smallest ratio of the photon paths of a pass to those of the prefix-ray pilot: the pilot traces
 /// at most 1/4 of the paths of a pass.
-const MIN_PHOTON_PATH_DIVISOR: u32 = 4;
+const MIN_PASS_TO_PILOT_PATH_RATIO: u32 = 4;
 
 /// Largest number of photon paths that the prefix-ray pilot traces for one photon map.
 const MAX_PHOTON_PATHS: u32 = 1 << 20;
@@ -73,7 +73,7 @@ const MAX_PHOTON_PATHS: u32 = 1 << 20;
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
 
 /// Largest number of lamp images at which extra camera rays of one pixel are aimed. A lamp image is
-/// the part of the film where camera rays meet a small lamp, directly or over specular surfaces.
+/// the part of the film where camera rays meet a small lamp, directly or via specular surfaces.
 const MAX_PIXEL_IMAGES: usize = 16;
 
 /// Number of extra camera rays aimed at lamp images (film regions where camera rays meet a small
@@ -103,19 +103,102 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let found_images = find_lamp_images(renderer);
     let lamp_images = images_of_pixels(&found_images, width as usize * height as usize);
 
-    // Trace the pictures of the pilot.
+    // Trace photons and the pictures of the pilot.
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays);
-    let mut out = PassResult::default();
+    let mut photons = PassResult::default();
     let counts = renderer.map_builder.counts;
-    let divisor = counts.unaimed.max(counts.aimed).div_ceil(MAX_PHOTON_PATHS).max(MIN_PHOTON_PATH_DIVISOR);
+    let divisor = counts.unaimed.max(counts.aimed).div_ceil(MAX_PHOTON_PATHS).max(MIN_PASS_TO_PILOT_PATH_RATIO);
     let maps = renderer.map_builder.traces_photons().then(|| {
         let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, divisor) };
-        renderer.map_builder.build(&options, &SilentMonitor, &mut out)
+        renderer.map_builder.build(&options, &SilentMonitor, &mut photons)
     });
+    let measured = trace_pictures(renderer, maps.as_ref(), &found_images, &lamp_images, &blocks);
+    let work = measured.pass_work(renderer.samples_per_pixel, &blocks, &photons, divisor);
+
+    // Choose the numbers of prefix rays.
+    let variances = pixel_variances(&measured.light, &found_images, &blocks)?;
+    let counts = efficient_ray_counts(&variances, renderer.samples_per_pixel, &work)?;
+    let sum =
+        |number: fn(&PixelPrefixRayCounts) -> u8| counts.iter().map(|count| u64::from(number(count))).sum::<u64>();
+    let (rays, lookups) = (sum(|count| count.unaimed) + sum(|count| count.aimed), sum(|count| count.lookups));
+    let scaled = |n: u64, total: u64, traced: f64| (n as f64 * total as f64 / traced).round() as u64;
+    let PilotMeasurements { prefix_rays, lookups: traced, .. } = &measured;
+    let (traced_rays, traced_lookups) = (measured.prefix_ray_count(&blocks), measured.lookup_count());
+    let expected_work = Counters {
+        camera_rays: rays,
+        continuation_rays: scaled(prefix_rays.continuation_rays, rays, traced_rays),
+        shadow_rays: scaled(prefix_rays.shadow_rays, rays, traced_rays),
+        density_estimates: scaled(traced.density_estimates, lookups, traced_lookups),
+        gathered_photons: scaled(traced.gathered_photons * u64::from(divisor), lookups, traced_lookups),
+        ..Counters::default()
+    };
+    let lamp_images = lamp_images.in_pixels(|pixel| counts[pixel].aimed > 0);
+    Some(PrefixRayAllocation { counts: counts.into(), lamp_images, expected_work })
+}
+
+/// Light and ray counts of the pictures of the prefix-ray pilot.
+struct PilotMeasurements {
+    /// Light of each block, by rows from the top.
+    light: Vec<BlockLightStatistics>,
+    /// Counts of all whole camera paths.
+    whole_paths: Counters,
+    /// Counts of all prefix rays, without their photon estimates.
+    prefix_rays: Counters,
+    /// Counts of the photon estimates of prefix rays.
+    lookups: Counters,
+    /// Number of prefix rays that evaluated photon estimates.
+    lookup_count: usize,
+}
+
+impl PilotMeasurements {
+    /// Returns the number of prefix rays that the pilot traced.
+    fn prefix_ray_count(&self, blocks: &PilotBlocks) -> f64 {
+        blocks.count() as f64 * f64::from(PREFIX_PICTURES)
+    }
+
+    /// Returns the number of prefix rays that evaluated photon estimates, but at least 1.
+    fn lookup_count(&self) -> f64 {
+        self.lookup_count.max(1) as f64
+    }
+
+    /// Returns the work of the parts of a pass with `samples` camera paths per pixel. `photons`
+    /// holds the photon counts of the pilot, which traces 1/`divisor` of the photon paths of a
+    /// pass.
+    fn pass_work(&self, samples: u32, blocks: &PilotBlocks, photons: &PassResult, divisor: u32) -> PassWork {
+        let pixels = (blocks.film_size.0 * blocks.film_size.1) as f64;
+        let part = f64::from(divisor);
+        let lookup = |counters: &Counters| {
+            balance::LOOKUP_WORK * counters.density_estimates as f64
+                + balance::GATHERED_PHOTON_WORK * part * counters.gathered_photons as f64
+        };
+        let stored = photons.aimed.stored_photons + photons.unaimed.stored_photons;
+        let photons = part * (photons.counters.photon_rays as f64 + balance::photon_storage_work(stored));
+        let pixels_per_block = pixels / blocks.count() as f64;
+        let scaled_to_all_pixels = |work: f64| pixels_per_block * work / f64::from(WHOLE_PICTURES);
+        let camera = scaled_to_all_pixels(f64::from(samples) * balance::camera_path_work(&self.whole_paths));
+        PassWork {
+            camera_work_per_pixel: camera / pixels,
+            photon_work_per_pixel: (photons + scaled_to_all_pixels(lookup(&self.whole_paths))) / pixels,
+            work_per_prefix_ray: balance::camera_path_work(&self.prefix_rays) / self.prefix_ray_count(blocks),
+            work_per_lookup: lookup(&self.lookups) / self.lookup_count(),
+        }
+    }
+}
+
+/// Traces the pictures of the prefix-ray pilot with the photon maps `maps`, first those of whole
+/// camera paths, and then those of prefix rays. `found_images` are the lamp images of the film, and
+/// `lamp_images` the same images by pixel.
+fn trace_pictures(
+    renderer: &PassRenderer<'_>,
+    maps: Option<&PhotonMaps<'_>>,
+    found_images: &[LampImageContribution],
+    lamp_images: &LampImages,
+    blocks: &PilotBlocks,
+) -> PilotMeasurements {
     let mut light = vec![BlockLightStatistics::default(); blocks.count()];
-    let mut whole_work = Counters::default();
+    let mut whole_paths = Counters::default();
     for i in 0..WHOLE_PICTURES {
-        let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, &blocks, i, |_| PathParts::Whole);
+        let picture = render_light_parts(renderer, maps, lamp_images, blocks, i, |_| PathParts::Whole);
         light.par_iter_mut().enumerate().for_each(|(block, light)| {
             let parts = picture.image[blocks.traced_pixel(block, i)];
             let before = parts.x - light.from_receiver.mean;
@@ -124,17 +207,16 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
             light.photon_estimate.add(parts.z);
             light.deviation_product_sum += f64::from(before) * f64::from(parts.y - light.up_to_receiver.mean);
         });
-        whole_work += picture.counters;
+        whole_paths += picture.counters;
     }
-    let candidates = pixel_variances(&light, &found_images, &blocks).map_or_else(
-        || vec![false; width as usize * height as usize],
-        |variances| find_lookup_candidates(&variances, renderer.samples_per_pixel),
-    );
-    let mut traced_lookups = 0;
-    let (mut ray_work, mut lookup_work) = (Counters::default(), Counters::default());
+
+    let candidates = pixel_variances(&light, found_images, blocks)
+        .map(|variances| find_lookup_candidates(&variances, renderer.samples_per_pixel));
+    let (mut prefix_rays, mut lookups, mut lookup_count) = (Counters::default(), Counters::default(), 0);
     for i in WHOLE_PICTURES..WHOLE_PICTURES + PREFIX_PICTURES {
-        let looks_up = |pixel: usize| i < WHOLE_PICTURES + LOOKUP_PICTURES && candidates[pixel];
-        let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, &blocks, i, |pixel| {
+        let is_candidate = |pixel: usize| candidates.as_ref().is_some_and(|candidates| candidates[pixel]);
+        let looks_up = |pixel: usize| i < WHOLE_PICTURES + LOOKUP_PICTURES && is_candidate(pixel);
+        let picture = render_light_parts(renderer, maps, lamp_images, blocks, i, |pixel| {
             if looks_up(pixel) { PathParts::PrefixWithLookup } else { PathParts::Prefix }
         });
         light.par_iter_mut().enumerate().for_each(|(block, light)| {
@@ -149,50 +231,12 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
                 light.photon_estimate.add(parts.z);
             }
         });
-        traced_lookups += (0..blocks.count()).filter(|block| looks_up(blocks.traced_pixel(*block, i))).count();
-        let Counters { density_estimates: gathers, gathered_photons, .. } = picture.counters;
-        lookup_work += Counters { density_estimates: gathers, gathered_photons, ..Counters::default() };
-        ray_work += Counters { density_estimates: 0, gathered_photons: 0, ..picture.counters };
+        lookup_count += (0..blocks.count()).filter(|block| looks_up(blocks.traced_pixel(*block, i))).count();
+        let Counters { density_estimates, gathered_photons, .. } = picture.counters;
+        lookups += Counters { density_estimates, gathered_photons, ..Counters::default() };
+        prefix_rays += Counters { density_estimates: 0, gathered_photons: 0, ..picture.counters };
     }
-
-    // Measure the work of the camera paths and photons of a pass, of a prefix ray and of a lookup.
-    let pixels = f64::from(width) * f64::from(height);
-    let pixels_per_block = pixels / blocks.count() as f64;
-    let traced_rays = blocks.count() as f64 * f64::from(PREFIX_PICTURES);
-    let traced_lookups = traced_lookups.max(1) as f64;
-    let part = f64::from(divisor);
-    let lookup = |counters: &Counters| {
-        balance::LOOKUP_WORK * counters.density_estimates as f64
-            + balance::GATHERED_PHOTON_WORK * part * counters.gathered_photons as f64
-    };
-    let stored = out.aimed.stored_photons + out.unaimed.stored_photons;
-    let photons = part * (out.counters.photon_rays as f64 + balance::photon_storage_work(stored));
-    let whole_pictures = f64::from(WHOLE_PICTURES);
-    let scaled_to_all_pixels = |work: f64| pixels_per_block * work / whole_pictures;
-    let camera = scaled_to_all_pixels(f64::from(renderer.samples_per_pixel) * balance::camera_path_work(&whole_work));
-    let work = PassWork {
-        camera_work_per_pixel: camera / pixels,
-        photon_work_per_pixel: (photons + scaled_to_all_pixels(lookup(&whole_work))) / pixels,
-        work_per_prefix_ray: balance::camera_path_work(&ray_work) / traced_rays,
-        work_per_lookup: lookup(&lookup_work) / traced_lookups,
-    };
-
-    let variances = pixel_variances(&light, &found_images, &blocks)?;
-    let counts = efficient_ray_counts(&variances, renderer.samples_per_pixel, &work)?;
-    let sum =
-        |number: fn(&PixelPrefixRayCounts) -> u8| counts.iter().map(|count| u64::from(number(count))).sum::<u64>();
-    let (rays, lookups) = (sum(|count| count.unaimed) + sum(|count| count.aimed), sum(|count| count.lookups));
-    let scaled = |n: u64, total: u64, traced: f64| (n as f64 * total as f64 / traced).round() as u64;
-    let expected_work = Counters {
-        camera_rays: rays,
-        continuation_rays: scaled(ray_work.continuation_rays, rays, traced_rays),
-        shadow_rays: scaled(ray_work.shadow_rays, rays, traced_rays),
-        density_estimates: scaled(lookup_work.density_estimates, lookups, traced_lookups),
-        gathered_photons: scaled(lookup_work.gathered_photons * u64::from(divisor), lookups, traced_lookups),
-        ..Counters::default()
-    };
-    let lamp_images = lamp_images.in_pixels(|pixel| counts[pixel].aimed > 0);
-    Some(PrefixRayAllocation { counts: counts.into(), lamp_images, expected_work })
+    PilotMeasurements { light, whole_paths, prefix_rays, lookups, lookup_count }
 }
 
 /// Groups `found`, the lamp images sorted by pixel, into one list for each of the picture's
@@ -278,6 +322,7 @@ fn render_light_parts(
             let center = camera_ray.weight_lookup_position;
             let pixel = center.y as usize * width as usize + center.x as usize;
             if blocks.traced_pixel(blocks.block_of_pixel(pixel), i) != pixel {
+                // The tile has counted this ray, but nothing traces it.
                 task.counters.camera_rays -= 1;
                 return Rgb::ZERO;
             }
