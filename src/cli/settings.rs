@@ -72,7 +72,9 @@ impl ValueEnum for IndirectPhotons {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(match self {
-            Self::Off => PossibleValue::new("off").help("Camera paths carry indirect light, but for that of caustics"),
+            Self::Off => {
+                PossibleValue::new("off").help("Camera paths carry all indirect light except that of caustics")
+            }
             Self::Weighted => PossibleValue::new("weighted").help("Both techniques with weights that a pilot finds"),
             Self::Full => PossibleValue::new("full").help("Photon estimates carry all of it"),
         })

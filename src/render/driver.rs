@@ -151,7 +151,8 @@ pub(super) const MIN_PASSES_BEFORE_GIVING_UP: u32 = 16;
 pub(super) const GIVE_UP_BIAS_FACTOR: f64 = 0.8;
 
 /// The render loop: adds passes to `rendered` and returns it. `numbers` are the numbers of the
-/// requested passes. Those that `rendered` does not hold yet are rendered in ascending order.
+/// requested passes. The loop skips passes that `rendered` already holds, and renders the others in
+/// ascending order.
 ///
 /// The loop ends when a criterion of `stop` holds or no pass is left.
 ///

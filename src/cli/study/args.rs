@@ -24,9 +24,9 @@ pub struct StudyModeArguments {
     #[arg(long, conflicts_with_all = METHOD_STUDY_FLAGS)]
     pub effects: bool,
 
-    /// Measure how the error of these methods falls with time, such as path,sppm  [default, without
-    /// --variant and --knobs: path, pm, ppm, sppm and hybrid, without those that find no more light
-    /// than path in this scene]
+    /// Measure how the error of these methods falls with time, such as path,sppm. Without
+    /// --methods, --variant and --knobs, the study measures path, and each of pm, ppm, sppm and
+    /// hybrid that finds more light than path in this scene
     #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
     pub methods: Vec<Algorithm>,
 

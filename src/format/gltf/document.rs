@@ -19,8 +19,8 @@ const MEMORY_PER_BYTE: u64 = 4;
 
 /// Extensions that the importer supports in addition to those of the crate `gltf`.
 ///
-/// A file may require these extensions, and also those that the importer ignores. A file that
-/// requires any other extension is refused.
+/// The importer refuses a file that requires another extension, unless that is one of those that
+/// the importer ignores.
 const EXTRA_SUPPORTED_EXTENSIONS: [&str; 9] = [
     "EXT_mesh_gpu_instancing",
     "KHR_materials_clearcoat",

@@ -7,8 +7,8 @@
 /// them. Pictures of more pixels trace at least about a quarter of this number.
 const MAX_TRACED_PIXELS: u32 = 1 << 19;
 
-/// Blocks of pixels, for each of which the prefix-ray pilot measures the light of one pixel per
-/// picture. Blocks are squares, cut off at the right and lower edge of the film.
+/// Division of the film into square blocks of pixels. Each picture of the prefix-ray pilot traces
+/// one pixel of each block. Blocks are cut off at the right and lower edge of the film.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PilotBlocks {
     /// Number of pixels per row and column of a block.
