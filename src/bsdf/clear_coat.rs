@@ -2,9 +2,10 @@
 
 use super::coat_albedo::coat_albedo;
 use super::coated_diffuse::{CoatedDiffuse, DielectricCoat};
-use super::{Bsdf, BsdfSample, Conductor, DIFFUSE_CONE_SPREAD, MIN_ROUGH_ALPHA, NonSpecularSample};
+use super::sample::NonSpecularSample;
+use super::{Bsdf, BsdfSample, Conductor, DIFFUSE_CONE_SPREAD, MIN_ROUGH_ALPHA};
 use crate::color::Rgb;
-use crate::math::{Frame, warp};
+use crate::math::warp;
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
@@ -223,15 +224,7 @@ impl ClearCoated {
     #[inline]
     pub(super) fn sample_receiver(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
         let sample = match &self.base {
-            CoatableBsdf::Diffuse(reflectance) => {
-                let local = warp::square_to_cosine_hemisphere(u);
-                // A direction on the horizon has a pdf of 0, so it has no MIS weight.
-                if local.z <= 0.0 {
-                    return None;
-                }
-                let (wi, pdf) = (Frame::from_normal(n).to_world(local), warp::cosine_hemisphere_pdf(local.z));
-                NonSpecularSample { wi, weight: *reflectance, pdf, is_transmitted: false }
-            }
+            CoatableBsdf::Diffuse(reflectance) => NonSpecularSample::lambertian_sample(*reflectance, n, u)?,
             CoatableBsdf::CoatedDiffuse(coated) => coated.sample(wo, n, lobe, u)?,
             CoatableBsdf::Conductor(conductor) => conductor.sample_rough(wo, n, lobe, u)?,
             CoatableBsdf::DielectricCoat(_) => return None,

@@ -3,7 +3,8 @@
 use super::coat_albedo::{coat_albedo, mean_coat_albedo};
 use super::fresnel::fresnel_reflectance_and_cosine;
 use super::microfacet::Ggx;
-use super::{Bsdf, BsdfSample, MIN_PHOTON_STORAGE_ALPHA, MIN_ROUGH_ALPHA, NonSpecularSample, dielectric, face_forward};
+use super::sample::NonSpecularSample;
+use super::{Bsdf, BsdfSample, MIN_PHOTON_STORAGE_ALPHA, MIN_ROUGH_ALPHA, dielectric, face_forward};
 use crate::color::{self, Rgb};
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
@@ -11,7 +12,7 @@ use std::f32::consts::FRAC_1_PI;
 
 /// Refractive index below which a coat counts as absent. The coat's mean reflectance is then below
 /// 10⁻⁴.
-const MIN_COAT_INDEX: f32 = 1.0001;
+pub(super) const MIN_COAT_INDEX: f32 = 1.0001;
 
 /// Refractive index below which a rough coat counts as smooth. Such a coat reflects less than 1 %
 /// of diffuse light.
@@ -139,7 +140,7 @@ impl CoatedDiffuse {
     /// If `nonlinear` is false, the factor 1 − ρF in the BRDF of [`CoatedDiffuse`] is replaced by 1
     /// − F, its value for a white base (compare Mitsuba's `plastic`). Interreflection between coat
     /// and base then does not make colors more saturated, and the BSDF is proportional to ρ.
-    fn new(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
+    pub(super) fn new(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
         let alpha = if alpha < MIN_ROUGH_ALPHA || eta < MIN_ROUGH_COAT_INDEX { 0.0 } else { alpha };
         // Reciprocity: the transmittance from inside equals the transmittance from outside, divided
         // by η².
@@ -261,21 +262,5 @@ impl CoatedDiffuse {
         let pdf = self.pdf(wo, wi, n);
         let weight = self.evaluate(wo, wi, n) * (cos / pdf);
         (pdf > 0.0).then_some(NonSpecularSample { wi, weight, pdf, is_transmitted: false })
-    }
-}
-
-impl Bsdf {
-    /// Creates a diffuse surface of `reflectance` in \[0, 1] under a dielectric coat.
-    ///
-    /// `eta` in \[1, 4] is the coat's index relative to the surroundings, `alpha` in \[0, 1] its
-    /// GGX roughness. If `nonlinear` is true, interreflection between coat and base makes colors
-    /// more saturated. The BSDF is Lambertian if `eta` is so near to 1 that the coat has no effect.
-    #[must_use]
-    pub fn coated_diffuse(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
-        if eta < MIN_COAT_INDEX {
-            Self::Diffuse(reflectance)
-        } else {
-            Self::CoatedDiffuse(CoatedDiffuse::new(reflectance, eta, alpha, nonlinear))
-        }
     }
 }

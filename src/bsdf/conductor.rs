@@ -5,9 +5,8 @@ use super::microfacet::Ggx;
 use super::multiple_scattering::{
     MultipleConductorScattering, multiple_scattering_direction_pdf, sample_multiple_scattering_direction,
 };
-use super::{
-    BsdfSample, MIN_PHOTON_STORAGE_ALPHA, MIN_ROUGH_ALPHA, MicrofacetScattering, NonSpecularSample, dielectric,
-};
+use super::sample::NonSpecularSample;
+use super::{BsdfSample, MIN_PHOTON_STORAGE_ALPHA, MIN_ROUGH_ALPHA, MicrofacetScattering, dielectric};
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 

@@ -1,6 +1,6 @@
 //! Thin sheets that scatter light diffusely to both sides, such as paper, cloth and leaves.
 
-use super::NonSpecularSample;
+use super::sample::NonSpecularSample;
 use crate::color::{self, Rgb};
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};

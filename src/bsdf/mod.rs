@@ -7,6 +7,7 @@
 //! To add a BSDF and its material:
 //!
 //! - add a file in this folder, and a variant of [`Bsdf`] in this file;
+//! - state its properties, such as whether it stores photons, in `properties.rs`;
 //! - add a variant of `MaterialKind` in `scene/material/kind.rs`;
 //! - add a file in `format/materials/kinds/`, and its line in `format/materials/kinds/mod.rs`.
 
@@ -23,7 +24,9 @@ mod metals;
 mod microfacet;
 mod multiple_scattering;
 mod phong;
+mod properties;
 mod rough_dielectric;
+mod sample;
 mod thin;
 
 pub use adjoint::{deposit_shading_normal_correction, shading_normal_correction};
@@ -38,35 +41,28 @@ pub use lossy_coat::LossyCoat;
 pub use metals::{METAL_NAMES, metal_refractive_index};
 pub use multiple_scattering::MicrofacetScattering;
 pub use phong::Phong;
+pub(crate) use properties::DIFFUSE_CONE_SPREAD;
+pub use properties::MIN_PHOTON_STORAGE_ALPHA;
 pub use rough_dielectric::RoughDielectric;
+pub use sample::BsdfSample;
 pub use thin::ThinDielectric;
 
 use crate::color::Rgb;
-use crate::math::{Frame, warp};
-use clear_coat::CoatableBsdf;
+use crate::math::warp;
+use coated_diffuse::MIN_COAT_INDEX;
 use glam::{Vec2, Vec3};
+use sample::NonSpecularSample;
 use std::f32::consts::FRAC_1_PI;
 
 /// Smallest GGX roughness α of a rough surface. A surface with a smaller α is smooth: it has only
 /// delta lobes.
 pub const MIN_ROUGH_ALPHA: f32 = 1e-3;
 
-/// Threshold of the GGX roughness α: photons are stored on a conductor, or on a coat over a diffuse
-/// base, only if its α exceeds this value.
-///
-/// Photon estimates then include the light that the conductor or coat reflects. A smoother one
-/// casts caustics instead; [`Bsdf::select_layer`] splits such a coat from its base.
-pub const MIN_PHOTON_STORAGE_ALPHA: f32 = 0.3;
-
 /// Width of a rough dielectric's refracted lobe \[radians], below which the dielectric counts as
 /// smooth.
 ///
 /// The width is about ten rounding errors of a unit vector in f32.
 const MIN_LOBE_WIDTH: f32 = 1e-6;
-
-/// Tangent of the angle by which diffuse scattering widens the ray cone of a path. The cone sets
-/// the filter width of texture lookups.
-pub(crate) const DIFFUSE_CONE_SPREAD: f32 = 0.2;
 
 /// The quantity that a path carries when a BSDF scatters it: radiance on camera paths, flux on
 /// photon paths.
@@ -76,63 +72,6 @@ pub enum TransportMode {
     Radiance,
     /// Flux, on photon paths. Refraction does not scale flux.
     Importance,
-}
-
-/// A direction sampled from a BSDF.
-#[derive(Clone, Copy, Debug)]
-pub struct BsdfSample {
-    /// Unit direction in which the path continues.
-    pub wi: Vec3,
-    /// Weight f(wo, wi)·|cosθ|/pdf, where θ is the angle between `wi` and the shading normal.
-    ///
-    /// For a delta lobe, the weight is the lobe's reflectance or transmittance, divided by the
-    /// probability of choosing the lobe. Refracted radiance is also divided by the squared relative
-    /// index.
-    pub weight: Rgb,
-    /// Solid-angle pdf of `wi` \[1/sr], equal to [`Bsdf::pdf`]; 0 for a delta lobe.
-    pub pdf: f32,
-    /// True if the direction was sampled from a delta lobe.
-    pub is_specular: bool,
-    /// True if the path crosses the surface.
-    pub is_transmitted: bool,
-    /// True if a specular direction was computed with the geometric normal instead of the shading
-    /// normal.
-    ///
-    /// Such a sample replaces one that the shading normal would send to the wrong side of the
-    /// surface.
-    pub uses_geometric_normal: bool,
-}
-
-impl BsdfSample {
-    /// Creates a sample of a delta lobe.
-    #[inline]
-    fn specular_sample(wi: Vec3, weight: Rgb, is_transmitted: bool, uses_geometric_normal: bool) -> Self {
-        Self { wi, weight, pdf: 0.0, is_specular: true, is_transmitted, uses_geometric_normal }
-    }
-
-    /// Creates a sample of a lobe that has a finite pdf.
-    #[inline]
-    pub(crate) fn non_specular_sample(wi: Vec3, weight: Rgb, pdf: f32, is_transmitted: bool) -> Self {
-        NonSpecularSample { wi, weight, pdf, is_transmitted }.into()
-    }
-}
-
-/// A direction sampled from a lobe with a finite pdf. The type cannot describe a delta lobe.
-///
-/// The fields are those of [`BsdfSample`].
-struct NonSpecularSample {
-    wi: Vec3,
-    weight: Rgb,
-    pdf: f32,
-    is_transmitted: bool,
-}
-
-impl From<NonSpecularSample> for BsdfSample {
-    #[inline]
-    fn from(sample: NonSpecularSample) -> Self {
-        let NonSpecularSample { wi, weight, pdf, is_transmitted } = sample;
-        Self { wi, weight, pdf, is_specular: false, is_transmitted, uses_geometric_normal: false }
-    }
 }
 
 /// The BSDF at one point of a surface.
@@ -207,44 +146,17 @@ impl Bsdf {
         }
     }
 
-    /// True if the BSDF is [`Bsdf::Black`], or a diffuse BSDF that scatters no light.
+    /// Creates a diffuse surface of `reflectance` in \[0, 1] under a dielectric coat.
     ///
-    /// Other BSDFs count as not black, even a mirror of reflectance 0.
-    #[inline]
+    /// `eta` in \[1, 4] is the coat's index relative to the surroundings, `alpha` in \[0, 1] its
+    /// GGX roughness. If `nonlinear` is true, interreflection between coat and base makes colors
+    /// more saturated. The BSDF is Lambertian if `eta` is so near to 1 that the coat has no effect.
     #[must_use]
-    pub fn is_black(&self) -> bool {
-        match self {
-            Self::Black => true,
-            Self::Diffuse(reflectance) => *reflectance == Rgb::ZERO,
-            Self::DiffuseTransmission(sheet) => sheet.is_black(),
-            Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::Conductor(_)
-            | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_)
-            | Self::ClearCoated(_) => false,
-        }
-    }
-
-    /// True if the BSDF is Lambertian (reflecting, or also transmitting), or has a Lambertian base
-    /// under a coat.
-    #[inline]
-    #[must_use]
-    pub fn is_diffuse_or_coated(&self) -> bool {
-        match self {
-            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::CoatedDiffuse(_) => true,
-            Self::ClearCoated(coated) => coated.is_diffuse_or_coated(),
-            Self::Black
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::Conductor(_)
-            | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::DielectricCoat(_) => false,
+    pub fn coated_diffuse(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
+        if eta < MIN_COAT_INDEX {
+            Self::Diffuse(reflectance)
+        } else {
+            Self::CoatedDiffuse(CoatedDiffuse::new(reflectance, eta, alpha, nonlinear))
         }
     }
 
@@ -328,169 +240,6 @@ impl Bsdf {
         }
     }
 
-    /// Returns the reflected and the refracted direction for `wo` at a smooth dielectric; `None`
-    /// for all other BSDFs.
-    #[inline]
-    #[must_use]
-    pub fn reflect_and_refract(
-        &self,
-        wo: Vec3,
-        ns: Vec3,
-        ng: Vec3,
-        transport: TransportMode,
-    ) -> Option<DielectricSplit> {
-        match self {
-            Self::Dielectric(dielectric) => Some(dielectric.reflect_and_refract(wo, ns, ng, transport)),
-            Self::Black
-            | Self::Diffuse(_)
-            | Self::DiffuseTransmission(_)
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Conductor(_)
-            | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_)
-            | Self::ClearCoated(_) => None,
-        }
-    }
-
-    /// Converts the BSDF to the type of surfaces under a clear coat; `None` if the BSDF cannot lie
-    /// under a clear coat.
-    fn to_coatable(self) -> Option<CoatableBsdf> {
-        match self {
-            Self::Diffuse(reflectance) => Some(CoatableBsdf::Diffuse(reflectance)),
-            Self::CoatedDiffuse(coated) => Some(CoatableBsdf::CoatedDiffuse(coated)),
-            Self::DielectricCoat(coat) => Some(CoatableBsdf::DielectricCoat(coat)),
-            Self::Conductor(conductor) => Some(CoatableBsdf::Conductor(conductor)),
-            Self::Black
-            | Self::DiffuseTransmission(_)
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::ClearCoated(_) => None,
-        }
-    }
-
-    /// True if the BSDF scatters light only in delta lobes. For a surface under a clear coat, only
-    /// the surface counts, not the coat.
-    #[inline]
-    #[must_use]
-    pub fn is_specular(&self) -> bool {
-        match self {
-            Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => true,
-            Self::Conductor(conductor) => conductor.is_smooth(),
-            Self::DielectricCoat(coat) => coat.alpha() == 0.0,
-            Self::ClearCoated(coated) => coated.is_specular(),
-            Self::Black
-            | Self::Diffuse(_)
-            | Self::DiffuseTransmission(_)
-            | Self::Phong(_)
-            | Self::RoughDielectric(_)
-            | Self::CoatedDiffuse(_) => false,
-        }
-    }
-
-    /// True if the BSDF has a transmitted lobe.
-    #[inline]
-    #[must_use]
-    pub fn transmits(&self) -> bool {
-        match self {
-            Self::Dielectric(_) | Self::RoughDielectric(_) | Self::ThinDielectric(_) | Self::DiffuseTransmission(_) => {
-                true
-            }
-            Self::Black
-            | Self::Diffuse(_)
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Conductor(_)
-            | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_)
-            | Self::ClearCoated(_) => false,
-        }
-    }
-
-    /// Transmittance for light that crosses the surface without a change of direction; `None` if
-    /// the surface does not transmit in this way.
-    ///
-    /// Only a [`ThinDielectric`] does. Shadow rays cross it, so light that it transmits counts as
-    /// direct light, not as a caustic.
-    #[inline]
-    #[must_use]
-    pub fn straight_transmittance(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> Option<Rgb> {
-        self.as_thin_dielectric().map(|thin| thin.straight_transmittance(wo, face_forward(ns, wo), ng))
-    }
-
-    /// True if the surface transmits light without a change of direction, so that shadow rays cross
-    /// it: see [`Bsdf::straight_transmittance`].
-    #[inline]
-    #[must_use]
-    pub fn transmits_straight(&self) -> bool {
-        self.as_thin_dielectric().is_some()
-    }
-
-    #[inline]
-    fn as_thin_dielectric(&self) -> Option<&ThinDielectric> {
-        if let Self::ThinDielectric(thin) = self { Some(thin) } else { None }
-    }
-
-    /// True if photons are stored on the surface. Density estimates then evaluate this BSDF.
-    ///
-    /// Diffuse BSDFs store photons, with or without transmission or a coat. So do Phong BSDFs, and
-    /// conductors rougher than [`MIN_PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons
-    /// fall into the lobe, so BSDF sampling has less noise. Dielectrics store none, because a
-    /// density estimate would blur the objects behind them.
-    #[inline]
-    #[must_use]
-    pub fn stores_photons(&self) -> bool {
-        match self {
-            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => true,
-            Self::Conductor(conductor) => conductor.stores_photons(),
-            Self::ClearCoated(coated) => coated.stores_photons(),
-            Self::Black
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::DielectricCoat(_) => false,
-        }
-    }
-
-    /// True if the BSDF is a caustic caster: it scatters light, but stores no photons.
-    ///
-    /// Mirrors, dielectrics, thin dielectrics and clear coats are casters at any roughness.
-    /// Conductors, and coats over a diffuse base, are casters if their roughness α is at most
-    /// [`MIN_PHOTON_STORAGE_ALPHA`]. For a coated surface, the result describes the base:
-    /// [`Bsdf::select_layer`] returns the coat as another BSDF. A thin dielectric casts only the
-    /// light that it reflects: see [`Bsdf::straight_transmittance`].
-    #[inline]
-    #[must_use]
-    pub fn casts_caustics(&self) -> bool {
-        !self.stores_photons() && !self.is_black()
-    }
-
-    /// Tangent of the angle by which scattering widens the ray cone of texture filtering; 0 for
-    /// delta lobes.
-    ///
-    /// The angle is only about a fifth of the lobe's width: many paths sample the lobe, so each
-    /// path needs to filter only its own part of the texture.
-    #[inline]
-    #[must_use]
-    pub fn ray_cone_spread(&self) -> f32 {
-        match self {
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
-            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => {
-                DIFFUSE_CONE_SPREAD
-            }
-            Self::DielectricCoat(coat) => coat.alpha() * DIFFUSE_CONE_SPREAD,
-            Self::ClearCoated(coated) => coated.ray_cone_spread(),
-            Self::Conductor(conductor) => conductor.alpha() * DIFFUSE_CONE_SPREAD,
-            Self::RoughDielectric(glass) => glass.alpha() * DIFFUSE_CONE_SPREAD,
-        }
-    }
-
     /// BSDF f(wo, wi) \[1/sr], without the cosine; 0 for delta lobes.
     ///
     /// The value is also 0 if the shading normal `ns` and the geometric normal `ng` disagree on
@@ -564,6 +313,33 @@ impl Bsdf {
         (crosses == sample.is_transmitted).then_some(sample)
     }
 
+    /// Returns the reflected and the refracted direction for `wo` at a smooth dielectric; `None`
+    /// for all other BSDFs.
+    #[inline]
+    #[must_use]
+    pub fn reflect_and_refract(
+        &self,
+        wo: Vec3,
+        ns: Vec3,
+        ng: Vec3,
+        transport: TransportMode,
+    ) -> Option<DielectricSplit> {
+        match self {
+            Self::Dielectric(dielectric) => Some(dielectric.reflect_and_refract(wo, ns, ng, transport)),
+            Self::Black
+            | Self::Diffuse(_)
+            | Self::DiffuseTransmission(_)
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::CoatedDiffuse(_)
+            | Self::DielectricCoat(_)
+            | Self::ClearCoated(_) => None,
+        }
+    }
+
     /// Samples the direction in which a path continues, if this BSDF stores photons. Returns `None`
     /// if the BSDF stores no photons, or if the path is absorbed.
     ///
@@ -572,16 +348,7 @@ impl Bsdf {
     #[inline]
     fn sample_receiver_bsdf(&self, wo: Vec3, facing_ns: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
         match self {
-            Self::Diffuse(reflectance) => {
-                let local = warp::square_to_cosine_hemisphere(u);
-                // A direction on the horizon has a pdf of 0, so it has no MIS weight.
-                if local.z <= 0.0 {
-                    return None;
-                }
-                let wi = Frame::from_normal(facing_ns).to_world(local);
-                let pdf = warp::cosine_hemisphere_pdf(local.z);
-                Some(NonSpecularSample { wi, weight: *reflectance, pdf, is_transmitted: false })
-            }
+            Self::Diffuse(reflectance) => NonSpecularSample::lambertian_sample(*reflectance, facing_ns, u),
             Self::DiffuseTransmission(sheet) => sheet.sample(facing_ns, lobe, u),
             Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u),
             Self::Conductor(conductor) => conductor.sample_rough(wo, facing_ns, lobe, u),

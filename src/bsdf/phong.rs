@@ -1,6 +1,7 @@
 //! Energy-conserving Phong reflection.
 
-use super::{Bsdf, NonSpecularSample};
+use super::Bsdf;
+use super::sample::NonSpecularSample;
 use crate::color::{self, Rgb};
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};

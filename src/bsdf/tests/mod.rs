@@ -7,6 +7,7 @@ mod rough;
 
 use super::MicrofacetScattering::{Multiple, Single};
 use super::*;
+use crate::math::Frame;
 use crate::sampling::{Dimension, Key, Purpose};
 
 /// Sample `i` of `bsdf` at a surface with both normals along z.
