@@ -1,11 +1,10 @@
 //! Camera paths through participating media.
 
-use super::{PathContext, PathState, PathWeights, is_path_continued, shares_indirect_light};
+use super::{PathContext, PathState, PathWeights, photon_estimate};
 use crate::color::Rgb;
-use crate::integrate::indirect_division::IndirectWeights;
 use crate::integrate::light_group::LightGroup;
 use crate::integrate::path_task::PathTask;
-use crate::integrate::policy::{PathContinuation, PhotonLookups};
+use crate::integrate::policy::PathContinuation;
 use crate::integrate::vertex::{MediumPathSegment, PathHistory, PrevVertex};
 use crate::medium::PhaseFunction;
 use crate::sampling::Dimension;
@@ -79,7 +78,7 @@ fn cross_medium<I: Interior>(
     // Add the direct light and the light of photons that the medium scatters on this segment.
     let continues = policy.continuation == PathContinuation::Always
         && path.bounce < paths.max_bounces
-        && (!shares_indirect_light(weights.indirect, history) || is_path_continued(weights.indirect, path.sampler));
+        && weights.continues_beyond_receiver(history, path.sampler);
     let distance_sample = medium.distance_sample(ray, ray.t_max, throughput, rng);
     let shadow_sampler = path.sampler.shadow_ray_sampler(paths.pass);
     let path_segment = MediumPathSegment { segment, history, throughput, sampler: path.sampler, shadow_sampler };
@@ -88,7 +87,7 @@ fn cross_medium<I: Interior>(
         scattered += paths.nee.estimate_direct_light_in_medium(&path_segment, &distance_sample, continues, task);
         task.pixel.groups.add(LightGroup::of_direct_light(history), throughput * scattered);
     }
-    scattered += photon_radiance(paths, weights.indirect, &path_segment, rng, task);
+    scattered += photon_estimate::radiance_in_medium(paths, weights, &path_segment, rng, task);
     *radiance += throughput * scattered;
     if path.shares_indirect {
         task.records.light.indirect_by_paths += throughput * scattered;
@@ -103,53 +102,19 @@ fn cross_medium<I: Interior>(
     None
 }
 
-/// Returns the radiance that a medium segment scatters to its start, estimated from photon maps
-/// \[W/(m² sr)]; 0 if the policy reads no map on this segment. Also adds the radiance, times the
-/// throughput, to the light that `task` records.
-///
-/// If only one path of a pixel reads the maps, the radiance is multiplied by the number of the
-/// pixel's paths, to stand for all of them. `weights` are the weights of camera paths and of photon
-/// estimates for the indirect light at the path's first receiver (surface or medium that stores
-/// photons).
-fn photon_radiance<I: Interior>(
-    paths: &PathContext<'_>,
-    weights: IndirectWeights,
-    path_segment: &MediumPathSegment<'_, I>,
-    rng: &mut SmallRng,
-    task: &mut PathTask,
-) -> Rgb {
-    let Some(maps) = paths.maps else { return Rgb::ZERO };
-    let lookup_scale = match paths.policy.lookups {
-        PhotonLookups::Never | PhotonLookups::RecordVisible => return Rgb::ZERO,
-        PhotonLookups::FewPerPixel => match path_segment.sampler.sample_index_and_count() {
-            (0, samples) if path_segment.history.receivers == 0 => samples as f32,
-            _ => return Rgb::ZERO,
-        },
-        PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1.0,
-    };
-    let mut estimate = maps.radiance_in_medium(path_segment, lookup_scale, rng, task);
-    if shares_indirect_light(weights, path_segment.history) {
-        estimate +=
-            maps.interreflection_radiance_in_medium(path_segment, lookup_scale * weights.photon_weight, rng, task);
-    }
-    task.records.light.photon_estimates += path_segment.throughput * estimate;
-    task.pixel.photon_radiance += path_segment.throughput * estimate;
-    estimate
-}
-
 /// Continues `path` from a scattering event in a direction sampled from `phase`. Returns false if
 /// Russian roulette ends the path.
 ///
-/// `weights` are the weights of camera paths and of photon estimates for indirect light. They apply
-/// only if this event is the path's first receiver (surface or medium that stores photons).
+/// If this event is the path's first receiver (surface or medium that stores photons), `weights`
+/// divide the indirect light there between camera paths and photon estimates.
 pub(super) fn scatter_in_medium<I: Interior>(
     path: &mut PathState<I>,
     phase: PhaseFunction,
-    weights: IndirectWeights,
+    weights: &PathWeights,
 ) -> bool {
     let mut next = *path;
-    if shares_indirect_light(weights, path.history) {
-        next.share_indirect_with_photons(weights, path.sampler);
+    if weights.shares_indirect_light(path.history) {
+        next.share_indirect_with_photons(weights.indirect, path.sampler);
     }
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
     next.path_ray.scatter_towards(direction);
