@@ -75,7 +75,7 @@
 //!    `LightTracer::splat_and_return_share` also sends caustic photons to the pixel that sees them.
 //! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then may
 //!    end the path. It survives with the ratio of its flux after and before the scattering.
-//! 7. `PhotonMapBuilder::index_photons` calls [`PhotonMap::build`](photon::PhotonMap::build) for
+//! 7. `PhotonIndexer::index_photons` calls [`PhotonMap::build`](photon::PhotonMap::build) for
 //!    each photon map that the algorithm reads: the caustic map, the indirect map (Jensen's global
 //!    map), and in `hybrid` the interreflection map.
 //!

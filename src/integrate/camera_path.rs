@@ -8,8 +8,8 @@
 //! A path's inputs are a [`PathContext`], which all paths of a pass share, and a [`CameraRay`]. Its
 //! state between two vertices is a [`PathState`], and [`PathWeights`] weight the light that it
 //! finds. A [`PathTask`] collects the paths' ray counts, light groups and pilot records.
-//! [`indirect_division`](super::indirect_division) lists the fields by which camera paths and photon
-//! estimates share indirect light.
+//! [`indirect_division`](super::indirect_division) lists the fields by which camera paths and
+//! photon estimates share indirect light.
 
 mod context;
 mod emission;

@@ -3,7 +3,7 @@
 //! They guide photon emission, find gather radii, divide caustics between photon estimates and
 //! light tracing, and predict how many photons a pass stores.
 
-use super::{DEFAULT_CAUSTIC_K, GUIDE_PHOTON_DIVISOR, PhotonMapBuilder, VolumeKernelRadiiPerMap};
+use super::{DEFAULT_CAUSTIC_K, GUIDE_PHOTON_DIVISOR, PerMap, PhotonMapBuilder};
 use crate::integrate::pass::ExpectedPhotons;
 use crate::integrate::radius_pilot::{
     self, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii, pilot_path_count,
@@ -92,7 +92,7 @@ impl<'a> PhotonMapBuilder<'a> {
             Some(report)
         };
         self.emission_guiding_reports.aimed = guide(
-            &mut self.aimed_source,
+            &mut self.sources.aimed,
             self.request.aimed,
             settings.aimed_paths,
             EmissionGuidingPilotSettings::DEFAULT_PATHS,
@@ -106,7 +106,7 @@ impl<'a> PhotonMapBuilder<'a> {
                 MAX_INTERREFLECTION_GUIDING_PATHS
             };
             self.emission_guiding_reports.unaimed =
-                guide(&mut self.unaimed_source, self.request.unaimed, settings.unaimed_paths, max_paths);
+                guide(&mut self.sources.unaimed, self.request.unaimed, settings.unaimed_paths, max_paths);
         }
     }
 
@@ -137,7 +137,7 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let interreflection = if self.may_build_interreflection_map() {
             let paths = (self.settings.unaimed_paths, radius_pilot::MAX_INDIRECT_PATHS);
-            radius(&self.unaimed_source, self.request.unaimed, paths, DEFAULT_INDIRECT_K)
+            radius(&self.sources.unaimed, self.request.unaimed, paths, DEFAULT_INDIRECT_K)
         } else {
             0.0
         };
@@ -149,7 +149,7 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let indirect = radius(source, mask, (paths, max_pilot_paths), default_k);
         let paths = (settings.aimed_paths, radius_pilot::MAX_PATHS);
-        let caustic = radius(&self.aimed_source, StoreMask::CAUSTIC, paths, DEFAULT_CAUSTIC_K);
+        let caustic = radius(&self.sources.aimed, StoreMask::CAUSTIC, paths, DEFAULT_CAUSTIC_K);
         self.interreflection_radius = interreflection;
         GatherRadii { indirect, caustic }
     }
@@ -158,7 +158,7 @@ impl<'a> PhotonMapBuilder<'a> {
     ///
     /// The radii come from the settings, or else from pilots (small photon simulations). A pilot
     /// finds the radius within which the median camera ray meets enough photons.
-    pub(super) fn find_volume_kernel_radii(&self) -> VolumeKernelRadiiPerMap {
+    pub(super) fn find_volume_kernel_radii(&self) -> PerMap<VolumeKernelRadii> {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let source = source.as_ref()?;
@@ -176,14 +176,14 @@ impl<'a> PhotonMapBuilder<'a> {
             })
         };
         let (source, mask, paths) = self.indirect_map_inputs();
-        let caustic = radii(&self.aimed_source, StoreMask::CAUSTIC, settings.aimed_paths);
+        let caustic = radii(&self.sources.aimed, StoreMask::CAUSTIC, settings.aimed_paths);
         let interreflection = if self.may_build_interreflection_map() {
-            radii(&self.unaimed_source, self.request.unaimed, settings.unaimed_paths)
+            radii(&self.sources.unaimed, self.request.unaimed, settings.unaimed_paths)
         } else {
             VolumeKernelRadii::default()
         };
         let indirect = radii(source, StoreMask { direct: false, ..mask }, paths);
-        VolumeKernelRadiiPerMap { caustic, indirect, interreflection }
+        PerMap { caustic, indirect, interreflection }
     }
 
     /// Sets the fraction of caustic flux that photon estimates carry at each pixel. Light tracing
@@ -193,7 +193,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// number must be final. Without light tracing or caustic photons, the function does nothing.
     pub fn set_density_estimate_shares(&mut self) {
         let size = self.scene.camera().size();
-        let Some(source) = self.aimed_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
+        let Some(source) = self.sources.aimed.as_ref().filter(|_| self.request.aimed.caustic) else { return };
         let shares = match self.policy.light_tracing {
             LightTracing::Off => return,
             LightTracing::Full => DensityEstimateShares::all_to_splats(size),
@@ -241,9 +241,9 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let guides = if self.request.builds_guide_map { self.counts.unaimed / GUIDE_PHOTON_DIVISOR } else { 0 };
         let maps = [
-            expected(&self.aimed_source, self.request.aimed, self.counts.aimed),
-            expected(&self.unaimed_source, self.request.unaimed, self.counts.unaimed),
-            expected(&self.unaimed_source, StoreMask::INDIRECT, guides),
+            expected(&self.sources.aimed, self.request.aimed, self.counts.aimed),
+            expected(&self.sources.unaimed, self.request.unaimed, self.counts.unaimed),
+            expected(&self.sources.unaimed, StoreMask::INDIRECT, guides),
         ];
         maps.into_iter().fold(ExpectedPhotons::default(), |all, map| ExpectedPhotons {
             paths: all.paths + map.paths,
