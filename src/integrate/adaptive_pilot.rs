@@ -57,11 +57,11 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
     relative_ray_counts(&pictures, width as usize, height as usize, renderer.samples_per_pixel)
 }
 
-/// Returns the number of camera rays that each pixel needs, divided by the mean over all pixels;
-/// `None` if the `pictures` have no noise.
+/// Returns the number of camera rays that each pixel needs for the least mean relative variance,
+/// divided by the mean over all pixels; `None` if the `pictures` have no noise.
 ///
-/// `pictures` are independent, so their differences are noise. `samples` is the mean number of rays
-/// per pixel in a pass.
+/// `pictures` hold the radiance of each pixel, by rows from the top. They are independent, so their
+/// differences are noise. `samples` is the mean number of rays per pixel in a pass.
 fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
     let n = pictures.len() as f64;
     let mean: Vec<f64> =

@@ -62,9 +62,9 @@ impl Algorithm {
         }
     }
 
-    /// Returns the default number of passes of a render. It applies to renders that limit neither
-    /// the passes nor the time, and do not estimate the error. Ray casting makes this number of
-    /// passes even with a time limit.
+    /// Returns the default number of passes of a render. The default applies if a render limits
+    /// neither its passes nor its time, and does not estimate its error. Ray casting makes this
+    /// number of passes even with a time limit.
     #[must_use]
     pub fn default_passes(self) -> u32 {
         match self {

@@ -12,8 +12,8 @@ use crate::color::{self, Rgb};
 use crate::math::positive_median;
 use crate::stats::Counters;
 
-/// Numbers of camera rays and photon paths of a pass that a pilot (small simulation) chose for
-/// least noise.
+/// Numbers of camera rays and photon paths per pass, chosen by a pilot (small simulation before the
+/// first pass) for least noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct RayPhotonBalance {
     /// Number of camera rays per pixel.
@@ -30,14 +30,14 @@ pub struct RayPhotonBalance {
 }
 
 /// Largest factor by which the ray-photon-balance pilot may raise or lower the number of camera
-/// rays or photon paths. It limits the harm of a noisy pilot.
+/// rays or photon paths. The bound limits the harm of a noisy pilot.
 const MAX_CHANGE: f64 = 4.0;
 
 // All work is in units of tracing one photon ray, about 0.1 µs. The values come from
 // docs/measurements/.
 
-/// Estimated time to trace and shade one ray of a camera path, divided by the time to trace one
-/// photon ray.
+/// Estimated time to trace and shade one ray of a camera path (camera ray, later segment or shadow
+/// ray), divided by the time to trace one photon ray.
 const CAMERA_RAY_WORK: f64 = 2.0;
 
 /// Estimated time to store and index one photon, divided by the time to trace one photon ray.
@@ -129,8 +129,8 @@ pub(super) fn photon_storage_work(photons: u64) -> f64 {
     STORED_PHOTON_WORK * photons as f64
 }
 
-/// Returns the mean relative variance of a radiance estimate over points of the film; 0 if all
-/// points are black.
+/// Returns the relative variance of a radiance estimate, as a mean over points of the film; 0 if
+/// all points are black.
 ///
 /// `one` and `other` are two independent estimates at the same points. `light` is the mean radiance
 /// L at each point. M is the median of all positive L. The relative variance at a point is (`one` −

@@ -1,12 +1,12 @@
-//! Guided sampling of the environment light: shadow rays prefer directions from which its light
-//! reaches the scene.
+//! Guided sampling of the environment light: shadow rays prefer directions from which the light of
+//! the environment reaches the scene.
 //!
 //! Walls block shadow rays towards the environment: in a room, only rays through a window find
 //! light. A grid over the scene holds in each cell a distribution over the unit square. The
 //! environment map turns points of this square into directions, as its own importance sampling
-//! does. So guided directions follow the product of the map and of its visibility from the cell. A
-//! pdf proportional to the root mean square of a ray's contribution to the picture has the least
-//! noise (Rath et al. 2020, "Variance-Aware Path Guiding").
+//! does. So guided directions follow the product of the map's radiance and the visibility from the
+//! cell. A pdf proportional to the root mean square of a ray's contribution to the picture has the
+//! least noise (Rath et al. 2020, "Variance-Aware Path Guiding").
 
 use crate::light::{DirectLightSample, EnvironmentLight, ShadowTarget};
 use crate::sampling::SquareGridDistribution;
@@ -48,8 +48,9 @@ pub(super) struct EnvironmentGuide {
     cells: Vec<SquareGridDistribution>,
 }
 
-/// Data to which [`EnvironmentGuide`] is fitted: for each bin of each cell, the number of pilot
-/// rays and the sum of their squared contributions to the picture.
+/// Data to which [`EnvironmentGuide`] is fitted: for each bin of directions in each cell of a grid
+/// over the scene, the number of pilot rays and the sum of their squared contributions to the
+/// picture.
 pub(super) struct EnvironmentGuideFitter {
     grid: SceneCellGrid,
     counts: Vec<f64>,
@@ -100,8 +101,8 @@ impl EnvironmentGuideFitter {
     /// Adds one shadow ray of the pilot. The ray started at `p`. The environment light turned the
     /// point `u` in \[0, 1)² into the direction of the ray.
     ///
-    /// `square` is the square of the contribution to the picture that the ray would make without
-    /// guiding.
+    /// `square` is the square of the ray's contribution to the picture, weighted as if unguided
+    /// sampling had chosen the ray.
     pub fn add(&mut self, p: Vec3, u: Vec2, square: f64) {
         let bin = self.grid.cell_index(p) * BINS_PER_CELL + SquareGridDistribution::cell_index(BINS_PER_SIDE, u);
         self.counts[bin] += 1.0;
@@ -141,12 +142,12 @@ impl RefinementLevel {
         1 << self.0
     }
 
-    /// Returns the number of bins of this level along each side of the unit square of a cell.
+    /// Returns the number of direction bins of this level along each side of a cell's unit square.
     fn bins_per_side(self) -> usize {
         BINS_PER_SIDE >> (REFINEMENTS - self.0)
     }
 
-    /// Returns the total number of bins of all cells of this level.
+    /// Returns the total number of direction bins in all cells of this level.
     fn bin_count(self) -> usize {
         self.cells_per_axis()
             * self.cells_per_axis()
@@ -155,8 +156,8 @@ impl RefinementLevel {
             * self.bins_per_side()
     }
 
-    /// Returns the index of the bin of the next coarser level that contains bin `bin` of this
-    /// level.
+    /// Returns the index of the parent bin of bin `bin`: the bin of the next coarser level that
+    /// contains it. `bin` is an index into this level.
     fn parent_bin(self, bin: usize) -> usize {
         let (cells, bins) = (self.cells_per_axis(), self.bins_per_side());
         let (cell, bin) = (bin / (bins * bins), bin % (bins * bins));

@@ -1,8 +1,8 @@
 //! Pilot (small simulation before the first pass) for guided sampling of the environment light.
 //!
 //! Camera paths of the pilot record points of *receivers*, the surfaces that store photons. In each
-//! round, shadow rays towards the environment leave these points, guided by the rays of all earlier
-//! rounds. The last round measures how much guiding reduces the variance.
+//! round, shadow rays start from these points towards the environment, guided by the rays of all
+//! earlier rounds. The last round measures how much guiding reduces the variance.
 
 use super::environment_guide::{EnvironmentGuide, EnvironmentGuideFitter};
 use super::policy::PathContinuation;
@@ -77,8 +77,8 @@ struct PilotRay {
     u: Vec2,
     /// Pdf of `u` over the unit square.
     u_pdf: f32,
-    /// Contribution of the ray to the picture, weighted as if unguided sampling had chosen `u`; 0
-    /// if the ray is occluded.
+    /// Contribution of the ray to the picture, weighted as if unguided sampling had chosen the
+    /// ray's direction; 0 if the ray is occluded.
     unguided_contribution: f64,
 }
 

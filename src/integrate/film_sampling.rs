@@ -78,11 +78,11 @@ pub(super) struct PixelRays<'a> {
     /// medium that stores photons).
     ///
     /// If some prefix rays of the pixel are aimed at lamp images (film regions where camera rays
-    /// meet a small lamp), each ray gets its own value of `up_to_receiver` instead.
+    /// meet a small lamp), the MIS weight of each ray replaces the weight `up_to_receiver`.
     prefix_weights: PrefixWeights,
     /// Lamp images (film regions where camera rays meet a small lamp) at which some prefix rays of
-    /// the pixel are aimed, and the pixel's numbers of rays with and without aim. The MIS weight of
-    /// each ray follows from both. `None` if no prefix ray of the pixel is aimed.
+    /// the pixel are aimed, and the pixel's numbers of rays with and without aim. They determine
+    /// the MIS weight of each ray. `None` if no prefix ray of the pixel is aimed.
     lamp_images: Option<(&'a [PixelLampImage], LampImageRayCounts)>,
     /// True if the film points of the rays in the set are aimed at lamp images (film regions where
     /// camera rays meet a small lamp); false if the pixel filter distributes the film points.
@@ -179,8 +179,9 @@ impl FilmSampling<'_> {
         (camera_rays, prefix_rays, aimed_rays)
     }
 
-    /// Makes one ray of the set `rays` of a pixel, with its weights. `sampler` chooses its film
-    /// point and lens point.
+    /// Makes one ray of a pixel, with its weights. The ray belongs to `rays`, the set of the
+    /// pixel's camera rays or prefix rays. `sampler` chooses the film point and lens point of the
+    /// ray.
     ///
     /// `corner` is the upper left corner of the pixel \[pixels from the top left]. `slice` is the
     /// index of the slice of the shutter interval in which the ray is traced.
@@ -234,8 +235,8 @@ impl FilmSampling<'_> {
     }
 
     /// Returns the MIS weight of the light that a camera ray finds up to its first receiver
-    /// (surface or medium that stores photons). The ray is the one that `sampler` generates through
-    /// the pixel whose upper left corner is `corner`.
+    /// (surface or medium that stores photons). `sampler` generates the ray through the pixel whose
+    /// upper left corner is `corner`.
     ///
     /// Some prefix rays of the pixel are aimed at the lamp images `images`: film regions where
     /// camera rays meet a small lamp. `weights` holds the pixel's numbers of rays with and without

@@ -7,8 +7,8 @@ use glam::{Vec2, Vec3};
 /// direction of the ray is sampled near the directions from which these photons arrived.
 pub(super) const GUIDE_PHOTONS: u32 = 32;
 
-/// Width of the cone around each photon's direction: 1 − cosine of the half angle, which is 0.2
-/// rad.
+/// Width of the cone around each photon's direction in the guide of final-gathering rays: 1 −
+/// cosine of the half angle of 0.2 rad.
 ///
 /// Without overlap, the cones of 32 photons cover 64 % of a hemisphere.
 const ONE_MINUS_COS: f32 = 0.02;

@@ -78,11 +78,12 @@ pub(super) struct RelativeIndirectErrors {
 pub(super) struct IndirectDivision {
     /// Number of columns of the film grid, which divides the film into square cells.
     pub columns: u32,
-    /// Errors of both techniques in each cell of the film grid, by rows from the top.
+    /// Errors of camera paths and of photon estimates in each cell of the film grid, by rows from
+    /// the top.
     pub cells: Vec<RelativeIndirectErrors>,
     /// Edge length of a cell of the film grid \[pixels].
     pub cell_size: f32,
-    /// Number of camera paths per pixel.
+    /// Mean number of camera paths per pixel in a pass.
     pub samples_per_pixel: u32,
     /// Number of photon paths per pass that lights emit in all directions. They fill the
     /// interreflection map, from which the photon estimates come.
@@ -122,7 +123,8 @@ pub(super) enum IndirectTechnique<'a> {
 }
 
 impl IndirectTechnique<'_> {
-    /// Returns the weight in \[0, 1] of photon estimates, as a mean over the film.
+    /// Returns the weight in \[0, 1] of photon estimates for indirect light, as a mean over the
+    /// film. Camera paths have the rest, except in a pilot that compares both techniques.
     pub fn mean_photon_weight(&self) -> f64 {
         match self {
             Self::Paths => 0.0,
@@ -170,7 +172,8 @@ impl IndirectWeights {
 
     /// Returns the factor on the indirect light of each camera path that continues beyond its first
     /// receiver (surface or medium that stores photons), if `count` paths of the pixel are traced.
-    /// It is the weight of camera paths, times `count`, divided by the number of continued paths.
+    /// The factor is the weight of camera paths, times `count`, divided by the number of continued
+    /// paths.
     ///
     /// If `count` is 1, as in a pilot, the single path stands for `samples_per_pixel` paths. In a
     /// pilot that compares both techniques, the factor is 1.
@@ -185,11 +188,11 @@ impl IndirectWeights {
 }
 
 impl RelativeIndirectErrors {
-    /// Returns the weights of both techniques (camera paths and photon estimates) and the number of
-    /// continued camera paths. They minimize the error of indirect light plus
+    /// Returns the weights of camera paths and of photon estimates, and the number of continued
+    /// camera paths. They minimize the error of indirect light plus
     /// [`IndirectDivision::path_price`] times the number of continued paths. The photon weight is 0
-    /// if the pilot measured no error for one of the techniques, because that technique found no
-    /// light.
+    /// if the pilot measured no error for one of the two techniques, because that technique found
+    /// no light.
     ///
     /// `pass_count` is the number of passes up to this one. `area` is the area of gather discs in
     /// this pass, divided by the area in the first pass.
@@ -234,8 +237,8 @@ impl IndirectDivision {
         self.interpolated_errors(film_position).least_error_weights(self, pass_count, area)
     }
 
-    /// Returns the errors of both techniques at a film position \[pixels from the top left],
-    /// interpolated between cells of the film grid.
+    /// Returns the errors of camera paths and of photon estimates for indirect light at a film
+    /// position \[pixels from the top left], interpolated between cells of the film grid.
     #[inline]
     fn interpolated_errors(&self, film_position: Vec2) -> RelativeIndirectErrors {
         let rows = self.cells.len() as u32 / self.columns;

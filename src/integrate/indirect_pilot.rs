@@ -1,11 +1,11 @@
 //! Pilot (small simulation before the first pass) that divides indirect light between camera paths
 //! and photon estimates.
 //!
-//! It traces camera paths through each cell of a grid over the film. For each path, both techniques
-//! find all indirect light that does not come from caustics: the continued path, and a photon
-//! estimate at the path's first *receiver*, a surface or medium that stores photons. A second trial
-//! uses independent random numbers. The differences between the two trials measure the variance of
-//! each technique.
+//! The pilot traces camera paths through each cell of a grid over the film. For each path, both
+//! techniques find all indirect light that does not come from caustics: the continued path, and a
+//! photon estimate at the path's first *receiver*, a surface or medium that stores photons. A
+//! second trial uses independent random numbers. The differences between the two trials measure the
+//! variance of each technique.
 //!
 //! The bias of a photon estimate is proportional to the area of its disc. So twice the difference
 //! from an estimate with half the area measures the bias. Each trial measures it independently, and
@@ -49,9 +49,9 @@ const TYPICAL_PASS_COUNT: u32 = 4;
 /// Largest number of passes in which photon estimates carry a part of the indirect light.
 const MAX_PASSES_WITH_PHOTONS: u32 = 1 << 16;
 
-/// Largest ratio of the cost with photon estimates of indirect light to the cost with camera paths
-/// alone. The cost is mean squared error times work. Above this ratio, passes use camera paths
-/// alone.
+/// Largest acceptable ratio of two costs: with photon estimates of indirect light, and with camera
+/// paths alone. The cost is mean squared error times work. Above this ratio, passes use camera
+/// paths alone.
 const MAX_RELATIVE_COST: f64 = 0.8;
 
 /// Candidate numbers of photon paths per pass, divided by the number in the settings. The
@@ -65,8 +65,8 @@ const WORK_STEP: usize = 8;
 /// Number of iterations of the search for [`IndirectDivision::path_price`].
 const SEARCH_STEPS: u32 = 12;
 
-/// Estimated time to find one photon for a density estimate and to add its light, divided by the
-/// time to trace one photon ray.
+/// Estimated time to find one photon of the interreflection map for a density estimate and to add
+/// its light, divided by the time to trace one photon ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
 /// Fraction of a cell's indirect light, as camera paths find it, that photon estimates may miss. If
@@ -87,8 +87,8 @@ const ASSUMED_VARIANCE_IN_MEDIA: f64 = 1e4;
 /// E(A) is the estimate with disc area A. This holds because the bias is proportional to A.
 const BIAS_FACTOR: f64 = 2.0;
 
-/// Light that one camera path of a trial finds, averaged over RGB \[W/(m² sr)]. Its indirect light
-/// is estimated twice: by the path, and by photons.
+/// Light that one camera path finds in one of the pilot's two trials, averaged over RGB \[W/(m²
+/// sr)]. Its indirect light is estimated twice: by the path, and by photons.
 ///
 /// *Receiver*: a surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default)]
@@ -105,7 +105,7 @@ struct TrialPathLight {
     /// Indirect light that the photon estimate finds at the first receiver (surface or medium that
     /// stores photons).
     photon_indirect: f64,
-    /// Noisy estimate of the bias of `photon_indirect`.
+    /// Noisy estimate of the bias of `photon_indirect` \[W/(m² sr)].
     bias: f64,
 }
 
@@ -118,13 +118,17 @@ struct PassCost {
     /// Relative variance of the direct light that one camera path finds at its first receiver
     /// (surface or medium that stores photons).
     direct_variance: f64,
-    /// Work of one camera path up to its first receiver (surface or medium that stores photons).
+    /// Work of one camera path up to its first receiver (surface or medium that stores photons), in
+    /// units of tracing one photon ray.
     prefix_work: f64,
-    /// Work of one camera path beyond its first receiver (surface or medium that stores photons).
+    /// Work of one camera path beyond its first receiver (surface or medium that stores photons),
+    /// in units of tracing one photon ray.
     continuation_work: f64,
-    /// Work per pixel of tracing, storing and gathering the photons.
+    /// Work per pixel of tracing, storing and gathering the photons of a pass, in units of tracing
+    /// one photon ray.
     photon_work: f64,
-    /// Fixed work of one photon estimate; each photon that the estimate uses costs more work.
+    /// Fixed work of one photon estimate, in units of tracing one photon ray. `photon_work` holds
+    /// the further work for each photon that the estimate uses.
     lookup_work: f64,
 }
 
@@ -205,16 +209,16 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
 /// Work of the parts of one trial of the indirect-light pilot, in units of tracing one photon ray.
 /// Each value is a sum over the whole trial.
 struct TrialWork {
-    /// Work of all camera paths of the trial.
+    /// Work of all camera paths of one pilot trial, in units of tracing one photon ray.
     path_work: f64,
-    /// Work of all camera paths of the trial up to their first receiver (surface or medium that
-    /// stores photons).
+    /// Work of all camera paths of one pilot trial up to their first receiver (surface or medium
+    /// that stores photons), in units of tracing one photon ray.
     prefix_work: f64,
-    /// Work of tracing and storing the photons of the interreflection map, from which the photon
-    /// estimates come.
+    /// Work of tracing and storing the photons of one pilot trial's interreflection map, from which
+    /// the photon estimates come, in units of tracing one photon ray.
     photon_work: f64,
-    /// Work of gathering the photons of the interreflection map, from which the photon estimates
-    /// come.
+    /// Work of gathering the photons of one pilot trial's interreflection map, from which the
+    /// photon estimates come, in units of tracing one photon ray.
     gathering_work: f64,
 }
 
@@ -296,8 +300,8 @@ impl TrialPathLight {
     }
 }
 
-/// Returns the relative errors of both techniques in each cell, and the mean relative variance of
-/// the direct light of a camera path; `None` if all is black.
+/// Returns the relative errors of camera paths and of photon estimates in each cell, and the mean
+/// relative variance of the direct light of a camera path; `None` if all is black.
 ///
 /// Variances and squared biases are divided by L² + L̃²/100. L is the light of the cell, and L̃ is
 /// the median of L over all cells. The mean variance of direct light leaves out the noisiest 5 % of
@@ -305,8 +309,8 @@ impl TrialPathLight {
 ///
 /// `first_trial` and `second_trial` hold the light of the paths of both trials. `paths` is the
 /// number of photon paths of a trial. `assumed_variance` is a lower bound on the variance of photon
-/// estimates in cells where they found almost no light. It is relative to the squared indirect
-/// light that camera paths found there.
+/// estimates in cells where they miss more than 90 % of the indirect light that camera paths find.
+/// It is relative to the square of that light. If they miss more than half of it, the bound is 1.
 fn cell_errors(
     first_trial: &[TrialPathLight],
     second_trial: &[TrialPathLight],

@@ -27,8 +27,8 @@ pub trait Integrator: Send + Sync {
     fn expected_work(&self, effects: Effects) -> Counters;
 
     /// Returns the number of photon paths of a pass, and an estimate of how many photons the pass
-    /// stores. A few photon paths are traced for the estimate. All numbers are 0 if the algorithm
-    /// traces no photons.
+    /// stores. The estimate comes from a few traced photon paths. All numbers are 0 if the
+    /// algorithm traces no photons.
     fn expected_photons(&self) -> ExpectedPhotons {
         ExpectedPhotons::default()
     }
@@ -57,8 +57,8 @@ pub trait Integrator: Send + Sync {
         0.0
     }
 
-    /// Returns the largest gather radii of the caustic and the indirect map in the first pass;
-    /// `None` without photons. In later passes, radii may be smaller.
+    /// Returns the largest gather radii of the caustic and the indirect map in the first pass
+    /// \[length]; `None` without photons. In later passes, radii may be smaller.
     fn initial_gather_radii(&self) -> Option<GatherRadii> {
         None
     }

@@ -33,12 +33,13 @@ const MAX_RAYS_PER_PIXEL: u32 = 16;
 /// where camera rays meet a small lamp.
 const MAX_LAMPS: usize = 64;
 
-/// Number of search rays through every pixel. The other rays, up to [`MAX_RAYS_PER_PIXEL`], go only
-/// through pixels near predicted lamp images, film regions where camera rays meet a small lamp.
+/// Number of camera rays through every pixel with which the lamp-image pilot starts. Its other
+/// rays, up to [`MAX_RAYS_PER_PIXEL`], go only through pixels near predicted lamp images, film
+/// regions where camera rays meet a small lamp.
 const MIN_RAYS_PER_PIXEL: u32 = 2;
 
-/// Largest fraction of the predicted noise that may come from lamp images for which the pilot does
-/// not search. A lamp image is a film region where camera rays meet a small lamp.
+/// Fraction of the predicted noise up to which the pilot ignores the faintest lamp images. A lamp
+/// image is a film region where camera rays meet a small lamp.
 ///
 /// Each tile first drops its faintest lamp images, up to half of this fraction. Then the picture as
 /// a whole drops its faintest, up to the other half. Most lamp images have little noise: without
@@ -61,8 +62,8 @@ const MAX_FILM_DISTANCE: f64 = 1.0;
 /// which prefix rays are aimed. Ordinary rays find larger lamp images often enough.
 const MAX_AREA: f64 = 1.0;
 
-/// Edge length of the square tiles of the film in which lamp images are searched together
-/// \[pixels].
+/// Edge length \[pixels] of square tiles of the film. The pilot searches for the lamp images of a
+/// tile together.
 const TILE_SIZE: u32 = 16;
 
 /// Largest number of searches for lamp images in a tile, divided by the number of pixels of the
@@ -78,14 +79,15 @@ const MAX_STEPS: u32 = 8;
 /// so that no pixel gets much of their light.
 const MAX_IMAGE_HALF_EXTENT: f32 = 12.0;
 
-/// Distance from the lamp's center to the target of the Newton steps, divided by the lamp's radius.
+/// Distance from the lamp's center at which a search for a lamp image lets the camera ray pass (the
+/// target of its Newton steps), divided by the lamp's radius.
 ///
 /// The target lies on the near side of the lamp, so that searches from several sides find several
 /// parts of a lamp image.
 const TARGET_RELATIVE_MISS: f64 = 0.5;
 
-/// Threshold at which the search for a lamp image has converged: the ray passes the lamp's center
-/// at a distance of at most 0.75 lamp radii.
+/// Threshold at which the search for a lamp image has converged, in lamp radii: the ray passes the
+/// lamp's center at no more than this distance.
 const CONVERGED_RELATIVE_MISS: f64 = 0.75;
 
 /// Light that a lamp image (film region where camera rays meet a small lamp) adds to one pixel,
@@ -118,7 +120,7 @@ struct ImageSearchStart {
 }
 
 /// Returns the lamp images in each pixel, sorted by pixel. A lamp image is a film region where
-/// camera rays meet a small lamp. A pixel has every lamp image that its filter reaches.
+/// camera rays meet a small lamp. It is listed in every pixel whose filter reaches it.
 ///
 /// Returns no lamp images if no light is an analytic shape, or if the effect of specular surfaces
 /// is off.
@@ -136,9 +138,9 @@ pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<LampImageCont
     images_by_pixel(&images, scene.camera(), &renderer.settings.camera_paths.filter, lens_radius)
 }
 
-/// Returns a sphere for each area light of `scene` that is an analytic shape. Its center is that of
-/// the light's bounding box, and its diameter is the longest edge of the box. If there are more
-/// than [`MAX_LAMPS`] such lights, only those with the largest radiance are returned.
+/// Returns a sphere for each area light of `scene` that is an analytic shape. The sphere has the
+/// center of the light's bounding box, and the longest edge of the box as diameter. If there are
+/// more than [`MAX_LAMPS`] such lights, only those with the largest radiance are returned.
 fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
     let mut lamps: Vec<(f32, LampSphere)> = Vec::new();
     for (light, area) in scene.lights().iter().map(Light::as_area_light).enumerate() {
@@ -208,7 +210,7 @@ impl ImageSearch<'_> {
     }
 
     /// Returns starts of searches for lamp images: camera rays through `pixels` that pass near
-    /// lamps. `indices` are the indices of the rays of each pixel, below [`MAX_RAYS_PER_PIXEL`].
+    /// lamps. `indices` selects the rays of each pixel, by numbers below [`MAX_RAYS_PER_PIXEL`].
     fn search_starts_near_rays<I: Interior>(
         &self,
         pixels: &[(u32, u32)],

@@ -11,19 +11,21 @@ use glam::{Mat2, Vec2};
 use std::f32::consts::{FRAC_1_PI, TAU};
 use std::sync::Arc;
 
-/// Radius of the disc into which most rays aimed at a lamp image fall, in film coordinates in which
-/// the lamp image is the unit disc.
+/// Radius of the disc into which most rays aimed at a lamp image (film region where camera rays
+/// meet a small lamp) fall. The unit is that of film coordinates in which the lamp image is the
+/// unit disc.
 ///
 /// The radius exceeds 1, because lamp images are only approximately ellipses.
 const CORE_RADIUS: f32 = 1.25;
 
-/// Probability that a ray aimed at a lamp image is sampled uniformly in the disc of
-/// [`CORE_RADIUS`]. Other rays aimed at the lamp image follow a distribution with a heavy tail.
+/// Probability that a ray aimed at a lamp image (film region where camera rays meet a small lamp)
+/// is sampled uniformly in the disc of [`CORE_RADIUS`]. The other aimed rays follow a distribution
+/// with a heavy tail.
 const CORE_SHARE: f32 = 0.75;
 
-/// Median radius of the heavy-tailed distribution of rays aimed at a lamp image: half of these rays
-/// fall closer to the center of the lamp image. The film coordinates are those in which the lamp
-/// image is the unit disc.
+/// Median radius of the heavy-tailed distribution of rays aimed at a lamp image (film region where
+/// camera rays meet a small lamp): half of these rays fall closer to its center. The unit is that
+/// of film coordinates in which the lamp image is the unit disc.
 const TAIL_RADIUS: f32 = 2.0;
 
 /// Lamp image, as an ellipse on the film: the film region where camera rays meet a small lamp.
@@ -105,7 +107,8 @@ impl LampImage {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PixelLampImage {
     pub image: LampImage,
-    /// Probability with which an aimed prefix ray of the pixel is aimed at this lamp image.
+    /// Probability with which an aimed prefix ray of the pixel is aimed at this lamp image. The
+    /// probabilities of all lamp images in a pixel sum to 1.
     pub aim_probability: f32,
 }
 

@@ -47,8 +47,8 @@ pub(super) struct ShadowRayGuides {
 }
 
 /// Method that chooses scattering points: the points in a homogeneous medium from which shadow rays
-/// start. It applies to segments of a camera path before its first receiver (surface or medium that
-/// stores photons).
+/// start. The method applies to segments of a camera path before its first receiver (surface or
+/// medium that stores photons).
 #[derive(Clone, Debug, Default)]
 pub(super) enum ScatterPointSampling {
     /// Scattering points (points in a medium from which shadow rays start) follow no learned
@@ -83,8 +83,8 @@ pub(super) struct NextEventEstimator<'a> {
     shadow_rays_cross_surfaces: bool,
     /// True if shadow rays go to the centers of lights instead of random points.
     aims_at_centers: bool,
-    /// Sampler that chooses lights at random; `None` if every vertex sends shadow rays to all
-    /// lights, or if no light has power.
+    /// Sampler that chooses lights at random for shadow rays; `None` if every vertex sends shadow
+    /// rays to all lights, or if no light has power.
     light_sampler: Option<LightBvhSampler>,
     /// Numbers and targets of the shadow rays of a vertex. The first scheme is for vertices up to
     /// the path's first receiver (surface or medium that stores photons), the second for later
@@ -143,9 +143,9 @@ impl<'a> NextEventEstimator<'a> {
         }
     }
 
-    /// Returns the number of lights that every vertex and medium segment samples by shadow rays, up
+    /// Returns the number of lights to which every vertex and medium segment sends shadow rays, up
     /// to a path's first receiver (surface or medium that stores photons). This is the number of
-    /// all lights, or 0 if the shadow rays go to randomly chosen lights.
+    /// all lights, or 0 if shadow rays go to randomly chosen lights.
     pub fn always_sampled_light_count(&self) -> usize {
         match self.schemes[0] {
             ShadowRayScheme::EveryLight(_) => self.lights.len(),
@@ -224,8 +224,9 @@ impl<'a> NextEventEstimator<'a> {
         sum
     }
 
-    /// Estimates the direct light at `vertex` by `rays` shadow rays. `light_sampler` chooses a
-    /// random light for each. All else is as in [`NextEventEstimator::estimate_direct_light`].
+    /// Estimates the direct light at `vertex` by `rays` shadow rays, each to a light that
+    /// `light_sampler` chooses at random. All else is as in
+    /// [`NextEventEstimator::estimate_direct_light`].
     fn estimate_sampled_lights<I: Interior>(
         &self,
         light_sampler: &LightBvhSampler,
@@ -327,9 +328,9 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
-    /// Returns the transmittance of the shadow ray from `vertex` to `sample`, which must hit at
-    /// least one surface. The result is 0 if one of these surfaces is neither a null interface nor
-    /// a thin sheet.
+    /// Returns the transmittance of the shadow ray from `vertex` to `sample`, a point of a light.
+    /// The ray must hit at least one surface. The result is 0 if one of these surfaces is neither a
+    /// null interface nor a thin sheet.
     fn transmittance_through_surfaces<I: Interior>(
         &self,
         light: usize,
@@ -363,8 +364,8 @@ impl<'a> NextEventEstimator<'a> {
     }
 }
 
-/// Returns the sample (`i` + `start`)/`count`, which lies in stratum `i` of `count` equal strata of
-/// \[0, 1). `start` in \[0, 1) is the position within the stratum.
+/// Returns sample `i` of `count` stratified samples of \[0, 1): (`i` + `start`)/`count`. `start` in
+/// \[0, 1) is the position within the stratum, equal for all samples.
 #[inline]
 fn stratified_sample(i: u32, start: f32, count: u32) -> f32 {
     ((i as f32 + start) / count as f32).min(1.0 - f32::EPSILON / 2.0)

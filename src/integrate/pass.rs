@@ -55,14 +55,14 @@ pub struct StageTimes {
 /// or paths that start in all directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 pub struct PhotonReport {
-    /// Number of photon paths that lights emitted.
+    /// Number of photon paths of the set, including paths that started without flux.
     #[serde(rename = "emitted")]
     pub emitted_paths: u64,
-    /// Number of stored photons.
+    /// Number of stored photons and photon beams.
     #[serde(rename = "stored")]
     pub stored_photons: u64,
-    /// Flux \[W] that the paths emitted, and how much of it was absorbed, escaped from the scene,
-    /// or was lost where paths ended early.
+    /// Flux \[W] that the paths emitted, and the parts of it that were absorbed, escaped from the
+    /// scene, or were lost where paths ended early.
     pub audit: EnergyAudit,
 }
 
@@ -108,12 +108,12 @@ pub struct PassResult {
     ///
     /// Empty unless [`CameraPathSettings::clamp`](super::CameraPathSettings::clamp) is set.
     pub removed_by_clamp: Vec<Rgb>,
-    /// Some pixels of `image`, rendered a second time with camera paths that no other pass traces.
+    /// Some pixels of `image`, rendered a second time with camera paths that only this pass traces.
     /// Each pair holds the pixel's index in `image`, and its radiance \[W/(m² sr)] by these paths.
     ///
     /// If all passes share the camera paths of `image`, more passes do not reduce the error of
-    /// these paths. The difference from `image` then shows this error. The list is empty if passes
-    /// do not share camera paths, or if the error is not estimated.
+    /// these paths. The difference between a pair's radiance and `image` then shows this error. The
+    /// list is empty if passes do not share camera paths, or if the error is not estimated.
     pub unshared_path_pixels: Vec<(u32, Rgb)>,
 }
 

@@ -20,8 +20,8 @@ use std::sync::Arc;
 /// the error that the shared paths cause, which more passes do not reduce.
 const UNSHARED_PATH_TILE_COUNT: u32 = 48;
 
-/// Renderer of passes: the scene, path policy, settings, sample counts and results of pilots from
-/// which passes are rendered.
+/// Inputs from which passes are rendered: the scene, path policy, settings, sample counts and
+/// results of pilots.
 #[derive(Debug)]
 pub(super) struct PassRenderer<'a> {
     pub scene: &'a Scene,
@@ -98,9 +98,9 @@ impl<'a> PassRenderer<'a> {
     }
 
     /// Runs the pilot that learns from which directions the environment lights the scene. Returns a
-    /// copy of this renderer's guides (learned distributions of shadow rays) with the pilot's
-    /// result as `environment`. The result is `None` if guiding would not reduce the noise enough.
-    /// Also returns a report.
+    /// copy of this renderer's guides (learned distributions of shadow rays), in which
+    /// `environment` is the pilot's result. This result is `None` if guiding would not reduce the
+    /// noise enough. Also returns a report.
     ///
     /// The report is `None` if the settings forbid the pilot, or if there is no environment light
     /// to which shadow rays could be guided.
@@ -134,8 +134,8 @@ impl<'a> PassRenderer<'a> {
     /// slice has a copy of the scene at one time.
     ///
     /// Each slice covers [`SLICE_PIXELS`] pixels of motion on the film. There are fewer slices if
-    /// copies of the scene would cost too much, or if a slice would get too few camera rays or
-    /// photons.
+    /// copies of the scene would cost more than the camera rays, or if a slice would get too few
+    /// camera rays or photons.
     pub fn find_slice_count(&self) -> u32 {
         if !self.has_motion() {
             return 1;

@@ -41,8 +41,8 @@ pub(super) struct PixelLight {
 /// Passes write only `light`, and do not read it.
 #[derive(Debug, Default)]
 pub(super) struct PilotRecords {
-    /// Light that camera paths found since the pilot last took this record. There is one sum for
-    /// each part of a path, and for each technique, that finds light.
+    /// Light that camera paths found since the pilot last took this record, summed separately for
+    /// each part of a path and each technique that found it.
     pub light: LightByPart,
     /// Light found by each shadow ray that started in a medium, for all camera paths of the task.
     pub in_scattering_samples: Vec<InScatteringSample>,
@@ -51,8 +51,8 @@ pub(super) struct PilotRecords {
     pub visible_points: Vec<VisiblePoint>,
 }
 
-/// Light of camera paths, with one sum for each part of a path, and for each technique, that finds
-/// light. Values are contributions to the pixel \[W/(m² sr)].
+/// Light of camera paths, summed separately for each part of a path and each technique that found
+/// it. Values are contributions to the pixel \[W/(m² sr)].
 ///
 /// *Receiver*: a surface or medium that stores photons. [Two techniques](super::indirect_division)
 /// share the indirect light at a path's first receiver: continued camera paths and photon
@@ -63,7 +63,7 @@ pub(super) struct LightByPart {
     /// surfaces, environment light, and direct light at casters such as rough glass. The light is
     /// multiplied by [`PrefixWeights`](super::prefix_rays::PrefixWeights).
     pub up_to_receiver: Rgb,
-    /// Photon estimates from all maps.
+    /// Light found by photon estimates from all photon maps.
     pub photon_estimates: Rgb,
     /// Indirect light at the first receiver (surface or medium that stores photons), found by
     /// camera paths that continue there. Photon estimates find the rest.

@@ -17,8 +17,8 @@ use crate::scene::{Interior, Scene};
 use glam::Vec3;
 use rand::Rng;
 
-/// Photons of one map, on surfaces and in media, with the bandwidth and kernel of density estimates
-/// from them.
+/// Photons of one map, on surfaces and in media, with the kernel and the bandwidth (largest radius
+/// and photon count) of density estimates from them.
 pub(super) struct PhotonDensityEstimator<'a> {
     pub scene: &'a Scene,
     pub map: PhotonMap,
@@ -47,13 +47,15 @@ pub(super) struct PhotonMaps<'a> {
     /// Caustic map: photons that went from a light via mirrors, glass and other casters to a
     /// surface or medium.
     pub caustic: PhotonDensityEstimator<'a>,
-    /// Indirect map: photons that a diffuse surface, for example, has scattered; in `hybrid`, only
-    /// after a caustic.
+    /// Indirect map: photons that a receiver, such as a diffuse surface, has scattered; in
+    /// `hybrid`, only after a caustic. If gather rays of `pm` read the map, it holds direct photons
+    /// too.
     pub indirect: PhotonDensityEstimator<'a>,
     /// Interreflection map of `hybrid`: photons of indirect light that does not come from a
     /// caustic. `None` in other algorithms, or if camera paths carry all of this light.
     pub interreflection: Option<PhotonDensityEstimator<'a>>,
-    /// Map of photons whose directions guide final-gathering rays.
+    /// Map of photons whose directions guide final-gathering rays; empty if these rays are not
+    /// guided.
     pub guides: PhotonMap,
     /// Film splats of the caustic photons that light tracing connected to the camera; empty without
     /// light tracing.
@@ -62,8 +64,8 @@ pub(super) struct PhotonMaps<'a> {
 
 impl PhotonMaps<'_> {
     /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
-    /// maps of `lookup`, times `lookup_scale` \[W/(m² sr)]. Also adds the estimates to the light
-    /// groups of `task`.
+    /// photon maps that `lookup` selects, times `lookup_scale` \[W/(m² sr)]. Also adds the
+    /// estimates to the light groups of `task`.
     ///
     /// `lookup_scale` is the weight of photon estimates, times the number of camera paths that
     /// share this estimate: one camera path may read the maps for all paths of its pixel.
@@ -95,9 +97,9 @@ impl PhotonMaps<'_> {
         (caustic + indirect) * lookup_scale
     }
 
-    /// Returns the radiance that `vertex` reflects towards the previous vertex, times
-    /// `lookup_scale` \[W/(m² sr)]. It is estimated from the interreflection map (indirect light
-    /// that does not come from a caustic); 0 without that map.
+    /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
+    /// interreflection map (indirect light that does not come from a caustic), times `lookup_scale`
+    /// \[W/(m² sr)]. Returns 0 without that map.
     ///
     /// Also adds the radiance, times the throughput, to `task.records.light` and to the light
     /// groups. `lookup_scale` is the weight of photon estimates, times the number of camera paths
@@ -144,9 +146,9 @@ impl PhotonMaps<'_> {
         (caustic + indirect) * lookup_scale
     }
 
-    /// Returns the radiance that a medium scatters to the start of a segment, times `lookup_scale`
-    /// \[W/(m² sr)]. It is estimated from the interreflection map (indirect light that does not
-    /// come from a caustic); 0 without that map.
+    /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
+    /// interreflection map (indirect light that does not come from a caustic), times `lookup_scale`
+    /// \[W/(m² sr)]. Returns 0 without that map.
     ///
     /// Also adds the radiance, times the throughput, to `task.records.light` and to the light
     /// groups. `lookup_scale` is the weight of photon estimates, times the number of camera paths
@@ -180,8 +182,8 @@ impl PhotonDensityEstimator<'_> {
     /// of this map \[W/(m² sr)]. If the surface transmits, photons on both of its sides count.
     ///
     /// `scratch` returns the task's search buffers and gather-disc sums for this map. The result is
-    /// not multiplied by `lookup_scale` (see [`PhotonMaps::radiance`]), but the estimates with
-    /// smaller discs that `task` records are.
+    /// not multiplied by `lookup_scale`, the factor of [`PhotonMaps::radiance`]. But `task` records
+    /// the differences between nested discs, times `lookup_scale`.
     #[inline]
     fn radiance<I: Interior>(
         &self,

@@ -28,7 +28,7 @@ pub(super) struct PathPolicy {
     pub uses_nee: bool,
     /// Number and targets of the shadow rays of next-event estimation.
     pub light_sampling: LightSampling,
-    /// Rule that says from which receivers (surfaces and media that store photons) a camera path
+    /// Rule for the receivers (surfaces and media that store photons) from which a camera path
     /// continues.
     pub continuation: PathContinuation,
     /// Strategy by which a camera path samples its next direction at a receiver, a surface that
@@ -70,15 +70,15 @@ pub(super) enum LightSampling {
 /// that stores photons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathContinuation {
-    /// Camera paths never continue from a receiver (surface or medium that stores photons). They
-    /// end at the first surface that stores photons, and cross media without scattering.
+    /// Camera paths end at the first surface that stores photons, and cross media without
+    /// scattering. So they never continue from a receiver (surface or medium that stores photons).
     Never,
     /// Camera paths continue from a surface that stores photons only if the sampled BSDF lobe is
     /// glossy: neither diffuse nor a coat over a diffuse base. They cross media without scattering.
     Glossy,
-    /// Camera paths continue from the first surface that stores photons by a final-gathering ray.
-    /// They end where that ray hits the next such surface. If the ray is too short to read the
-    /// indirect map there, they continue. They cross media without scattering.
+    /// Camera paths continue from the first surface that stores photons by a final-gathering ray,
+    /// and end at the next such surface. If the gather ray is too short to read the indirect map at
+    /// its end, they continue from there. They cross media without scattering.
     GatherRays,
     /// Camera paths continue from all surfaces and media that store photons.
     Always,
@@ -156,7 +156,7 @@ impl PathPolicy {
     }
 
     /// True if a pilot may change the numbers of camera rays and photon paths, to get less noise
-    /// for the same work.
+    /// for the same work. False if all passes share camera paths.
     pub fn allows_ray_photon_balance(&self) -> bool {
         !self.passes_share_paths
     }

@@ -52,8 +52,9 @@ const WHOLE_PICTURES: u32 = 2;
 /// photons.
 const PREFIX_PICTURES: u32 = 4;
 
-/// Number of pictures, among the [`PREFIX_PICTURES`], in which prefix rays also evaluate photon
-/// estimates. Only rays in pixels that [`find_lookup_candidates`] selects do so.
+/// Number of pictures, among the [`PREFIX_PICTURES`] pictures of prefix rays, in which prefix rays
+/// also evaluate photon estimates. They do so only in pixels that [`find_lookup_candidates`]
+/// selects.
 const LOOKUP_PICTURES: u32 = 2;
 
 /// Smallest ratio of the photon paths of a pass to those of the prefix-ray pilot: the pilot traces
@@ -138,25 +139,31 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 
 /// Light and ray counts of the pictures of the prefix-ray pilot.
 struct PilotMeasurements {
-    /// Light of each block, by rows from the top.
+    /// Light of each block (square of pixels of which each picture traces one), by rows from the
+    /// top.
     light: Vec<BlockLightStatistics>,
-    /// Counts of all whole camera paths.
+    /// Ray and photon counts of the pilot's whole camera paths, which do not end at the first
+    /// surface that stores photons.
     whole_paths: Counters,
-    /// Counts of all prefix rays, without their photon estimates.
+    /// Ray counts of the pilot's prefix rays (camera paths that end at the first surface that
+    /// stores photons), without their photon estimates.
     prefix_rays: Counters,
-    /// Counts of the photon estimates of prefix rays.
+    /// Counts of the photon estimates of the pilot's prefix rays, and of the photons in them.
     lookups: Counters,
-    /// Number of prefix rays that evaluated photon estimates.
+    /// Number of the pilot's prefix rays (camera paths that end at the first surface that stores
+    /// photons) that evaluated photon estimates.
     lookup_count: usize,
 }
 
 impl PilotMeasurements {
-    /// Returns the number of prefix rays that the pilot traced.
+    /// Returns the number of prefix rays (camera paths that end at the first surface that stores
+    /// photons) that the pilot traced.
     fn prefix_ray_count(&self, blocks: &PilotBlocks) -> f64 {
         blocks.count() as f64 * f64::from(PREFIX_PICTURES)
     }
 
-    /// Returns the number of prefix rays that evaluated photon estimates, but at least 1.
+    /// Returns the number of prefix rays (camera paths that end at the first surface that stores
+    /// photons) that evaluated photon estimates, but at least 1.
     fn lookup_count(&self) -> f64 {
         self.lookup_count.max(1) as f64
     }
@@ -185,9 +192,9 @@ impl PilotMeasurements {
     }
 }
 
-/// Traces the pictures of the prefix-ray pilot with the photon maps `maps`, first those of whole
-/// camera paths, and then those of prefix rays. `found_images` are the lamp images of the film, and
-/// `lamp_images` the same images by pixel.
+/// Traces the pictures of the prefix-ray pilot with the photon maps `maps`: first pictures of whole
+/// camera paths, then pictures of prefix rays, which end at the first surface that stores photons.
+/// `found_images` are the lamp images of the film, and `lamp_images` the same images by pixel.
 fn trace_pictures(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
@@ -281,8 +288,8 @@ enum PathParts {
 /// A pass traces n = `samples` camera paths in each pixel, and only one of them reads photon maps.
 /// Let V be the variance of one camera path, as a mean over all pixels. A second photon estimate
 /// does not pay if the variance of the estimate is small against V/n². So the function selects the
-/// pixels in which that variance is above [`CANDIDATE_VARIANCE`] times V/n². `variances` are those
-/// of single whole camera paths.
+/// pixels in which that variance is above [`CANDIDATE_VARIANCE`] times V/n². `variances` holds the
+/// variances of each pixel's light for one whole camera path.
 fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.from_receiver + v.up_to_receiver).sum();
@@ -294,10 +301,10 @@ fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) ->
 /// pixels stay black. `parts` tells which part of a camera path to trace in a pixel, given the
 /// index of the pixel by rows from the top.
 ///
-/// The three channels of a pixel hold three parts of its light, each averaged over RGB. Channel x
-/// is the light at and after the first receiver (surface or medium that stores photons), without
-/// photon estimates. Channel y is emission, and direct light at casters, before the receiver.
-/// Channel z is the photon estimate.
+/// The three channels of a pixel hold three parts of its light, each averaged over RGB \[W/(m²
+/// sr)]. Channel x is the light at and after the first receiver (surface or medium that stores
+/// photons), without photon estimates. Channel y is emission, and direct light at casters, before
+/// the receiver. Channel z is the photon estimate.
 ///
 /// In pixels with lamp images (film regions where camera rays meet a small lamp), channel y has the
 /// weight that it would have if [`ASSUMED_AIMED_RAYS`] rays were aimed at these lamp images.

@@ -22,8 +22,8 @@ pub(super) struct PrefixWeights {
     /// (film regions where camera rays meet a small lamp), [`LampImageRayCounts`] gives each ray a
     /// weight of its own.
     pub up_to_receiver: f32,
-    /// Number of the rays with these weights that evaluate photon estimates: of the pixel's camera
-    /// paths, or of its prefix rays. The rays with the lowest sample indices do so.
+    /// Number of rays with these weights that evaluate photon estimates, among a pixel's camera
+    /// paths or among its prefix rays. The rays with the lowest sample indices do so.
     pub lookup_count: u32,
     /// Weight of a photon estimate: 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
     ///
@@ -43,7 +43,7 @@ pub(super) struct PixelPrefixRayCounts {
     /// Number of unaimed prefix rays (extra camera rays that stop at the first surface that stores
     /// photons). The pixel filter distributes their film points.
     pub unaimed: u8,
-    /// Number of the `unaimed` prefix rays that also evaluate a photon estimate.
+    /// Number of the `unaimed` prefix rays that also evaluate a photon estimate at their end.
     pub lookups: u8,
     /// Number of prefix rays that are aimed at lamp images, the parts of the film at which camera
     /// rays meet a small lamp. `unaimed` does not include them.

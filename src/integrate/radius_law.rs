@@ -31,9 +31,9 @@ pub fn squared_radius_ratio(alpha: f64, pass: u32) -> f64 {
 /// Returns the kernel radius of pass `pass`, counted from 0, divided by the radius of the first
 /// pass, for a kernel in `dimensions` (d) dimensions.
 ///
-/// The kernel's length, area or volume shrinks by [`squared_radius_ratio`] with the exponent 1 − (1
-/// − `alpha`)·3d/(4 + d). With the default `alpha`, the exponent is 4/(4 + d), which balances
-/// variance and squared bias in d dimensions.
+/// The kernel's length, area or volume shrinks by [`squared_radius_ratio`], with 1 − (1 −
+/// `alpha`)·3d/(4 + d) in place of `alpha`. With the default `alpha`, this exponent is 4/(4 + d),
+/// which balances variance and squared bias in d dimensions.
 #[must_use]
 pub(super) fn kernel_radius_ratio(dimensions: u32, alpha: f64, pass: u32) -> f32 {
     let d = f64::from(dimensions);

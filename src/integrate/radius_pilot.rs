@@ -10,8 +10,8 @@ use crate::scene::{Effects, PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Largest number of photon paths of a pilot (small photon simulation) that finds gather radii. If
-/// a pass has more paths, the found radii are reduced to suit the higher density of photons.
+/// Largest number of photon paths of a pilot (small photon simulation) that finds gather radii. The
+/// found radii are scaled to the photon density of a pass.
 pub(super) const MAX_PATHS: u32 = 1 << 16;
 
 /// Largest number of photon paths of a pilot (small photon simulation) that finds the gather radius
@@ -20,11 +20,12 @@ pub(super) const MAX_PATHS: u32 = 1 << 16;
 pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
 /// Factor on the number of photon paths of a pass: a pilot (small photon simulation) that finds
-/// gather radii traces 4 times as many, but at least [`MIN_PATHS`] and at most [`MAX_PATHS`].
+/// gather radii or guides photon emission traces 4 times as many. [`MIN_PATHS`] and a maximum of
+/// each pilot bound the product.
 const PILOT_PATH_FACTOR: u32 = 4;
 
-/// Smallest number of photon paths of a pilot (small photon simulation) that finds gather radii,
-/// even if a pass traces fewer paths.
+/// Smallest number of photon paths of a pilot (small photon simulation) that finds gather radii or
+/// guides photon emission, even if a pass traces fewer paths.
 const MIN_PATHS: u32 = 1 << 14;
 
 /// Largest number of stored photons at which a pilot measures the distance to the k-th nearest
@@ -40,8 +41,8 @@ const RADIUS_QUANTILE: f64 = 0.75;
 const MAX_RELATIVE_RADIUS: f32 = 0.1;
 
 /// Smallest gather radius that single precision resolves, as a fraction of the smaller of two
-/// lengths: the radius of the scene, and a distance from the origin within which most photons lie.
-/// Single precision resolves finer details near the origin.
+/// lengths: the radius of the scene, and a distance from the origin within which three of four
+/// photons lie. Single precision resolves finer details near the origin.
 const MIN_RELATIVE_RADIUS: f32 = 1e-6;
 
 /// Smallest gather radius, divided by the width of a pixel's footprint on the closest visible
@@ -59,8 +60,8 @@ const MEDIA_RAYS: u32 = 512;
 /// measures the density of photons in media.
 const MAX_CASTERS: u32 = 8;
 
-/// Number of beams or photons that the median camera ray should find within the kernel radius. Rays
-/// that find none do not count.
+/// Number of photon beams or photon points that the median camera ray in media should find within
+/// the kernel radius. Rays that find none do not count.
 const TARGET_MEDIAN_KERNEL_COUNT: f64 = 64.0;
 
 /// Smallest kernel radius of photon beams, divided by the width of a pixel's footprint in the
@@ -96,8 +97,8 @@ pub struct EmissionGuidingReports {
     pub aimed: Option<EmissionGuidingReport>,
 }
 
-/// Returns the number of photon paths of a pilot that finds gather radii: four times the `paths` of
-/// a pass, but at least 16,384 and at most `most`.
+/// Returns the number of photon paths of a pilot that finds gather radii or guides photon emission:
+/// four times the `paths` of a pass, but at least 16,384 and at most `most`.
 pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
     paths.saturating_mul(PILOT_PATH_FACTOR).max(MIN_PATHS).min(most)
 }
@@ -160,8 +161,8 @@ pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
 pub(super) struct VolumeKernelRadii {
     pub beams: f32,
     pub points: f32,
-    /// Fraction in \[0, 1] of the photon beams that a pass keeps. The flux of kept beams is divided
-    /// by this fraction.
+    /// Fraction in \[0, 1] of the photon beams that a pass keeps, chosen at random. The kept beams
+    /// get more flux, so that the expected flux of each beam does not change.
     pub kept_beam_fraction: f32,
 }
 
@@ -232,8 +233,8 @@ pub(super) fn find_volume_kernel_radii(
     Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beam_fraction })
 }
 
-/// Returns the width of a pixel's footprint \[length] at the median distance of the `camera_paths`
-/// that cross a medium; 0 if no path does.
+/// Returns the width of a pixel's footprint \[length] at the median distance at which the
+/// `camera_paths` cross a medium; 0 if no path does.
 ///
 /// `camera_paths` holds the medium segments of each path. The distance of a path is the distance
 /// from the camera to its first segment, plus half the length of all its segments.

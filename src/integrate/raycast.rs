@@ -1,6 +1,6 @@
 //! `raycast`: ray casting with Phong's shading model as MIT course 6.837 defines it.
 //!
-//! It has no shadows, no distance falloff and no ambient term.
+//! The model has no shadows, no distance falloff and no ambient term.
 
 use super::film_sampling::FilmSampling;
 use super::integrator::Integrator;
@@ -101,7 +101,8 @@ fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, 
     material.kind().phong_appearance(&TextureEvaluator { textures: scene.textures(), context: at })
 }
 
-/// Returns c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L, for one light of color c.
+/// Returns the light that a surface reflects by Phong's model, for one light of color c:
+/// c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L.
 ///
 /// V is `surface.wo`, N the shading normal, and L the unit direction to the light. `appearance`
 /// holds kd, ks and the exponent s. As defined in MIT course 6.837, surfaces that face away from

@@ -13,8 +13,8 @@ use glam::{UVec3, Vec3};
 /// Largest number of cells of the grid over the visible media.
 const MAX_CELLS: f32 = 24_000.0;
 
-/// Weight of the surrounding cells in the estimate of a cell (shrinkage estimator): their mean
-/// counts as much as one shadow ray.
+/// Weight of the neighborhood in the estimate of a cell (shrinkage estimator): the mean of the
+/// 3×3×3 block around the cell counts as much as one shadow ray.
 const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 
 /// Learned radiance that shadow rays to each light find, in each cell of a grid over the visible
@@ -157,12 +157,13 @@ impl GuidedDistanceDistribution {
         self.ends.push(to);
     }
 
-    /// Returns the sum of all weights; 0 if the distribution is empty.
+    /// Returns the sum of the weights of all pieces; 0 if the distribution is empty.
     pub fn total_weight(&self) -> f32 {
         self.cumulative.last().copied().unwrap_or(0.0)
     }
 
-    /// Samples a distance by uniform `u` in \[0, 1). The total weight must be positive.
+    /// Samples a distance along the ray \[length] by uniform `u` in \[0, 1). The total weight must
+    /// be positive.
     pub fn sample(&self, u: f32) -> f32 {
         let target = u * self.total_weight();
         let i = self.cumulative.partition_point(|sum| *sum <= target).min(self.ends.len() - 1);
@@ -182,7 +183,8 @@ impl GuidedDistanceDistribution {
         (self.cumulative[i] - below) / (self.total_weight() * (self.ends[i] - from))
     }
 
-    /// Returns the distance at which piece `i` begins, and the sum of the weights before it.
+    /// Returns the distance along the ray at which piece `i` begins \[length], and the sum of the
+    /// weights before it.
     fn piece_start(&self, i: usize) -> (f32, f32) {
         if i == 0 { (self.start, 0.0) } else { (self.ends[i - 1], self.cumulative[i - 1]) }
     }

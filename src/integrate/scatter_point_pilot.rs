@@ -28,9 +28,9 @@ const PATH_COUNT_RANGE: (u32, u32) = (2000, 6000);
 /// the scatter-point pilot tries. It compares variance times work for these numbers.
 const TRIAL_POINTS_PER_PATH: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 
-/// Largest acceptable value of variance times work, divided by the lowest value over all numbers of
-/// scattering points (starts of shadow rays) that the scatter-point pilot tries. The pilot takes
-/// the smallest acceptable number.
+/// Largest acceptable value of variance times work, divided by the lowest value that the
+/// scatter-point pilot finds among its trials. The trials differ in the number of scattering points
+/// (starts of shadow rays in media). The pilot takes the smallest number with an acceptable value.
 ///
 /// The ratio exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a
 /// camera path, so fewer points save more time than the work shows.
@@ -43,7 +43,7 @@ const NEGLIGIBLE_LOSS: f64 = 1.15;
 const MIN_GAIN: f64 = 1.3;
 
 /// Work and estimated benefit of the pilot (small simulation before the first pass) that learns
-/// where direct light arrives in media. Only there do shadow rays find light, so most guided shadow
+/// where direct light arrives in media. Shadow rays find light only there, so most guided shadow
 /// rays start there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ScatterPointGuidingReport {
@@ -99,9 +99,9 @@ struct LearnedGuide {
     shadow_rays: u64,
 }
 
-/// Learns which parts of media each of the lights reaches; `lights` is their number. Traces camera
-/// paths that send shadow rays from many points of media. Returns `None` if no shadow ray finds
-/// light.
+/// Learns which parts of media direct light reaches, separately for each of the `lights` lights.
+/// Traces camera paths that send shadow rays from many points of media. Returns `None` if no shadow
+/// ray finds light.
 fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<LearnedGuide> {
     let (width, height) = renderer.scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);

@@ -6,7 +6,9 @@ use crate::camera::{CropWindow, Filter, FilterKind};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 
-/// Settings of camera paths, which all algorithms use.
+/// Settings of camera paths. [`Algorithm::Raycast`](super::Algorithm::Raycast) reads only the
+/// number of samples, the seed, the filter, the crop window and the effects; other algorithms read
+/// all.
 #[derive(Clone, Debug)]
 pub struct CameraPathSettings {
     /// Number of camera rays per pixel and pass. `None` takes the default of the algorithm, and
@@ -19,7 +21,7 @@ pub struct CameraPathSettings {
     /// Reconstruction filter of pixels.
     pub filter: Filter,
     /// True if a pilot (small simulation before the first pass) gives noisier pixels more camera
-    /// rays.
+    /// rays. [`Algorithm::Ppm`](super::Algorithm::Ppm) ignores this setting.
     pub adaptive: bool,
     /// True if passes return the data from which the error of the picture is estimated. Photon
     /// estimates are then repeated in smaller discs, for example.
@@ -34,8 +36,8 @@ pub struct CameraPathSettings {
     /// are bit-identical to the same pixels of the whole picture.
     pub crop: Option<CropWindow>,
     /// Upper bound on the light that one camera path finds, except its photon estimates \[W/(m²
-    /// sr)]. Light with a larger RGB channel is scaled down. This suppresses fireflies, but biases
-    /// the picture. `None` for no bound.
+    /// sr)]; `None` for no bound. Light with a larger RGB channel is scaled down. This suppresses
+    /// fireflies, but biases the picture.
     pub clamp: Option<f32>,
     /// Effects of light that are forced on or off. The plan decides about all other effects.
     pub effects: EffectOverrides,
@@ -78,13 +80,13 @@ pub struct Settings {
     pub camera_paths: CameraPathSettings,
     /// Number of photon paths per pass that lights emit in all directions (*unaimed* paths).
     ///
-    /// They fill the interreflection map of `hybrid` (indirect light that does not come from
+    /// These paths fill the interreflection map of `hybrid` (indirect light that does not come from
     /// caustics), and the indirect map of `sppm`, `ppm` and `pm`.
     pub unaimed_paths: u32,
     /// Number of photon paths per pass that are aimed at casters, such as glass or mirrors.
     ///
-    /// They fill the caustic map. In `hybrid`, they also fill the indirect map, with the light that
-    /// other surfaces and media scatter after a caustic.
+    /// These paths fill the caustic map. In `hybrid`, they also fill the indirect map, with the
+    /// light that other surfaces and media scatter after a caustic.
     pub aimed_paths: u32,
     /// True if a pilot (small simulation before the first pass) may trade camera rays for photon
     /// paths, to get less noise for the same work.
@@ -155,7 +157,8 @@ pub enum FinalGathering {
 /// receiver (surface or medium that stores photons).
 ///
 /// The indirect light of caustics is not divided: in
-/// [`Algorithm::Hybrid`](super::Algorithm::Hybrid), photon estimates always carry it.
+/// [`Algorithm::Hybrid`](super::Algorithm::Hybrid), photon estimates always carry it. If media emit
+/// light, camera paths carry all other indirect light, because photons never start in media.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IndirectPhotons {
     /// Camera paths carry all of the indirect light that does not come from caustics.
@@ -164,8 +167,7 @@ pub enum IndirectPhotons {
     /// from caustics. A pilot (small simulation before the first pass) finds these parts.
     #[default]
     Weighted,
-    /// Photon estimates carry all indirect light. But if media emit light, camera paths carry the
-    /// indirect light that does not come from caustics, because photons never start in media.
+    /// Photon estimates carry all indirect light, except in scenes with media that emit light.
     Full,
 }
 

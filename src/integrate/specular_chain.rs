@@ -1,8 +1,8 @@
 //! Chains of specular vertices that camera rays follow, traced with their derivatives.
 //!
 //! The derivatives predict where lamp images lie: film regions where camera rays meet a small lamp.
-//! They come from finite differences: a [`RayBundle`] holds a camera ray and its neighbours on the
-//! film and on the lens, and traces them over the same vertices.
+//! Finite differences give the derivatives: a [`RayBundle`] holds a camera ray and its neighbours
+//! on the film and on the lens, and traces them over the same vertices.
 
 use crate::bsdf::TransportMode;
 use crate::color::Rgb;
@@ -25,10 +25,10 @@ const BUNDLE_RAYS: usize = 5;
 /// Largest number of vertices of a chain of specular vertices.
 const MAX_VERTICES: u32 = 24;
 
-/// Choice between reflection and transmission at each vertex of a chain of specular vertices.
+/// Choices between reflection and transmission at the vertices of a chain of specular surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct SpecularChain {
-    /// Number of vertices.
+    /// Number of vertices of the chain.
     length: u32,
     /// Bit i is set if the chain transmits at vertex i, and clear if it reflects there.
     transmitted_bits: u32,
@@ -77,7 +77,7 @@ pub(super) struct RayBundle<I> {
     /// Number of rays that are traced: all five, or the first three if all camera rays start at the
     /// lens center.
     traced_ray_count: usize,
-    /// Distance between neighbours on the lens \[length].
+    /// Distance on the lens between the camera ray and its neighbours \[length].
     lens_step: f64,
     /// Factor from radiance that arrives along the camera ray to radiance of the pixel.
     pub throughput: Rgb,
@@ -101,8 +101,8 @@ pub(super) struct LampSphere {
 /// point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampPassage {
-    /// Distance between the camera ray and the center of the lamp, relative to the lamp's radius.
-    /// Below 1, the ray meets the lamp's bounding sphere.
+    /// Distance between the camera ray and the center of the lamp, relative to the radius of the
+    /// sphere that stands for the lamp ([`LampSphere`]). Below 1, the ray meets this sphere.
     pub relative_miss: f64,
     /// Vector on the film from the camera ray to the center of the lamp image \[pixels]. The lamp
     /// image is the film region where camera rays meet the lamp.

@@ -1,8 +1,8 @@
 //! Surface AOVs (arbitrary output variables): albedo, normal, depth, position and identifiers of
 //! the surfaces that the camera sees.
 //!
-//! Separate camera rays find the AOVs, because they need no light transport. So AOVs do not change
-//! the passes of the picture.
+//! AOVs need no light transport, so separate camera rays find them. They do not change the passes
+//! of the picture.
 
 use super::film_sampling::FilmSampling;
 use super::pass::{PassStage, ProgressMonitor};
@@ -22,8 +22,8 @@ pub const SURFACE_AOV_RAYS: u32 = 32;
 /// Number of BSDF samples at each hit that estimate its albedo.
 const ALBEDO_SAMPLES: u32 = 4;
 
-/// Largest number of specular surfaces that a ray follows on the way to the surface that the AOVs
-/// describe.
+/// Largest number of specular surfaces at which a camera ray is reflected or refracted on the way
+/// to the surface that the AOVs describe.
 const MAX_SPECULAR_BOUNCES: u32 = 16;
 
 /// Weight of a branch of a camera ray, as the mean of its RGB channels, below which the branch is
@@ -67,9 +67,10 @@ pub struct SurfaceAovs {
     /// Motion on the film from the opening to the closing of the shutter \[pixels to the right and
     /// down], as a mean over the rays.
     ///
-    /// The motion is that of the first surface that a ray meets, even if the surface is specular.
-    /// If the ray meets no surface, it is the motion of the surroundings at infinity. A ray counts
-    /// as zero if the point that it sees is behind the camera when the shutter opens or closes.
+    /// The field holds the motion of the first surface that a ray meets, even if the surface is
+    /// specular. If the ray meets no surface, the field holds the motion of the surroundings at
+    /// infinity. A ray counts as zero if the point that it sees is behind the camera when the
+    /// shutter opens or closes.
     pub motion: Vec<Vec2>,
 }
 
@@ -96,8 +97,8 @@ struct RayAovs {
     /// Surface at the end of the branch with the largest weight; `None` if no branch ends at a
     /// surface.
     heaviest: Option<BranchEndSurface>,
-    /// Motion on the film of the first surface that the ray meets, or else of the surroundings
-    /// \[pixels to the right and down].
+    /// Motion on the film of the first surface that the ray meets \[pixels to the right and down].
+    /// If the ray meets no surface, the motion of the surroundings at infinity.
     motion: Vec2,
 }
 

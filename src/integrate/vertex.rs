@@ -20,9 +20,8 @@ pub(super) struct PathHistory {
 }
 
 impl PathHistory {
-    /// True if light that the path finds next forms a caustic: light that comes over one or more
-    /// casters, such as glass, to the path's last receiver, a surface or medium that stores
-    /// photons.
+    /// True if the light that the path finds next is caustic: it reaches the path's last receiver
+    /// (a surface or medium that stores photons) via one or more casters, such as glass.
     #[inline]
     pub fn is_caustic(self) -> bool {
         self.receivers > 0 && self.casters_since_receiver > 0
@@ -67,8 +66,8 @@ impl<I: Interior> PathVertex<'_, I> {
         path_ray
     }
 
-    /// Returns an unbiased estimate of the transmittance of the medium or body around the vertex,
-    /// over `distance` \[length] in unit direction `wi`. Surfaces are ignored.
+    /// Returns an unbiased estimate of the transmittance of the medium or body into which unit
+    /// direction `wi` leads from the vertex, over `distance` \[length]. Surfaces are ignored.
     #[inline]
     pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
         let path_ray = self.outgoing_path_ray(wi);

@@ -59,7 +59,7 @@ struct NestedKernelSums {
     sums: [Rgb; NESTED_DISC_COUNT],
     /// Number of dimensions in which the kernel spreads: 1 to 3.
     dimensions: u32,
-    /// True if the kernels of smaller radii are summed too, to estimate the bias.
+    /// True if the photons are also summed with kernels of smaller radii, to estimate the bias.
     repeats_in_nested_discs: bool,
     chosen: Option<ChosenPhoton>,
 }
@@ -151,9 +151,9 @@ fn kernel_ratios(dimensions: u32, x2: f32) -> [f32; NESTED_DISC_COUNT] {
 }
 
 impl BeamAndPointMaps {
-    /// Builds the search structures of the photons `volume` in media.
+    /// Builds the search structures for `volume`, the photons of one map in media.
     ///
-    /// `beams` and `points` are the kernel radii of photon beams and of photon points \[length].
+    /// `beams` and `points` are the kernel radii for photon beams and for photon points \[length].
     /// `band` is the half width of the kernel over wavelengths \[nm].
     pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimator: VolumeEstimator, band: f32) -> Self {
         let VolumePhotons { beams: stored_beams, points: stored_points } = volume;
@@ -168,8 +168,8 @@ impl BeamAndPointMaps {
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
     /// `lookup_scale` is the weight of photon estimates, times the number of camera paths that
-    /// share this estimate. The result is not multiplied by it, but the estimates with smaller
-    /// kernels that `task` records are.
+    /// share this estimate. The result is not multiplied by `lookup_scale`. But `task` records the
+    /// differences between nested kernels, times `lookup_scale`.
     pub fn radiance<I: Interior>(
         &self,
         scene: &Scene,
@@ -208,9 +208,9 @@ impl BeamAndPointMaps {
         levels[0]
     }
 
-    /// Estimates in-scattered radiance from photon beams, with a one-dimensional kernel over the
-    /// distance between ray and beam. Returns one value for each nested kernel radius, largest
-    /// first.
+    /// Estimates the radiance \[W/(m² sr)] that a medium scatters to the start of a segment, from
+    /// photon beams. The kernel is one-dimensional, over the distance between ray and beam. Returns
+    /// one value for each nested kernel radius, largest first.
     fn estimate_by_beams<I: Interior>(
         &self,
         scene: &Scene,
@@ -238,8 +238,9 @@ impl BeamAndPointMaps {
         sums.with_coverage_correction(scene, ray.direction, self.beams.radius(), medium.scattering)
     }
 
-    /// Estimates in-scattered radiance from photon points, with a two-dimensional kernel around the
-    /// ray. Returns one value for each nested kernel radius, largest first.
+    /// Estimates the radiance \[W/(m² sr)] that a medium scatters to the start of a segment, from
+    /// photon points. The kernel is two-dimensional, around the ray. Returns one value for each
+    /// nested kernel radius, largest first.
     fn estimate_along_ray<I: Interior>(
         &self,
         scene: &Scene,
@@ -271,9 +272,9 @@ impl BeamAndPointMaps {
         sums.with_coverage_correction(scene, ray.direction, self.points.radius(), Rgb::ONE)
     }
 
-    /// Estimates in-scattered radiance from photon points, with a three-dimensional kernel around
-    /// one sampled point of the ray. Returns one value for each nested kernel radius, largest
-    /// first.
+    /// Estimates the radiance \[W/(m² sr)] that a medium scatters to the start of a segment, from
+    /// photon points. The kernel is three-dimensional, around one sampled point of the ray. Returns
+    /// one value for each nested kernel radius, largest first.
     fn estimate_at_sampled_point<I: Interior>(
         &self,
         scene: &Scene,

@@ -12,20 +12,21 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use crate::stats::Counters;
 
-/// Number of photon paths of a pass, divided by the number that the ray-photon-balance pilot
+/// Ratio of the photon paths of a pass to the photon paths that the ray-photon-balance pilot
 /// traces.
 const PHOTON_PATH_DIVISOR: u32 = 16;
 
-/// Largest work of the camera rays of a pass, in units of tracing one photon ray. The
-/// ray-photon-balance pilot chooses fewer camera rays per pixel than the balance asks for if these
-/// would take more work, but at least [`MIN_SAMPLES_PER_PIXEL`].
+/// Largest work of the camera rays of a pass, in units of tracing one photon ray. If the balanced
+/// number of camera rays would take more, the ray-photon-balance pilot chooses fewer, but at least
+/// [`MIN_SAMPLES_PER_PIXEL`] per pixel.
 ///
 /// Renders estimate their error from at least four passes. The bound lets large pictures of complex
 /// scenes make several passes within the default time limit on few cores. It does not change the
 /// number of photon paths: fewer photons in each pass would mean larger gather radii.
 const MAX_CAMERA_WORK: f64 = 6e7;
 
-/// Smallest number of camera rays per pixel to which [`MAX_CAMERA_WORK`] may lower their number.
+/// Smallest number of camera rays per pixel to which [`MAX_CAMERA_WORK`], the bound on their work,
+/// may lower their number.
 const MIN_SAMPLES_PER_PIXEL: f64 = 2.0;
 
 /// Radiance at each film point of the ray-photon-balance pilot, and counts of the rays and photons
@@ -35,10 +36,12 @@ struct FilmPointEstimates {
     counters: Counters,
 }
 
-/// Runs the ray-photon-balance pilot. Returns the numbers of camera rays and photon paths with
-/// which a pass has the least noise, at the same work as with the numbers of `renderer`.
+/// Runs the ray-photon-balance pilot, a small simulation before the first pass. Returns the numbers
+/// of camera rays and photon paths with which a pass has the least noise, at the same work as with
+/// the numbers of `renderer`.
 ///
-/// Returns `None` without photons. The result depends only on the scene and the settings.
+/// Returns `None` if passes trace no photons. The result depends only on the scene and the
+/// settings.
 pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<RayPhotonBalance> {
     if !renderer.map_builder.traces_photons() {
         return None;
@@ -138,8 +141,9 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     })
 }
 
-/// Returns the number of camera rays per pixel, if the balance asks for `samples` of them and one
-/// takes the work `work_per_sample` in all pixels. See [`MAX_CAMERA_WORK`].
+/// Returns `samples`, the number of camera rays per pixel, lowered to the number that
+/// [`MAX_CAMERA_WORK`] allows. `work_per_sample` is the work of one camera ray in every pixel, in
+/// units of tracing one photon ray.
 fn limit_samples(samples: f64, work_per_sample: f64) -> f64 {
     // `max` ignores NaN.
     samples.min((MAX_CAMERA_WORK / work_per_sample).floor().max(MIN_SAMPLES_PER_PIXEL))

@@ -40,7 +40,7 @@ impl AddAssign for EnergyAudit {
     }
 }
 
-/// Adds `flux` \[W] to `account`, one of the sums of an [`EnergyAudit`].
+/// Adds `flux` \[W] to `account`, one of the per-channel sums of an [`EnergyAudit`].
 pub(super) fn add_flux(account: &mut [f64; 3], flux: Rgb) {
     *account = (DVec3::from(*account) + flux.as_dvec3()).to_array();
 }

@@ -26,7 +26,7 @@ pub(super) const MIN_COVERAGE: f32 = 0.05;
 /// errors.
 const MAX_FLAT_RISE: f32 = 1e-3;
 
-/// Upper bound of the rounding error in the origin of a probe ray, divided by the largest
+/// Upper bound of the rounding error in the origin of a coverage probe ray, divided by the largest
 /// coordinate of the disc's center.
 ///
 /// A second error, about 10⁻⁷ of the disc's radius, is not included, because it is far below
@@ -34,8 +34,8 @@ const MAX_FLAT_RISE: f32 = 1e-3;
 const RELATIVE_PROBE_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Returns the coverage: the fraction of the disc of `radius` \[length] around `p` that is surface,
-/// weighted by `kernel`. It is the kernel's integral over the surface around `p`, divided by the
-/// kernel's integral over the flat disc.
+/// weighted by `kernel`. The coverage is the kernel's integral over the surface around `p`, divided
+/// by the kernel's integral over the flat disc.
 ///
 /// A density estimate assumes that the whole disc is surface. If the surface ends, bends or is
 /// occluded, the estimate is too dark (boundary bias, Jensen 2001, section 7.2.3). Division by the

@@ -24,12 +24,14 @@ use glam::Vec2;
 use rayon::prelude::*;
 use splat_image::SplatImage;
 
-/// Weight of squared blur in the ratio of flux in the first pass. It includes that the mean over
-/// passes keeps part of the blur of its first passes. docs/decisions/048-light-tracing.md has the
-/// measurements.
+/// Weight of the squared blur of density estimates in the [`FluxRatio`] of the first pass: the
+/// ratio of splat flux to density-estimate flux. The weight allows for the blur of the first
+/// passes, a part of which stays in the mean over passes. docs/decisions/048-light-tracing.md has
+/// the measurements.
 const BLUR_WEIGHT: f64 = 10.0;
 
-/// Number n₀ of photons per pixel and pass at which the term (n/n₀)² of the ratio of flux is 1.
+/// Number n₀ of photons per pixel and pass at which the term (n/n₀)² of a [`FluxRatio`] is 1. A
+/// `FluxRatio` is the ratio of splat flux to density-estimate flux.
 ///
 /// The term is there because blur within a pixel is invisible to the pilot. At a focus smaller than
 /// a pixel, few camera rays meet the focus, and each density estimate there has a large error. Many
@@ -48,7 +50,8 @@ const MAX_DISC_HALF_WIDTH: u32 = 12;
 pub struct DensityEstimateShares {
     width: u32,
     height: u32,
-    /// Ratio of flux in the first pass, for each pixel, by rows from the top.
+    /// Ratio of splat flux to density-estimate flux in the first pass, for each pixel, by rows from
+    /// the top.
     first_pass_ratios: Vec<FluxRatio>,
 }
 
@@ -56,10 +59,11 @@ pub struct DensityEstimateShares {
 /// the sum of two terms, which grow differently from pass to pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct FluxRatio {
-    /// Term for the noise of density estimates: n/k for n photons per pixel and k photons in a
-    /// density estimate.
+    /// Term for the noise of density estimates in the first pass: n/k for n photons per pixel and k
+    /// photons in a density estimate.
     noise: f32,
-    /// Term for the blur of density estimates. It is infinite where splats carry all flux.
+    /// Term for the blur of density estimates in the first pass; infinite where splats carry all
+    /// flux.
     blur: f32,
 }
 
@@ -68,11 +72,11 @@ struct FluxRatio {
 #[derive(Clone, Copy, Debug)]
 pub struct PassDensityEstimateShares<'a> {
     shares: &'a DensityEstimateShares,
-    /// Noise term of the ratio of flux in this pass, divided by that in the first pass. In pass i,
-    /// counted from 0, this growth is (i + 1)^⅓.
+    /// Factor on the noise term of a [`FluxRatio`] (ratio of splat flux to density-estimate flux),
+    /// relative to the first pass: (i + 1)^⅓ in pass i, counted from 0.
     noise_growth: f32,
-    /// Blur term of the ratio of flux in this pass, divided by that in the first pass. In pass i,
-    /// counted from 0, this growth is (i + 1)^⅔.
+    /// Factor on the blur term of a [`FluxRatio`] (ratio of splat flux to density-estimate flux),
+    /// relative to the first pass: (i + 1)^⅔ in pass i, counted from 0.
     blur_growth: f32,
 }
 
@@ -82,9 +86,11 @@ impl DensityEstimateShares {
     /// Here n is the estimated number of caustic photons per pixel and pass, and b² the estimated
     /// squared relative error of a density estimate by blur.
     ///
-    /// Both are estimated from the `splats` of a small simulation before the render. `ratio` is the
-    /// number of photon paths in a pass, divided by their number in that simulation. `gather_count`
-    /// is k, the number of photons in a density estimate of the first pass.
+    /// Both n and b² are estimated from the `splats` of a small simulation before the render.
+    /// `ratio` is the number of photon paths in a pass, divided by their number in that simulation.
+    /// `gather_count` is k, the number of photons in a density estimate of the first pass. The
+    /// terms n/k and 10·n·b² + (n/10)² are averaged over the area of a density estimate's disc, so
+    /// that the fractions have no edges.
     #[must_use]
     pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64, gather_count: f64) -> Self {
         let image = SplatImage::new(splats, (width, height));
@@ -119,8 +125,8 @@ impl DensityEstimateShares {
         Self { width, height, first_pass_ratios }
     }
 
-    /// Returns the split in which splats carry all caustic flux and density estimates none, for all
-    /// pixels of a film of the given width and height \[pixels].
+    /// Returns shares of 0 for all pixels of a film of the given width and height \[pixels]: splats
+    /// carry all caustic flux, and density estimates none.
     #[must_use]
     pub fn all_to_splats((width, height): (u32, u32)) -> Self {
         let ratio = FluxRatio { noise: 0.0, blur: f32::INFINITY };
@@ -159,8 +165,8 @@ fn pixel_at_film_position(film_position: Vec2, width: u32, height: u32) -> Optio
     inside.then_some((film_position.x as u32, film_position.y as u32))
 }
 
-/// Returns the half width \[pixels] of the square that stands for the disc of a density estimate,
-/// which covers the area `area` \[pixels²]. The half width is at least 1 and at most
+/// Returns the half width \[pixels] of the square that stands for the disc of a density estimate.
+/// The disc has the area `area` \[pixels²]. The half width is at least 1 and at most
 /// [`MAX_DISC_HALF_WIDTH`].
 fn disc_half_width(area: f64) -> u8 {
     ((area.sqrt() - 1.0) / 2.0).round().clamp(1.0, f64::from(MAX_DISC_HALF_WIDTH)) as u8

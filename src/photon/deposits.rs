@@ -142,8 +142,8 @@ impl Deposits {
     }
 }
 
-/// Concatenates one list of each of the `owners`, in the order of the owners. `list` returns the
-/// list of an owner.
+/// Concatenates the lists of all `owners`, in the order of the owners. `list` returns the list of
+/// one owner.
 fn concatenated_lists<'a, O, T: Copy + Send + Sync + 'a>(
     owners: &'a [O],
     list: impl Fn(&'a O) -> &'a Vec<T>,
@@ -177,11 +177,11 @@ pub(super) struct Deposit<'a> {
 
 /// Place where a photon path deposits flux: on a surface, in a medium or on the film.
 pub(super) enum DepositPlace<'a> {
-    /// A point on a surface. If the photon also adds a splat to the film (light tracing), the
-    /// number tells which fraction of the flux is used by density estimates, in units of
-    /// 1/[`SHARE_STEPS`](super::surface_photon::SHARE_STEPS). The splat gets the rest.
+    /// A point on a surface. With light tracing, also the share of a caustic photon: the fraction
+    /// of its flux that density estimates use. The photon's splat gets the rest.
     ///
-    /// The number is `None` without light tracing, and for photons that are not caustic.
+    /// The share is in units of 1/[`SHARE_STEPS`](super::surface_photon::SHARE_STEPS). It is `None`
+    /// without light tracing, and for photons that are not caustic.
     Surface(&'a SurfaceInteraction<'a>, Option<u8>),
     /// A film position \[pixels from the top left], where a splat is recorded.
     Film(Vec2),
@@ -203,7 +203,7 @@ pub(super) enum DepositPlace<'a> {
     },
 }
 
-/// Length \[length] of the photon beam along `ray` in the medium with index `medium`.
+/// Returns the length of the photon beam along `ray` in the medium with index `medium` \[length].
 ///
 /// The beam of a finite ray ends at the ray's end. The beam of an infinite ray ends at
 /// [`MAX_OPTICAL_DEPTH`], or outside the scene's bounding sphere if that is nearer.

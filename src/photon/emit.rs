@@ -23,7 +23,8 @@ const POWER_SAMPLES: u32 = 256;
 /// probability above 0.
 const DEFENSIVE_FRACTION: f64 = 0.1;
 
-/// Source of photon paths: samples a light of the scene, and the ray that leaves it.
+/// Source of photon paths. For each path, it samples a light of the scene and the ray that leaves
+/// this light.
 #[derive(Clone, Debug)]
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
@@ -120,7 +121,7 @@ impl<'a> PhotonSource<'a> {
     }
 
     /// Returns the source without the environment light, for renders that leave this light out;
-    /// `None` if no other light has power.
+    /// `None` if the source samples no other light.
     #[must_use]
     pub fn without_environment_light(self) -> Option<Self> {
         // Recomputing equal probabilities could round them differently, so a source without
@@ -150,8 +151,8 @@ impl<'a> PhotonSource<'a> {
         Self { effects, ..self }
     }
 
-    /// Returns the kind of [`Interior`](crate::scene::Interior) that photon paths carry along, the
-    /// simplest one that suffices for the simulated effects.
+    /// Returns the simplest kind of [`Interior`](crate::scene::Interior) that suffices for the
+    /// simulated effects. Photon paths carry an `Interior` of this kind along.
     ///
     /// An `Interior` tracks the nested bodies, the medium and the wavelength of a path.
     pub(super) fn interior_kind(&self) -> InteriorKind {

@@ -33,8 +33,8 @@ pub struct RadianceEstimate {
 /// next larger one.
 pub const NESTED_DISC_COUNT: usize = 3;
 
-/// Radiance estimates from concentric discs of decreasing size. Photons in a small disc also count
-/// in the larger ones.
+/// Radiance estimates from concentric discs of decreasing size around one point. Photons in a small
+/// disc also count in the larger ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedRadianceEstimate {
     /// Estimate with the largest of the nested discs.
@@ -43,9 +43,8 @@ pub struct NestedRadianceEstimate {
     pub radiance: [Rgb; NESTED_DISC_COUNT],
 }
 
-/// Reusable memory for k-nearest-photon searches. A caller keeps it between searches of
-/// neighbouring points, because each search derives its first radius from the result of the last
-/// one.
+/// Reusable memory for k-nearest-photon searches, to be kept between searches at neighbouring
+/// points. Each search derives its first radius from the result of the previous search.
 #[derive(Debug, Default)]
 pub struct PhotonSearchBuffers {
     /// Photons that the last search found, each with its squared distance from the query point.
@@ -188,7 +187,8 @@ impl PhotonMap {
     }
 
     /// Writes the k photons nearest to `p` to `scratch`, and returns the squared distance of the
-    /// k-th. If fewer than k lie within `bandwidth.radius`, writes all of them and returns `None`.
+    /// k-th \[length²]. If fewer than k lie within `bandwidth.radius`, writes all of them and
+    /// returns `None`.
     ///
     /// Photons on other surfaces, with another normal or tangent plane, are left out. The search is
     /// repeated with growing radius until it finds k photons, because the kd-tree of crate kiddo
@@ -250,12 +250,13 @@ struct KernelSums<const N: usize> {
     /// Squared radius of the largest disc \[length²].
     r2: f32,
     inverse_r2: f32,
-    /// Sums in f32 of the photons that are not yet in `total`, fewer than [`PHOTONS_PER_BLOCK`];
-    /// one sum for each disc.
+    /// Sums in f32 over the photons that are not yet in `total`, fewer than [`PHOTONS_PER_BLOCK`];
+    /// one sum of BRDF · flux · kernel for each disc.
     block_sums: [Rgb; N],
     /// Number of photons whose contributions are in `block_sums`.
     block_photon_count: u32,
-    /// Sums in f64 over all photons of earlier blocks, one sum for each disc.
+    /// Sums in f64 over the photons of all full blocks; one sum of BRDF · flux · kernel for each
+    /// disc.
     total: [DVec3; N],
 }
 
@@ -313,8 +314,8 @@ impl<const N: usize> KernelSums<N> {
     }
 }
 
-/// True if a photon lies on the same surface as the query point of a density estimate, whose
-/// tangent plane is `plane`.
+/// True if a photon counts as lying on the surface of a density estimate's query point. `plane` is
+/// the tangent plane at that point.
 ///
 /// The photon's normal must be within 60° of the plane's normal. The photon's tangent plane must
 /// pass within [`MAX_RELATIVE_HEIGHT`] · `radius` of the query point. `radius` is the largest

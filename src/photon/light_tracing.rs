@@ -28,7 +28,7 @@ pub struct LightTracer<'a> {
     /// through: null interfaces or thin sheets.
     connections_cross_surfaces: bool,
     /// Fraction of a photon's flux that density estimates use, for each pixel; splats get the rest.
-    /// `None` gives the whole flux to both, for simulations whose splats are only counted.
+    /// `None` gives the whole flux to both, for simulations that only count splats.
     shares: Option<PassDensityEstimateShares<'a>>,
 }
 
@@ -94,8 +94,8 @@ impl<'a> LightTracer<'a> {
         share
     }
 
-    /// Returns the splat of a photon at `surface` per watt of its flux \[pixel²/(m² sr)]. A splat
-    /// is measured as radiance times film area.
+    /// Returns the factor \[pixel²/(m² sr)] from the flux of a photon at `surface` to its splat. A
+    /// splat is measured as radiance times film area.
     ///
     /// The factor includes the BSDF and the cosine, but not media and occlusion. It is 0 if the
     /// camera is behind a surface that does not transmit.
@@ -114,7 +114,8 @@ impl<'a> LightTracer<'a> {
         bsdf * (cosine.abs() * connection.importance)
     }
 
-    /// Transmittance between `surface` and the camera; 0 if a surface blocks it.
+    /// Returns the transmittance between `surface` and the camera; 0 if a surface blocks the
+    /// connection.
     fn transmittance<I: Interior>(
         &self,
         surface: &SurfaceInteraction<'_>,
@@ -140,8 +141,9 @@ impl<'a> LightTracer<'a> {
     }
 }
 
-/// Copies each splat of a panorama to the other film positions that show the same direction, if the
-/// pixel filter reaches the film from there.
+/// Adds copies of the splats of a panorama near its seam and poles. A copy lies beyond the edge of
+/// the film, at a film position that shows the same direction, if the pixel filter reaches the film
+/// from there.
 ///
 /// Pixels at the seam and at the poles also filter light from beyond the edge of the film. There,
 /// density estimates add only a part of the caustic flux, so copied splats must add the rest.

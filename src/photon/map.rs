@@ -30,8 +30,8 @@ impl std::fmt::Debug for PhotonMap {
     }
 }
 
-/// Fixed oblique rotation of all positions before they enter the kd-tree. It makes no axis-aligned
-/// wall parallel to a split of the tree.
+/// Fixed oblique rotation of all positions before they enter the kd-tree. With it, no split of the
+/// tree is parallel to an axis-aligned wall.
 ///
 /// The rotation is about (1, 2, 3)/√14 by 0.7 rad, rounded to f32.
 const ROTATION: Mat3 = Mat3::from_cols(
@@ -44,8 +44,8 @@ const ROTATION: Mat3 = Mat3::from_cols(
 /// photons of one position in one leaf, which would otherwise exceed its normal size.
 const MAX_COINCIDENT_PHOTONS: usize = LEAF_SIZE;
 
-/// Smallest number of photons that one Rayon task tests for equal positions. For each of them, the
-/// task looks at a window of consecutive photons in the list.
+/// Smallest number of photons that one Rayon task tests for equal positions. For each photon, the
+/// test compares it with the 32 photons that follow it in the list.
 const MIN_WINDOWS_PER_TASK: usize = 4096;
 
 /// Number of photons from which the two halves of a node of the kd-tree are built in parallel.
@@ -105,9 +105,9 @@ impl PhotonMap {
     }
 }
 
-/// Merges photons at positions that more than [`MAX_COINCIDENT_PHOTONS`] photons share. Two photons
-/// are merged if their normal, wavelength and the fraction of their flux that density estimates use
-/// are equal, too.
+/// Merges photons at positions that more than [`MAX_COINCIDENT_PHOTONS`] photons share. Only
+/// photons of equal normal, wavelength and density-estimate share are merged. That share is the
+/// fraction of the flux that density estimates use.
 ///
 /// A merged photon has the sum of the fluxes, and the mean of the directions weighted by flux.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {

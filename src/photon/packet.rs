@@ -129,8 +129,8 @@ pub(super) struct BeamPiece {
     pub to: f32,
 }
 
-/// Up to eight beam pieces. A piece is a range of distances along a beam; in unused lanes, this
-/// range is empty, so they match no query.
+/// Up to eight beam pieces. A piece is a range of distances along a beam. In unused lanes, this
+/// range is empty, so these lanes match no query.
 pub(super) struct BeamPiecePacket {
     beam_start: Vec3x8,
     direction: Vec3x8,

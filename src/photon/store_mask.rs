@@ -15,13 +15,15 @@
 pub enum PhotonKind {
     /// Direct light: the path has no vertex between the light and the photon.
     Direct,
-    /// Caustic: the path has one or more vertices between the light and the photon, all on casters.
+    /// Caustic: the path has one or more vertices between the light and the photon, all on casters
+    /// (mirrors, glass and the like).
     Caustic,
-    /// Indirect light of a caustic: the path has reached its first receiver via one or more
-    /// casters, and has scattered there.
+    /// Indirect light of a caustic: the path has reached its first receiver (a surface or medium
+    /// that stores photons) via one or more casters, such as glass, and has scattered there.
     AfterCaustic,
     /// Indirect light that does not come from a caustic: the path went straight from the light to
-    /// its first receiver, and has scattered there. Later vertices may lie on casters.
+    /// its first receiver (a surface or medium that stores photons), and has scattered there. Later
+    /// vertices may lie on casters, such as glass.
     AfterDirect,
 }
 
@@ -35,8 +37,9 @@ pub struct StoreMask {
     /// True to store photons of the indirect light that caustics cause
     /// ([`PhotonKind::AfterCaustic`]).
     pub after_caustic: bool,
-    /// True to store photons of indirect light whose path went straight from the light to its first
-    /// receiver ([`PhotonKind::AfterDirect`]). Later vertices may lie on casters.
+    /// True to store photons of indirect light that does not come from caustics
+    /// ([`PhotonKind::AfterDirect`]): their paths went straight from the light to a surface or
+    /// medium that stores photons.
     pub after_direct: bool,
     /// True to store only one in [`AFTER_CAUSTIC_THINNING`] photons of
     /// [`PhotonKind::AfterCaustic`], in separate lists.
@@ -90,7 +93,8 @@ impl StoreMask {
         kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
-    /// True if a path whose next photon would be of `kind` may still store a photon, now or later.
+    /// True if a photon path may still store a photon under this mask. `kind` is the kind of its
+    /// next photon.
     ///
     /// Always true for [`PhotonKind::Direct`], because such a path can still store photons of any
     /// kind.
@@ -109,13 +113,13 @@ impl StoreMask {
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
-    /// Returns the kind of the photons that a path stores after it crossed the boundary of a caster
-    /// without scattering there. `self` is the kind before the crossing.
+    /// Returns the kind of a path's later photons after the path has crossed the boundary of a
+    /// caster, such as glass, without scattering there. `self` is the kind before the crossing.
     pub(super) fn kind_after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// Returns the kind of the photons that a path stores after it scattered. `self` is the kind
+    /// Returns the kind of a path's later photons after the path has scattered. `self` is the kind
     /// before this scattering event.
     ///
     /// `is_receiver` is true if the path scattered at a receiver, such as a diffuse surface or a

@@ -28,11 +28,11 @@ impl PackedFlux {
         Some(Self { channel_sum: sum, red_fraction: fraction(flux.x), green_fraction: fraction(flux.y) })
     }
 
-    /// Returns a copy in which the lowest four bits of the channel sum hold the number `steps` <
-    /// 16.
+    /// Returns a copy in which the lowest four bits of the channel sum hold `steps`, a number from
+    /// 0 to 15.
     ///
     /// Density estimates use the fraction `steps`/[`SHARE_STEPS`] of the flux. Storing `steps`
-    /// changes the flux by less than the factor 1 ± 2⁻¹⁹.
+    /// changes the flux by a relative error below 2⁻¹⁹.
     #[inline]
     fn with_packed_share(self, steps: u8) -> Self {
         Self { channel_sum: f32::from_bits(self.channel_sum.to_bits() & !15 | u32::from(steps)), ..self }
@@ -101,8 +101,9 @@ impl Photon {
         Self { attributes: PhotonAttributes { wavelength_code, ..self.attributes }, ..self }
     }
 
-    /// Returns the photon with [`PhotonAttributes::density_estimate_share`] set to
-    /// `steps`/[`SHARE_STEPS`].
+    /// Returns the photon with the fraction of its flux that density estimates use set to
+    /// `steps`/15. Light tracing has splatted the rest on the film. `steps` is from 0 to 15; see
+    /// [`PhotonAttributes::density_estimate_share`].
     #[inline]
     #[must_use]
     pub fn with_density_estimate_share(self, steps: u8) -> Self {
@@ -113,8 +114,8 @@ impl Photon {
     }
 }
 
-/// Integer that stands for the whole flux of a photon. The fraction of the flux that density
-/// estimates use is stored as an integer from 0 to this number, in four bits.
+/// Largest value of a photon's density-estimate share: the fraction of its flux that density
+/// estimates use, stored as an integer from 0 to 15 in four bits. 15 stands for the whole flux.
 pub(super) const SHARE_STEPS: u8 = 15;
 
 /// Factor from a unit normal to its stored components, which are 8-bit integers.
@@ -160,8 +161,8 @@ impl PhotonAttributes {
         self.flux.flux()
     }
 
-    /// Fraction of the flux that density estimates use, in \[0, 1]. The remaining flux went to a
-    /// splat by light tracing.
+    /// Fraction of the flux that density estimates use, in \[0, 1]. Light tracing has splatted the
+    /// rest on the film.
     ///
     /// The value is meaningful only if [`Photon::with_density_estimate_share`] has set it.
     #[inline]
@@ -170,8 +171,8 @@ impl PhotonAttributes {
         f32::from(self.density_estimate_share_steps()) * (1.0 / SHARE_STEPS as f32)
     }
 
-    /// Fraction of the flux that density estimates use, as an integer in units of
-    /// 1/[`SHARE_STEPS`].
+    /// Fraction of the flux that density estimates use, as an integer from 0 to [`SHARE_STEPS`],
+    /// which stands for the whole flux.
     pub(super) fn density_estimate_share_steps(&self) -> u8 {
         (self.flux.channel_sum.to_bits() & 15) as u8
     }
@@ -199,7 +200,7 @@ impl PhotonAttributes {
         Vec3::from(self.normal.map(f32::from)) / NORMAL_SCALE
     }
 
-    /// Returns this photon data with its tangent plane moved to that of `other`, which must have an
+    /// Returns a copy of this photon data with the tangent plane of `other`, which must have an
     /// equal quantized normal.
     pub(super) fn with_plane_offset_of(self, other: &Self) -> Self {
         Self { plane_offset: other.plane_offset, ..self }
@@ -228,8 +229,8 @@ pub(super) fn decode_octahedral(e: [u16; 2]) -> Vec3 {
     p.extend(z).normalize()
 }
 
-/// Converts the octahedral coordinates of a vector to the coordinates of its mirror image on the
-/// other side of the plane z = 0.
+/// Mirrors a vector in the plane z = 0: converts its octahedral coordinates to those of its mirror
+/// image.
 #[inline]
 fn fold_octahedron(p: Vec2) -> Vec2 {
     Vec2::new((1.0 - p.y.abs()) * 1f32.copysign(p.x), (1.0 - p.x.abs()) * 1f32.copysign(p.y))

@@ -39,8 +39,8 @@ pub(super) struct PhotonTracingTotals {
     pub rays: u64,
 }
 
-/// Tracer of photon paths. Holds their scene and source, the limit of their length, and the kinds
-/// of photons to store.
+/// Tracer of photon paths: their scene and source, their largest number of scattering events, and
+/// the kinds of photons to store.
 #[derive(Debug)]
 pub struct PhotonTracer<'a> {
     /// Scene in which photons are traced.

@@ -16,13 +16,14 @@ pub struct VisiblePoint {
     pub position_error: Vec3,
     /// Unit geometric normal on the side from which photons count.
     pub normal: Vec3,
-    /// Importance of the point: camera path throughput times BSDF. This is the radiance that the
-    /// pixel gains per irradiance at the point, up to a factor that is equal for all points.
+    /// Importance of the point: camera path throughput times BSDF \[1/sr], averaged over RGB. This
+    /// is the radiance that the pixel gains per irradiance at the point, up to a factor that is
+    /// equal for all points.
     pub weight: f32,
 }
 
-/// Surface points that the camera sees, in a kd-tree. They tell how important a photon is for the
-/// picture: its importance is large near many of these points of large weight.
+/// Surface points that the camera sees, in a kd-tree. From them follows how important a photon is
+/// for the picture: its importance is large near many of these points of large weight.
 ///
 /// Visible points correspond to the importons of Peter and Pietrek 1998, "Importance Driven
 /// Construction of Photon Maps".
@@ -38,7 +39,7 @@ pub struct VisiblePointMap {
     expected_kth_distance: f32,
 }
 
-/// Number of nearest visible points from which the importance of a photon is estimated.
+/// Largest number of nearest visible points from which the importance of a photon is estimated.
 const NEIGHBOURS: u32 = 16;
 
 /// Number of visible points, at most, at which the distance to the 16th nearest neighbour is

@@ -7,12 +7,13 @@ use crate::scene::Scene;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Largest number of probe rays in a [`KernelProbes`]. A kernel in three dimensions needs this
-/// number, kernels in one or two dimensions need fewer.
+/// Largest number of probe rays in a [`KernelProbes`]: a kernel in three dimensions needs 12.
+/// Kernels in one or two dimensions need fewer.
 const MAX_PROBES: usize = 12;
 
-/// Probe rays that measure how much of a kernel in a medium is visible from its center. Each holds
-/// the distance to the first surface that it hits.
+/// Probe rays that measure how much of a kernel in a medium is visible from its center. For each
+/// probe ray, the distance to the first surface within the kernel's radius is stored; infinity if
+/// there is none.
 ///
 /// Kernels of volumetric density estimates have one, two or three dimensions. The probe rays lie on
 /// the line, in the plane or in the space of the kernel.
@@ -77,8 +78,8 @@ impl KernelProbes {
     }
 }
 
-/// Returns the fraction of a kernel's integral within the distance `x`·r of its center, where r is
-/// the kernel's radius and `x` ≥ 0.
+/// Returns the fraction of a kernel's integral that lies within the distance `x`·r of its center,
+/// where r is the kernel's radius and `x` ≥ 0.
 ///
 /// Kernels in one and three `dimensions` are proportional to 1 − x², kernels in two to (1 − x²)².
 fn kernel_fraction_within(x: f32, dimensions: u32) -> f32 {

@@ -13,7 +13,7 @@ use glam::DVec3;
 use rand::rngs::SmallRng;
 
 /// Advances `path` to its next vertex. Adds to `radiance` the light that media on the way emit and
-/// scatter towards the previous vertex.
+/// scatter towards the previous vertex, times the path's throughput.
 ///
 /// Returns the event at the next vertex, and the phase function of the medium there. The phase
 /// function is meaningful only for scattering events.
@@ -38,7 +38,8 @@ pub(super) fn advance_to_vertex<'a, I: Interior>(
 }
 
 /// Adds to `radiance` the light that the medium of `segment` emits and scatters towards the start
-/// of the segment, a part of the path's ray within one medium.
+/// of the segment, times the path's throughput. `segment` is the part of the path's ray within one
+/// medium.
 ///
 /// Returns the distance \[length] at which the path scatters; `None` if it passes through. `weight`
 /// is the product of the throughput factors since the last vertex. The function multiplies `weight`

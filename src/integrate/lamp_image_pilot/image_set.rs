@@ -30,7 +30,7 @@ pub(super) struct FoundLampImage {
 
 impl FoundLampImage {
     /// Returns two film points \[pixels], just beyond both ends of the longest axis of the lamp
-    /// image's ellipse. They apply to the lens point at which the lamp image was found.
+    /// image's ellipse, for the lens point at which the lamp image was found.
     pub fn ends(&self) -> [Vec2; 2] {
         let longest = self.image.longest_half_axis() * RELATIVE_IMAGE_END_DISTANCE;
         let center = self.image.film_point(Vec2::ZERO, self.point.lens_point());

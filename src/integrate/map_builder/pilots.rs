@@ -17,8 +17,8 @@ use crate::sampling::{Key, Purpose};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Number of photon paths of a pass that are aimed at casters such as glass, divided by the number
-/// in the pilot that divides caustics between photon estimates and light tracing.
+/// Ratio of two numbers of photon paths aimed at casters, such as glass: those of a pass, and those
+/// of the pilot that divides caustics between photon estimates and light tracing.
 const SHARE_PILOT_PATH_DIVISOR: u32 = 4;
 
 /// Least number of photon paths of the pilot that divides caustics between photon estimates and
@@ -39,13 +39,13 @@ const DEFAULT_INDIRECT_K: u32 = 100;
 /// hold at least this many.
 const DEFAULT_AFTER_CAUSTIC_K: u32 = 50;
 
-/// Distance from a point that the camera sees within which photons count as visible, divided by the
+/// Radius around a point that the camera sees within which photons count as visible, divided by the
 /// scene radius. [`find_visible_points`] adapts it to the found points. Pilots guide photon
 /// emission towards visible points.
 const VISIBLE_RELATIVE_RADIUS: f32 = 0.01;
 
-/// Gather radius, divided by the scene radius, for the case that a pilot stores no photons and so
-/// cannot find a radius.
+/// Gather radius on surfaces, or kernel radius in media, divided by the scene radius, for the case
+/// that a pilot stores no photons and so cannot find a radius.
 const DEFAULT_RELATIVE_RADIUS: f32 = 0.01;
 
 /// Largest number of photon paths of the pilot that guides emission for the interreflection map of
@@ -63,13 +63,14 @@ const MIN_GUIDING_GAIN: f64 = 1.5;
 /// Memory of a photon beam with its bounding boxes, divided by the memory of a photon.
 const BEAM_MEMORY_IN_PHOTONS: usize = 4;
 
-/// Largest number of photon paths that are traced per map, to predict how many photons a pass
-/// stores.
+/// Largest number of photon paths that are traced, for each set of photon paths, to predict how
+/// many photons a pass stores.
 const PROBE_PATHS: u32 = 4096;
 
 impl<'a> PhotonMapBuilder<'a> {
     /// Guides photon emission towards points that the camera sees, if a pilot (small simulation
-    /// before the first pass) finds that more efficient. Stores the reports on these pilots.
+    /// before the first pass) finds that more efficient. Stores the pilot's report for each set of
+    /// photon paths.
     ///
     /// Does nothing if media store photons, because the points that guide emission lie on surfaces.
     /// Paths that start in all directions stay unguided if final-gathering rays read their photons,
@@ -214,9 +215,9 @@ impl<'a> PhotonMapBuilder<'a> {
         self.density_estimate_shares = Some(Arc::new(shares));
     }
 
-    /// Returns how many photon paths a pass traces, and estimates how many photons it stores.
-    /// Traces at most 4096 photon paths per map for the estimate. A photon beam counts as four
-    /// photons, because it takes as much memory.
+    /// Returns how many photon paths a pass traces, and estimates how many photons it stores. For
+    /// the estimate, traces at most 4096 photon paths for each set of paths. A photon beam counts
+    /// as four photons, because it takes as much memory.
     pub fn expected_photons(&self) -> ExpectedPhotons {
         let settings = &self.settings;
         let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::RadiusPilot);

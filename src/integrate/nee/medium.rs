@@ -28,9 +28,9 @@ const MIN_RELATIVE_POINT_COUNT: f32 = 0.125;
 /// divided by the number of shadow rays that a surface point would send.
 const MAX_RELATIVE_POINT_COUNT: f32 = 16.0;
 
-/// Number of scattering points (starts of shadow rays) on a medium segment while a pilot records
-/// the light that shadow rays find, divided by the number of shadow rays that a surface point would
-/// send.
+/// Number of scattering points (starts of shadow rays) on a medium segment in the pilot that
+/// records the light of shadow rays, divided by the number of shadow rays that a surface point
+/// would send.
 const RECORDED_RELATIVE_POINT_COUNT: f32 = 12.0;
 
 /// Sampled scattering point, from which a shadow ray starts, on a segment of a camera path through
@@ -264,21 +264,22 @@ fn sample_scatter_point_near<I: Interior>(
 /// Distribution of scattering points on a segment in a homogeneous medium. Shadow rays to one light
 /// start from these points.
 ///
-/// Half of the points are sampled by transmittance. The other half are equiangular: uniform in the
-/// angle seen from the light (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path
-/// Tracing in Participating Media"). For a light at infinity, all points are sampled by
-/// transmittance. If a pilot has learned a distribution, three of four points follow it, and only
-/// the others are sampled in this way.
+/// If a pilot has learned a distribution of distances, three of four points follow it. All other
+/// points are sampled in two ways. Half of them are sampled by transmittance. The other half are
+/// equiangular: uniform in the angle seen from the light (Kulla and Fajardo 2012, "Importance
+/// Sampling Techniques for Path Tracing in Participating Media"). For a light at infinity, all of
+/// them are sampled by transmittance.
 struct ScatterPointDistribution<'a, I> {
     path_segment: &'a MediumPathSegment<'a, I>,
     angles: Option<EquiangularDistribution>,
-    /// Distribution of distances along the ray that a pilot has learned; `None` without such a
-    /// pilot, or if the pilot found no light on the ray.
+    /// Distribution of distances along the ray that a pilot has learned (guiding); `None` without
+    /// guiding, or if the pilot found no light on the ray.
     guided: Option<&'a GuidedDistanceDistribution>,
 }
 
 impl<I: Interior> ScatterPointDistribution<'_, I> {
-    /// Samples a point. Returns `None` if the sampled distance is beyond the segment.
+    /// Samples a scattering point, from which a shadow ray starts. Returns `None` if the sampled
+    /// distance is beyond the segment.
     fn sample(&self, sampler: Sampler) -> Option<ScatterPoint> {
         let MediumSegment { ray, medium, .. } = self.path_segment.segment;
         let mut rng = sampler.sample_key().shadow_ray_scatter_point_key().rng();

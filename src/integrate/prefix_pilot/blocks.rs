@@ -27,12 +27,13 @@ impl PilotBlocks {
         Self { edge, film_size: (width as usize, height as usize) }
     }
 
-    /// Returns the numbers of columns and rows of blocks.
+    /// Returns the numbers of columns and rows of blocks, the squares of pixels that divide the
+    /// film.
     pub fn size(&self) -> (usize, usize) {
         (self.film_size.0.div_ceil(self.edge), self.film_size.1.div_ceil(self.edge))
     }
 
-    /// Returns the number of blocks.
+    /// Returns the number of blocks, the squares of pixels that divide the film.
     pub fn count(&self) -> usize {
         self.size().0 * self.size().1
     }
@@ -44,15 +45,16 @@ impl PilotBlocks {
         y / self.edge * self.size().0 + x / self.edge
     }
 
-    /// Returns the number of pixels of `block`.
+    /// Returns the number of pixels of `block`, an index by rows from the top. Blocks at the right
+    /// and lower edge of the film may be smaller.
     pub fn pixel_count(&self, block: usize) -> usize {
         let (column, row) = (block % self.size().0, block / self.size().0);
         let extent = |at: usize, end: usize| self.edge.min(end - at * self.edge);
         extent(column, self.film_size.0) * extent(row, self.film_size.1)
     }
 
-    /// True if picture `i` traces another pixel of each block than the picture before it. Without
-    /// blocks, all pictures trace the same pixels.
+    /// True if picture `i` of the pilot traces another pixel of each block than the picture before
+    /// it. Blocks of one pixel have no other pixel.
     pub fn starts_new_pixels(&self, i: u32) -> bool {
         self.edge > 1 && i > 0 && i.is_multiple_of(2)
     }

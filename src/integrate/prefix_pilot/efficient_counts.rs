@@ -4,8 +4,8 @@ use super::variances::RelativePixelVariances;
 use crate::integrate::prefix_rays::PixelPrefixRayCounts;
 use rayon::prelude::*;
 
-/// Number of iterations of each search for the numbers of prefix rays that minimize variance times
-/// work.
+/// Number of iterations of each search for the numbers of prefix rays (extra camera rays that stop
+/// at the first surface that stores photons) that minimize variance times work.
 const SEARCH_STEPS: u32 = 20;
 
 /// Largest work of all prefix rays (extra camera rays that stop at the first surface that stores
@@ -35,14 +35,16 @@ struct PixelStandardDeviations {
 /// Work of the parts of a pass, in units of tracing one photon ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PassWork {
-    /// Work of all camera paths of a pixel.
+    /// Work of all camera paths of a pixel in a pass, in units of tracing one photon ray.
     pub camera_work_per_pixel: f64,
-    /// Work of tracing, indexing and gathering photons, divided by the number of pixels.
+    /// Work of tracing, indexing and gathering the photons of a pass, divided by the number of
+    /// pixels, in units of tracing one photon ray.
     pub photon_work_per_pixel: f64,
     /// Work of one prefix ray (extra camera ray that stops at the first surface that stores
-    /// photons), without its photon estimate.
+    /// photons), without its photon estimate, in units of tracing one photon ray.
     pub work_per_prefix_ray: f64,
-    /// Work of the photon estimates of one prefix ray.
+    /// Work of the photon estimates of one prefix ray (extra camera ray that stops at the first
+    /// surface that stores photons), in units of tracing one photon ray.
     pub work_per_lookup: f64,
 }
 

@@ -49,7 +49,8 @@ fn only_pixels_with_noisy_prefixes_get_prefix_rays() {
     assert_eq!(efficient_ray_counts(&[ordinary; 200], SAMPLES, &WORK), None);
 }
 
-/// Twice or half as many prefix rays give a larger product of variance and work.
+/// Twice or half as many prefix rays as the chosen numbers give a larger product of variance and
+/// work.
 #[test]
 fn ray_counts_minimize_variance_times_work() {
     let special = RelativePixelVariances {
@@ -106,8 +107,8 @@ fn undefined_variances_give_no_prefix_rays() {
     assert_eq!(efficient_ray_counts(&[RelativePixelVariances::default(); 4], SAMPLES, &WORK), None);
 }
 
-/// Small films have blocks of one pixel. In larger films, each block has its own pixel in each pair
-/// of pictures, and each pixel of a whole block takes its turn.
+/// Small films have blocks of one pixel. In larger films, each pair of pictures traces one pixel of
+/// each block, and each pixel of a whole block takes its turn.
 #[test]
 fn blocks_trace_each_of_their_pixels_in_turn() {
     let edges = [(1, 1), (640, 480), (1024, 512), (1025, 512), (1280, 960), (3840, 2160)];
@@ -130,8 +131,8 @@ fn blocks_trace_each_of_their_pixels_in_turn() {
     }
 }
 
-/// All pixels of a block have the variance of its pictures, which leaves out the difference between
-/// the pixels that they trace.
+/// All pixels of a block get the variance of the block's pictures. This variance leaves out the
+/// difference between the pixels that the pictures trace.
 #[test]
 fn pixels_share_the_variances_of_their_block() {
     let blocks = PilotBlocks { edge: 2, film_size: (5, 3) };

@@ -77,16 +77,16 @@ pub(super) struct RelativePixelVariances {
     /// Relative variance of the light that a path finds before its first receiver (surface or
     /// medium that stores photons): emission, and direct light at casters such as rough glass.
     ///
-    /// A negative covariance of this light and that of `from_receiver` is included: twice the
-    /// covariance is added. It is negative at edges, where a ray finds either one light or the
-    /// other.
+    /// If the covariance of this light and the light of `from_receiver` is negative, twice the
+    /// covariance is added. The covariance is negative at edges, where a ray finds either one light
+    /// or the other.
     pub up_to_receiver: f64,
     /// Relative variance of the photon estimate at the first receiver (surface or medium that
     /// stores photons).
     pub photon_estimate: f64,
-    /// Relative variance of one ray that is aimed at the pixel's lamp images, the film regions
-    /// where camera rays meet a small lamp. The value is approximated by the square of the light of
-    /// these lamp images.
+    /// Relative variance of the light that one ray finds if it is aimed at the pixel's lamp images,
+    /// the film regions where camera rays meet a small lamp. The value is approximated by the
+    /// square of the light of these lamp images.
     pub aimed: f64,
     /// Relative variance of the light that one ordinary camera ray finds in the pixel's lamp
     /// images, the film regions where camera rays meet a small lamp.
@@ -95,7 +95,7 @@ pub(super) struct RelativePixelVariances {
 
 /// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
 ///
-/// `light` holds the statistics of each of the `blocks`, which all pixels of a block share. They
+/// `light` holds the statistics of each of the `blocks`. All pixels of a block share them. They
 /// contain little light of the lamp images `images` (film regions where camera rays meet a small
 /// lamp), so the function adds that light.
 ///

@@ -5,24 +5,29 @@ use crate::math::positive_median;
 use rayon::prelude::*;
 use std::ops::{AddAssign, Mul};
 
-/// Number of standard errors by which blur must exceed its expected value to count as larger.
+/// Number of standard errors by which the measured blur of density estimates must exceed its
+/// expected value to count as larger.
 const LARGER_BLUR: f64 = 3.0;
 
-/// Number of standard errors by which blur must fall below its expected value to count as smaller.
+/// Number of standard errors by which the measured blur of density estimates must fall below its
+/// expected value to count as smaller.
 ///
-/// Fewer than [`LARGER_BLUR`], because the two mistakes differ. If blur is taken as too small,
-/// density estimates blur the caustic a little more. If it is taken as too large, splats add noise.
+/// The number is smaller than [`LARGER_BLUR`], because the two mistakes differ. If blur is taken as
+/// too small, density estimates blur the caustic a little more. If blur is taken as too large,
+/// splats add noise.
 const SMALLER_BLUR: f64 = 1.0;
 
-/// Weighted sums over pixels, from which squared blur follows as a ratio.
+/// Weighted sums over pixels whose ratio is the *squared blur*: the squared relative error that
+/// blur causes in density estimates.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BlurSums {
-    /// Unbiased estimate of the sum of squared differences that blur makes, each times its pixel's
-    /// weight. Noise can make it negative.
+    /// Unbiased estimate of the sum over pixels of (blurred light − unblurred light)², each times
+    /// its pixel's weight. Noise can make it negative.
     squared_differences: f64,
     /// Variance of `squared_differences` by the noise of the splats.
     variance: f64,
-    /// Sum of squared means, each times its pixel's weight.
+    /// Sum over pixels of the squared mean of the light in a density estimate's disc, each times
+    /// its pixel's weight.
     squared_means: f64,
 }
 
@@ -47,8 +52,8 @@ impl Mul<f64> for BlurSums {
 }
 
 impl BlurSums {
-    /// Returns the unbiased estimate of squared blur, and its standard error. Both are 0 without
-    /// light.
+    /// Returns an unbiased estimate of the squared relative error that blur causes in density
+    /// estimates, and its standard error. Both are 0 without light.
     pub fn estimate(&self) -> (f64, f64) {
         if self.squared_means > 0.0 {
             (self.squared_differences / self.squared_means, self.variance.sqrt() / self.squared_means)
@@ -58,8 +63,8 @@ impl BlurSums {
     }
 
     /// Returns the estimate of squared blur, drawn towards `expected` by as much as noise could
-    /// explain the difference (nonnegative garrote, Breiman 1995). Without this, noise would count
-    /// as blur, because squared blur cannot be negative.
+    /// explain the difference (nonnegative garrote, Breiman 1995). Otherwise noise would count as
+    /// blur, because squared blur cannot be negative.
     fn estimate_drawn_towards(&self, expected: f64) -> f64 {
         let (squared_blur, error) = self.estimate();
         let difference = squared_blur - expected;
@@ -68,7 +73,8 @@ impl BlurSums {
     }
 }
 
-/// Squared relative error of density estimates by blur, for blocks of pixels.
+/// Squared relative error that blur causes in density estimates, for blocks of pixels and for the
+/// whole film.
 pub(super) struct BlurMap {
     /// Number of blocks per row.
     columns: u32,
@@ -76,7 +82,7 @@ pub(super) struct BlurMap {
     rows: u32,
     /// Sums over the pixels of each block, by rows from the top.
     pub blocks: Vec<BlurSums>,
-    /// Squared blur of the whole film.
+    /// Squared relative error that blur causes in density estimates, over the whole film.
     pub film: f64,
 }
 
@@ -112,10 +118,11 @@ impl BlurMap {
         Self { columns, rows, blocks, film: film.estimate_drawn_towards(0.0) }
     }
 
-    /// Returns the squared blur at the pixel in the given column and row.
+    /// Returns the squared relative error that blur causes in density estimates at the pixel in the
+    /// given column and row.
     ///
-    /// At the center of a block, it is the mean over this block and the eight blocks around it,
-    /// drawn towards the squared blur of the film. Sums are interpolated between the centers of
+    /// At the center of a block, the value is the mean over this block and the eight blocks around
+    /// it, drawn towards the value of the film. Sums are interpolated between the centers of
     /// blocks, so that the result has no edges.
     pub fn squared_blur(&self, (x, y): (u32, u32)) -> f64 {
         let position = |at: u32| (f64::from(at) + 0.5) / f64::from(BLOCK_SIZE) - 0.5;

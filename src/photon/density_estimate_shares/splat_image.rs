@@ -26,9 +26,10 @@ pub(super) const BLOCK_SIZE: u32 = 8;
 /// Sums over splats. The value of a splat is the mean of its color channels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SplatSums {
-    /// Sum of the values.
+    /// Sum of the splats' values; the value of a splat is the mean of its color channels.
     pub values: f64,
-    /// Sum of the squares of the values.
+    /// Sum of the squares of the splats' values; the value of a splat is the mean of its color
+    /// channels.
     pub squares: f64,
 }
 
@@ -40,7 +41,8 @@ impl AddAssign for SplatSums {
 }
 
 impl SplatSums {
-    /// Number of splats of equal values whose sum has the same relative variance.
+    /// Effective number of splats: the number of splats of equal values whose sum has the relative
+    /// variance of this sum.
     fn effective_count(&self) -> f64 {
         if self.squares > 0.0 { self.values * self.values / self.squares } else { 0.0 }
     }
@@ -50,7 +52,7 @@ impl SplatSums {
 pub(super) struct SplatImage {
     pub width: u32,
     pub height: u32,
-    /// Sums of each pixel, by rows from the top.
+    /// Sums over the splats in each pixel, by rows from the top.
     pub sums: Vec<SplatSums>,
     /// True for the [blocks](BLOCK_SIZE) within two blocks of a splat, by rows from the top. All
     /// other pixels are farther than [`MAX_COUNT_HALF_WIDTH`] from any splat.
@@ -105,7 +107,8 @@ impl SplatImage {
         square_sum(|pixel| self.sums[pixel], pixel, half_width as usize, size)
     }
 
-    /// Estimates the effective number of splats per pixel around `pixel`.
+    /// Estimates the effective number of splats per pixel around `pixel`: the number of splats of
+    /// equal values with as much relative noise.
     pub fn splats_per_pixel(&self, pixel: usize) -> f64 {
         let (x, y) = self.column_and_row(pixel);
         if !self.is_block_near_splats(y / BLOCK_SIZE * self.block_grid().0 + x / BLOCK_SIZE) {

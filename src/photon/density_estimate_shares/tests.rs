@@ -30,7 +30,8 @@ fn random_splats(per_pixel: f64, seed: u64) -> Vec<Splat> {
     (0..count).map(|_| splat_at(rng.random::<f32>() * width as f32, rng.random::<f32>() * height as f32)).collect()
 }
 
-/// Ratio of splats to density estimates in the first pass, in column `x` of the middle row.
+/// Returns the ratio of splat flux to density-estimate flux in the first pass, in column `x` of the
+/// middle row.
 fn ratio_at(shares: &DensityEstimateShares, x: usize) -> f32 {
     let FluxRatio { noise, blur } = shares.first_pass_ratios[16 * SIZE.0 as usize + x];
     noise + blur
@@ -59,9 +60,10 @@ fn uniform_light_needs_many_photons_for_splats() {
     assert!(shares(|_, _| 0, 1.0).first_pass_ratios.iter().all(|ratio| *ratio == FluxRatio::default()));
 }
 
-/// The noise of few splats in a pilot does not count as blur. In uniform light with one photon per
-/// pixel and pass, and a quarter of it in the pilot, the ratio is 1/50 + 1/100 without noise. The
-/// mean ratio exceeds it by less than half; noise that counted as blur would make it 0.2.
+/// The noise of few splats in a pilot does not count as blur. In uniform light, let a pass have one
+/// photon per pixel, and the pilot a quarter. The ratio of splats to density estimates is then 0.03
+/// without noise, 1/50 for noise and 1/100 for a focus. The mean ratio exceeds this value by less
+/// than half; noise that counted as blur would make it 0.2.
 #[test]
 fn pilot_noise_hardly_raises_the_share_of_splats() {
     let ratios: Vec<f64> = (0..20)
@@ -74,9 +76,9 @@ fn pilot_noise_hardly_raises_the_share_of_splats() {
     assert!((0.03..0.045).contains(&mean), "{mean}");
 }
 
-/// A bright line is blurred by density estimates, so splats carry more of its flux and of that near
-/// it than in uniform light with as many photons per pixel. Far from the line, uniform light keeps
-/// its small share of splats.
+/// Density estimates blur a bright line. So splats carry more of the flux on the line and near it
+/// than in uniform light with as many photons per pixel. Far from the line, uniform light keeps its
+/// small share of splats.
 #[test]
 fn splats_carry_more_flux_where_light_is_blurred() {
     let line = shares(|x, _| if x == 8 { 40 } else { 4 }, 0.25);
@@ -130,8 +132,8 @@ fn one_bright_splat_hardly_changes_the_blur_of_the_film() {
 }
 
 /// Estimates of blur are unbiased: for uniform light with few random splats, their mean over many
-/// pilots is 0 within five standard errors. Their variance is that which they report, within five
-/// standard errors √(2/399) of a variance of 400 values.
+/// pilots is 0 within five standard errors. Their sample variance agrees with the variance that
+/// they report, within five standard errors √(2/399) of a variance of 400 values.
 #[test]
 fn blur_of_uniform_light_is_zero_within_its_error() {
     let estimates: Vec<(f64, f64)> = (0..400)
