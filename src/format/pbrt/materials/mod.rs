@@ -1,7 +1,10 @@
 //! Materials that a pbrt file defines, and the materials of the imported scene.
 
 mod converter;
-mod glasses;
+mod parameter_reader;
+mod refractive_index;
+mod roughness;
+mod surfaces;
 
 use super::files::{PbrtSceneFiles, PbrtSourceLocation, ReadResult};
 use super::graphics_state::MaterialReference;
@@ -11,6 +14,7 @@ use crate::format::description::{MaterialDescription, Spanned, TexturedValue};
 use crate::format::import_notes::ImportNotes;
 use crate::format::imported_materials::ImportedMixLimits;
 use converter::PbrtMaterialConverter;
+use parameter_reader::ParameterReader;
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -149,11 +153,12 @@ impl PbrtMaterials {
         if let Some(converted) = self.converted.get(&key) {
             return Ok(converted.clone());
         }
-        let mut converter = PbrtMaterialConverter { materials: self, textures, files, notes, medium };
+        let reader = ParameterReader { textures, files, notes };
+        let mut converter = PbrtMaterialConverter { materials: self, reader, medium };
         let mut name = converter.convert_material(&MaterialReference::Numbered(number), 0)?;
         if let Some(parameter) = alpha {
-            let value = converter.textures.parameter_value(parameter, false, place, files)?;
-            let (amount, mean) = converter.textured_scalar_and_mean(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
+            let value = converter.reader.textures.parameter_value(parameter, false, place, files)?;
+            let (amount, mean) = converter.reader.textured_scalar_and_mean(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
             if amount != TexturedValue::Constant(1.0) && mean < 1.0 {
                 name = converter.mix_with_transparent(&name, amount)?;
             }
