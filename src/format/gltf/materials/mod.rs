@@ -1,16 +1,25 @@
 //! Materials of a scene that is imported from a glTF file, each converted at its first use.
 
 mod converter;
+mod emission;
+mod glass;
 mod layers;
+mod opaque;
+mod surfaces;
 
 use super::context::{FileContext, ReadResult};
+use super::document::IGNORED_MATERIAL_EXTENSIONS;
 use super::textures::GltfTextures;
-use crate::format::description::ObjectGroup;
+use crate::format::description::{
+    DiffuseDescription, MaterialDescription, MaterialKindDescription, ObjectGroup, TexturedValue,
+};
 use crate::format::import_notes::ImportNotes;
-use crate::format::imported_materials::ImportedMaterials;
-use converter::GltfMaterialConverter;
-use glam::DVec4;
+use crate::format::imported_materials::{ImportedMaterials, mix_of};
+use converter::{GltfMaterialConverter, clamped_to_unit};
+use emission::{emission, emission_times_alpha, opacity};
+use glam::{DVec3, DVec4};
 use std::collections::HashMap;
+use surfaces::surface_description;
 
 /// A material of the imported scene, with those of its properties that the objects with this
 /// material need.
@@ -67,7 +76,7 @@ impl<'a> GltfMaterials<'a> {
         let name = self.list.unique_name(material.name().unwrap_or(&number));
         let mut converter =
             GltfMaterialConverter { materials: self, notes, context, name, texcoord_set: None, normal: None };
-        let imported = converter.convert_material(material, vertex_color)?;
+        let imported = convert_material(&mut converter, material, vertex_color)?;
         self.converted_materials.insert(key, imported.clone());
         Ok(imported)
     }
@@ -78,4 +87,55 @@ impl<'a> GltfMaterials<'a> {
         let textures = self.list.remove_unused(objects);
         self.textures.keep_textures(&textures);
     }
+}
+
+/// Converts `material`, adds the result to the imported scene, and returns its name and
+/// properties.
+///
+/// `vertex_color` multiplies the base color and alpha.
+fn convert_material(
+    c: &mut GltfMaterialConverter<'_, '_>,
+    material: &gltf::Material<'_>,
+    vertex_color: DVec4,
+) -> ReadResult<GltfImportedMaterial> {
+    for (extension, message) in IGNORED_MATERIAL_EXTENSIONS {
+        if material.extension_value(extension).is_some() {
+            c.add_note(message);
+        }
+    }
+    let pbr = material.pbr_metallic_roughness();
+    let glossy = material.pbr_specular_glossiness();
+    let (factor, texture) = match &glossy {
+        Some(glossy) => (glossy.diffuse_factor(), glossy.diffuse_texture()),
+        None => (pbr.base_color_factor(), pbr.base_color_texture()),
+    };
+    let base_texture = c.texture_reference(texture.as_ref());
+    let factor = DVec4::from(factor.map(clamped_to_unit)) * vertex_color;
+    let alpha = opacity(c, material, factor.w, base_texture.as_ref())?;
+    let emission = emission(c, material, factor.truncate(), base_texture.as_ref())?;
+    let emission = emission.map(|emission| emission_times_alpha(c, emission, &alpha));
+    let emits = emission.is_some();
+    let kind = if material.unlit() {
+        c.add_note("unlit surfaces emit their base color, and reflect nothing");
+        MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: DVec3::ZERO.into() })
+    } else {
+        surface_description(c, material, factor.truncate(), base_texture)?
+    };
+    let kind = match &alpha {
+        TexturedValue::Constant(alpha) if *alpha == 1.0 => kind,
+        _ => {
+            let (clear, solid) = (c.materials.list.transparent_material_name(), c.add_mix_component("solid", kind));
+            mix_of(clear, solid, alpha.clone())
+        }
+    };
+    let normal = if kind.mix_material_names().is_none() { c.normal.take() } else { None };
+    c.materials.list.push(MaterialDescription {
+        name: Some(c.name.clone()),
+        kind,
+        emission,
+        normal_perturbation: normal,
+        medium: None,
+    });
+    let is_invisible = alpha == TexturedValue::Constant(0.0);
+    Ok(GltfImportedMaterial { name: c.name.clone(), texcoord_set: c.texcoord_set, is_invisible, emits })
 }
