@@ -43,10 +43,14 @@ impl MetalDescription {
         Self::Index { eta: eta.clamp(least, greatest), k: k.clamp(DVec3::ZERO, greatest) }
     }
 
-    /// Returns the conductor with the `reflectance` at normal incidence, clamped to \[0, 1].
+    /// Returns the conductor with the `reflectance` at normal incidence. A constant reflectance is
+    /// clamped to \[0, 1].
     #[must_use]
-    pub fn with_clamped_reflectance(reflectance: DVec3) -> Self {
-        Self::Reflectance(reflectance.clamp(DVec3::ZERO, DVec3::ONE).into())
+    pub fn with_clamped_reflectance(reflectance: impl Into<TexturedValue<DVec3>>) -> Self {
+        Self::Reflectance(match reflectance.into() {
+            TexturedValue::Constant(color) => color.clamp(DVec3::ZERO, DVec3::ONE).into(),
+            texture @ TexturedValue::Texture(_) => texture,
+        })
     }
 
     /// Returns the name of the texture of the reflectance; `None` if no texture is used.

@@ -131,8 +131,8 @@ impl GltfMaterialConverter<'_, '_> {
         name
     }
 
-    /// Adds two materials to the imported scene, each with the suffix of its name, and returns a mix
-    /// of both. `amount` is the weight of the second one.
+    /// Adds two materials to the imported scene, each given by a suffix for its name and its kind.
+    /// Returns a mix of both, in which `amount` is the weight of the second one.
     pub(super) fn mix_components(
         &mut self,
         [first, second]: [(&str, MaterialKindDescription); 2],

@@ -62,12 +62,9 @@ pub(super) fn metal_description(
     surface: &MetallicRoughnessSurface<'_>,
 ) -> ReadResult<MaterialKindDescription> {
     let MetallicRoughnessSurface { base_color: base, base_texture, ggx_alpha_and_mean: alpha, .. } = surface;
-    let metal = match c.textured_color(base_texture.as_ref(), *base)? {
-        TexturedValue::Constant(color) => MetalDescription::with_clamped_reflectance(color),
-        texture @ TexturedValue::Texture(_) => MetalDescription::Reflectance(texture),
-    };
+    let reflectance = c.textured_color(base_texture.as_ref(), *base)?;
     Ok(MaterialKindDescription::Conductor(ConductorDescription {
-        metal,
+        metal: MetalDescription::with_clamped_reflectance(reflectance),
         roughness: alpha.0.clone(),
         has_multiple_scattering: true,
     }))

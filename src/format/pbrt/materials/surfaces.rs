@@ -213,10 +213,7 @@ fn conductor_description(
     };
     if p.find(reflectance).is_some() {
         let (value, _) = r.textured_color_and_mean(p, reflectance, 0.5, &|c| c)?;
-        return Ok(conductor(match value {
-            TexturedValue::Constant(color) => MetalDescription::with_clamped_reflectance(color),
-            texture @ TexturedValue::Texture(_) => MetalDescription::Reflectance(texture),
-        }));
+        return Ok(conductor(MetalDescription::with_clamped_reflectance(value)));
     }
     let mut value = |name: &str, is_eta: bool| match p.find(name) {
         Some(parameter) if parameter.kind == "texture" => {
