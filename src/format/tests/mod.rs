@@ -1,9 +1,6 @@
 //! Tests of the scene language: examples of its reference, canonical form, random descriptions.
 
-mod media;
-mod refraction;
 mod strategies;
-mod values;
 mod variants;
 
 use proptest::collection::vec;

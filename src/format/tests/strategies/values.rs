@@ -1,7 +1,9 @@
-//! Random numbers, vectors and names for proptest.
+//! Random numbers, vectors, names and transform steps.
 
-use glam::DVec3;
+use glam::{DMat4, DVec2, DVec3};
 use proptest::prelude::*;
+
+use crate::format::description::{Span, Spanned, TransformStep};
 
 pub fn random_finite_number() -> impl Strategy<Value = f64> {
     use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
@@ -50,4 +52,39 @@ pub fn random_name() -> impl Strategy<Value = String> {
 pub fn random_corner_and_edges() -> impl Strategy<Value = (DVec3, DVec3, DVec3)> {
     (random_point(), random_direction(), random_direction())
         .prop_filter("no area", |(_, a, b)| a.normalize().cross(b.normalize()).length() > 1e-9)
+}
+
+pub fn random_vec2() -> impl Strategy<Value = DVec2> {
+    [random_finite_number(), random_finite_number()].prop_map(DVec2::from_array)
+}
+
+pub fn random_transform_step() -> impl Strategy<Value = TransformStep> {
+    let scale = || prop_oneof![0.01..100.0, -100.0..-0.01];
+    let angle = || -1e3..1e3;
+    prop_oneof![
+        [scale(), scale(), scale()].prop_map(|s| TransformStep::Scale(DVec3::from_array(s))),
+        scale().prop_map(TransformStep::UniformScale),
+        random_direction().prop_map(TransformStep::Translate),
+        angle().prop_map(TransformStep::RotateX),
+        angle().prop_map(TransformStep::RotateY),
+        angle().prop_map(TransformStep::RotateZ),
+        (random_direction(), angle()).prop_map(|(axis, angle)| TransformStep::Rotate { axis, angle }),
+        ([scale(), scale(), scale()], random_direction()).prop_map(|(s, t)| {
+            TransformStep::Matrix(DMat4::from_translation(t) * DMat4::from_scale(DVec3::from_array(s)))
+        }),
+    ]
+}
+
+/// Returns a random step of a motion. If `scales` is false, it is no scale.
+pub fn random_motion_step(scales: bool) -> impl Strategy<Value = TransformStep> {
+    random_transform_step().prop_filter("cannot grow", move |map| match *map {
+        TransformStep::Matrix(_) => false,
+        TransformStep::Scale(s) => scales && s.min_element() > 0.0,
+        TransformStep::UniformScale(s) => scales && s > 0.0,
+        _ => true,
+    })
+}
+
+pub fn with_empty_span<T>(value: T) -> Spanned<T> {
+    Spanned::new(value, Span::default())
 }

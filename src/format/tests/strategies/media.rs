@@ -1,15 +1,14 @@
-//! Random media for proptest.
+//! Random media.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use super::super::description::{
+use super::values::*;
+use crate::format::description::{
     DensityDescription, DielectricDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients,
     MediumDescription, MixDescription, NullInterfaceDescription, PhaseFunctionDescription, Spanned,
     TransformedBoxDescription,
 };
-use super::strategies::{random_transform_step, with_empty_span};
-use super::values::{random_coefficients, random_fractions, random_name, random_point};
 
 fn random_medium_coefficients() -> impl Strategy<Value = MediumCoefficients> {
     prop_oneof![
