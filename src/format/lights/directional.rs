@@ -73,8 +73,4 @@ impl LightBlock for DirectionalLightDescription {
         add_delta_light(r, UnscaledDeltaLight::Directional { direction: self.direction }, strength, motion);
         Ok(())
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }

@@ -35,8 +35,4 @@ impl LightBlock for PointLightDescription {
         add_delta_light(r, UnscaledDeltaLight::Point { position: self.position }, self.strength.resolve(), motion);
         Ok(())
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }

@@ -73,10 +73,6 @@ impl LightBlock for SpotLightDescription {
         add_delta_light(r, kind, self.strength.resolve(), motion);
         Ok(())
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }
 
 /// Fails unless the width of the soft rim lies between 0 and half of the cone's opening angle.

@@ -41,10 +41,6 @@ impl ShapeBlock for BoxDescription {
     ) -> Result<(), SceneError> {
         add_solid(r, placement, Cuboid::new(self.min, self.max).map(Shape::Cuboid), emission)
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }
 
 /// Fails unless the corner `max` is above the corner `min` in every coordinate.

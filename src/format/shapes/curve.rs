@@ -50,10 +50,6 @@ impl ShapeBlock for BezierCurveDescription {
         // A curve has no surface.
         Ok(())
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }
 
 impl ShapeBlock for BsplineCurveDescription {
@@ -68,9 +64,5 @@ impl ShapeBlock for BsplineCurveDescription {
     fn add(&self, _: &mut Resolver<'_>, _: &ObjectPlacement<'_>, _: &ObjectEmission) -> Result<(), SceneError> {
         // A curve has no surface.
         Ok(())
-    }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
     }
 }

@@ -41,8 +41,4 @@ impl ShapeBlock for DiscDescription {
         let disc = Shape::Disc(Disc::circular_disc(center, normal, radius));
         add_shape_object(r, placement, disc, TextureMappingKind::disc_mapping(center, normal, radius), emission)
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }

@@ -114,10 +114,6 @@ impl ShapeBlock for CylinderDescription {
         let cylinder = Frustum::cylinder(bottom, top, self.radius, self.is_capped);
         add_solid(r, placement, cylinder.map(Shape::Frustum), emission)
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }
 
 impl ShapeBlock for ConeDescription {
@@ -135,10 +131,6 @@ impl ShapeBlock for ConeDescription {
         let [bottom, top] = self.ends;
         let cone = Frustum::new(bottom, top, self.radii, self.is_capped);
         add_solid(r, placement, cone.map(Shape::Frustum), emission)
-    }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
     }
 }
 

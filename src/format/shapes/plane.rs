@@ -63,8 +63,4 @@ impl ShapeBlock for PlaneDescription {
         set_emission_texture(r, emission);
         Ok(())
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }

@@ -39,8 +39,4 @@ impl ShapeBlock for RectangleDescription {
         let rectangle = Shape::Rectangle(Rectangle::new(corner, edge0, edge1));
         add_shape_object(r, placement, rectangle, TextureMappingKind::rectangle_mapping(corner, edge0, edge1), emission)
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }

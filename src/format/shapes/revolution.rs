@@ -43,10 +43,6 @@ impl ShapeBlock for RevolutionDescription {
         let surface = surface.map_err(|e| spline_error(r, placement.span, &e))?;
         add_shape_object(r, placement, Shape::Revolution(surface), TextureMappingKind::Uv, emission)
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }
 
 /// Returns the surface of revolution of a profile curve.

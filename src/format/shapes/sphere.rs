@@ -42,8 +42,4 @@ impl ShapeBlock for SphereDescription {
         let sphere = Shape::Sphere(Sphere::new(self.center, self.radius));
         add_shape_object(r, placement, sphere, TextureMappingKind::Spherical { center: self.center }, emission)
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }

@@ -89,10 +89,6 @@ impl ShapeBlock for TriangleDescription {
         set_emission_texture(r, emission);
         Ok(())
     }
-
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
 }
 
 /// Returns the values of the three fields `names`; `None` if all three are absent.

@@ -10,7 +10,6 @@ use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::textures::TextureRequirements;
-use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
 use crate::scene::Material;
 use glam::DVec3;
@@ -57,9 +56,5 @@ impl MaterialBlock for CoatedDiffuseDescription {
         let reflectance = r.resolve_reflectance_parameter(&self.reflectance, requirements)?;
         let roughness = r.resolve_fraction_parameter(&self.roughness, requirements)?;
         Ok(Material::coated_diffuse(reflectance, self.eta as f32, roughness, self.is_nonlinear))
-    }
-
-    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
-        None
     }
 }

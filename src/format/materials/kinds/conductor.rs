@@ -10,7 +10,6 @@ use crate::format::materials::metal::{METAL, MetalDescription, resolve_metal};
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::textures::TextureRequirements;
-use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
 use crate::scene::Material;
 
@@ -43,9 +42,5 @@ impl MaterialBlock for ConductorDescription {
         let roughness = r.resolve_fraction_parameter(&self.roughness, requirements)?;
         let metal = Material::conductor_of_index(index, roughness);
         Ok(with_multiple_scattering(metal, self.has_multiple_scattering))
-    }
-
-    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
-        None
     }
 }

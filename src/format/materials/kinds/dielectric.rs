@@ -11,7 +11,6 @@ use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
 use crate::format::materials::refraction::{REFRACTION, RefractiveIndexDescription, resolve_refractive_index};
 use crate::format::resolve::textures::TextureRequirements;
 use crate::format::resolve::{Resolver, rgb};
-use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
 use crate::scene::{Body, Material};
 
@@ -54,9 +53,5 @@ impl MaterialBlock for DielectricDescription {
         let absorption = rgb(self.absorption.absorption_coefficient());
         let body = Body { absorption, priority: self.priority, glass, ..Body::new(index) };
         Ok(with_multiple_scattering(Material::rough_boundary(body, roughness), self.has_multiple_scattering))
-    }
-
-    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
-        None
     }
 }

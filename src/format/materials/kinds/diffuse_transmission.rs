@@ -9,7 +9,6 @@ use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::textures::TextureRequirements;
-use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
 use crate::scene::Material;
 use glam::DVec3;
@@ -49,9 +48,5 @@ impl MaterialBlock for DiffuseTransmissionDescription {
         let reflectance = r.resolve_reflectance_parameter(&self.reflectance, requirements)?;
         let transmittance = r.resolve_reflectance_parameter(&self.transmittance, requirements)?;
         Ok(Material::diffuse_transmission(reflectance, transmittance))
-    }
-
-    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
-        None
     }
 }

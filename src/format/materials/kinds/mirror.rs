@@ -9,7 +9,6 @@ use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::textures::TextureRequirements;
-use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
 use crate::scene::Material;
 use glam::DVec3;
@@ -35,9 +34,5 @@ impl MaterialBlock for MirrorDescription {
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         Ok(Material::mirror(r.resolve_reflectance_parameter(&self.reflectance, requirements)?))
-    }
-
-    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
-        None
     }
 }

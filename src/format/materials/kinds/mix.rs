@@ -58,10 +58,6 @@ impl MaterialBlock for MixDescription {
         let (first, second) = (material_index(r, &self.first)?, material_index(r, &self.second)?);
         Ok(Material::mix(first, second, r.resolve_fraction_parameter(&self.second_probability, requirements)?))
     }
-
-    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
-        None
-    }
 }
 
 impl MixConstraints {

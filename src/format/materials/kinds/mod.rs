@@ -80,7 +80,9 @@ trait MaterialBlock: BlockCodec {
     /// or, if no texture has this name, the path of a picture file.
     ///
     /// `None` if the field is absent, and for all other kinds of materials.
-    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>>;
+    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
+        None
+    }
 }
 
 /// Kind of body that a closed surface encloses.

@@ -11,7 +11,6 @@ use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
 use crate::format::resolve::Resolver;
 use crate::format::resolve::textures::TextureRequirements;
-use crate::format::span::Spanned;
 use crate::scene::{Body, Material};
 use std::fmt;
 
@@ -49,9 +48,5 @@ impl MaterialBlock for NullInterfaceDescription {
     fn resolve(&self, _: &mut Resolver<'_>, _: &mut TextureRequirements) -> Result<Material, SceneError> {
         let body = Body { priority: self.priority, is_null_interface: true, ..Body::new(1.0) };
         Ok(Material::smooth_boundary(body))
-    }
-
-    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
-        None
     }
 }

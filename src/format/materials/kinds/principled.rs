@@ -11,7 +11,6 @@ use crate::format::materials::emission::EMISSION_FIELDS;
 use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
 use crate::format::resolve::textures::TextureRequirements;
 use crate::format::resolve::{Resolver, rgb};
-use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
 use crate::scene::{Body, ConductorIndex, Material, MaterialParameter};
 use glam::DVec3;
@@ -110,9 +109,5 @@ impl MaterialBlock for PrincipledDescription {
         let metal = under_clear_coat(with_scattering(metal));
         let dielectric = r.material_parts.mix(coated, glass, transmission);
         Ok(r.material_parts.mix(dielectric, metal, metallic))
-    }
-
-    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
-        None
     }
 }

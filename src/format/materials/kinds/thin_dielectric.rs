@@ -10,7 +10,6 @@ use crate::format::materials::normals::NORMAL_PERTURBATION_FIELDS;
 use crate::format::materials::refraction::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX};
 use crate::format::resolve::Resolver;
 use crate::format::resolve::textures::TextureRequirements;
-use crate::format::span::Spanned;
 use crate::format::textured_value::TexturedValue;
 use crate::scene::Material;
 use glam::DVec3;
@@ -46,9 +45,5 @@ impl MaterialBlock for ThinDielectricDescription {
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let transmittance = r.resolve_reflectance_parameter(&self.transmittance, requirements)?;
         Ok(Material::thin_dielectric(self.eta as f32, transmittance))
-    }
-
-    fn ambiguous_texture_reference_mut(&mut self) -> Option<&mut Spanned<String>> {
-        None
     }
 }
