@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 /// ranges that [`description`](super::description) states, and groups nest at most
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep. An embedded asset takes the place of a
 /// file of the same path, so the paths in [`EmbeddedAssets`] must differ from those of files.
-/// `import_notes.rs` collects messages about unsupported content. `default_camera.rs` makes a
-/// camera for a file that has none.
+/// `import_notes.rs` collects messages about unsupported content. `imported_files.rs` opens files
+/// and checks permission and memory. `default_camera.rs` makes a camera for a file that has none.
 ///
 /// Each importer has three tests of malformed files:
 ///

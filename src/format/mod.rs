@@ -16,6 +16,8 @@ pub mod gltf;
 pub mod grid;
 mod import;
 mod import_notes;
+mod imported_environment;
+mod imported_files;
 mod imported_materials;
 mod language;
 mod lights;

@@ -3,6 +3,7 @@
 use super::assets::EmbeddedAssets;
 use super::file_extensions::{SCENE_TEXT_EXTENSIONS, lowercase_extension, remedy_for_foreign_scene};
 use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError};
+use super::imported_files::check_memory;
 use super::language::parse_scene_bytes;
 use super::mesh::MeshReadMonitor;
 use super::{SceneError, SourceText};
@@ -43,10 +44,7 @@ impl SceneImporter for SceneTextImporter {
             let message = format!("`.{extension}` is no scene format that is read");
             return Err(SceneError::error_without_position(&name, message, help).into());
         }
-        let needed = SCENE_BYTES_PER_TEXT_BYTE * length;
-        if let Some(free) = options.memory_limit.available_bytes().filter(|free| needed > *free) {
-            return Err(SceneReadError::OutOfMemory { path: path.to_owned(), needed, free });
-        }
+        check_memory(path, SCENE_BYTES_PER_TEXT_BYTE * length, options.memory_limit.available_bytes())?;
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(unreadable)?;
         let description = parse_scene_bytes(&name, &bytes)?;

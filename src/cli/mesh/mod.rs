@@ -12,7 +12,7 @@ use crate::format::mesh::{
     self, LoadedMesh, MeshError, MeshFormat, MeshRepairOptions, MeshReport, RepairCounts, TriangleMesh,
 };
 use crate::format::mtl;
-use crate::image::check_replaceable;
+use crate::image::{check_replaceable, parent_folder};
 use crate::stats::MemoryLimit;
 use glam::DVec3;
 use serde::Serialize;
@@ -203,6 +203,6 @@ fn write_mesh_and_materials(
 /// Returns the folder that contains the file `path`. Symbolic links are resolved if the folder
 /// exists.
 fn canonical_parent_folder(path: &Path) -> PathBuf {
-    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let parent = parent_folder(path);
     std::fs::canonicalize(parent).unwrap_or_else(|_| parent.to_owned())
 }

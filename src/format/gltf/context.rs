@@ -2,14 +2,13 @@
 
 pub(super) use crate::format::import::ReadResult;
 use crate::format::import::{ImportOptions, SceneReadError};
+use crate::format::imported_files;
 use crate::format::mesh::MeshReadMonitor;
 use crate::format::{SceneError, SourceText};
-use crate::image::open_file;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::borrow::Cow;
 use std::fmt::Display;
-use std::io::Read;
 use std::path::Path;
 
 /// Help text of an error for which the importer has no more specific advice.
@@ -53,23 +52,13 @@ impl FileContext<'_> {
 
     /// Fails if `needed` bytes exceed the free memory.
     pub fn check_memory(&self, needed: u64) -> ReadResult<()> {
-        match self.free_memory() {
-            Some(free) if needed > free => {
-                Err(SceneReadError::OutOfMemory { path: self.path.to_owned(), needed, free })
-            }
-            _ => Ok(()),
-        }
+        imported_files::check_memory(self.path, needed, self.free_memory())
     }
 
     /// Returns the content of a file. Fails before reading if the file is larger than the free
     /// memory.
     pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
-        let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
-        let (file, length) = open_file(path).map_err(unreadable)?;
-        self.check_memory(length)?;
-        let mut bytes = Vec::new();
-        file.take(length).read_to_end(&mut bytes).map_err(unreadable)?;
-        Ok(bytes)
+        imported_files::read_file(path, |length| self.check_memory(length))
     }
 
     /// Returns the content of a data URI, or of the file that a relative URI names.
@@ -91,17 +80,8 @@ impl FileContext<'_> {
             let help = "download it, and write the name of the file into the glTF file";
             return Err(self.error_with_help(place, format!("`{name}` is not a local file"), help));
         }
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let file = folder.join(&*name);
-        let Ok(absolute) = file.canonicalize() else {
-            let help = format!("put the file at `{}`", file.display());
-            return Err(self.error_with_help(place, format!("the file `{name}` does not exist"), &help));
-        };
-        let is_inside = folder.canonicalize().is_ok_and(|folder| absolute.starts_with(folder));
-        if !is_inside && !self.options.allows_outside_files {
-            let help = "move the file below the scene's folder, or trust the scene with --allow-outside";
-            return Err(self.error_with_help(place, format!("`{name}` is outside the folder of the scene"), help));
-        }
+        let file = imported_files::find_file_in_folder(self.path, &name, self.options)
+            .map_err(|(message, help)| self.error_with_help(place, message, &help))?;
         self.monitor.on_input_file_found(&file);
         self.read_file(&file)
     }

@@ -9,6 +9,7 @@ use super::textures::MitsubaTextures;
 use super::tree::MitsubaObject;
 use crate::color::Rgb;
 use crate::format::description::{EnvironmentRadiance, Span, Spanned};
+use crate::format::imported_environment::equirectangular_image;
 use crate::image::Image;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
@@ -67,32 +68,11 @@ pub(super) fn read_environment(
     Ok(EnvironmentRadiance::Picture { path, scale, rotate })
 }
 
-/// Returns an environment map that shows `image` under the linear transform `to_world`.
-///
-/// Both maps have Mitsuba's layout and the same size. Each pixel is the mean of
-/// [`SAMPLES_PER_PIXEL_SIDE`]² values of `image`. Returns `None` if the transform is singular.
+/// Returns an environment map of the same size that shows `image` under the linear transform
+/// `to_world`; `None` if the transform is singular.
 fn resampled_environment(image: &Image, to_world: DMat3) -> Option<Image> {
-    let inverse = to_world.inverse();
-    if !inverse.is_finite() {
-        return None;
-    }
-    let (width, height) = (image.width(), image.height());
-    let mut pixels = Vec::with_capacity(image.pixels().len());
-    for row in 0..height {
-        for column in 0..width {
-            let mut sum = DVec3::ZERO;
-            for sample in 0..SAMPLES_PER_PIXEL_SIDE * SAMPLES_PER_PIXEL_SIDE {
-                let within = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES_PER_PIXEL_SIDE);
-                let phi = (f64::from(column) + within(sample % SAMPLES_PER_PIXEL_SIDE)) / f64::from(width) * TAU;
-                let theta = (f64::from(row) + within(sample / SAMPLES_PER_PIXEL_SIDE)) / f64::from(height) * PI;
-                let (sin, cos) = (libm::sin(theta), libm::cos(theta));
-                let world = DVec3::new(libm::sin(phi) * sin, cos, -libm::cos(phi) * sin);
-                sum += radiance_in_direction(image, (inverse * world).normalize_or(DVec3::Y)).as_dvec3();
-            }
-            pixels.push((sum / f64::from(SAMPLES_PER_PIXEL_SIDE * SAMPLES_PER_PIXEL_SIDE)).as_vec3());
-        }
-    }
-    Image::from_pixels(width, height, pixels).ok()
+    let radiance = |direction: DVec3| radiance_in_direction(image, direction.normalize_or(DVec3::Y));
+    equirectangular_image(image.width(), image.height(), SAMPLES_PER_PIXEL_SIDE, to_world, &radiance)
 }
 
 /// Returns the radiance of Mitsuba's map `image` in a unit direction of the map's own frame, with

@@ -3,12 +3,12 @@
 use crate::format::description::Span;
 pub(super) use crate::format::import::ReadResult;
 use crate::format::import::{ImportOptions, SceneReadError};
+use crate::format::imported_files;
 use crate::format::mesh::MeshReadMonitor;
 use crate::format::{SceneError, SourceText};
-use crate::image::open_file;
+use crate::image::parent_folder;
 use std::cell::RefCell;
 use std::fmt::Display;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Position of an element in the scene file or in a file that it includes.
@@ -64,10 +64,7 @@ impl<'a> MitsubaSceneFiles<'a> {
 
     /// Fails with an error that names `path` if `needed` bytes exceed the free memory.
     pub fn check_memory(&self, path: &Path, needed: u64) -> ReadResult<()> {
-        match self.free_memory() {
-            Some(free) if needed > free => Err(SceneReadError::OutOfMemory { path: path.to_owned(), needed, free }),
-            _ => Ok(()),
-        }
+        imported_files::check_memory(path, needed, self.free_memory())
     }
 
     /// Fails if `total` \[bytes] exceeds the memory that was free at the start. `total` is the
@@ -76,27 +73,17 @@ impl<'a> MitsubaSceneFiles<'a> {
     /// This check is fast enough for each element, because it does not ask for the memory that is
     /// free now.
     pub fn check_total_memory(&self, total: u64) -> ReadResult<()> {
-        match self.free_at_start {
-            Some(free) if total > free => {
-                Err(SceneReadError::OutOfMemory { path: self.path.to_owned(), needed: total, free })
-            }
-            _ => Ok(()),
-        }
+        imported_files::check_memory(self.path, total, self.free_at_start)
     }
 
     /// Returns the content of a file. Fails if the file cannot be read or exceeds the free memory.
     pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
-        let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
-        let (file, length) = open_file(path).map_err(unreadable)?;
-        self.check_memory(path, length)?;
-        let mut bytes = Vec::new();
-        file.take(length).read_to_end(&mut bytes).map_err(unreadable)?;
-        Ok(bytes)
+        imported_files::read_file(path, |length| self.check_memory(path, length))
     }
 
     /// Adds the search folder `name` of a `path` element, relative to the folder of the scene.
     pub fn add_folder(&self, name: &str) {
-        self.search_folders.borrow_mut().push(self.scene_folder().join(path_with_slashes(name)));
+        self.search_folders.borrow_mut().push(parent_folder(self.path).join(path_with_slashes(name)));
     }
 
     /// Returns the path of the file `name`, to which the element at `place` refers. Reports the
@@ -109,27 +96,17 @@ impl<'a> MitsubaSceneFiles<'a> {
         let relative = path_with_slashes(name);
         let including_folder = Path::new(place.source.file_name()).parent().map(Path::to_owned);
         let folders = self.search_folders.borrow();
-        let candidates = folders.iter().rev().cloned().chain([self.scene_folder()]).chain(including_folder);
+        let candidates =
+            folders.iter().rev().cloned().chain([parent_folder(self.path).to_owned()]).chain(including_folder);
         let found = candidates.map(|folder| folder.join(&relative)).find(|file| file.is_file());
         let Some(file) = found.filter(|_| !name.is_empty()) else {
-            let help = format!("put the file at `{}`", self.scene_folder().join(&relative).display());
+            let help = format!("put the file at `{}`", parent_folder(self.path).join(&relative).display());
             return Err(place.error(format!("the file `{name}` does not exist"), &help));
         };
-        let is_inside = match (self.scene_folder().canonicalize(), file.canonicalize()) {
-            (Ok(folder), Ok(file)) => file.starts_with(folder),
-            _ => false,
-        };
-        if !is_inside && !self.options.allows_outside_files {
-            let help = "move the file below the scene's folder, or trust the scene with --allow-outside";
-            return Err(place.error(format!("`{name}` is outside the folder of the scene"), help));
-        }
+        imported_files::check_permission(self.path, &file, name, self.options)
+            .map_err(|(message, help)| place.error(message, &help))?;
         self.monitor.on_input_file_found(&file);
         Ok(file)
-    }
-
-    fn scene_folder(&self) -> PathBuf {
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        folder.unwrap_or(Path::new(".")).to_owned()
     }
 }
 

@@ -391,16 +391,21 @@ fn clamped_to_range(color: DVec3, texture_use: MitsubaTextureUse) -> DVec3 {
     );
     // The mean of three equal channels could have a rounding error.
     let is_gray = color.x == color.y && color.y == color.z;
-    let color = if is_number && !is_gray { DVec3::splat(color.element_sum() / 3.0) } else { color };
+    clamped_value(if is_number && !is_gray { DVec3::splat(color.element_sum() / 3.0) } else { color }, texture_use)
+}
+
+/// Returns the quantity `texture_use` for a value of the texture: clamped, and squared for
+/// [`MitsubaTextureUse::SquaredFraction`].
+fn clamped_value(value: DVec3, texture_use: MitsubaTextureUse) -> DVec3 {
     match texture_use {
         MitsubaTextureUse::Color | MitsubaTextureUse::Fraction | MitsubaTextureUse::Normal => {
-            color.clamp(DVec3::ZERO, DVec3::ONE)
+            value.clamp(DVec3::ZERO, DVec3::ONE)
         }
         MitsubaTextureUse::SquaredFraction => {
-            let fraction = color.clamp(DVec3::ZERO, DVec3::ONE);
+            let fraction = value.clamp(DVec3::ZERO, DVec3::ONE);
             fraction * fraction
         }
-        MitsubaTextureUse::Height | MitsubaTextureUse::Radiance => color.max(DVec3::ZERO),
+        MitsubaTextureUse::Height | MitsubaTextureUse::Radiance => value.max(DVec3::ZERO),
     }
 }
 
@@ -416,16 +421,8 @@ fn value_for_use(pixel: Rgb, texture_use: MitsubaTextureUse) -> Vec3 {
             Rgb::splat(luminance(pixel))
         }
     };
-    match texture_use {
-        MitsubaTextureUse::Color | MitsubaTextureUse::Fraction | MitsubaTextureUse::Normal => {
-            pixel.clamp(Vec3::ZERO, Vec3::ONE)
-        }
-        MitsubaTextureUse::SquaredFraction => {
-            let fraction = pixel.clamp(Vec3::ZERO, Vec3::ONE);
-            fraction * fraction
-        }
-        MitsubaTextureUse::Height | MitsubaTextureUse::Radiance => pixel.max(Vec3::ZERO),
-    }
+    // The square of a single-precision number is exact in double precision.
+    clamped_value(pixel.as_dvec3(), texture_use).as_vec3()
 }
 
 /// Returns an affine map of texture coordinates, as its linear part and its offset. The map goes

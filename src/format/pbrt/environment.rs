@@ -1,6 +1,7 @@
 //! Converts environment maps of pbrt to the equirectangular maps of Caustica.
 
 use crate::color::Rgb;
+use crate::format::imported_environment::equirectangular_image;
 use crate::image::Image;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
@@ -24,30 +25,12 @@ pub(super) enum MapLayout {
 /// `to_world` maps the light's own space to world space. Returns `None` if `to_world` is singular,
 /// or if the converted map would be too large.
 pub(super) fn to_equirectangular(image: &Image, layout: MapLayout, to_world: DMat3) -> Option<Image> {
-    let inverse = to_world.inverse();
-    if !inverse.is_finite() {
-        return None;
-    }
     let (width, height) = match layout {
         MapLayout::Octahedral => (image.width().checked_mul(2)?, image.height()),
         MapLayout::LatitudeLongitude => (image.width(), image.height()),
     };
-    let mut pixels = Vec::with_capacity(width as usize * height as usize);
-    for row in 0..height {
-        for column in 0..width {
-            let mut sum = DVec3::ZERO;
-            for sample in 0..SAMPLES_PER_PIXEL_SIDE * SAMPLES_PER_PIXEL_SIDE {
-                let within = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES_PER_PIXEL_SIDE);
-                let phi = (f64::from(column) + within(sample % SAMPLES_PER_PIXEL_SIDE)) / f64::from(width) * TAU;
-                let theta = (f64::from(row) + within(sample / SAMPLES_PER_PIXEL_SIDE)) / f64::from(height) * PI;
-                let (sin, cos) = (libm::sin(theta), libm::cos(theta));
-                let world = DVec3::new(libm::sin(phi) * sin, cos, -libm::cos(phi) * sin);
-                sum += radiance_in_direction(image, layout, (inverse * world).normalize_or(DVec3::Z)).as_dvec3();
-            }
-            pixels.push((sum / f64::from(SAMPLES_PER_PIXEL_SIDE * SAMPLES_PER_PIXEL_SIDE)).as_vec3());
-        }
-    }
-    Image::from_pixels(width, height, pixels).ok()
+    let radiance = |direction: DVec3| radiance_in_direction(image, layout, direction.normalize_or(DVec3::Z));
+    equirectangular_image(width, height, SAMPLES_PER_PIXEL_SIDE, to_world, &radiance)
 }
 
 /// Returns the radiance of pbrt's map in a unit direction of the light's own space, interpolated

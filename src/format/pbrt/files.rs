@@ -3,8 +3,8 @@
 use crate::format::SceneError;
 pub(super) use crate::format::import::ReadResult;
 use crate::format::import::{ImportOptions, SceneReadError};
+use crate::format::imported_files;
 use crate::format::mesh::MeshReadMonitor;
-use crate::image::open_file;
 use std::cell::Cell;
 use std::fmt::Display;
 use std::io::Read;
@@ -62,24 +62,12 @@ impl<'a> PbrtSceneFiles<'a> {
     /// Adds `bytes` to the estimated memory of the scene. Fails if the sum exceeds the free memory.
     pub fn reserve_memory(&self, bytes: u64) -> ReadResult<()> {
         self.reserved_memory.set(self.reserved_memory.get().saturating_add(bytes));
-        match self.free_at_start {
-            Some(free) if self.reserved_memory.get() > free => Err(SceneReadError::OutOfMemory {
-                path: self.path.to_owned(),
-                needed: self.reserved_memory.get(),
-                free,
-            }),
-            _ => Ok(()),
-        }
+        imported_files::check_memory(self.path, self.reserved_memory.get(), self.free_at_start)
     }
 
     /// Returns the content of a file, and adds its size to the estimated memory of the scene.
     pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
-        let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
-        let (file, length) = open_file(path).map_err(unreadable)?;
-        self.reserve_memory(length)?;
-        let mut bytes = Vec::new();
-        file.take(length).read_to_end(&mut bytes).map_err(unreadable)?;
-        Ok(bytes)
+        imported_files::read_file(path, |length| self.reserve_memory(length))
     }
 
     /// Returns the path of the file `name`, relative to the folder of the scene file. Reports the
@@ -88,17 +76,8 @@ impl<'a> PbrtSceneFiles<'a> {
     /// Fails if the file does not exist. Also fails if it lies outside that folder, unless the
     /// options allow outside files.
     pub fn resolve_path(&self, place: &PbrtSourceLocation, name: &str) -> ReadResult<PathBuf> {
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let file = folder.join(name);
-        let Ok(absolute) = file.canonicalize() else {
-            let help = format!("put the file at `{}`", file.display());
-            return Err(place.error(format!("the file `{name}` does not exist"), &help));
-        };
-        let is_inside = folder.canonicalize().is_ok_and(|folder| absolute.starts_with(folder));
-        if !is_inside && !self.options.allows_outside_files {
-            let help = "move the file below the scene's folder, or trust the scene with --allow-outside";
-            return Err(place.error(format!("`{name}` is outside the folder of the scene"), help));
-        }
+        let file = imported_files::find_file_in_folder(self.path, name, self.options)
+            .map_err(|(message, help)| place.error(message, &help))?;
         self.monitor.on_input_file_found(&file);
         Ok(file)
     }
