@@ -56,6 +56,11 @@ pub fn error_percent_text(part: f64) -> String {
     format!("{} %", three_digit_text(100.0 * part))
 }
 
+/// Returns the square root of `square` in percent as text; `≈ 0` if `square` is not positive.
+pub(super) fn square_root_percent_text(square: f64) -> String {
+    if square > 0.0 { error_percent_text(square.sqrt()) } else { "≈ 0".to_owned() }
+}
+
 /// Returns the text of a slope with two decimals and a typographic minus, such as `−0.50` or
 /// `0.00`.
 #[must_use]

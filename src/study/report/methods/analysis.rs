@@ -5,8 +5,8 @@ use crate::study::methods::fit::{
     MethodRecommendation, ParetoPoint, RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence,
     pareto_front, predicted_convergence_slopes, recommend_method, time_to_error, time_to_tenth_of_error,
 };
-use crate::study::methods::{MethodResult, MethodStudyResult};
-use crate::study::report::text::{self, count_text, duration_text, error_percent_text};
+use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
+use crate::study::report::text::{self, count_text, duration_text, error_percent_text, square_root_percent_text};
 
 /// Target errors (relative): reports state how long each method takes to reach them.
 pub(super) const TARGET_ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
@@ -83,6 +83,25 @@ impl MethodAnalysis {
         quantity: ErrorComponent,
     ) -> Option<SlopeRange> {
         predicted_convergence_slopes(method.algorithm, quantity, &self.fit.as_ref()?.checkpoint_passes, method.alpha)
+    }
+
+    /// Returns five cells of a table of verdicts: error, noise and bias at the last checkpoint, the
+    /// slope of the error over passes, and the slope that theory predicts.
+    pub(super) fn verdict_cells(&self, method: &MethodResult) -> [String; 5] {
+        let last = method.checkpoints.last();
+        let at_end = |square: fn(&ConvergenceCheckpoint) -> f64| {
+            last.map_or("–".to_owned(), |c| square_root_percent_text(square(c)))
+        };
+        let fit = self.fit.as_ref();
+        [
+            at_end(ConvergenceCheckpoint::mean_relative_squared_error),
+            at_end(|c| c.squared_noise),
+            at_end(|c| c.squared_bias),
+            slope_interval_text(fit.and_then(|f| f.error)),
+            fit.map_or("–".to_owned(), |_| {
+                slope_range_text(self.predicted_convergence_slopes(method, ErrorComponent::Error))
+            }),
+        ]
     }
 }
 

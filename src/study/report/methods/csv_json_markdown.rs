@@ -1,7 +1,6 @@
 //! CSV, JSON and Markdown reports of a study of methods.
 
-use super::analysis::{MethodStudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
-use super::tables::square_root_percent_text;
+use super::analysis::{MethodStudyAnalysis, TARGET_ERRORS, time_to_error_text};
 use super::warnings::study_warnings;
 use crate::study::methods::fit::{
     ConvergenceFit, ErrorComponent, MethodRecommendation, ParetoPoint, SlopeRange, TimeToError,
@@ -9,7 +8,7 @@ use crate::study::methods::fit::{
 };
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 use crate::study::report::csv_and_markdown::{csv_row, escape_markdown, markdown_code_block, markdown_table};
-use crate::study::report::text::{count_text, duration_text, error_percent_text};
+use crate::study::report::text::{count_text, duration_text, error_percent_text, square_root_percent_text};
 use serde::Serialize;
 
 /// Schema version of [`method_study_json`]. The version increases when a field is removed or
@@ -219,21 +218,8 @@ pub fn markdown_report(result: &MethodStudyResult) -> String {
     }
     let all = || result.methods.iter().zip(&analysis.methods);
     let rows = all().map(|(method, judged)| {
-        let of = |square: fn(&ConvergenceCheckpoint) -> f64| {
-            method.checkpoints.last().map_or("–".to_owned(), |c| square_root_percent_text(square(c)))
-        };
-        let fit = judged.fit.as_ref();
-        vec![
-            method.label.clone(),
-            of(ConvergenceCheckpoint::mean_relative_squared_error),
-            of(|c| c.squared_noise),
-            of(|c| c.squared_bias),
-            slope_interval_text(fit.and_then(|f| f.error)),
-            fit.map_or("–".to_owned(), |_| {
-                slope_range_text(judged.predicted_convergence_slopes(method, ErrorComponent::Error))
-            }),
-            judged.verdict.to_string(),
-        ]
+        let [error, noise, bias, slope, theory] = judged.verdict_cells(method);
+        vec![method.label.clone(), error, noise, bias, slope, theory, judged.verdict.to_string()]
     });
     let heads = ["method", "error at the end", "noise", "bias", "slope", "theory", "verdict"];
     text += &format!("\n## Verdicts\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));

@@ -2,7 +2,7 @@
 //! has a shell command that repeats it.
 
 use super::analysis::{MethodAnalysis, MethodStudyAnalysis};
-use super::tables::{method_marker_svg, slopes_table_html, square_root_percent_text};
+use super::tables::{method_marker_svg, slopes_table_html};
 use crate::image::{Image, RelativeErrorWeights};
 use crate::integrate::Algorithm;
 use crate::study::StudyError;
@@ -15,7 +15,9 @@ use crate::study::report::maps::{
 };
 use crate::study::report::picture::{auto_exposure_stops, encode_png, exposure_text};
 use crate::study::report::svg::{LineStyle, LogLogPlot, PlotSeries, SlopeGuideLine, plot_svg};
-use crate::study::report::text::{duration_text, error_percent_text, slope_text, three_digit_text};
+use crate::study::report::text::{
+    duration_text, error_percent_text, slope_text, square_root_percent_text, three_digit_text,
+};
 use glam::Vec3;
 use std::fmt::Write;
 
@@ -35,6 +37,12 @@ fn figure_html(class: &str, label: &str, content: &str, caption: &str, command: 
         escape_html(caption),
         escape_html(command)
     )
+}
+
+/// Returns an HTML figure of an error map. `words` describe the map to readers who cannot see it.
+fn map_figure_html(map: &Image, words: &str, caption: &str, command: &str) -> Result<String, StudyError> {
+    let shown = inline_png(&encode_png(map, 0.0)?, image_size(map), words);
+    Ok(figure_html("map", "", &shown, caption, command))
 }
 
 fn image_size(image: &Image) -> (u32, u32) {
@@ -309,37 +317,20 @@ pub(super) fn method_articles_html(
         }
         if let Some(most) = most_error {
             let map = error_map(method, most)?;
-            let shown = inline_png(
-                &encode_png(&map, 0.0)?,
-                image_size(&map),
-                &format!("map of the relative error of {}", method.label),
+            let words = format!("map of the relative error of {}", method.label);
+            let caption = format!(
+                "Relative error of each pixel, mean over seeds, from {} to {}.",
+                error_percent_text(RAMP_END_ERROR_RATIO * most),
+                error_percent_text(most)
             );
-            all += &figure_html(
-                "map",
-                "",
-                &shown,
-                &format!(
-                    "Relative error of each pixel, mean over seeds, from {} to {}.",
-                    error_percent_text(RAMP_END_ERROR_RATIO * most),
-                    error_percent_text(most)
-                ),
-                &method.render_command,
-            );
+            all += &map_figure_html(&map, &words, &caption, &method.render_command)?;
         }
         if let Some(most) = most_difference {
             let map = difference_map(method, difference, most)?;
-            let shown = inline_png(
-                &encode_png(&map, 0.0)?,
-                image_size(&map),
-                &format!("map of the relative difference of {} to the reference", method.label),
-            );
-            all += &figure_html(
-                "map",
-                "",
-                &shown,
-                &format!("Relative difference to the reference, mean over seeds, up to ±{}.", error_percent_text(most)),
-                &method.render_command,
-            );
+            let words = format!("map of the relative difference of {} to the reference", method.label);
+            let caption =
+                format!("Relative difference to the reference, mean over seeds, up to ±{}.", error_percent_text(most));
+            all += &map_figure_html(&map, &words, &caption, &method.render_command)?;
         }
         all += "</div>\n</article>\n";
     }

@@ -1,11 +1,13 @@
 //! Tables of the HTML page about a study of methods.
 
 use super::analysis::{MethodStudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
+use crate::study::methods::MethodStudyResult;
 use crate::study::methods::fit::{ConvergenceSlopes, ErrorComponent, TimeToError};
-use crate::study::methods::{ConvergenceCheckpoint, MethodStudyResult};
 use crate::study::report::html::{escape_html, number_cells_html};
 use crate::study::report::svg::{marker_svg, series_color};
-use crate::study::report::text::{count_text, duration_text, error_percent_text, three_digit_text};
+use crate::study::report::text::{
+    count_text, duration_text, error_percent_text, square_root_percent_text, three_digit_text,
+};
 use std::fmt::Write;
 
 /// Returns inline SVG of a method's plot marker in its colour. `style` is the index of the method.
@@ -30,11 +32,6 @@ fn table_head_html(columns: &[&str], left: usize) -> String {
 
 const TABLE_END: &str = "</tbody>\n</table></div>\n";
 
-/// Returns the square root of `square` in percent as text; `≈ 0` if `square` is not positive.
-pub(super) fn square_root_percent_text(square: f64) -> String {
-    if square > 0.0 { error_percent_text(square.sqrt()) } else { "≈ 0".to_owned() }
-}
-
 pub(super) fn verdicts_table_html(result: &MethodStudyResult, analysis: &MethodStudyAnalysis) -> String {
     let mut table = table_head_html(&["method", "verdict", "error at the end", "noise", "bias", "slope", "theory"], 2);
     for (i, (method, judged)) in result.methods.iter().zip(&analysis.methods).enumerate() {
@@ -45,20 +42,7 @@ pub(super) fn verdicts_table_html(result: &MethodStudyResult, analysis: &MethodS
             escape_html(&method.label)
         );
         let _ = write!(table, "<td class=\"words\">{}</td>", escape_html(&judged.verdict.to_string()));
-        let last = method.checkpoints.last();
-        let of = |square: fn(&ConvergenceCheckpoint) -> f64| {
-            last.map_or("–".to_owned(), |c| square_root_percent_text(square(c)))
-        };
-        let fit = judged.fit.as_ref();
-        for cell in [
-            of(ConvergenceCheckpoint::mean_relative_squared_error),
-            of(|c| c.squared_noise),
-            of(|c| c.squared_bias),
-            slope_interval_text(fit.and_then(|f| f.error)),
-            fit.map_or("–".to_owned(), |_| {
-                slope_range_text(judged.predicted_convergence_slopes(method, ErrorComponent::Error))
-            }),
-        ] {
+        for cell in judged.verdict_cells(method) {
             let _ = write!(table, "<td class=\"n\">{}</td>", escape_html(&cell));
         }
         table += "</tr>\n";
