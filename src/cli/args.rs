@@ -1,4 +1,4 @@
-//! Arguments of the command line.
+//! Arguments of the command line, for all commands.
 
 #[cfg(feature = "view")]
 use super::ViewArguments;

@@ -242,7 +242,7 @@ pub(super) fn make_film_header(
     let mut settings = render.non_default_flags();
     if render.crop.is_some() {
         // In a picture of another size, a crop window with these coordinates shows something else.
-        // So the size of the whole picture belongs to the settings.
+        // So the settings include the size of the whole picture.
         settings.extend(["--size".to_owned(), format!("{}x{}", whole.0, whole.1)]);
     }
     Ok(FilmHeader {
@@ -261,8 +261,9 @@ impl<'a> LockedFilmFile<'a> {
     /// Locks the film file at `path`. Returns the locked file and the passes that it already holds.
     /// The passes are `None` if the file does not exist.
     ///
-    /// Returns a failure if another process uses the file, or if its film belongs to another render
-    /// than `header`. `interval` is the smallest time between two saves while the render goes on.
+    /// Returns a failure if another process uses the file, or if its film is of another render than
+    /// `header` describes. `interval` is the smallest time between two saves while the render goes
+    /// on.
     pub fn open(
         path: &'a Path,
         header: FilmHeader,

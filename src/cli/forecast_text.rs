@@ -1,12 +1,20 @@
 //! Texts about the estimated error of a picture, and about the time until the error is lower.
 
 use crate::render::ErrorTarget;
-use crate::render::error_estimate::{ErrorEstimate, StopForecast};
+use crate::render::error_estimate::{BiasPart, ErrorEstimate, StopForecast};
 use crate::study::text::percent_text;
 
-/// Advice that is printed if more passes cannot reach the target error because of bias.
-pub(super) const BIAS_REMEDY: &str =
-    "the rest is bias of this method: choose a smaller --radius, or --integrator sppm or hybrid, whose radii shrink";
+/// Returns advice for a render whose bias keeps the error above the target. `part` is the largest
+/// part of the bias that remains.
+pub(super) fn bias_remedy(part: BiasPart) -> &'static str {
+    match part {
+        BiasPart::Blur => "choose a smaller --radius, or --integrator sppm or hybrid, whose radii shrink",
+        BiasPart::SharedPaths => {
+            "passes of ppm share their camera paths: choose a larger --spp, or --integrator sppm or hybrid"
+        }
+        BiasPart::Clamping => "--clamp removes light: choose a larger limit, or leave out --clamp",
+    }
+}
 
 /// Usage error: a flag needs an error estimate, but the algorithm is `raycast`, which makes only
 /// one pass and no estimate.

@@ -9,7 +9,7 @@ use super::progress::{clear_progress_bar, print_message};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time after the first signal within which further signals are ignored, because they belong to the
+/// Time after the first signal within which further signals are ignored, because they stem from the
 /// same interruption.
 ///
 /// When a terminal closes, for example, both the shell and the system send SIGHUP.
@@ -59,7 +59,7 @@ pub(super) fn stop_on_request(consequence: &str) {
 enum SignalAction {
     /// End the work after the current pass, and write the outputs.
     FinishPass,
-    /// Do nothing: the signal belongs to the same interruption as the first one.
+    /// Do nothing: the signal stems from the same interruption as the first one.
     Ignore,
     /// End the process at once, without writing outputs.
     EndProcess,

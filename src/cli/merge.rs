@@ -129,7 +129,7 @@ fn read_and_merge_films(paths: &[PathBuf], progress: &ProgressDisplay) -> Result
     total.ok_or_else(missing_argument)
 }
 
-/// Returns an error if `film`, which was read from `path`, belongs to another render than `total`.
+/// Returns an error if `film`, which was read from `path`, is of another render than `total`.
 fn check_same_render(total: &FilmFile, film: &FilmFile, path: &Path) -> Result<(), CommandFailure> {
     let differences = total.header.differences(&film.header);
     if differences.is_empty() {

@@ -225,7 +225,7 @@ struct PlanCommandReport {
 #[derive(Debug, Serialize)]
 struct EffectCostReport {
     #[serde(flatten)]
-    decision: EffectDecisionReport,
+    effect_decision: EffectDecisionReport,
     /// Expected number of rays that the effect adds to the first pass; `None` if the effect is off.
     rays: Option<i64>,
     /// Expected number of photons that density estimates of the first pass sum because of the
@@ -264,7 +264,7 @@ impl PlanCommandReport {
         let cost_report = |(report, decision): (EffectDecisionReport, &EffectDecision)| {
             let work = work.work_of_effect(decision.effect);
             EffectCostReport {
-                decision: report,
+                effect_decision: report,
                 rays: work.map(|w| w.rays),
                 gathered_photons: work.map(|w| w.gathered_photons),
             }

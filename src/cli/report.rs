@@ -5,7 +5,7 @@ use crate::integrate::{
     EmissionGuidingReports, EnvironmentGuidingReport, GatherRadii, PhotonReport, RayPhotonBalance,
     ScatterPointGuidingReport, StageTimes,
 };
-use crate::render::error_estimate::{Confidence, ErrorEstimate, StopForecast};
+use crate::render::error_estimate::{BiasPart, Confidence, ErrorEstimate, StopForecast};
 use crate::render::{EndReason, ErrorTarget, RenderLimits, RenderResult, StopCriteria};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
@@ -102,6 +102,9 @@ pub(super) struct EstimatedErrorReport {
     /// `None`.
     #[serde(rename = "halving_seconds")]
     halving_seconds_left: Option<f64>,
+    /// Largest part of the bias that remains after any number of passes; `None` if no bias remains.
+    #[serde(skip)]
+    pub largest_remaining_bias: Option<BiasPart>,
 }
 
 impl EstimatedErrorReport {
@@ -121,6 +124,7 @@ impl EstimatedErrorReport {
             interval_confidence: confidence,
             halving_total_passes: halving_passes,
             halving_seconds_left: halving_seconds,
+            largest_remaining_bias: forecast.largest_remaining_bias(),
         })
     }
 }

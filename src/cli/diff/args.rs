@@ -1,4 +1,4 @@
-//! Arguments of `caustica diff`.
+//! Arguments of `caustica diff`: the two pictures, and the error map to write.
 
 use crate::cli::value_parsers::{parse_exposure_stops, parse_fraction, parse_pixels_per_degree, parse_upper_bound};
 use clap::{Args, ValueEnum};

@@ -5,7 +5,9 @@ use crate::cli::args::MethodArguments;
 use crate::cli::forecast_text::{self, duration_text};
 use crate::cli::settings::method_flags;
 use crate::cli::value_parsers::count_with_noun;
-use crate::render::error_estimate::{Confidence, ErrorEstimate, ErrorForecast, RANGE_PROBABILITY, StopForecast};
+use crate::render::error_estimate::{
+    BiasPart, Confidence, ErrorEstimate, ErrorForecast, RANGE_PROBABILITY, StopForecast,
+};
 use crate::render::{
     DEFAULT_TARGET_ERROR, EndReason, ErrorTarget, ExpectedEnd, PREVIEW_TARGET_ERROR, RenderResult, StopCriteria,
 };
@@ -40,6 +42,9 @@ pub(super) struct CostEstimateReport {
     /// Estimated error of the picture of the pilot, which is a short render.
     #[serde(rename = "pilot")]
     pilot_error: ErrorEstimate,
+    /// Largest part of the bias that remains after any number of passes; `None` if no bias remains.
+    #[serde(skip)]
+    largest_remaining_bias: Option<BiasPart>,
     /// Time before the first pass \[s]: loading the scene and preparing the algorithm.
     setup_seconds: f64,
     /// Time of each pass after the first \[s].
@@ -166,6 +171,7 @@ impl CostEstimateReport {
             threads: rayon::current_num_threads(),
             may_miss_caustics: misses_caustics,
             pilot_error: pilot,
+            largest_remaining_bias: forecast.largest_remaining_bias(),
             setup_seconds: setup,
             pass_seconds,
             photon_paths_per_pass: pass_photons,
@@ -179,7 +185,7 @@ impl CostEstimateReport {
 
     /// Returns the report as a table for a terminal.
     pub(super) fn text_table(&self) -> String {
-        let Self { pilot_error: pilot, peak_memory_bytes, .. } = self;
+        let Self { pilot_error: pilot, peak_memory_bytes, largest_remaining_bias: remaining_bias, .. } = self;
         let memory = peak_memory_bytes.map_or("?".to_owned(), |bytes| format!("{}B", count_text(bytes as f64)));
         let mut text = format!(
             "{} at {} × {}: after {} passes the estimated error is {}\n",
@@ -198,9 +204,13 @@ impl CostEstimateReport {
         for estimate in &self.estimates {
             let error = percent_text(estimate.target_error);
             let (Some(passes), Some(time)) = (estimate.passes, estimate.seconds) else {
-                let why = match estimate.bias_floor {
-                    Some(floor) => {
-                        format!("never: {} is bias that stays; {}", percent_text(floor), forecast_text::BIAS_REMEDY)
+                let why = match estimate.bias_floor.zip(*remaining_bias) {
+                    Some((floor, part)) => {
+                        format!(
+                            "never: {} is bias that stays; {}",
+                            percent_text(floor),
+                            forecast_text::bias_remedy(part)
+                        )
                     }
                     None => format!(
                         "cannot tell yet: at least {}; a longer --pilot tells more",

@@ -142,7 +142,9 @@ impl<'a> SlurmRender<'a> {
                     self.progress.print_line(&format!("estimated error {error}; the next wave has {more}"));
                     state.division = larger;
                 }
-                end @ (WaveDecision::TargetReached | WaveDecision::TargetUnreachable | WaveDecision::TooManyPasses) => {
+                end @ (WaveDecision::TargetReached
+                | WaveDecision::TargetUnreachable(_)
+                | WaveDecision::TooManyPasses) => {
                     let exit = self.print_picture_summary(&film.rendered);
                     self.print_wave_end(end, target, most);
                     return Ok(exit);
@@ -414,7 +416,9 @@ impl<'a> SlurmRender<'a> {
                 "the error is at most {error} with {} confidence",
                 percent_text(target.confidence.probability())
             )),
-            WaveDecision::TargetUnreachable => print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY)),
+            WaveDecision::TargetUnreachable(part) => {
+                print_message(&format!("warning: the rest is bias; {}", forecast_text::bias_remedy(part)));
+            }
             WaveDecision::TooManyPasses => print_message(&format!(
                 "warning: the error is above {error}, and a further wave would exceed {most} passes; --max-passes allows more"
             )),

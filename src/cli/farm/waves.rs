@@ -2,7 +2,7 @@
 
 use super::division::ShardDivision;
 use crate::cli::interrupt::INTERRUPTED;
-use crate::render::error_estimate::StopForecast;
+use crate::render::error_estimate::{BiasPart, StopForecast};
 use crate::render::{EndReason, ErrorTarget, PassTimes, RenderResult, StopCriteria};
 
 /// Decision after a wave of jobs: another wave, or the reason why none follows.
@@ -13,8 +13,9 @@ pub(super) enum WaveDecision {
     Grow(ShardDivision),
     /// No further wave: the error is at most the target.
     TargetReached,
-    /// No further wave: bias keeps the error above the target after any number of passes.
-    TargetUnreachable,
+    /// No further wave: bias keeps the error above the target after any number of passes. Holds the
+    /// largest part of this bias.
+    TargetUnreachable(BiasPart),
     /// No further wave: the total number of passes would exceed `--max-passes`.
     TooManyPasses,
 }
@@ -34,7 +35,11 @@ pub(super) fn decide_next_wave(
     let stop = StopCriteria { target: Some(target), ..StopCriteria::unlimited(&INTERRUPTED) };
     match stop.end_reason(rendered.film.passes(), estimated.as_ref(), PassTimes::default()) {
         Some(EndReason::Target) => return WaveDecision::TargetReached,
-        Some(EndReason::BiasFloor) => return WaveDecision::TargetUnreachable,
+        Some(EndReason::BiasFloor) => {
+            if let Some(part) = estimated.and_then(|(_, forecast)| forecast.largest_remaining_bias()) {
+                return WaveDecision::TargetUnreachable(part);
+            }
+        }
         Some(EndReason::Passes | EndReason::Time | EndReason::Interrupted) | None => {}
     }
     let forecast = estimated.map(|(_, forecast)| forecast.stop_forecast(target.error, target.interval_confidence()));

@@ -1,4 +1,4 @@
-//! Arguments of `caustica mesh`.
+//! Arguments of `caustica mesh`: mesh files, and the repairs to make.
 
 use crate::cli::value_parsers::{
     parse_bytes, parse_degrees, parse_nonnegative_length, parse_point, parse_positive_factor,

@@ -66,8 +66,9 @@ pub(super) fn print_render_summary(
     if limits.are_default() {
         default_end_line(stop, rendered.end_reason).iter().for_each(|line| progress.print_line(line));
     }
-    if rendered.end_reason == EndReason::BiasFloor {
-        print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY));
+    let remaining_bias = report.error.as_ref().and_then(|error| error.largest_remaining_bias);
+    if let (EndReason::BiasFloor, Some(part)) = (rendered.end_reason, remaining_bias) {
+        print_message(&format!("warning: the rest is bias; {}", forecast_text::bias_remedy(part)));
     }
 }
 

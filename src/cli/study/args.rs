@@ -1,4 +1,4 @@
-//! Arguments of `study`.
+//! Arguments of `caustica study`, for studies of methods and of effects.
 
 use crate::cli::args::MethodArguments;
 use crate::cli::scene_args::SceneArguments;

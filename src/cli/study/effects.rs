@@ -167,7 +167,8 @@ fn effects_table(integrator: &str, result: &EffectStudyResult) -> String {
     text
 }
 
-/// JSON report of a study of effects.
+/// JSON report of `study --effects`: the cost and the contribution of each effect of light, such as
+/// caustics.
 #[derive(Debug, Serialize)]
 struct EffectStudyReport<'f> {
     schema: u32,
@@ -201,7 +202,7 @@ struct PictureCostReport<'f> {
 #[derive(Debug, Serialize)]
 struct EffectResultReport<'f> {
     #[serde(flatten)]
-    decision: EffectDecisionReport,
+    effect_decision: EffectDecisionReport,
     /// Time and counters of the picture without the effect; `None` if the effect is off.
     #[serde(rename = "without")]
     cost_without_effect: Option<PictureCostReport<'f>>,
@@ -229,7 +230,7 @@ impl<'f> EffectStudyReport<'f> {
         let row = |(effect, decision): (EffectDecisionReport, &EffectDecision)| {
             let finding = result.effects.iter().find(|f| f.decision.effect == decision.effect);
             EffectResultReport {
-                decision: effect,
+                effect_decision: effect,
                 cost_without_effect: finding.map(|f| (&f.cost_without_effect).into()),
                 cost: finding.map(|f| f.added_cost),
                 contribution: finding.map(|f| f.contribution),

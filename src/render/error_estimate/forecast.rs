@@ -6,6 +6,17 @@ use super::estimate::ErrorEstimate;
 /// Largest number of passes that a forecast considers.
 pub(super) const MAX_FORECAST_PASSES: u32 = 10_000_000;
 
+/// Part of the bias of a picture, by its cause.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BiasPart {
+    /// Blur of photon density estimates.
+    Blur,
+    /// Error of camera paths that all passes share, as in `ppm`.
+    SharedPaths,
+    /// Light that clamping removes from camera paths.
+    Clamping,
+}
+
 /// Predicted error of a picture as a function of the number of passes n.
 ///
 /// Let aᵢ be the gather disc area in pass i, relative to the first pass. The variance of photon
@@ -53,7 +64,7 @@ impl ErrorForecast {
                 blur_exponent,
             };
         };
-        let blur_exponent = (-libm::log2(estimate.half_disc_blur_ratio)).max(0.0);
+        let blur_exponent = (-libm::log2(estimate.half_area_blur_ratio)).max(0.0);
         let sums = DiscAreaSums::of_passes(alpha, blur_exponent, estimate.passes);
         let photon_variance = estimate.difference_moments.d0_variance / f64::from(kernel_difference_variance);
         let photon_variance = photon_variance.min(variance);
@@ -81,9 +92,27 @@ impl ErrorForecast {
     /// gather radii do not shrink from pass to pass.
     #[must_use]
     pub fn bias_floor(&self) -> Option<f64> {
-        let constant = self.constant_bias();
-        let floor = if self.alpha < 1.0 { constant } else { self.first_pass_blur.hypot(constant) };
+        let floor = self.remaining_blur().hypot(self.constant_bias());
         (floor > 0.0).then_some(floor)
+    }
+
+    /// Returns the largest part of [`bias_floor`](Self::bias_floor), the bias that remains after
+    /// any number of passes; `None` if no bias remains.
+    #[must_use]
+    pub fn largest_remaining_bias(&self) -> Option<BiasPart> {
+        let ErrorEstimate { shared_paths, clamping, .. } = self.estimate;
+        let parts = [
+            (BiasPart::Blur, self.remaining_blur()),
+            (BiasPart::SharedPaths, shared_paths),
+            (BiasPart::Clamping, clamping),
+        ];
+        let (part, bias) = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (bias > 0.0).then_some(part)
+    }
+
+    /// Returns the relative blur that remains after any number of passes; 0 if gather radii shrink.
+    fn remaining_blur(&self) -> f64 {
+        if self.alpha < 1.0 { 0.0 } else { self.first_pass_blur }
     }
 
     /// Returns the relative bias of shared camera paths and of clamping, which no number of passes

@@ -31,7 +31,7 @@ mod stop_forecast;
 pub use confidence::Confidence;
 pub use estimate::ErrorEstimate;
 pub use estimator::{ErrorEstimator, ErrorMaps, MIN_ERROR_ESTIMATE_PASSES};
-pub use forecast::ErrorForecast;
+pub use forecast::{BiasPart, ErrorForecast};
 pub use schedule::EstimateSchedule;
 pub use stop_forecast::{PassRange, RANGE_PROBABILITY, StopForecast};
 

@@ -65,6 +65,15 @@ fn unreachable_target_ends_with_warning() {
     assert_eq!(stats(&sandbox)["ended"], "passes");
 }
 
+/// The advice names what causes the bias: the light that a clamp removes, even if blur is larger at
+/// first, because gather radii shrink.
+#[test]
+fn advice_names_the_bias_that_remains() {
+    let sandbox = CliSandbox::new();
+    render(&sandbox, "--integrator sppm --radius 1 --clamp .05 --target-error 0.1%")
+        .expect(0, &["more passes cannot reach the error", "choose a larger limit, or leave out --clamp"]);
+}
+
 #[test]
 fn error_maps_are_layers_of_one_file() {
     let sandbox = CliSandbox::new();

@@ -17,7 +17,7 @@ fn error_estimate_with_parts(
     ErrorEstimate {
         passes,
         blur,
-        half_disc_blur_ratio: blur_ratio,
+        half_area_blur_ratio: blur_ratio,
         parts,
         difference_moments: differences,
         ..ErrorEstimate::default()
@@ -64,6 +64,19 @@ fn fixed_radii_leave_a_bias_floor() {
     assert!((forecast.error_after_passes(178) - 0.025).abs() < 1e-5);
     let shrinking = ErrorForecast::new(error_estimate_with_parts(10, 0.04, 0.01, 0.02, 0.5), Some((0.5, 0.5)));
     assert_eq!(shrinking.bias_floor(), None);
+}
+
+#[test]
+fn blur_does_not_remain_if_radii_shrink() {
+    let largest = |alpha, shared_paths, clamping| {
+        let blurred = error_estimate_with_parts(10, 0.04, 0.01, 0.03, 0.5);
+        let estimate = ErrorEstimate { shared_paths, clamping, ..blurred };
+        ErrorForecast::new(estimate, Some((alpha, 0.5))).largest_remaining_bias()
+    };
+    assert_eq!(largest(1.0, 0.01, 0.02), Some(BiasPart::Blur));
+    assert_eq!(largest(0.5, 0.01, 0.02), Some(BiasPart::Clamping));
+    assert_eq!(largest(0.5, 0.02, 0.01), Some(BiasPart::SharedPaths));
+    assert_eq!(largest(0.5, 0.0, 0.0), None);
 }
 
 /// With shrinking gather radii, noise and bias fall as n^(−1/3) if all noise comes from photon
