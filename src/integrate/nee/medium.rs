@@ -178,8 +178,11 @@ impl NextEventEstimator<'_> {
                 task,
             );
             sum += found;
-            if records {
-                let scattered_radiance = f64::from(color::channel_mean(found) / color::channel_mean(point.weight));
+            // The transmittance of a dense medium may underflow. The weight is then 0, and the ray
+            // tells nothing about the scattered radiance.
+            let weight = color::channel_mean(point.weight);
+            if records && weight > 0.0 {
+                let scattered_radiance = f64::from(color::channel_mean(found) / weight);
                 let contribution = f64::from(color::channel_mean(path_segment.throughput * found) / expected_count);
                 task.records.in_scattering_samples.push(InScatteringSample {
                     light,
