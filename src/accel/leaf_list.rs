@@ -64,10 +64,10 @@ impl LeafList {
         self.count == 0
     }
 
-    /// Index of the only primitive whose leaf overlaps the query box, if this primitive is not a
-    /// triangle.
+    /// Returns the index of the primitive if the list is one leaf that holds a primitive other than
+    /// a triangle. A ray segment in the query box can then hit nothing else.
     ///
-    /// Returns `None` if the list does not consist of one leaf, or if its leaf holds triangles.
+    /// Returns `None` for an empty list, for several leaves, and for a leaf of triangles.
     #[must_use]
     pub fn single_other_primitive(&self) -> Option<u32> {
         match self.leaves() {

@@ -1,4 +1,4 @@
-//! Conductors: smooth and rough metals.
+//! BSDF of conductors: smooth and rough metals.
 
 use super::fresnel::conductor_reflectance;
 use super::microfacet::Ggx;

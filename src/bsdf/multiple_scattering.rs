@@ -229,7 +229,8 @@ pub(super) struct MultipleDielectricScattering {
     near_side: usize,
     /// Refractive index of the far side, relative to the side of `wo`.
     eta: f64,
-    /// Fraction of the light with repeated scattering that leaves on the side opposite to `wo`.
+    /// Transmitted fraction of the light that meets a second microfacet: this fraction leaves on
+    /// the side opposite to `wo`, and the rest on the side of `wo`.
     crossing_fraction: f64,
     /// Fraction of light from `wo` that meets a second microfacet. It is also the probability of
     /// sampling this BSDF.

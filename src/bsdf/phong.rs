@@ -1,4 +1,4 @@
-//! Energy-conserving Phong reflection.
+//! Energy-conserving Phong reflection (Lafortune and Willems 1994).
 
 use super::Bsdf;
 use super::sample::NonSpecularSample;

@@ -1,4 +1,5 @@
-//! Properties of BSDFs: which lobes a BSDF has, and whether photons are stored on the surface.
+//! Properties of BSDFs: which lobes a BSDF has, whether a clear coat can lie over it, whether
+//! photons are stored on the surface, and how far it widens ray cones.
 
 use super::clear_coat::CoatableBsdf;
 use super::{Bsdf, ThinDielectric, face_forward};

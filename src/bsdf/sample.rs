@@ -56,8 +56,8 @@ pub(super) struct NonSpecularSample {
 
 impl NonSpecularSample {
     /// Samples a direction of Lambertian reflection from random numbers `u` in \[0, 1)²; `None` if
-    /// it lies in the surface. The unit normal `facing_ns` is the shading normal on the side of the
-    /// previous vertex.
+    /// the direction lies in the surface. The unit normal `facing_ns` is the shading normal on the
+    /// side of the previous vertex.
     #[inline]
     pub fn lambertian_sample(reflectance: Rgb, facing_ns: Vec3, u: Vec2) -> Option<Self> {
         let local = warp::square_to_cosine_hemisphere(u);

@@ -70,6 +70,7 @@ impl FromStr for CropWindow {
     }
 }
 
+/// Writes the window as `left,top,right,bottom`, the form that [`FromStr`] reads.
 impl std::fmt::Display for CropWindow {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{},{},{},{}", self.left, self.top, self.right, self.bottom)

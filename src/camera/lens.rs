@@ -1,4 +1,4 @@
-//! Thin lenses.
+//! Thin lens of a camera, which blurs objects outside the focal plane.
 
 use crate::math::warp;
 use glam::Vec2;

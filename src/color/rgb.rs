@@ -1,4 +1,4 @@
-//! Linear RGB colors.
+//! Linear RGB colors of Rec. 709.
 
 use glam::{DVec3, Vec3};
 

@@ -1,12 +1,16 @@
-//! Access of importers to the files of a scene: folder, permission and memory.
+//! Access to the files that a scene names: folder, permission and memory.
 
 use super::import::{ImportOptions, ReadResult, SceneReadError};
 use crate::image::{open_file, parent_folder};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Message and help text about a file that an import cannot use.
-pub(super) type FileDefect = (String, String);
+/// Reason why a scene cannot use a file.
+pub(super) struct FileDefect {
+    pub message: String,
+    /// Help text: how the user can mend the defect.
+    pub help: String,
+}
 
 /// Returns the path of the file `name`, relative to the folder of the scene file at `scene`.
 ///
@@ -16,7 +20,7 @@ pub(super) fn find_file_in_folder(scene: &Path, name: &str, options: &ImportOpti
     let file = parent_folder(scene).join(name);
     if file.canonicalize().is_err() {
         let help = format!("put the file at `{}`", file.display());
-        return Err((format!("the file `{name}` does not exist"), help));
+        return Err(FileDefect { message: format!("the file `{name}` does not exist"), help });
     }
     check_permission(scene, &file, name, options)?;
     Ok(file)
@@ -37,8 +41,8 @@ pub(super) fn check_permission(
     if is_inside || options.allows_outside_files {
         return Ok(());
     }
-    let help = "move the file below the scene's folder, or trust the scene with --allow-outside";
-    Err((format!("`{name}` is outside the folder of the scene"), help.to_owned()))
+    let help = "move the file below the scene's folder, or trust the scene with --allow-outside".to_owned();
+    Err(FileDefect { message: format!("`{name}` is outside the folder of the scene"), help })
 }
 
 /// Fails with an error that names `path` if `needed` bytes exceed `free`. A `free` of `None` sets

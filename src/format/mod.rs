@@ -53,8 +53,7 @@ pub use line_error::LineError;
 pub use resolve::scene_meshes::SceneMeshes;
 pub use resolve_scene::{ResolvedScene, resolve, resolve_monitored};
 
-/// Importers of all scene formats. A file whose extension belongs to no importer is read as scene
-/// text.
+/// Importers of all scene formats. A file whose extension no importer lists is read as scene text.
 ///
 /// The values of the flag `--format` and their help come from this list.
 pub const IMPORTERS: &[&dyn SceneImporter] =

@@ -1,4 +1,4 @@
-//! Pixel buffers.
+//! Pictures in memory, as rows of pixels.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! Error metrics between two pictures.
+//! Error metrics between two pictures, such as the relative mean squared error.
 
 use super::buffer::{Image, Rgb8Image};
 use super::relative::RelativeErrorWeights;

@@ -29,7 +29,8 @@ pub use read::{
     InputFormat, PixelMeaning, decode, read, read_and_detect_format, read_non_color, read_rgb8, read_with_memory_limit,
 };
 pub use relative::RelativeErrorWeights;
-pub use replace::{canonical_output_path, check_replaceable, parent_folder, replace_file, replace_file_with};
+pub(crate) use replace::parent_folder;
+pub use replace::{canonical_output_path, check_replaceable, replace_file, replace_file_with};
 pub(crate) use rgba::{QuantizedRgba, decode_quantized_rgba};
 pub(crate) use tone::srgb_decode;
 pub use tone::{ClippedPixelReport, MAX_EXPOSURE_STOPS, ToneCurve, ToneMap, UnknownToneCurve};

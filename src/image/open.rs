@@ -1,4 +1,4 @@
-//! Opens regular files for reading.
+//! Opens regular files for reading, and refuses pipes and devices.
 
 use std::fs::{self, File};
 use std::io;

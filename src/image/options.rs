@@ -1,4 +1,4 @@
-//! Options of writing pictures.
+//! Options of writing pictures: tone curve, bits per channel and metadata.
 
 use super::error::WriteError;
 use super::tone::ToneMap;

@@ -1,4 +1,4 @@
-//! Reads picture files.
+//! Reads PNG, OpenEXR and Radiance HDR files.
 
 use std::io::{Cursor, Read};
 use std::path::Path;

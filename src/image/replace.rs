@@ -60,7 +60,7 @@ pub fn canonical_output_path(path: &Path) -> PathBuf {
 
 /// Returns the folder of `file`; `.` for a bare file name.
 #[must_use]
-pub fn parent_folder(file: &Path) -> &Path {
+pub(crate) fn parent_folder(file: &Path) -> &Path {
     file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

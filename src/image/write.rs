@@ -1,4 +1,4 @@
-//! Writes picture files.
+//! Writes PNG and OpenEXR files.
 
 use std::path::Path;
 

@@ -112,9 +112,10 @@ impl EnvironmentGuideFitter {
     /// Returns the guide fitted to the added pilot rays; `None` if no ray contributed to the
     /// picture.
     ///
-    /// The squared contributions are averaged in each bin. To reduce noise, each average is drawn
-    /// towards the average of its parent bin, the larger bin of the next coarser level. The
-    /// parent's average is drawn towards its own parent's, and so on up to the whole scene.
+    /// A bin is a range of directions in one grid cell. The squared contributions are averaged in
+    /// each bin. To reduce noise, each average is drawn towards the average of its parent bin, the
+    /// larger bin of the next coarser level. The parent's average is first drawn towards its own
+    /// parent's. The coarsest averages are drawn towards the average over all pilot rays.
     pub fn fitted_guide(&self) -> Option<EnvironmentGuide> {
         let mean = self.squared_contribution_sums.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
         let mut means = vec![mean; RefinementLevel(0).bin_count()];

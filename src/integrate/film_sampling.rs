@@ -54,8 +54,8 @@ pub(super) struct PrefixRays<'a> {
     /// Numbers of prefix rays (extra camera rays that stop at the first surface that stores
     /// photons) of each pixel, by rows from the top.
     pub counts: &'a [PixelPrefixRayCounts],
-    /// Random key of the prefix rays that are not aimed at lamp images. The pixel filter
-    /// distributes their film points.
+    /// Random key of the prefix rays that are not aimed at lamp images (film regions where camera
+    /// rays meet a small lamp). The pixel filter distributes their film points.
     pub key: Key,
     /// Lamp images at which some prefix rays are aimed, for each pixel. A lamp image is a film
     /// region where camera rays meet a small lamp.
@@ -179,8 +179,8 @@ impl FilmSampling<'_> {
         (camera_rays, prefix_rays, aimed_rays)
     }
 
-    /// Makes one ray of a pixel, with its weights. The ray belongs to `rays`, the set of the
-    /// pixel's camera rays or prefix rays. `sampler` chooses the film point and lens point of the
+    /// Makes one ray of a pixel, with its weights. `rays` is the set of the pixel's camera rays or
+    /// prefix rays from which the ray comes. `sampler` chooses the film point and lens point of the
     /// ray.
     ///
     /// `corner` is the upper left corner of the pixel \[pixels from the top left]. `slice` is the

@@ -49,41 +49,43 @@ const MAX_OMITTED_NOISE_FRACTION: f64 = 1e-3;
 /// Throughput, as a mean over RGB, below which the lamp-image pilot does not follow a chain of
 /// specular vertices.
 ///
-/// The noise of a lamp image is proportional to the squared throughput. This value keeps chains
-/// with one reflection at glass, and leaves out chains with two.
+/// The noise of a lamp image (film region where camera rays meet a small lamp) is proportional to
+/// the squared throughput. This value keeps chains with one reflection at glass, and leaves out
+/// chains with two.
 const MIN_THROUGHPUT: f32 = 0.02;
 
 /// Largest distance on the film, along each axis, from a camera ray of the pilot to a predicted
-/// lamp image \[pixels]. The pilot searches no lamp image farther away, because other camera rays
-/// are closer to it.
+/// lamp image (film region where camera rays meet a small lamp) \[pixels]. The pilot searches no
+/// lamp image farther away, because other camera rays are closer to it.
 const MAX_FILM_DISTANCE: f64 = 1.0;
 
 /// Largest area \[pixels²] of a lamp image (film region where camera rays meet a small lamp) at
 /// which prefix rays are aimed. Ordinary rays find larger lamp images often enough.
 const MAX_AREA: f64 = 1.0;
 
-/// Edge length \[pixels] of square tiles of the film. The pilot searches for the lamp images of a
-/// tile together.
+/// Edge length \[pixels] of square tiles of the film. The pilot searches for the lamp images (film
+/// regions where camera rays meet a small lamp) of a tile together.
 const TILE_SIZE: u32 = 16;
 
-/// Largest number of searches for lamp images in a tile, divided by the number of pixels of the
-/// tile. The limit bounds the work of the pilot; searches with the most predicted noise come first.
+/// Largest number of searches for lamp images (film regions where camera rays meet a small lamp) in
+/// a tile, divided by the number of pixels of the tile. The limit bounds the work of the pilot;
+/// searches with the most predicted noise come first.
 const MAX_SEARCHES_PER_PIXEL: f64 = 3.0;
 
 /// Largest number of Newton steps of a search for a lamp image, the film region where camera rays
 /// meet a small lamp.
 const MAX_STEPS: u32 = 8;
 
-/// Largest half width and half height \[pixels] of the film region that a lamp image sweeps as the
-/// lens point varies. Prefix rays are not aimed at larger lamp images: these are blurred or thin,
-/// so that no pixel gets much of their light.
+/// Largest half width and half height \[pixels] of the film region that a lamp image (film region
+/// where camera rays meet a small lamp) sweeps as the lens point varies. Prefix rays are not aimed
+/// at larger lamp images: these are blurred or thin, so that no pixel gets much of their light.
 const MAX_IMAGE_HALF_EXTENT: f32 = 12.0;
 
-/// Distance from the lamp's center at which a search for a lamp image lets the camera ray pass (the
-/// target of its Newton steps), divided by the lamp's radius.
+/// Target of the Newton steps of a search for a lamp image: the distance at which the camera ray
+/// shall pass the lamp's center, divided by the lamp's radius.
 ///
 /// The target lies on the near side of the lamp, so that searches from several sides find several
-/// parts of a lamp image.
+/// parts of a lamp image (film region where camera rays meet a small lamp).
 const TARGET_RELATIVE_MISS: f64 = 0.5;
 
 /// Threshold at which the search for a lamp image has converged, in lamp radii: the ray passes the
@@ -104,7 +106,8 @@ pub(super) struct LampImageContribution {
     pub mean_square: f64,
 }
 
-/// Start of a search for a lamp image: a camera ray of the pilot that passes near the lamp.
+/// Start of a search for a lamp image (film region where camera rays meet a small lamp): a camera
+/// ray of the pilot that passes near the lamp.
 struct ImageSearchStart {
     /// Film point and lens point of the camera ray from which the search starts.
     point: CameraPoint,
@@ -168,7 +171,8 @@ struct ImageSearch<'a> {
 }
 
 impl ImageSearch<'_> {
-    /// Returns the lamp images of all lamps, without repetitions.
+    /// Returns the lamp images of all lamps, without repetitions. A lamp image is a film region
+    /// where camera rays meet a small lamp.
     fn distinct_images<I: Interior>(&self) -> Vec<FoundLampImage> {
         let (width, height) = self.scene.camera().size();
         let corners: Vec<(u32, u32)> = (0..height)
@@ -209,8 +213,9 @@ impl ImageSearch<'_> {
         distinct.images
     }
 
-    /// Returns starts of searches for lamp images: camera rays through `pixels` that pass near
-    /// lamps. `indices` selects the rays of each pixel, by numbers below [`MAX_RAYS_PER_PIXEL`].
+    /// Returns starts of searches for lamp images (film regions where camera rays meet a small
+    /// lamp): camera rays through `pixels` that pass near lamps. `indices` selects the rays of each
+    /// pixel, by numbers below [`MAX_RAYS_PER_PIXEL`].
     fn search_starts_near_rays<I: Interior>(
         &self,
         pixels: &[(u32, u32)],
@@ -326,9 +331,9 @@ impl ImageSearch<'_> {
         area.map_or(0.0, |area| color::channel_mean(area.radiance))
     }
 
-    /// Moves the film point of `search_start` to the predicted lamp image by Newton's method.
-    /// Returns the lamp image; `None` if the search fails, if the lamp is hidden or black, or if
-    /// the lamp image is too large.
+    /// Moves the film point of `search_start` to the predicted lamp image (film region where camera
+    /// rays meet a small lamp) by Newton's method. Returns the lamp image; `None` if the search
+    /// fails, if the lamp is hidden or black, or if the lamp image is too large.
     fn search_image<I: Interior>(&self, search_start: &ImageSearchStart) -> Option<FoundLampImage> {
         let ImageSearchStart { point: start, sampler, chain, lamp, .. } = *search_start;
         let mut from = start.film;
@@ -392,7 +397,7 @@ fn least_searched_noise<'a>(
 }
 
 /// Returns the pixels of `tile`, as (column, row), that are at most one pixel away from a lamp
-/// image that `search_starts` predict.
+/// image (film region where camera rays meet a small lamp) that `search_starts` predict.
 fn pixels_near_images(tile: &[(u32, u32)], search_starts: &[ImageSearchStart]) -> Vec<(u32, u32)> {
     let around = |search_start: &ImageSearchStart| {
         let at = (search_start.point.film + search_start.to_image).floor().as_ivec2();
@@ -402,14 +407,15 @@ fn pixels_near_images(tile: &[(u32, u32)], search_starts: &[ImageSearchStart]) -
     tile.iter().copied().filter(|(x, y)| near.contains(&(*x as i32, *y as i32))).collect()
 }
 
-/// Returns the vector on the film \[pixels] from a camera ray to the near side of a lamp image.
-/// `passage` describes how far the ray passes from the lamp.
+/// Returns the vector on the film \[pixels] from a camera ray to the near side of a lamp image
+/// (film region where camera rays meet a small lamp). `passage` describes how far the ray passes
+/// from the lamp.
 fn vector_to_near_side(passage: &LampPassage) -> DVec2 {
     passage.to_image * (1.0 - TARGET_RELATIVE_MISS / passage.relative_miss).max(0.0)
 }
 
-/// Returns the light that each of the lamp images `images` adds to each pixel whose filter reaches
-/// it, sorted by pixel.
+/// Returns the light that each of the lamp images `images` (film regions where camera rays meet a
+/// small lamp) adds to each pixel whose filter reaches it, sorted by pixel.
 ///
 /// `lens_radius` is the radius of the lens \[length]; 0 if all camera rays start at the lens
 /// center.

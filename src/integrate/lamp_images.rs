@@ -42,7 +42,8 @@ pub(super) struct LampImage {
 }
 
 impl LampImage {
-    /// Returns the area of the lamp image \[pixels²].
+    /// Returns the area of the lamp image (film region where camera rays meet a small lamp)
+    /// \[pixels²].
     pub fn area(&self) -> f32 {
         std::f32::consts::PI / self.to_disc.determinant().abs()
     }
@@ -147,8 +148,8 @@ pub(super) struct LampImages {
 }
 
 impl LampImages {
-    /// Stores the lamp images in each pixel. `pixels` holds one list per pixel, by rows from the
-    /// top.
+    /// Stores the lamp images (film regions where camera rays meet a small lamp) in each pixel.
+    /// `pixels` holds one list per pixel, by rows from the top.
     pub fn from_pixels(pixels: &[Vec<PixelLampImage>]) -> Self {
         let mut starts = Vec::with_capacity(pixels.len() + 1);
         starts.push(0);
@@ -160,8 +161,8 @@ impl LampImages {
         Self { images: pixels.iter().flatten().copied().collect(), starts: starts.into() }
     }
 
-    /// Returns a copy with the lamp images of those pixels for which `keeps` is true. The other
-    /// pixels have no lamp images.
+    /// Returns a copy that keeps only the lamp images (film regions where camera rays meet a small
+    /// lamp) of the pixels for which `keeps` is true.
     ///
     /// The argument of `keeps` is the index of a pixel, by rows from the top.
     pub fn in_pixels(&self, keeps: impl Fn(usize) -> bool) -> Self {
@@ -169,7 +170,8 @@ impl LampImages {
         Self::from_pixels(&(0..self.starts.len() - 1).map(images).collect::<Vec<_>>())
     }
 
-    /// Returns the lamp images in the pixel with index `pixel`, counted by rows from the top.
+    /// Returns the lamp images (film regions where camera rays meet a small lamp) in the pixel with
+    /// index `pixel`, counted by rows from the top.
     #[inline]
     pub fn of_pixel(&self, pixel: usize) -> &[PixelLampImage] {
         &self.images[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]

@@ -1,6 +1,7 @@
-//! Construction of the photon maps of a pass: photons are traced (`tracing.rs`), and then search
-//! structures over them are built (`indexing.rs`). Pilots before the first pass (`pilots.rs`) find
-//! gather radii and guide photons.
+//! Construction of the photon maps of a pass: photons are traced (`tracing.rs`) from their sources
+//! (`sources.rs`), and then search structures over them are built (`indexing.rs`). `options.rs`
+//! states the pass and its numbers of photon paths. Pilots before the first pass (`pilots.rs`) find
+//! gather radii and guide photon emission.
 
 mod indexing;
 mod options;
@@ -9,7 +10,6 @@ mod sources;
 mod tracing;
 
 pub(super) use options::{MapBuildOptions, PhotonPathCounts};
-pub(super) use sources::has_emitting_media;
 
 use indexing::{DensityEstimateLimits, PerMap, PhotonIndexer, UnindexedPassPhotons};
 use options::photon_limit;
@@ -60,9 +60,9 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// simulation before the first pass) found it. `None` without such a pilot, or if the pilot
     /// left all of this light to camera paths.
     pub division: Option<Arc<IndirectDivision>>,
-    /// True if camera paths and photon estimates both find all indirect light that does not come
-    /// from caustics. A pilot (small simulation before the first pass) uses this to compare the two
-    /// techniques.
+    /// True in the pilot (small simulation before the first pass) that compares camera paths with
+    /// photon estimates. Each of the two techniques then estimates all indirect light that does not
+    /// come from caustics, while passes count this light only once.
     pub compares_techniques: bool,
     /// Radii of the density-estimation kernels in media in the first pass, for each map \[length].
     volume_radii: PerMap<VolumeKernelRadii>,
@@ -81,7 +81,10 @@ impl<'a> PhotonMapBuilder<'a> {
     /// gather radii if `settings` give none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let mut request = policy.photon_map_request();
-        if policy.indirect_photons != IndirectPhotons::Off && has_emitting_media(scene, policy.effects) {
+        if policy.indirect_photons != IndirectPhotons::Off
+            && policy.effects.has(Effect::Media)
+            && scene.has_emitting_media()
+        {
             // Photons never start in media, so photon maps miss the light that media emit. If media
             // emit light, `hybrid` therefore traces no unaimed photon paths: camera paths carry all
             // indirect light that does not come from caustics.

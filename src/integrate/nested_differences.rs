@@ -67,8 +67,9 @@ pub(super) struct PixelNestedDifferenceSum {
     /// all sums at 0.
     pub is_wanted: bool,
     /// Sums of throughput times difference over the photon estimates of the camera ray that is
-    /// being traced \[W/(m² sr)]. The differences are: full minus half disc area, and half minus
-    /// quarter disc area.
+    /// being traced \[W/(m² sr)]. The first difference is the estimate in the full gather disc
+    /// minus that in a disc of half its area. The second is the estimate in the disc of half the
+    /// area minus that in a disc of a quarter of the area.
     camera_ray_sum: [Rgb; NESTED_DISC_COUNT - 1],
     /// Sum of `camera_ray_sum` over the camera rays of the pixel, weighted by the pixel filter
     /// \[W/(m² sr)].
@@ -102,11 +103,11 @@ impl PixelNestedDifferenceSum {
         self.last_difference = radiance[0] - radiance[1];
     }
 
-    /// Ends a camera ray: adds its differences, times its filter weight `weight`, to the sums of
-    /// the pixel. Resets the sums of the ray.
+    /// Ends a camera ray: adds its nested differences, times its filter weight `weight`, to the
+    /// sums of the pixel. Resets the sums of the ray.
     ///
-    /// The ray is dropped if `weight` is `None`, because its radiance is not finite, or if a sum is
-    /// not finite.
+    /// A ray whose radiance is not finite has the `weight` `None`. Such a ray adds nothing, nor
+    /// does a ray with a nested difference that is not finite.
     #[inline]
     pub fn finish_camera_ray(&mut self, weight: Option<f32>) {
         if let Some(weight) = weight.filter(|_| self.camera_ray_sum.iter().all(|difference| difference.is_finite())) {

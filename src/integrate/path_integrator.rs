@@ -1,4 +1,5 @@
-//! Integrator that follows a [`PathPolicy`](super::policy::PathPolicy).
+//! Integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) describes: all
+//! except `raycast`.
 
 use super::adaptive_pilot::find_relative_ray_counts;
 use super::balance::RayPhotonBalance;
@@ -9,7 +10,7 @@ use super::indirect_division::IndirectDivision;
 use super::indirect_pilot::divide_indirect_light;
 use super::integrator::Integrator;
 use super::light_group::LightGroup;
-use super::map_builder::{MapBuildOptions, has_emitting_media};
+use super::map_builder::MapBuildOptions;
 use super::nee::ShadowRayGuides;
 use super::pass::{ExpectedPhotons, PassResult, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
@@ -192,7 +193,7 @@ impl Integrator for PathIntegrator<'_> {
             PathContinuation::Always | PathContinuation::GatherRays => true,
             PathContinuation::Never | PathContinuation::Glossy => false,
         };
-        !finds_it && has_emitting_media(self.renderer.scene, effects)
+        !finds_it && effects.has(Effect::Media) && self.renderer.scene.has_emitting_media()
     }
 
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {
@@ -246,8 +247,9 @@ impl<'a> PathIntegrator<'a> {
             (true, None) => find_ray_photon_balance(&renderer),
             (true, Some(policy)) => {
                 let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
-                // Set a division only if the pilot looked for one: `None` would drop the unaimed
-                // photon paths, which `IndirectPhotons::Full` needs.
+                // Only `IndirectPhotons::Weighted` divides indirect light. With
+                // `IndirectPhotons::Full`, `set_division(None)` would remove the photon paths that
+                // start in all directions, which are needed there.
                 if weighs {
                     renderer.map_builder.set_division(division.clone());
                 }

@@ -70,8 +70,8 @@ pub(super) enum LightSampling {
 /// that stores photons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathContinuation {
-    /// Camera paths end at the first surface that stores photons, and cross media without
-    /// scattering. So they never continue from a receiver (surface or medium that stores photons).
+    /// Camera paths never scatter at a receiver. They end at the first surface that stores photons,
+    /// and cross media without scattering.
     Never,
     /// Camera paths continue from a surface that stores photons only if the sampled BSDF lobe is
     /// glossy: neither diffuse nor a coat over a diffuse base. They cross media without scattering.

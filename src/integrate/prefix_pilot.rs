@@ -12,9 +12,9 @@
 //! the work of a ray and of a lookup. It minimizes the variance of the picture times the work of a
 //! pass, which is the inverse of efficiency (Pharr, Jakob and Humphreys 2023, section 2.2.1).
 //!
-//! The first pictures of the pilot trace whole camera paths. They show in which pixels the photon
-//! estimate may need prefix rays. In the next pictures, only the prefix rays of these pixels read
-//! photon maps, because lookups are most of the work.
+//! The first pictures of the pilot trace camera paths that do not end at the first receiver. They
+//! show in which pixels the photon estimate may need prefix rays. In the next pictures, only the
+//! prefix rays of these pixels read photon maps, because lookups are most of the work.
 //!
 //! No pass uses rays of the pilot, so the mean of the passes stays unbiased.
 
@@ -43,13 +43,16 @@ use efficient_counts::{PassWork, efficient_ray_counts};
 use rayon::prelude::*;
 use variances::{BlockLightStatistics, RelativePixelVariances, pixel_variances};
 
-/// Number of pictures, with one ray per block of pixels each, that the prefix-ray pilot traces with
-/// whole camera paths.
+/// Number of pictures that the prefix-ray pilot traces first, with camera paths that do not end at
+/// the first surface that stores photons.
+///
+/// The pilot is a small simulation before the first pass. Each of its pictures has one ray per
+/// block of pixels.
 const WHOLE_PICTURES: u32 = 2;
 
-/// Number of pictures, with one ray per block of pixels each, that the prefix-ray pilot traces with
-/// [prefix rays](super::prefix_rays): camera paths that end at the first surface that stores
-/// photons.
+/// Number of pictures that the prefix-ray pilot (small simulation before the first pass) traces
+/// after the [`WHOLE_PICTURES`], with [prefix rays](super::prefix_rays): camera paths that end at
+/// the first surface that stores photons.
 const PREFIX_PICTURES: u32 = 4;
 
 /// Number of pictures, among the [`PREFIX_PICTURES`] pictures of prefix rays, in which prefix rays
@@ -57,15 +60,17 @@ const PREFIX_PICTURES: u32 = 4;
 /// selects.
 const LOOKUP_PICTURES: u32 = 2;
 
-/// Smallest ratio of the photon paths of a pass to those of the prefix-ray pilot: the pilot traces
-/// at most 1/4 of the paths of a pass.
+/// Smallest ratio of the photon paths of a pass to those of the prefix-ray pilot (small simulation
+/// before the first pass): the pilot traces at most 1/4 of the paths of a pass.
 const MIN_PASS_TO_PILOT_PATH_RATIO: u32 = 4;
 
-/// Largest number of photon paths that the prefix-ray pilot traces for one photon map.
+/// Largest number of photon paths that the prefix-ray pilot (small simulation before the first
+/// pass) traces for one photon map.
 const MAX_PHOTON_PATHS: u32 = 1 << 20;
 
-/// Threshold on v·n²/V above which the prefix-ray pilot measures photon estimates at prefix rays of
-/// a pixel.
+/// Threshold on v·n²/V above which the prefix-ray pilot (small simulation before the first pass)
+/// measures photon estimates at the prefix rays of a pixel: extra camera paths that end at the
+/// first surface that stores photons.
 ///
 /// Here v is the variance of the pixel's photon estimate, and n the number of camera paths per
 /// pixel. V is the mean variance of one camera path over all pixels. In passes, more estimates pay
@@ -89,9 +94,9 @@ const ASSUMED_AIMED_RAYS: u8 = 8;
 /// paths that end at the first surface that stores photons. Returns `None` if such rays do not pay,
 /// or if media scatter or emit.
 ///
-/// The prefix-ray pilot does not model the light that prefix rays find in scattering or emitting
-/// media. The returned numbers suit passes with the numbers of camera rays and photon paths of
-/// `renderer`.
+/// A pilot (small simulation before the first pass) finds the numbers. The pilot does not model the
+/// light that prefix rays find in scattering or emitting media. The numbers suit passes with the
+/// numbers of camera rays and photon paths of `renderer`.
 pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<PrefixRayAllocation> {
     let (scene, effects) = (renderer.scene, renderer.policy.effects);
     if effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits()) {
@@ -137,13 +142,14 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     Some(PrefixRayAllocation { counts: counts.into(), lamp_images, expected_work })
 }
 
-/// Light and ray counts of the pictures of the prefix-ray pilot.
+/// Light and ray counts of the pictures of the prefix-ray pilot (small simulation before the first
+/// pass).
 struct PilotMeasurements {
     /// Light of each block (square of pixels of which each picture traces one), by rows from the
     /// top.
     light: Vec<BlockLightStatistics>,
-    /// Ray and photon counts of the pilot's whole camera paths, which do not end at the first
-    /// surface that stores photons.
+    /// Ray and photon counts of the pilot's camera paths that do not end at the first surface that
+    /// stores photons.
     whole_paths: Counters,
     /// Ray counts of the pilot's prefix rays (camera paths that end at the first surface that
     /// stores photons), without their photon estimates.
@@ -192,9 +198,12 @@ impl PilotMeasurements {
     }
 }
 
-/// Traces the pictures of the prefix-ray pilot with the photon maps `maps`: first pictures of whole
-/// camera paths, then pictures of prefix rays, which end at the first surface that stores photons.
-/// `found_images` are the lamp images of the film, and `lamp_images` the same images by pixel.
+/// Traces the pictures of the prefix-ray pilot with the photon maps `maps`: first
+/// [`WHOLE_PICTURES`] of complete camera paths, then [`PREFIX_PICTURES`] of prefix rays, which end
+/// at the first surface that stores photons.
+///
+/// `found_images` are the lamp images of the film (film regions where camera rays meet a small
+/// lamp), and `lamp_images` the same images by pixel.
 fn trace_pictures(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
@@ -268,8 +277,9 @@ fn images_of_pixels(found: &[LampImageContribution], pixels: usize) -> LampImage
     LampImages::from_pixels(&images)
 }
 
-/// Part of a camera path that the prefix-ray pilot traces: the whole path, or its *prefix* up to
-/// the first receiver (a surface or medium that stores photons).
+/// Part of a camera path that the prefix-ray pilot (small simulation before the first pass) traces:
+/// the whole path, or its *prefix* up to the first receiver (a surface or medium that stores
+/// photons).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PathParts {
     /// The pilot traces the whole path.
@@ -282,14 +292,14 @@ enum PathParts {
     Prefix,
 }
 
-/// Returns a flag for each pixel: true if the prefix-ray pilot should measure photon estimates at
-/// prefix rays of that pixel.
+/// Returns a flag for each pixel: true if the prefix-ray pilot (small simulation before the first
+/// pass) should measure photon estimates at prefix rays of that pixel.
 ///
 /// A pass traces n = `samples` camera paths in each pixel, and only one of them reads photon maps.
 /// Let V be the variance of one camera path, as a mean over all pixels. A second photon estimate
 /// does not pay if the variance of the estimate is small against V/n². So the function selects the
 /// pixels in which that variance is above [`CANDIDATE_VARIANCE`] times V/n². `variances` holds the
-/// variances of each pixel's light for one whole camera path.
+/// variances of each pixel's light for one camera path.
 fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.from_receiver + v.up_to_receiver).sum();
@@ -297,9 +307,9 @@ fn find_lookup_candidates(variances: &[RelativePixelVariances], samples: u32) ->
     variances.iter().map(|v| v.photon_estimate * n * n > least).collect()
 }
 
-/// Renders picture `i` of the prefix-ray pilot, with one ray in one pixel of each block. Other
-/// pixels stay black. `parts` tells which part of a camera path to trace in a pixel, given the
-/// index of the pixel by rows from the top.
+/// Renders picture `i` of the prefix-ray pilot (small simulation before the first pass), with one
+/// ray in one pixel of each block. Other pixels stay black. `parts` tells which part of a camera
+/// path to trace in a pixel, given the index of the pixel by rows from the top.
 ///
 /// The three channels of a pixel hold three parts of its light, each averaged over RGB \[W/(m²
 /// sr)]. Channel x is the light at and after the first receiver (surface or medium that stores

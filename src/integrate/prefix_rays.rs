@@ -127,7 +127,8 @@ impl LampImageRayCounts {
     }
 }
 
-/// Result of the prefix-ray pilot: the number of prefix rays of each pixel, the lamp images at
+/// Result of the pilot (small simulation before the first pass) for prefix rays: the number of
+/// prefix rays of each pixel, the lamp images (film regions where camera rays meet a small lamp) at
 /// which some of these rays are aimed, and the expected work of all prefix rays. Prefix rays are
 /// extra camera paths that end at the first surface that stores photons.
 #[derive(Clone, Debug)]

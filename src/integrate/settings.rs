@@ -1,4 +1,4 @@
-//! Settings of the rendering algorithms.
+//! Settings of the rendering algorithms: camera paths, photons and final gathering.
 
 use super::radius_law::DEFAULT_ALPHA;
 use super::volume_estimate::VolumeEstimator;
@@ -7,8 +7,8 @@ use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 
 /// Settings of camera paths. [`Algorithm::Raycast`](super::Algorithm::Raycast) reads only the
-/// number of samples, the seed, the filter, the crop window and the effects; other algorithms read
-/// all.
+/// number of samples, the seed, the filter, the crop window and the effects. Other algorithms read
+/// all fields, unless a field says otherwise.
 #[derive(Clone, Debug)]
 pub struct CameraPathSettings {
     /// Number of camera rays per pixel and pass. `None` takes the default of the algorithm, and

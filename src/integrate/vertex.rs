@@ -1,4 +1,4 @@
-//! Vertices of camera paths.
+//! Vertices of camera paths, and the receivers and casters that a path has visited before.
 
 use crate::color::Rgb;
 use crate::math::Ray;

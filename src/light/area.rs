@@ -1,4 +1,4 @@
-//! Area lights: emitting surfaces.
+//! Area lights: emitting shapes, and emitting triangles of meshes.
 
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR, angle_between};
 use super::source::{DirectLightSample, EmissionSample, LightGeometry, LightSource, ShadowTarget};

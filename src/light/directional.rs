@@ -1,4 +1,4 @@
-//! Directional lights.
+//! Directional lights: parallel light from infinity.
 
 use super::PhotonAim;
 use super::light_bounds::LightBounds;

@@ -1,4 +1,4 @@
-//! Environment lights.
+//! Environment lights: light from infinity by an equirectangular map.
 
 use super::directional::sample_ray_across_sphere;
 use super::light_bounds::LightBounds;

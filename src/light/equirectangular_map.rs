@@ -54,8 +54,8 @@ pub struct EquirectangularMap {
     /// The probability of a pixel is proportional to m·Ω. Here, m is the mean of the interpolated
     /// map over the area and the color channels of the pixel, and Ω is the pixel's solid angle.
     distribution: Option<PiecewiseConstant2d>,
-    /// Cosine of the angle from +y to the upper edge of each row. The last element belongs to the
-    /// lower edge of the last row.
+    /// Cosine of the angle from +y to the upper edge of each row. The last element is for the lower
+    /// edge of the last row.
     row_edge_cosines: Vec<f64>,
     /// Integral of the interpolated map over all directions \[pixel value · sr].
     integral: Rgb,

@@ -20,8 +20,8 @@ pub struct LightBvhSampler {
     /// Indices of the lights at infinity, which are outside of the tree. All are sampled with equal
     /// probability.
     infinite_light_indices: Vec<u32>,
-    /// Place of each light: in the tree, at infinity or absent. Element i belongs to the light with
-    /// index i.
+    /// Place of each light: in the tree, at infinity or absent. Element i is the place of the light
+    /// with index i.
     locations: Vec<LightBvhLocation>,
     /// Probability of sampling one of the lights at infinity instead of a light of the tree.
     infinite_probability: f64,

@@ -1,4 +1,4 @@
-//! Projector lights.
+//! Projector lights: point lights that project a picture.
 
 use super::EmissionPictureError;
 use super::equirectangular_map::scale_and_validate_picture;

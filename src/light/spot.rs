@@ -1,4 +1,4 @@
-//! Spotlights.
+//! Spotlights: point lights limited to a cone with a smooth edge.
 
 use super::light_bounds::{DirectionCone, NORMAL_ERROR};
 use super::point::{PositionalLight, cone_may_illuminate};

@@ -62,7 +62,7 @@ const MIN_PIXELS_PER_TASK: usize = 2048;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BinnedSums<const N: usize> {
     /// Integer sums of each pixel: first the upper integers of all channels, then the lower ones.
-    bins: Vec<[[i64; N]; 2]>,
+    integer_sums: Vec<[[i64; N]; 2]>,
     /// Tag of each pixel. Its low [`LEVEL_BITS`] bits hold the level of the pixel, and its higher
     /// bits mark sums of +∞, −∞ or NaN.
     tags: Vec<u16>,
@@ -76,7 +76,7 @@ impl<const N: usize> BinnedSums<N> {
     #[must_use]
     pub fn new(pixels: usize) -> Self {
         const { assert!(LEVEL_BITS as usize + 2 * N <= u16::BITS as usize, "too many channels for a tag") };
-        Self { bins: vec![[[0; N]; 2]; pixels], tags: vec![0; pixels] }
+        Self { integer_sums: vec![[[0; N]; 2]; pixels], tags: vec![0; pixels] }
     }
 
     /// Returns the number of pixels.
@@ -94,30 +94,30 @@ impl<const N: usize> BinnedSums<N> {
     /// Adds the N values `value(i)`, one for each channel, to each pixel `i`.
     #[inline]
     pub fn add_to_all_pixels(&mut self, value: impl Fn(usize) -> [f64; N] + Sync) {
-        let pixels = self.bins.par_iter_mut().zip(&mut self.tags).enumerate();
-        pixels.with_min_len(MIN_PIXELS_PER_TASK).for_each(|(i, (bins, tag))| {
+        let pixels = self.integer_sums.par_iter_mut().zip(&mut self.tags).enumerate();
+        pixels.with_min_len(MIN_PIXELS_PER_TASK).for_each(|(i, (integer_sums, tag))| {
             let values = value(i);
             let level = level_of(*tag);
             let limit = LEVEL_LIMITS[level];
             if values.iter().fold(true, |fit, value| fit & (value.abs() < limit)) {
-                add_to_bins(bins, level, values);
+                add_to_integer_sums(integer_sums, level, values);
             } else {
-                add_beyond_limit(bins, tag, values);
+                add_beyond_limit(integer_sums, tag, values);
             }
         });
     }
 
     /// Adds the sums of `other`, which has the same number of pixels.
     pub fn merge(&mut self, other: &Self) {
-        let own = self.bins.par_iter_mut().zip(&mut self.tags);
-        let pixels = own.zip(other.bins.par_iter().zip(&other.tags));
-        pixels.with_min_len(MIN_PIXELS_PER_TASK).for_each(|((bins, tag), (other_bins, other_tag))| {
-            let mut other_bins = *other_bins;
+        let own = self.integer_sums.par_iter_mut().zip(&mut self.tags);
+        let pixels = own.zip(other.integer_sums.par_iter().zip(&other.tags));
+        pixels.with_min_len(MIN_PIXELS_PER_TASK).for_each(|((integer_sums, tag), (other_sums, other_tag))| {
+            let mut other_sums = *other_sums;
             let level = level_of(*tag).max(level_of(*other_tag));
-            raise_level(&mut other_bins, &mut other_tag.clone(), level);
-            raise_level(bins, tag, level);
+            raise_level(&mut other_sums, &mut other_tag.clone(), level);
+            raise_level(integer_sums, tag, level);
             *tag |= *other_tag >> LEVEL_BITS << LEVEL_BITS;
-            for (sums, others) in bins.iter_mut().zip(other_bins) {
+            for (sums, others) in integer_sums.iter_mut().zip(other_sums) {
                 (0..N).for_each(|channel| sums[channel] += others[channel]);
             }
         });
@@ -127,7 +127,7 @@ impl<const N: usize> BinnedSums<N> {
     #[inline]
     #[must_use]
     pub fn pixel_sums(&self, i: usize) -> [f64; N] {
-        let ([upper, lower], tag) = (self.bins[i], self.tags[i]);
+        let ([upper, lower], tag) = (self.integer_sums[i], self.tags[i]);
         let quantum = self.lower_quantum(i);
         let mut sums = [0.0; N];
         for channel in 0..N {
@@ -163,14 +163,14 @@ impl<const N: usize> BinnedSums<N> {
 #[derive(Serialize, Deserialize)]
 struct StoredSums {
     /// For each pixel: upper integers of all channels, then lower integers of all channels.
-    bins: Vec<i64>,
+    integer_sums: Vec<i64>,
     tags: Vec<u16>,
 }
 
 impl<const N: usize> Serialize for BinnedSums<N> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let bins = self.bins.iter().flatten().flatten().copied().collect();
-        StoredSums { bins, tags: self.tags.clone() }.serialize(serializer)
+        let integer_sums = self.integer_sums.iter().flatten().flatten().copied().collect();
+        StoredSums { integer_sums, tags: self.tags.clone() }.serialize(serializer)
     }
 }
 
@@ -178,13 +178,13 @@ impl<'de, const N: usize> Deserialize<'de> for BinnedSums<N> {
     /// Reads the sums. Fails if there are not 2N integers for each tag (one tag per pixel), or if a
     /// tag is invalid.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let StoredSums { bins, tags } = StoredSums::deserialize(deserializer)?;
+        let StoredSums { integer_sums, tags } = StoredSums::deserialize(deserializer)?;
         let is_valid = |tag: &u16| level_of(*tag) < LEVELS && usize::from(*tag) >> LEVEL_BITS < 1 << (2 * N);
-        if bins.len() != 2 * N * tags.len() || !tags.iter().all(is_valid) {
+        if integer_sums.len() != 2 * N * tags.len() || !tags.iter().all(is_valid) {
             return Err(D::Error::custom("sums of a picture are inconsistent"));
         }
-        let pixel = |bins: &[i64]| [0, N].map(|first| std::array::from_fn(|channel| bins[first + channel]));
-        Ok(Self { bins: bins.chunks_exact(2 * N).map(pixel).collect(), tags })
+        let pixel = |sums: &[i64]| [0, N].map(|first| std::array::from_fn(|channel| sums[first + channel]));
+        Ok(Self { integer_sums: integer_sums.chunks_exact(2 * N).map(pixel).collect(), tags })
     }
 }
 
@@ -206,14 +206,14 @@ fn level_of(tag: u16) -> usize {
     usize::from(tag & ((1 << LEVEL_BITS) - 1))
 }
 
-/// Adds `values`, one for each channel, to the integer sums `bins` of a pixel of the given level.
+/// Adds `values`, one for each channel, to the integer sums of a pixel of the given level.
 ///
 /// All absolute values must be below the limit of this level.
 #[inline]
-fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [f64; N]) {
+fn add_to_integer_sums<const N: usize>(integer_sums: &mut [[i64; N]; 2], level: usize, values: [f64; N]) {
     let inverse = INVERSE_UPPER_QUANTA[level];
     let integer = |rounded: f64| rounded.to_bits().wrapping_sub(ROUNDER.to_bits()) as i64;
-    let [upper, lower] = bins;
+    let [upper, lower] = integer_sums;
     for channel in 0..N {
         // Products with powers of two are exact, and so is the difference between `scaled` and the
         // rounded number.
@@ -231,7 +231,7 @@ fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [
 /// A value that is not finite, or beyond the limit of the last level, is not added. It sets a flag
 /// of its channel in `tag` instead.
 #[cold]
-fn add_beyond_limit<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, mut values: [f64; N]) {
+fn add_beyond_limit<const N: usize>(integer_sums: &mut [[i64; N]; 2], tag: &mut u16, mut values: [f64; N]) {
     for (channel, value) in values.iter_mut().enumerate() {
         let infinities = match *value {
             v if v.is_nan() => 3,
@@ -244,19 +244,19 @@ fn add_beyond_limit<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, mut
     }
     let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
     let level = LEVEL_LIMITS.partition_point(|limit| *limit <= largest).max(level_of(*tag));
-    raise_level(bins, tag, level);
-    add_to_bins(bins, level, values);
+    raise_level(integer_sums, tag, level);
+    add_to_integer_sums(integer_sums, level, values);
 }
 
 /// Raises the level of a pixel to `level`, which is not below the pixel's present level.
-fn raise_level<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, level: usize) {
+fn raise_level<const N: usize>(integer_sums: &mut [[i64; N]; 2], tag: &mut u16, level: usize) {
     let steps = level - level_of(*tag);
-    // Old values are below half a new upper quantum, so the new upper bins are 0. The old upper
-    // bins become the new lower bins, or round to 0 if `level` is two or more levels higher.
+    // Old values are below half a new upper quantum, so the new upper integers are 0. The old upper
+    // integers become the new lower ones, or round to 0 if `level` is two or more levels higher.
     match steps {
         0 => {}
-        1 => *bins = [[0; N], bins[0]],
-        _ => *bins = [[0; N]; 2],
+        1 => *integer_sums = [[0; N], integer_sums[0]],
+        _ => *integer_sums = [[0; N]; 2],
     }
     *tag += steps as u16;
 }

@@ -1,4 +1,4 @@
-//! Axis-aligned boxes and bounding spheres.
+//! Bounding volumes: axis-aligned boxes and spheres.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! Compensated summation.
+//! Compensated summation, which also sums the rounding error of each addition.
 
 use glam::DVec3;
 

@@ -58,7 +58,8 @@ impl DoubleDoubleVec3 {
         x.times_f64(b.x).plus(y.times_f64(b.y)).plus(z.times_f64(b.z)).0
     }
 
-    pub fn round_to_f64(self) -> DVec3 {
+    /// Rounds each component to f64.
+    pub fn round_to_dvec3(self) -> DVec3 {
         DVec3::from_array(self.0.map(|x| x.0))
     }
 }
@@ -69,7 +70,7 @@ impl DoubleDoubleVec3 {
 /// products.
 #[must_use]
 pub fn exact_cross(a: DVec3, b: DVec3) -> DVec3 {
-    DoubleDoubleVec3::cross(a, b).round_to_f64()
+    DoubleDoubleVec3::cross(a, b).round_to_dvec3()
 }
 
 /// Dot product a · b in double-double arithmetic, rounded to f64.

@@ -1,4 +1,4 @@
-//! Orthonormal frames.
+//! Right-handed orthonormal frames (s, t, n).
 
 use glam::Vec3;
 

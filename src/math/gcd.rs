@@ -1,4 +1,4 @@
-//! Greatest common divisor.
+//! Greatest common divisor by Euclid's algorithm.
 
 /// Greatest common divisor of `a` and `b`, by Euclid's algorithm.
 #[must_use]

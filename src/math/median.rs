@@ -1,4 +1,4 @@
-//! Medians.
+//! Median of the positive values of a list.
 
 /// Returns the median of the positive `values`: the upper of the two middle ones if their number is
 /// even. `None` if no value is positive.

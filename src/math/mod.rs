@@ -1,4 +1,4 @@
-//! Rays, boxes, frames, transforms, sampling warps, sums, means and error bounds.
+//! Rays, boxes, frames, transforms, sampling warps, sums, means, medians and error bounds.
 
 mod binned_sums;
 mod bounds;

@@ -29,6 +29,7 @@ pub fn square_sum<T: Default + AddAssign>(
 
 /// Returns the mean of `value` over the square of pixels around the pixel `center` with the given
 /// half width \[pixels]. The arguments are those of [`square_sum`].
+#[must_use]
 pub fn square_mean(value: impl Fn(usize) -> f64, center: usize, half_width: usize, size: (usize, usize)) -> f64 {
     let (sum, count) = square_sum(value, center, half_width, size);
     sum / count

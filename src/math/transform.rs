@@ -1,4 +1,4 @@
-//! Invertible affine maps in f64.
+//! Invertible affine maps in f64, each stored with its inverse.
 
 use super::double_double::DoubleDoubleVec3;
 use super::exact_dot;
@@ -46,7 +46,7 @@ impl Transform {
         let [a, b, c] = [m.x_axis / x, m.y_axis / y, m.z_axis / z];
         let cofactors = [DoubleDoubleVec3::cross(b, c), DoubleDoubleVec3::cross(c, a), DoubleDoubleVec3::cross(a, b)];
         let volume = cofactors[0].dot(a);
-        let rows = cofactors.map(|row| row.round_to_f64() / volume);
+        let rows = cofactors.map(|row| row.round_to_dvec3() / volume);
         let largest = rows.iter().map(|row| row.abs().max_element()).fold(0.0, f64::max);
         if !(forward.is_finite()
             && volume != 0.0

@@ -1,4 +1,4 @@
-//! Procedural clouds.
+//! Procedural clouds: density of fractal noise inside a ball.
 
 use crate::sampling::Key;
 use crate::texture::noise::fractal_noise;

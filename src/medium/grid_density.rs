@@ -1,4 +1,4 @@
-//! Density grids of heterogeneous media.
+//! Density of heterogeneous media on a grid, with upper bounds for blocks of cells.
 
 use super::majorant_iterator::MajorantIterator;
 use crate::math::{Ray, SingularTransformError, Transform};

@@ -1,4 +1,4 @@
-//! Homogeneous media, in closed form.
+//! Homogeneous media in closed form: transmittance, distance sampling and emission.
 
 use super::{DistanceSample, Medium, channel_probabilities, zero_unsampled_channels};
 use crate::color::Rgb;

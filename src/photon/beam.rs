@@ -202,7 +202,7 @@ impl BeamPiece {
     /// True if this piece of `beam` contains the beam's point at distance `s` \[length] from the
     /// beam's start.
     ///
-    /// Each point of a beam belongs to exactly one piece.
+    /// Each point of a beam is in exactly one piece.
     #[inline]
     fn contains(&self, s: f32, beam: &PhotonBeam) -> bool {
         s >= self.from && (s < self.to || self.to >= beam.length)

@@ -1,4 +1,4 @@
-//! Concatenation of lists in parallel.
+//! Concatenation of many lists to one, with a parallel copy of the items.
 
 use rayon::iter::plumbing::{Consumer, Producer, ProducerCallback, UnindexedConsumer, bridge};
 use rayon::prelude::*;

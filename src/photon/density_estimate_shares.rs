@@ -88,9 +88,9 @@ impl DensityEstimateShares {
     ///
     /// Both n and b² are estimated from the `splats` of a small simulation before the render.
     /// `ratio` is the number of photon paths in a pass, divided by their number in that simulation.
-    /// `gather_count` is k, the number of photons in a density estimate of the first pass. The
-    /// terms n/k and 10·n·b² + (n/10)² are averaged over the area of a density estimate's disc, so
-    /// that the fractions have no edges.
+    /// `gather_count` is k, the number of photons in a density estimate of the first pass. Each of
+    /// the terms t = n/k and t = 10·n·b² + (n/10)² is smoothed over the area of a density
+    /// estimate's disc, so that the fractions have no edges: ln(1 + t) is averaged.
     #[must_use]
     pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64, gather_count: f64) -> Self {
         let image = SplatImage::new(splats, (width, height));

@@ -1,4 +1,4 @@
-//! Kernels of photon density estimation.
+//! Kernels of photon density estimation: box, cone and Epanechnikov.
 
 use std::f32::consts::FRAC_1_PI;
 use std::str::FromStr;

@@ -64,7 +64,8 @@ impl<'a> LightTracer<'a> {
         deposit: &mut impl FnMut(Deposit<'_>),
     ) -> u8 {
         let p = surface.point.p;
-        // The share belongs to a position on the surface, so it must not depend on the lens sample.
+        // The share is a function of the position on the surface, so it must not depend on the lens
+        // sample.
         let Some(central) = self.camera.connect_to_point(p, None) else { return SHARE_STEPS };
         let share =
             self.shares.map_or(SHARE_STEPS, |shares| shares.share_steps_at_film_position(central.film_position));

@@ -1,4 +1,5 @@
-//! Compact storage of surface photons.
+//! Compact storage of surface photons: 32 bytes for position, flux, incident direction, tangent
+//! plane and wavelength.
 
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
@@ -29,10 +30,10 @@ impl PackedFlux {
     }
 
     /// Returns a copy in which the lowest four bits of the channel sum hold `steps`, a number from
-    /// 0 to 15.
+    /// 0 to [`SHARE_STEPS`].
     ///
     /// Density estimates use the fraction `steps`/[`SHARE_STEPS`] of the flux. Storing `steps`
-    /// changes the flux by a relative error below 2⁻¹⁹.
+    /// changes the flux by a fraction below 2⁻¹⁹.
     #[inline]
     fn with_packed_share(self, steps: u8) -> Self {
         Self { channel_sum: f32::from_bits(self.channel_sum.to_bits() & !15 | u32::from(steps)), ..self }
@@ -102,8 +103,8 @@ impl Photon {
     }
 
     /// Returns the photon with the fraction of its flux that density estimates use set to
-    /// `steps`/15. Light tracing has splatted the rest on the film. `steps` is from 0 to 15; see
-    /// [`PhotonAttributes::density_estimate_share`].
+    /// `steps`/`SHARE_STEPS`. Light tracing has splatted the rest on the film. `steps` is from 0 to
+    /// `SHARE_STEPS`; see [`PhotonAttributes::density_estimate_share`].
     #[inline]
     #[must_use]
     pub fn with_density_estimate_share(self, steps: u8) -> Self {
@@ -115,7 +116,7 @@ impl Photon {
 }
 
 /// Largest value of a photon's density-estimate share: the fraction of its flux that density
-/// estimates use, stored as an integer from 0 to 15 in four bits. 15 stands for the whole flux.
+/// estimates use, stored as an integer in four bits. `SHARE_STEPS` stands for the whole flux.
 pub(super) const SHARE_STEPS: u8 = 15;
 
 /// Factor from a unit normal to its stored components, which are 8-bit integers.

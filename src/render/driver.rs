@@ -268,7 +268,7 @@ impl RenderResult {
     /// Adds the passes of `other`, a render of the same scene with the same settings.
     ///
     /// # Errors
-    /// [`MergeError`] if the renders have common passes or too many passes together, or belong to
+    /// [`MergeError`] if the renders have common passes or too many passes together, or are of
     /// different pictures or integrators. This result then stays as it is.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
         let common = self.pass_numbers.intersection(&other.pass_numbers);

@@ -1,4 +1,4 @@
-//! Sets of pass numbers.
+//! Sets of pass numbers, stored as ranges.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -278,8 +278,8 @@ impl Key {
         if n == 0 { self } else { self.child_key(MIX_CHOICE_BIT | u64::from(n)) }
     }
 
-    /// Key of the random numbers that choose a component of a mix material. The material belongs to
-    /// faces that coincide with a boundary that a path segment crosses.
+    /// Key of the random numbers that choose a component of a mix material. Faces of this material
+    /// coincide with a boundary that a path segment crosses.
     ///
     /// `self` is the key of the path vertex that ends the segment. `boundary` is the number of
     /// boundaries that the path has crossed since its last vertex. Faces with the same number

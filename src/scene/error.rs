@@ -1,4 +1,4 @@
-//! Errors of building a scene.
+//! Reasons why a scene cannot be built.
 
 /// Reason why a scene cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -29,8 +29,9 @@ impl FilmMotionMeter {
     /// Returns how far a surface point moves on the film, from the opening to the closing of the
     /// shutter \[pixels to the right and down].
     ///
-    /// The point is at `p` at the time `time` in \[0, 1], and belongs to the object at `hit` of
-    /// `scene`. Returns `None` if the point is behind the camera at the opening or the closing.
+    /// The point is at `p` at the time `time` in \[0, 1]. The point lies on the object of `scene`
+    /// that `hit` names. Returns `None` if the point is behind the camera at the opening or the
+    /// closing.
     #[must_use]
     pub fn surface_point_displacement(&self, scene: &Scene, hit: &Hit, time: f64, p: Vec3) -> Option<Vec2> {
         let Some(motion) = motion_of_hit(scene, hit) else {

@@ -1,4 +1,4 @@
-//! Materials of the resolved scene.
+//! Materials of the resolved scene, from which the BSDF at a hit is made.
 
 mod kind;
 

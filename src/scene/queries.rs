@@ -160,6 +160,12 @@ impl Scene {
         }
     }
 
+    /// True if a medium in use emits light.
+    #[must_use]
+    pub fn has_emitting_media(&self) -> bool {
+        self.media_in_use().iter().any(|medium| medium.emits())
+    }
+
     /// Returns the media in use, each once: those of the bodies that objects bound, and the ambient
     /// medium.
     #[must_use]

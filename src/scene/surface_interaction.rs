@@ -1,4 +1,4 @@
-//! Surface properties at a hit.
+//! The surface that a ray hits: position, normals, material, BSDF and emission.
 
 use super::Material;
 use super::geometry::CoincidenceGroup;

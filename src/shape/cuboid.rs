@@ -1,4 +1,4 @@
-//! Boxes and parallelepipeds.
+//! Boxes and parallelepipeds: cubes under affine maps.
 
 use super::bounded_shape::BoundedShape;
 use super::hit::{f64_ray_parameter, nearer_hit};

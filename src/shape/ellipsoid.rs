@@ -1,4 +1,4 @@
-//! Ellipsoids.
+//! Ellipsoids: unit spheres under affine maps.
 
 use super::bounded_shape::BoundedShape;
 use super::hit::{f64_ray_parameter, nearer_hit};

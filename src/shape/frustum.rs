@@ -1,4 +1,4 @@
-//! Cylinders, cones and truncated cones.
+//! Cylinders, cones and truncated cones, with open or capped ends.
 
 use super::bounded_shape::BoundedShape;
 use super::hit::{f64_ray_parameter, nearer_hit};

@@ -1,4 +1,4 @@
-//! Triangle meshes.
+//! Triangle meshes: positions, normals, texture coordinates and triangles.
 
 use super::surface_point::{EDGE_MARGIN, SurfacePoint};
 use super::texture_mapping::TexCoord;

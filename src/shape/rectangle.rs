@@ -1,4 +1,4 @@
-//! Rectangles and parallelograms.
+//! Rectangles and parallelograms; rectangles are sampled by solid angle.
 
 use super::bounded_shape::BoundedShape;
 use super::hit::{ray_to_f64, round_t_if_in_range};

@@ -1,4 +1,4 @@
-//! Spheres.
+//! Spheres in world space.
 
 use super::bounded_shape::BoundedShape;
 use super::hit::{f64_ray_parameter, nearer_hit, ray_to_f64};

@@ -37,7 +37,8 @@ impl MemoryLimit {
     }
 }
 
-/// Functions that read the counters of a global allocator.
+/// Functions that return the current and the peak memory of a program's global allocator. The
+/// program passes them to [`set_allocation_counter`].
 #[derive(Clone, Copy, Debug)]
 pub struct AllocationCounter {
     /// Function that returns the number of allocated bytes that are not freed yet.
@@ -48,10 +49,10 @@ pub struct AllocationCounter {
 
 static COUNTER: OnceLock<AllocationCounter> = OnceLock::new();
 
-/// Registers the counters of this process's global allocator, for memory limits and reports. Only
-/// the first call has an effect.
+/// Registers functions that return the memory of this process's global allocator, for memory limits
+/// and reports. Only the first call has an effect.
 ///
-/// Without registered counters, the memory in use is unknown. On Linux, the resident anonymous
+/// Without registered functions, the memory in use is unknown. On Linux, the resident anonymous
 /// memory then takes its place. On other systems, it counts as 0.
 pub fn set_allocation_counter(counter: AllocationCounter) {
     let _ = COUNTER.set(counter);

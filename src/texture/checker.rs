@@ -1,4 +1,4 @@
-//! Checkerboard textures.
+//! Checkerboard textures, with exact means over boxes.
 
 use crate::color::Rgb;
 use glam::DVec2;

@@ -10,12 +10,11 @@ const FADE_WIDTHS: [f64; 2] = [0.25, 1.0];
 /// octaves do not align.
 const OCTAVE_OFFSET: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 
-/// Fractal noise at `p`, in (−2, 2): Σ 2⁻ⁱ·noise(2ⁱ·p + i·c) over the octaves i = 0 … `octaves` −
-/// 1.
+/// Fractal noise at `p`, in (−2, 2): Σ 2⁻ⁱ·noise(2ⁱ·p + i·c) over the octaves i.
 ///
-/// c is a constant offset. An octave fades out if its wavelength is small compared with the
-/// footprint's `width`, so that textures do not alias. `p` and `width` are in wavelengths of the
-/// first octave.
+/// i goes from 0 to `octaves` − 1, and c is a constant offset. An octave fades out if its
+/// wavelength is small compared with the footprint's `width`, so that textures do not alias. `p`
+/// and `width` are in wavelengths of the first octave.
 pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
     for i in 0..octaves {

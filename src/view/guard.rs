@@ -74,7 +74,7 @@ fn single_header<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
 /// True if `host` is an IP address or `localhost`, with the port of this server. Without a port,
 /// `host` means port 80, the default of HTTP.
 fn is_own_host(host: &str, port: u16) -> bool {
-    // A colon inside brackets belongs to an IPv6 address, and separates no port.
+    // A colon inside brackets is part of an IPv6 address, and separates no port.
     let (name, number) = match host.rsplit_once(':') {
         Some((name, number)) if !number.ends_with(']') => (name, number.parse().ok()),
         Some(_) | None => (host, Some(DEFAULT_HTTP_PORT)),

@@ -243,8 +243,8 @@ fn create_image_packet(name: &str, (width, height): (u32, u32), channels: &[Stri
 
 /// Returns the packet that sets the pixels in the rows `rows` of an image of `width` columns.
 ///
-/// `values` holds one slice for each of the `channels`: all pixels of the image, in rows from the
-/// top.
+/// `values` holds a slice for each channel in `channels`: the values of all pixels of the image, in
+/// rows from the top.
 fn update_image_packet(
     name: &str,
     width: u32,

@@ -33,11 +33,11 @@ fn rough_bsdfs() -> [Bsdf; 8] {
     ]
 }
 
-/// Returns the mean weight of samples on photon paths: first of reflected samples, then of
-/// transmitted ones. In each mean, samples of the other kind count as 0.
+/// Samples the BSDF for photons (importance mode), and returns the mean weights of reflected and of
+/// transmitted samples. In each mean, samples of the other kind count as 0.
 ///
-/// The random numbers form a lattice. Each mean estimates the integral of f·cosθ over its
-/// hemisphere.
+/// Each mean estimates the integral of f·cosθ over its hemisphere. The random numbers form a
+/// lattice.
 pub(super) fn mean_sample_weights(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
     let steps = 256u32;
     let (mut reflected, mut transmitted) = (0.0, 0.0);

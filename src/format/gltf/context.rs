@@ -2,7 +2,7 @@
 
 pub(super) use crate::format::import::ReadResult;
 use crate::format::import::{ImportOptions, SceneReadError};
-use crate::format::imported_files;
+use crate::format::imported_files::{self, FileDefect};
 use crate::format::mesh::MeshReadMonitor;
 use crate::format::{SceneError, SourceText};
 use base64::Engine;
@@ -81,7 +81,7 @@ impl FileContext<'_> {
             return Err(self.error_with_help(place, format!("`{name}` is not a local file"), help));
         }
         let file = imported_files::find_file_in_folder(self.path, &name, self.options)
-            .map_err(|(message, help)| self.error_with_help(place, message, &help))?;
+            .map_err(|FileDefect { message, help }| self.error_with_help(place, message, &help))?;
         self.monitor.on_input_file_found(&file);
         self.read_file(&file)
     }

@@ -19,8 +19,8 @@ const MEMORY_PER_BYTE: u64 = 4;
 
 /// Extensions that the importer supports in addition to those of the crate `gltf`.
 ///
-/// The importer refuses a file that requires another extension, unless that is one of those that
-/// the importer ignores.
+/// The importer refuses a file that requires an extension that is neither supported, by the crate
+/// or by this list, nor ignored.
 const EXTRA_SUPPORTED_EXTENSIONS: [&str; 9] = [
     "EXT_mesh_gpu_instancing",
     "KHR_materials_clearcoat",

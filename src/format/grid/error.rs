@@ -1,4 +1,4 @@
-//! Errors of reading density grids.
+//! Reasons why a density grid file cannot be read.
 
 use crate::format::line_error::{LineError, MessageAndRemedy};
 use crate::stats::format_bytes;

@@ -111,6 +111,10 @@ impl LightBlock for SphereLightDescription {
         let sphere = Shape::Sphere(Sphere::new(self.center, self.radius));
         add_area_light(r, sphere, self.center, self.strength, motion, span)
     }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
 }
 
 impl LightBlock for DiscLightDescription {
@@ -121,6 +125,10 @@ impl LightBlock for DiscLightDescription {
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError> {
         let disc = Shape::Disc(Disc::circular_disc(self.center, self.normal, self.radius));
         add_area_light(r, disc, self.center, self.strength, motion, span)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }
 
@@ -134,6 +142,10 @@ impl LightBlock for RectangleLightDescription {
         let rectangle = Shape::Rectangle(Rectangle::new(self.corner, self.edge0, self.edge1));
         let center = self.corner + 0.5 * (self.edge0 + self.edge1);
         add_area_light(r, rectangle, center, self.strength, motion, span)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }
 

@@ -1,4 +1,4 @@
-//! The block `DirectionalLight`.
+//! The block `DirectionalLight` of the scene language: parallel light from infinity.
 
 use super::LightBlock;
 use super::delta::add_delta_light;
@@ -72,5 +72,9 @@ impl LightBlock for DirectionalLightDescription {
         };
         add_delta_light(r, UnscaledDeltaLight::Directional { direction: self.direction }, strength, motion);
         Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }

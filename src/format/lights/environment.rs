@@ -1,4 +1,4 @@
-//! The block `EnvironmentLight`.
+//! The block `EnvironmentLight` of the scene language: light from infinity in all directions.
 
 use super::LightBlock;
 use crate::color::Rgb;

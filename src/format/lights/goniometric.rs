@@ -1,4 +1,5 @@
-//! The block `GoniometricLight`.
+//! The block `GoniometricLight` of the scene language: a point light with a measured intensity in
+//! each direction.
 
 use super::LightBlock;
 use super::delta::{PATTERN_STRENGTH, PointLightStrength, add_delta_light};

@@ -52,10 +52,8 @@ trait LightBlock: BlockCodec {
     /// `motion`. `span` is the position of the block in the scene text, for errors.
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError>;
 
-    /// Returns the path of the file that the light reads; `None`, the default, if none.
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
+    /// Returns the path of the file that the light reads; `None` if it reads no file.
+    fn file_path_mut(&mut self) -> Option<&mut String>;
 }
 
 /// Function that converts the parsed fields of a light block to a light.

@@ -1,4 +1,5 @@
-//! The block `PointLight`.
+//! The block `PointLight` of the scene language: a point light with equal intensity in all
+//! directions.
 
 use super::LightBlock;
 use super::delta::{POINT_STRENGTH, PointLightStrength, add_delta_light};
@@ -34,5 +35,9 @@ impl LightBlock for PointLightDescription {
     fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
         add_delta_light(r, UnscaledDeltaLight::Point { position: self.position }, self.strength.resolve(), motion);
         Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }

@@ -1,4 +1,4 @@
-//! The block `ProjectorLight`.
+//! The block `ProjectorLight` of the scene language: a point light that casts a picture.
 
 use super::LightBlock;
 use super::delta::{PATTERN_STRENGTH, PointLightStrength, add_delta_light};

@@ -1,4 +1,4 @@
-//! The block `SpotLight`.
+//! The block `SpotLight` of the scene language: a point light limited to a cone.
 
 use super::LightBlock;
 use super::delta::{POINT_STRENGTH, PointLightStrength, add_delta_light};
@@ -72,6 +72,10 @@ impl LightBlock for SpotLightDescription {
         };
         add_delta_light(r, kind, self.strength.resolve(), motion);
         Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }
 

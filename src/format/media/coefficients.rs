@@ -46,6 +46,8 @@ pub(super) const ALBEDO: FieldSchema =
     field_schema("albedo", FieldKind::Color, "σs/(σa + σs), together with `extinction`")
         .with_range(FieldRange::ClosedInterval(0.0, 1.0));
 
+/// Field for a coefficient in 1/length with the [`COEFFICIENT_RANGE`], named `name` in the scene
+/// language.
 const fn coefficient_field(name: &'static str, help: &'static str) -> FieldSchema {
     field_schema(name, FieldKind::Color, help).with_range(COEFFICIENT_RANGE).with_unit("1/length")
 }

@@ -1,4 +1,4 @@
-//! Phase function of a medium.
+//! Phase function of a medium in the scene language: isotropic, Rayleigh or Henyey–Greenstein.
 
 use crate::format::error::SceneError;
 use crate::format::language::fields::BlockFields;

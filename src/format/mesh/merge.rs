@@ -1,4 +1,4 @@
-//! Merging of equal vertices.
+//! Merging of equal vertices, by a hash table of distinct values.
 
 use super::TriangleMesh;
 use ahash::RandomState;

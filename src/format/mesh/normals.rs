@@ -47,8 +47,8 @@ fn corner_angle(mesh: &TriangleMesh, corner: usize) -> f64 {
 /// Returns the index of the smoothing group of each triangle corner. All corners of a group get the
 /// same shading normal.
 ///
-/// Element 3t + k of the result belongs to corner k of triangle t. Groups are numbered in the order
-/// of their first corners.
+/// Element 3t + k of the result is for corner k of triangle t. Groups are numbered in the order of
+/// their first corners.
 ///
 /// `faces` holds the normals of the triangles. Edges whose face normals differ by more than `angle`
 /// \[degrees] separate groups.

@@ -1,4 +1,4 @@
-//! Options of a mesh shape.
+//! Options of a mesh shape: materials and normals of its triangles.
 
 /// Options of a mesh shape: which materials and which normals its triangles get.
 ///

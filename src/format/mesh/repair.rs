@@ -1,4 +1,5 @@
-//! Repair of meshes.
+//! Repair of meshes: merges vertices, removes duplicate and degenerate triangles, and makes
+//! windings consistent and outward. [`MeshRepairOptions`] selects the repairs.
 
 use super::TriangleMesh;
 use super::report::mark_duplicate_triangles;

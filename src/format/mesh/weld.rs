@@ -1,4 +1,4 @@
-//! Merges nearly coincident vertices.
+//! Welding: merges vertices that are closer than a tolerance.
 
 use super::{TriangleMesh, point_bounds};
 use ahash::RandomState;

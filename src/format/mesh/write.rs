@@ -1,4 +1,4 @@
-//! Writing of mesh files.
+//! Writing of meshes to OBJ and PLY files.
 
 use super::{TriangleMesh, obj, ply};
 use crate::image::{WriteError, replace_file_with};

@@ -3,7 +3,7 @@
 use crate::format::description::Span;
 pub(super) use crate::format::import::ReadResult;
 use crate::format::import::{ImportOptions, SceneReadError};
-use crate::format::imported_files;
+use crate::format::imported_files::{self, FileDefect};
 use crate::format::mesh::MeshReadMonitor;
 use crate::format::{SceneError, SourceText};
 use crate::image::parent_folder;
@@ -104,7 +104,7 @@ impl<'a> MitsubaSceneFiles<'a> {
             return Err(place.error(format!("the file `{name}` does not exist"), &help));
         };
         imported_files::check_permission(self.path, &file, name, self.options)
-            .map_err(|(message, help)| place.error(message, &help))?;
+            .map_err(|FileDefect { message, help }| place.error(message, &help))?;
         self.monitor.on_input_file_found(&file);
         Ok(file)
     }

@@ -1,4 +1,5 @@
-//! Converts participating media of Mitsuba.
+//! Converts participating media of Mitsuba scenes: homogeneous media, and heterogeneous ones with a
+//! density grid.
 
 use super::color::ColorMeaning;
 use super::context::ImportContext;
@@ -81,7 +82,8 @@ impl MitsubaMedia {
         Ok(MediumDescription { name: name.to_owned(), coefficients, emission, phase, density })
     }
 
-    /// Returns the scattering coefficients of a homogeneous medium, multiplied by `scale`.
+    /// Returns the coefficients of a homogeneous medium: absorption and scattering, or extinction
+    /// and albedo. All but the albedo are multiplied by `scale`.
     fn homogeneous_coefficients(
         &self,
         context: &ImportContext<'_>,

@@ -28,7 +28,7 @@ pub(super) enum TexcoordConvention {
 /// the pane. The unit is the diagonal of the mesh's bounds.
 const RELATIVE_INNER_DISTANCE: f64 = 1e-4;
 
-/// Estimated memory of a triangle whose vertices belong to no other triangle \[bytes].
+/// Estimated memory of a triangle that shares no vertices with other triangles \[bytes].
 const MEMORY_PER_SPLIT_TRIANGLE: u64 = 3 * 64;
 
 /// Mesh from the file of a shape, or a part of such a mesh: all faces of one BSDF.

@@ -49,8 +49,8 @@ struct PlacedShape {
     /// Name of the material in the imported scene.
     material: String,
     shape: ShapeDescription,
-    /// Emitted radiance. `None` if the shape emits nothing, or if its radiance is a texture, which
-    /// then belongs to the material.
+    /// Emitted radiance. `None` if the shape emits nothing, or if its radiance is a texture: then
+    /// the material emits.
     emission: Option<DVec3>,
     /// Transform from the shape's own space to world space, or to the space of its shape group.
     to_world: DAffine3,

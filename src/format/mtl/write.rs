@@ -1,4 +1,4 @@
-//! Writes materials as MTL text.
+//! Writes materials as an MTL file for an OBJ mesh.
 
 use super::MtlMaterial;
 use crate::format::mesh::ShortestDecimal;

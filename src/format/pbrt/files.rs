@@ -3,7 +3,7 @@
 use crate::format::SceneError;
 pub(super) use crate::format::import::ReadResult;
 use crate::format::import::{ImportOptions, SceneReadError};
-use crate::format::imported_files;
+use crate::format::imported_files::{self, FileDefect};
 use crate::format::mesh::MeshReadMonitor;
 use std::cell::Cell;
 use std::fmt::Display;
@@ -77,7 +77,7 @@ impl<'a> PbrtSceneFiles<'a> {
     /// options allow outside files.
     pub fn resolve_path(&self, place: &PbrtSourceLocation, name: &str) -> ReadResult<PathBuf> {
         let file = imported_files::find_file_in_folder(self.path, name, self.options)
-            .map_err(|(message, help)| place.error(message, &help))?;
+            .map_err(|FileDefect { message, help }| place.error(message, &help))?;
         self.monitor.on_input_file_found(&file);
         Ok(file)
     }

@@ -1,4 +1,4 @@
-//! Converts lights of pbrt scenes.
+//! Converts the lights of a pbrt scene, and their maps.
 
 use super::content::PbrtSceneContent;
 use super::environment::{MapLayout, to_equirectangular};

@@ -18,7 +18,8 @@ use std::sync::Arc;
 /// The distance is relative to the radius of a disc, or to the diagonal of a mesh's bounds.
 const RELATIVE_BACK_DISTANCE: f64 = 1e-4;
 
-/// Greatest relative difference between areas that count as equal.
+/// Greatest relative difference between the areas of a mesh's triangles that count as equal, for
+/// [`lamps_have_equal_areas`].
 const AREA_TOLERANCE: f64 = 1e-3;
 
 /// Bytes of memory for each vertex and each triangle of a copied mesh.

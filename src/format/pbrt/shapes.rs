@@ -1,4 +1,4 @@
-//! Converts shapes of pbrt scenes.
+//! Converts the shapes of a pbrt scene, some of them to meshes.
 
 use super::content::PbrtSceneContent;
 use super::files::{PbrtSceneFiles, ReadResult};

@@ -162,8 +162,8 @@ pub(in crate::format) fn add_still_mesh(
     r.builder.add_mesh(&positions, &normals, &triangles, r.current_material_index, emission);
 }
 
-/// Adds a shape with the material at `r.current_material_index`. Sets the texture mapping
-/// `mapping`, which belongs to this kind of shape, and the emission, which a texture may vary.
+/// Adds a shape with the material at `r.current_material_index`. Sets `mapping`, the texture
+/// mapping of this kind of shape, and the emission, which a texture may vary.
 pub(in crate::format) fn add_shape_object(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,

@@ -1,4 +1,4 @@
-//! The block `Box`.
+//! The block `Box` of the scene language: an axis-aligned box.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
@@ -40,6 +40,10 @@ impl ShapeBlock for BoxDescription {
         emission: &ObjectEmission,
     ) -> Result<(), SceneError> {
         add_solid(r, placement, Cuboid::new(self.min, self.max).map(Shape::Cuboid), emission)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }
 

@@ -50,6 +50,10 @@ impl ShapeBlock for BezierCurveDescription {
         // A curve has no surface.
         Ok(())
     }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
 }
 
 impl ShapeBlock for BsplineCurveDescription {
@@ -64,5 +68,9 @@ impl ShapeBlock for BsplineCurveDescription {
     fn add(&self, _: &mut Resolver<'_>, _: &ObjectPlacement<'_>, _: &ObjectEmission) -> Result<(), SceneError> {
         // A curve has no surface.
         Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }

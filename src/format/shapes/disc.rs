@@ -1,4 +1,4 @@
-//! The block `Disc`.
+//! The block `Disc` of the scene language: a flat disc.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
@@ -40,5 +40,9 @@ impl ShapeBlock for DiscDescription {
         let Self { center, normal, radius } = *self;
         let disc = Shape::Disc(Disc::circular_disc(center, normal, radius));
         add_shape_object(r, placement, disc, TextureMappingKind::disc_mapping(center, normal, radius), emission)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }

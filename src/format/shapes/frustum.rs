@@ -1,4 +1,4 @@
-//! The blocks `Cylinder` and `Cone`.
+//! The blocks `Cylinder` and `Cone` of the scene language.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
@@ -114,6 +114,10 @@ impl ShapeBlock for CylinderDescription {
         let cylinder = Frustum::cylinder(bottom, top, self.radius, self.is_capped);
         add_solid(r, placement, cylinder.map(Shape::Frustum), emission)
     }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
 }
 
 impl ShapeBlock for ConeDescription {
@@ -131,6 +135,10 @@ impl ShapeBlock for ConeDescription {
         let [bottom, top] = self.ends;
         let cone = Frustum::new(bottom, top, self.radii, self.is_capped);
         add_solid(r, placement, cone.map(Shape::Frustum), emission)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }
 

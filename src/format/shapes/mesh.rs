@@ -1,4 +1,4 @@
-//! The block `TriangleMesh`.
+//! The block `TriangleMesh` of the scene language: a mesh from a file.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;

@@ -58,10 +58,8 @@ trait ShapeBlock: BlockCodec {
         emission: &ObjectEmission,
     ) -> Result<(), SceneError>;
 
-    /// Returns the path of the file that the shape reads; `None`, the default, if none.
-    fn file_path_mut(&mut self) -> Option<&mut String> {
-        None
-    }
+    /// Returns the path of the file that the shape reads; `None` if it reads no file.
+    fn file_path_mut(&mut self) -> Option<&mut String>;
 }
 
 /// Function that converts the parsed fields of a shape block to a shape.

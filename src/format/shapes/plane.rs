@@ -1,4 +1,4 @@
-//! The block `Plane`.
+//! The block `Plane` of the scene language: an infinite plane.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
@@ -62,5 +62,9 @@ impl ShapeBlock for PlaneDescription {
         set_texture_mapping_if_needed(r, TextureMappingKind::plane_mapping(normal), to_world);
         set_emission_texture(r, emission);
         Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }

@@ -1,4 +1,4 @@
-//! The block `Rectangle`.
+//! The block `Rectangle` of the scene language: a parallelogram.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
@@ -38,5 +38,9 @@ impl ShapeBlock for RectangleDescription {
         let Self { corner, edge0, edge1 } = *self;
         let rectangle = Shape::Rectangle(Rectangle::new(corner, edge0, edge1));
         add_shape_object(r, placement, rectangle, TextureMappingKind::rectangle_mapping(corner, edge0, edge1), emission)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }

@@ -1,4 +1,4 @@
-//! The block `RevSurface`.
+//! The block `RevSurface` of the scene language: a surface of revolution.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
@@ -42,6 +42,10 @@ impl ShapeBlock for RevolutionDescription {
         let surface = make_revolution(&self.profile, r.memory.available_bytes());
         let surface = surface.map_err(|e| spline_error(r, placement.span, &e))?;
         add_shape_object(r, placement, Shape::Revolution(surface), TextureMappingKind::Uv, emission)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }
 

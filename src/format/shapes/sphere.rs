@@ -1,4 +1,4 @@
-//! The block `Sphere`.
+//! The block `Sphere` of the scene language: a sphere.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
@@ -41,5 +41,9 @@ impl ShapeBlock for SphereDescription {
     ) -> Result<(), SceneError> {
         let sphere = Shape::Sphere(Sphere::new(self.center, self.radius));
         add_shape_object(r, placement, sphere, TextureMappingKind::Spherical { center: self.center }, emission)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }

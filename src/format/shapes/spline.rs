@@ -98,6 +98,10 @@ impl ShapeBlock for BezierPatchesDescription {
         }
         Ok(())
     }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
 }
 
 impl BlockCodec for NurbsDescription {
@@ -161,6 +165,10 @@ impl ShapeBlock for NurbsDescription {
         let surface = || Patch::with_memory_limit([&basis(0)?, &basis(1)?], &self.controls, r.memory.available_bytes());
         let surface = surface().map_err(|e| spline_error(r, placement.span, &e))?;
         add_shape_object(r, placement, Shape::Patch(surface), TextureMappingKind::Uv, emission)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }
 

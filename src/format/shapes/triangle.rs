@@ -1,4 +1,4 @@
-//! The block `Triangle`.
+//! The block `Triangle` of the scene language: a single triangle.
 
 use super::ShapeBlock;
 use super::emission::EMISSION_FIELDS;
@@ -88,6 +88,10 @@ impl ShapeBlock for TriangleDescription {
         set_texture_mapping_if_needed(r, TextureMappingKind::Uv, to_world);
         set_emission_texture(r, emission);
         Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
     }
 }
 

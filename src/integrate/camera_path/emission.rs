@@ -7,6 +7,8 @@ use crate::integrate::nee::NextEventEstimator;
 use crate::integrate::policy::PathPolicy;
 use crate::integrate::vertex::PathHistory;
 use crate::scene::{Effect, Interior, SurfaceInteraction};
+use crate::shape::SurfacePoint;
+use glam::Vec3;
 
 /// True if a camera path may add the light that it finds next. `history` counts the receivers
 /// (surfaces and media that store photons) and casters (such as glass) that the path has visited.
@@ -34,8 +36,22 @@ pub(super) fn may_add_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) 
 /// The weight is the balance heuristic (Veach 1997, section 9.2.2).
 #[inline]
 pub(super) fn mis_weight<I>(nee: &NextEventEstimator<'_>, path: &PathState<I>, hit: &SurfaceInteraction<'_>) -> f32 {
-    let (Some(prev), Some(light)) = (path.prev_nee_vertex, hit.area_light_index) else { return 1.0 };
-    prev.pdf / (prev.pdf + nee.mis_pdf(&prev, light as usize, -hit.wo, Some(&hit.point)))
+    let Some(light) = hit.area_light_index else { return 1.0 };
+    balance_weight(nee, path, light as usize, -hit.wo, Some(&hit.point))
+}
+
+/// Returns the MIS weight of light number `light`, which the ray of `path` in unit `direction`
+/// reaches at `point`; `None` stands for a light at infinity. The weight is 1 if the previous
+/// vertex sampled no lights.
+#[inline]
+fn balance_weight<I>(
+    nee: &NextEventEstimator<'_>,
+    path: &PathState<I>,
+    light: usize,
+    direction: Vec3,
+    point: Option<&SurfacePoint>,
+) -> f32 {
+    path.prev_nee_vertex.map_or(1.0, |prev| prev.pdf / (prev.pdf + nee.mis_pdf(&prev, light, direction, point)))
 }
 
 /// Returns the radiance \[W/(m² sr)] that `path` adds when its ray leaves the scene. This is the
@@ -53,11 +69,6 @@ pub(super) fn mis_weighted_escaped_radiance<I: Interior>(paths: &PathContext<'_>
         None if path.history.receivers > 0 => Rgb::ZERO,
         None => scene.background(),
         Some(_) if !may_add_hit_emission(policy, path) => Rgb::ZERO,
-        Some(light) => {
-            let weight = path
-                .prev_nee_vertex
-                .map_or(1.0, |prev| prev.pdf / (prev.pdf + nee.mis_pdf(&prev, light, direction, None)));
-            scene.escaped_radiance(direction) * weight
-        }
+        Some(light) => scene.escaped_radiance(direction) * balance_weight(nee, path, light, direction, None),
     }
 }

@@ -1,4 +1,4 @@
-//! Camera paths through participating media.
+//! Steps of camera paths through participating media: crossing, emission and scattering.
 
 use super::{PathContext, PathState, PathWeights, photon_estimate};
 use crate::color::Rgb;

@@ -7,9 +7,9 @@ use crate::sampling::Sampler;
 use glam::Vec2;
 use std::collections::HashMap;
 
-/// Distance from the center of an elliptic lamp image to a point just beyond its end, relative to
-/// the longest half axis of the ellipse. From that point, the pilot searches for other parts of the
-/// lamp image.
+/// Distance from the center of an elliptic lamp image to a point just beyond an end of its longest
+/// axis, relative to the longest half axis of the ellipse. From that point, the pilot searches for
+/// other parts of the lamp image, a film region where camera rays meet a small lamp.
 const RELATIVE_IMAGE_END_DISTANCE: f32 = 1.1;
 
 /// Lamp image (film region where camera rays meet a small lamp) that the pilot has found.
@@ -29,8 +29,11 @@ pub(super) struct FoundLampImage {
 }
 
 impl FoundLampImage {
-    /// Returns two film points \[pixels], just beyond both ends of the longest axis of the lamp
-    /// image's ellipse, for the lens point at which the lamp image was found.
+    /// Returns two film points \[pixels], one just beyond each end of the longest axis of the lamp
+    /// image: the elliptic film region where camera rays meet a small lamp. From there, the pilot
+    /// searches for other parts of the lamp image.
+    ///
+    /// The ellipse is for rays through the lens point at which the lamp image was found.
     pub fn ends(&self) -> [Vec2; 2] {
         let longest = self.image.longest_half_axis() * RELATIVE_IMAGE_END_DISTANCE;
         let center = self.image.film_point(Vec2::ZERO, self.point.lens_point());
@@ -54,9 +57,9 @@ impl ImageSet {
         Self { images: Vec::new(), lens_radius, by_pixel: HashMap::new() }
     }
 
-    /// Adds the lamp image `image` and returns true. Returns false if the set already has a lamp
-    /// image of the same lamp, over the same chain of specular vertices, that covers the film point
-    /// at which `image` was found.
+    /// Adds the lamp image `image` (film region where camera rays meet a small lamp) and returns
+    /// true. Returns false if the set already has a lamp image of the same lamp, over the same
+    /// chain of specular vertices, that covers the film point at which `image` was found.
     pub fn insert(&mut self, image: FoundLampImage) -> bool {
         let FoundLampImage { point, light, chain, .. } = image;
         if self.covers(point.film, point.lens_point(), light, chain) {
@@ -73,8 +76,9 @@ impl ImageSet {
         true
     }
 
-    /// True if a lamp image of light `light`, seen via the specular vertices `chain`, covers film
-    /// point `film` \[pixels], for rays through the point `on_lens` of the lens.
+    /// True if a lamp image (film region where camera rays meet a small lamp) of light `light`,
+    /// seen via the specular vertices `chain`, covers film point `film` \[pixels], for rays through
+    /// the point `on_lens` of the lens.
     pub fn covers(&self, film: Vec2, on_lens: Vec2, light: u32, chain: SpecularChain) -> bool {
         let pixel = film.floor().as_ivec2();
         let images = self.by_pixel.get(&(pixel.x, pixel.y)).into_iter().flatten().map(|i| &self.images[*i as usize]);

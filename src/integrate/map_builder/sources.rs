@@ -58,11 +58,6 @@ impl<'a> PhotonSources<'a> {
     }
 }
 
-/// True if `effects` simulate media and the scene uses media that emit light.
-pub(in crate::integrate) fn has_emitting_media(scene: &Scene, effects: Effects) -> bool {
-    effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.emits())
-}
-
 /// Returns `source` restricted to the light that `effects` simulate; `None` if no light is left.
 fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSource<'a>> {
     let source = source.with_effects(effects);

@@ -1,14 +1,17 @@
-//! Blocks of pixels, which share the measurements of the prefix-ray pilot in large pictures.
+//! Blocks of pixels of large pictures. The pixels of a block share the measurements of the
+//! prefix-ray pilot (small simulation before the first pass).
 
-/// Largest number of pixels that a picture of the prefix-ray pilot traces. In a picture with more
-/// pixels, the pilot divides the film into [blocks](PilotBlocks), and traces one pixel of each.
+/// Largest number of pixels that the prefix-ray pilot (small simulation before the first pass)
+/// traces in one picture. In a picture with more pixels, the pilot divides the film into
+/// [blocks](PilotBlocks), and traces one pixel of each.
 ///
 /// Highlights and caustics cover more pixels of a larger picture, so fewer rays per pixel find
 /// them. Pictures of more pixels trace at least about a quarter of this number.
 const MAX_TRACED_PIXELS: u32 = 1 << 19;
 
-/// Division of the film into square blocks of pixels. Each picture of the prefix-ray pilot traces
-/// one pixel of each block. Blocks are cut off at the right and lower edge of the film.
+/// Division of the film into square blocks of pixels. Each picture of the prefix-ray pilot (small
+/// simulation before the first pass) traces one pixel of each block. Blocks are cut off at the
+/// right and lower edge of the film.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PilotBlocks {
     /// Number of pixels per row and column of a block.

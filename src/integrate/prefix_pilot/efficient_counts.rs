@@ -28,8 +28,8 @@ const MAX_AIMED_RAYS: f64 = 64.0;
 struct PixelStandardDeviations {
     up_to_receiver: f64,
     photons: f64,
-    aimed: f64,
-    unaimed: f64,
+    lamp_images_aimed: f64,
+    lamp_images_unaimed: f64,
 }
 
 /// Work of the parts of a pass, in units of tracing one photon ray.
@@ -69,15 +69,16 @@ pub(super) fn efficient_ray_counts(
         let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));
         let lookups = whole(deviations.photons * scale * lookup_scale - 1.0);
         let rays = whole(deviations.up_to_receiver * scale * ray_scale - n).max(lookups);
-        let pays = deviations.unaimed * scale * ray_scale > n.sqrt();
-        let aimed = if pays { whole(deviations.aimed * scale * ray_scale).clamp(1.0, MAX_AIMED_RAYS) } else { 0.0 };
+        let pays = deviations.lamp_images_unaimed * scale * ray_scale > n.sqrt();
+        let aimed =
+            if pays { whole(deviations.lamp_images_aimed * scale * ray_scale).clamp(1.0, MAX_AIMED_RAYS) } else { 0.0 };
         (rays, lookups, aimed)
     };
     let deviations = |v: &RelativePixelVariances| PixelStandardDeviations {
         up_to_receiver: v.up_to_receiver.sqrt(),
         photons: v.photon_estimate.sqrt(),
-        aimed: v.aimed.sqrt(),
-        unaimed: v.unaimed.sqrt(),
+        lamp_images_aimed: v.lamp_images_aimed.sqrt(),
+        lamp_images_unaimed: v.lamp_images_unaimed.sqrt(),
     };
     let deviations: Vec<PixelStandardDeviations> = variances.par_iter().map(deviations).collect();
     let pixels = variances.len() as f64;
@@ -95,7 +96,7 @@ pub(super) fn efficient_ray_counts(
     let variance = |scale: f64| {
         let pixel_variance = |(v, deviations): (&RelativePixelVariances, &PixelStandardDeviations)| {
             let (rays, lookups, aimed) = count(deviations, scale);
-            let images = if aimed > 0.0 { v.aimed / aimed } else { v.unaimed / n };
+            let images = if aimed > 0.0 { v.lamp_images_aimed / aimed } else { v.lamp_images_unaimed / n };
             photon_variance_factor * v.from_receiver / n
                 + v.up_to_receiver / (n + rays)
                 + v.photon_estimate / (1.0 + lookups)

@@ -153,13 +153,15 @@ fn pixels_share_the_variances_of_their_block() {
     for v in &variances {
         let expected = 0.02 / (2.0 * 4.1 * 4.1);
         assert!((v.from_receiver / expected - 1.0).abs() < 1e-5 && (v.photon_estimate / expected - 1.0).abs() < 1e-5);
-        assert_eq!((v.up_to_receiver, v.aimed), (0.0, 0.0));
+        assert_eq!((v.up_to_receiver, v.lamp_images_aimed), (0.0, 0.0));
     }
 }
 
-/// With blocks, fewer pixels are traced, but the work of a pass and of a ray is the same. The
-/// spread of the work of a path is at most its mean, so means over at least 1,536 paths agree
-/// within 13 %, which is five standard errors.
+/// With blocks, fewer pixels are traced, but the work of a pass and of a ray is the same.
+///
+/// The ratio compares means over 6,144 and over 1,536 paths. If the spread of the work of a path is
+/// its mean, the standard error is √(1/6144 + 1/1536) = 2.9 %, and the bound five times as large. A
+/// factor of 4, the pixels of a block, would exceed it.
 #[test]
 fn blocks_do_not_change_the_measured_work() {
     let mut builder = SceneBuilder::new();
@@ -186,6 +188,6 @@ fn blocks_do_not_change_the_measured_work() {
         [camera_work_per_pixel, photon_work_per_pixel, work_per_prefix_ray, work_per_lookup]
     });
     for (without, with) in works[0].into_iter().zip(works[1]) {
-        assert!(without > 0.0 && (with / without - 1.0).abs() < 0.13, "{works:?}");
+        assert!(without > 0.0 && (with / without - 1.0).abs() < 0.145, "{works:?}");
     }
 }

@@ -1,4 +1,5 @@
-//! Variances of the light that one ray finds, from the pictures of the prefix-ray pilot.
+//! Variances of the light that one ray finds, from the pictures of the prefix-ray pilot (small
+//! simulation before the first pass).
 
 use super::WHOLE_PICTURES;
 use super::blocks::PilotBlocks;
@@ -46,7 +47,8 @@ impl RunningVariance {
 }
 
 /// Means and variances of the light of one [block](PilotBlocks) of pixels over the pictures of the
-/// prefix-ray pilot. The light is averaged over RGB \[W/(m² sr)].
+/// prefix-ray pilot (small simulation before the first pass). The light is averaged over RGB
+/// \[W/(m² sr)].
 ///
 /// *Receiver*: a surface or medium that stores photons.
 #[derive(Clone, Copy, Debug, Default)]
@@ -59,9 +61,9 @@ pub(super) struct BlockLightStatistics {
     pub up_to_receiver: RunningVariance,
     /// Photon estimate at the first receiver (surface or medium that stores photons).
     pub photon_estimate: RunningVariance,
-    /// Sum, over whole camera paths, of (`from_receiver` − its mean)·(`up_to_receiver` − its mean).
-    /// The covariance of `from_receiver` and `up_to_receiver` is this sum divided by (number of
-    /// paths − 1).
+    /// Sum, over the camera paths that do not end at the first receiver, of (`from_receiver` − its
+    /// mean)·(`up_to_receiver` − its mean). The covariance of `from_receiver` and `up_to_receiver`
+    /// is this sum divided by (number of paths − 1).
     pub deviation_product_sum: f64,
 }
 
@@ -84,13 +86,13 @@ pub(super) struct RelativePixelVariances {
     /// Relative variance of the photon estimate at the first receiver (surface or medium that
     /// stores photons).
     pub photon_estimate: f64,
-    /// Relative variance of the light that one ray finds if it is aimed at the pixel's lamp images,
-    /// the film regions where camera rays meet a small lamp. The value is approximated by the
-    /// square of the light of these lamp images.
-    pub aimed: f64,
+    /// Relative variance of the light that one ray finds if the ray is aimed at the pixel's lamp
+    /// images, the film regions where camera rays meet a small lamp. The value is approximated by
+    /// the square of the light of these lamp images.
+    pub lamp_images_aimed: f64,
     /// Relative variance of the light that one ordinary camera ray finds in the pixel's lamp
     /// images, the film regions where camera rays meet a small lamp.
-    pub unaimed: f64,
+    pub lamp_images_unaimed: f64,
 }
 
 /// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
@@ -144,8 +146,8 @@ pub(super) fn pixel_variances(
         let sum = |value: fn(&LampImageContribution) -> f64| in_pixel.iter().map(value).sum::<f64>();
         let light = sum(|image| image.pixel_radiance);
         let scale = scale(blocks.block_of_pixel(pixel));
-        variances[pixel].aimed = light * light * scale;
-        variances[pixel].unaimed = sum(|image| image.mean_square) * scale;
+        variances[pixel].lamp_images_aimed = light * light * scale;
+        variances[pixel].lamp_images_unaimed = sum(|image| image.mean_square) * scale;
     }
     Some(variances)
 }

@@ -3,19 +3,19 @@ use glam::DVec3;
 
 /// Returns the number of rays in each slice, summed over 64 × 64 pixels, and true if each pixel has
 /// rays in as many slices as possible.
-fn rays_in_slices(slices: usize, rays: u32, pass: u32) -> (Vec<u32>, bool) {
+fn slice_ray_counts_and_spread_flag(slices: usize, rays: u32, pass: u32) -> (Vec<u32>, bool) {
     let camera = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 1.0, 64, 64).unwrap();
     let key = Key::new(5).purpose_key(Purpose::Shutter);
     let cameras = SlicedCameras { cameras: vec![&camera; slices], key, pass };
-    let (mut all, mut distinct) = (vec![0; slices], true);
+    let (mut counts, mut spread_widely) = (vec![0; slices], true);
     for pixel in 0..64 * 64 {
         let division = cameras.divide_rays(pixel % 64, pixel / 64, rays);
         let mut own = vec![0; slices];
         (0..rays).for_each(|ray| own[division.slice(ray)] += 1);
-        distinct &= own.iter().filter(|n| **n > 0).count() == division.used_slice_count() as usize;
-        all.iter_mut().zip(own).for_each(|(sum, n)| *sum += n);
+        spread_widely &= own.iter().filter(|n| **n > 0).count() == division.used_slice_count() as usize;
+        counts.iter_mut().zip(own).for_each(|(sum, n)| *sum += n);
     }
-    (all, distinct)
+    (counts, spread_widely)
 }
 
 /// Each pixel has rays in as many slices as possible. The number of a pixel's rays in a slice has a
@@ -23,11 +23,11 @@ fn rays_in_slices(slices: usize, rays: u32, pass: u32) -> (Vec<u32>, bool) {
 #[test]
 fn pixel_rays_spread_over_shutter_slices() {
     for (slices, rays, pass) in [(8, 8, 0), (4, 8, 3), (32, 8, 1), (8, 2, 9), (7, 15, 2), (64, 1, 4)] {
-        let (all, distinct) = rays_in_slices(slices, rays, pass);
-        assert!(distinct, "{slices} slices, {rays} rays");
+        let (counts, spread_widely) = slice_ray_counts_and_spread_flag(slices, rays, pass);
+        assert!(spread_widely, "{slices} slices, {rays} rays");
         let expected = 4096.0 * f64::from(rays) / slices as f64;
         let tolerance = if (rays as usize).is_multiple_of(slices) { 0.0 } else { 5.0 * (0.25 * 4096.0f64).sqrt() };
-        assert!(all.iter().all(|n| (f64::from(*n) - expected).abs() <= tolerance), "{all:?}");
+        assert!(counts.iter().all(|n| (f64::from(*n) - expected).abs() <= tolerance), "{counts:?}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! Splats on the film.
+//! Tests of splats: light that photons add directly to the film.
 
 use super::*;
 use crate::camera::FilterKind;

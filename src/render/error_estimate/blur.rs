@@ -19,16 +19,16 @@ const MIN_PRODUCT_RATIO: f64 = -0.5;
 pub(super) const PRODUCT_RATIO_AT_LIGHT_EDGE: f64 = 0.7275;
 
 /// Pairs of ratios for light that is not smooth, with the Epanechnikov kernel. The first, ‖D₁‖² /
-/// ‖D₀‖², can be measured. The second is the squared bias ‖bias‖² / ‖D₀‖² that belongs to it.
+/// ‖D₀‖², can be measured. The second, ‖bias‖² / ‖D₀‖², is the squared bias of the same light.
 ///
 /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), for the density estimate L(r) with gather radius
 /// r. The three pairs are for a straight edge of light, a band of light half as wide as the gather
 /// disc, and a band a fifth as wide.
 const NON_SMOOTH_BIAS_RATIOS: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
-/// Upper limit of [`BlurEstimate::half_disc_ratio`], the blur at half disc area divided by the blur
-/// at full disc area. It is the ratio at a straight edge of light.
-const MAX_HALF_DISC_RATIO: f64 = 0.841;
+/// Upper limit of [`BlurEstimate::half_area_blur_ratio`], the blur at half the gather disc area,
+/// divided by the blur at full area. The limit is the ratio at a straight edge of light.
+const MAX_HALF_AREA_BLUR_RATIO: f64 = 0.841;
 
 /// Relative standard deviation of a part of the blur that is not measured: the part that is
 /// extrapolated from gather radius r/2 to 0.
@@ -116,7 +116,7 @@ pub(super) struct BlurEstimate {
     pub squared_blur_variance: f64,
     /// Blur at half the gather disc area, divided by the blur at full area: ½ where the light is
     /// smooth, larger at edges of light.
-    pub half_disc_ratio: f64,
+    pub half_area_blur_ratio: f64,
     /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2), for the
     /// density estimate L(r) with gather radius r.
     pub extrapolation_factor: f64,
@@ -137,7 +137,7 @@ impl BlurEstimate {
             return Self {
                 squared_blur: 0.0,
                 squared_blur_variance: 16.0 * differences.d0_squared_variance,
-                half_disc_ratio: 0.5,
+                half_area_blur_ratio: 0.5,
                 extrapolation_factor: 0.0,
             };
         }
@@ -153,7 +153,7 @@ impl BlurEstimate {
         Self {
             squared_blur,
             squared_blur_variance: bias_ratio * bias_ratio * differences.d0_squared_variance + deviation * deviation,
-            half_disc_ratio: squared_ratio.sqrt().clamp(0.5, MAX_HALF_DISC_RATIO),
+            half_area_blur_ratio: squared_ratio.sqrt().clamp(0.5, MAX_HALF_AREA_BLUR_RATIO),
             extrapolation_factor: (bias_ratio / measured_ratio).sqrt(),
         }
     }

@@ -1,4 +1,4 @@
-//! Confidence level of error intervals.
+//! Confidence level of error intervals: the probability that an interval contains the true error.
 
 use serde::Serialize;
 

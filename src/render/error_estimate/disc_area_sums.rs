@@ -11,8 +11,10 @@ pub(super) const EXACT_PASSES: u32 = 1024;
 /// is the number of passes summed so far.
 pub(super) const GROUP_DIVISOR: u32 = 128;
 
-/// Sums over passes of two powers of the gather disc area: area^−1 and area^`blur_exponent`. Areas
-/// are relative to the first pass.
+/// Sums over passes from which the noise and the blur after any number of passes are forecast.
+///
+/// Two powers of the gather disc area, relative to the first pass, are summed: area^−1 for the
+/// variance of photon estimates, and area^`blur_exponent` for their blur.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DiscAreaSums {
     /// Parameter α of the radius law r²ᵢ₊₁ = r²ᵢ·(i + α)/(i + 1) (Knaus and Zwicker 2011). rᵢ is

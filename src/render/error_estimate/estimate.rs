@@ -37,7 +37,7 @@ pub struct ErrorEstimate {
     /// Blur at half the gather disc area, divided by the blur at full area: ½ where the light is
     /// smooth, larger at edges of light.
     #[serde(skip)]
-    pub(super) half_disc_blur_ratio: f64,
+    pub(super) half_area_blur_ratio: f64,
     /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2), for the
     /// density estimate L(r) with gather radius r.
     #[serde(skip)]

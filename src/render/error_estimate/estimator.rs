@@ -151,8 +151,8 @@ impl ErrorEstimator {
     /// Adds the passes of `other`. The caller ensures that no pass is in both estimators.
     ///
     /// # Errors
-    /// [`MergeError`] if the estimators belong to different pictures or integrators, or have too
-    /// many passes. This estimator then stays as it is.
+    /// [`MergeError`] if the estimators are for different pictures or integrators, or have too many
+    /// passes together. This estimator then stays as it is.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
         let passes = total_pass_count(self.passes, other.passes)?;
         if self.radius_law != other.radius_law {
@@ -288,7 +288,7 @@ impl ErrorEstimator {
             blur: blur.squared_blur.sqrt(),
             shared_paths: shared2.sqrt(),
             clamping: clamping2.sqrt(),
-            half_disc_blur_ratio: blur.half_disc_ratio,
+            half_area_blur_ratio: blur.half_area_blur_ratio,
             blur_extrapolation_factor: blur.extrapolation_factor,
             parts,
             difference_moments: differences.unwrap_or_default(),
@@ -455,7 +455,7 @@ impl GatherDiscTotals {
         }
     }
 
-    /// Adds the totals of `other`, which belong to other passes of the same pixel.
+    /// Adds the totals of `other`, which are from other passes of the same pixel.
     fn merge(&mut self, other: Self) {
         self.radius_sum += other.radius_sum;
         self.mean_count_sum += other.mean_count_sum;

@@ -38,7 +38,11 @@ impl FireflyHistogram {
     }
 
     /// Predicts the contribution of fireflies to the mean relative squared error after `factor`
-    /// times as many passes as made so far; at most 1.
+    /// times as many passes as made so far. The result is at most 1, because each pixel counts at
+    /// most 1.
+    ///
+    /// The result may grow with `factor` at first, because more passes find more rare bright
+    /// samples.
     pub(super) fn firefly_squared_error_after(&self, factor: f64) -> f64 {
         let one = |(octave, part): (usize, &f64)| part * (libm::exp2(octave as f64 + 0.5) / (factor * factor)).min(1.0);
         (factor * self.fractions.iter().enumerate().map(one).sum::<f64>()).min(1.0)

@@ -49,7 +49,7 @@ impl PixelVarianceSums {
         }
     }
 
-    /// True if the sums belong to `pixels` pixels.
+    /// True if the sums are for `pixels` pixels.
     pub fn is_consistent(&self, pixels: usize) -> bool {
         self.squares.pixel_count() == pixels && self.peaks.len() == pixels
     }

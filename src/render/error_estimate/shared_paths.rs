@@ -41,7 +41,7 @@ impl SharedPathErrorSums {
         self.squares.add_to_all_pixels(|i| [difference(i).length_squared()]);
     }
 
-    /// Adds the passes of `other`, which must belong to the same pixels.
+    /// Adds the passes of `other`, which must be of the same pixels.
     pub(super) fn merge(&mut self, other: &Self) {
         self.difference_sums.merge(&other.difference_sums);
         self.squares.merge(&other.squares);

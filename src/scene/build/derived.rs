@@ -1,4 +1,5 @@
-//! Quantities derived from object placement.
+//! Data derived from the placement of objects, lights and camera, such as the ball onto which
+//! lights at infinity emit photons.
 
 use super::light_contact_distance::light_contact_distance;
 use super::lights_across_boundaries::find_lights_across_boundaries;

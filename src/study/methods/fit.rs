@@ -1,9 +1,9 @@
 //! Convergence of error, noise and bias: slopes, theory, verdicts, and time to reach an error.
 //!
-//! A slope belongs to a least-squares line in a log-log plot of error, noise or bias over time or
-//! passes. The line fits the checkpoints with at least 1/16 of the passes of the last checkpoint.
-//! Confidence intervals come from a bootstrap that resamples whole seeds, because the checkpoints
-//! of a seed share passes.
+//! A slope is the slope of a least-squares line in a log-log plot of error, noise or bias over time
+//! or passes. The line is fitted to the checkpoints (measurements during a render) that have at
+//! least 1/16 of the passes of the last one. Confidence intervals come from a bootstrap over seeds.
+//! It draws all checkpoints of a seed's render together, because they share passes.
 
 mod slopes;
 mod theory;

@@ -88,8 +88,8 @@ pub struct MethodResult {
     /// Parameter α of the law by which gather radii r shrink (Knaus and Zwicker 2011): for pass
     /// i + 1, r² is (i + α) / (i + 1) times the r² of pass i. With α = 1, radii are fixed.
     pub alpha: f64,
-    /// Largest gather radii of the first pass \[length], one for each of two photon maps: indirect
-    /// light, and caustics. `None` if the algorithm has no photons.
+    /// Gather radii of the first pass \[length], in this order: indirect map, caustic map. Each is
+    /// the largest radius of its map's density estimates. `None` if the algorithm has no photons.
     pub gather_radii: Option<[f32; 2]>,
     /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass. The second-to-last checkpoint
     /// is left out if the last one has less than 1.3 times as many passes.

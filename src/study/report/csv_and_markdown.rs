@@ -1,4 +1,4 @@
-//! CSV rows and Markdown elements.
+//! Text of CSV rows and Markdown elements for study reports.
 
 /// Returns a row of comma-separated values with its line end (RFC 4180). Quotes cells if necessary.
 pub(super) fn csv_row<T: AsRef<str>>(cells: &[T]) -> String {

@@ -1,4 +1,4 @@
-//! Tests of picture textures.
+//! Tests of picture textures and their MIP levels.
 
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};

@@ -8,9 +8,9 @@ use crate::format::import_notes::ImportNotes;
 use crate::format::imported_materials::mix_of;
 use glam::DVec3;
 
-/// Converter of one glTF material, with the tables that receive its materials and messages.
-pub(super) struct GltfMaterialConverter<'m, 'a> {
-    /// Materials of the imported scene so far. The converter adds its results here.
+/// Conversion of one glTF material, with the tables that receive its materials and messages.
+pub(super) struct GltfMaterialConversion<'m, 'a> {
+    /// Materials of the imported scene so far. The conversion adds its results here.
     pub materials: &'m mut GltfMaterials<'a>,
     /// Messages about content that is ignored or approximated.
     pub notes: &'m mut ImportNotes,
@@ -25,7 +25,7 @@ pub(super) struct GltfMaterialConverter<'m, 'a> {
     pub normal: Option<NormalPerturbationDescription>,
 }
 
-impl GltfMaterialConverter<'_, '_> {
+impl GltfMaterialConversion<'_, '_> {
     /// Converts the normal map of a material; `None` without one, or if all its pixels are equal.
     pub(super) fn normal_map(
         &mut self,

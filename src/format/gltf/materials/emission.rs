@@ -1,6 +1,6 @@
 //! Converts the emission and the opacity of a glTF material.
 
-use super::converter::{GltfMaterialConverter, clamped_to_unit};
+use super::conversion::{GltfMaterialConversion, clamped_to_unit};
 use crate::format::description::{EmissionDescription, TexturedValue};
 use crate::format::gltf::context::ReadResult;
 use crate::format::gltf::textures::{GltfTextureUse, TextureReference};
@@ -9,10 +9,10 @@ use gltf::material::AlphaMode;
 
 /// Returns the opacity of a material in \[0, 1], by its alpha mode, as a constant or a texture.
 ///
-/// Alpha is `factor` times the alpha channel of `texture`. The opacity is 1 in mode `OPAQUE`
-/// and alpha in mode `BLEND`. In mode `MASK`, it is 1 where alpha reaches the cutoff, else 0.
+/// Alpha is `factor` times the alpha channel of `texture`. The opacity is 1 in mode `OPAQUE` and
+/// alpha in mode `BLEND`. In mode `MASK`, it is 1 where alpha reaches the cutoff, else 0.
 pub(super) fn opacity(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     material: &gltf::Material<'_>,
     factor: f64,
     texture: Option<&TextureReference<'_>>,
@@ -29,7 +29,7 @@ pub(super) fn opacity(
 ///
 /// An unlit material emits its base color `base` times `base_texture`.
 pub(super) fn emission(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     material: &gltf::Material<'_>,
     base: DVec3,
     base_texture: Option<&TextureReference<'_>>,
@@ -62,7 +62,7 @@ pub(super) fn emission(
 ///
 /// If `alpha` is a texture, returns `emission` unchanged and adds a note.
 pub(super) fn emission_times_alpha(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     emission: EmissionDescription,
     alpha: &TexturedValue<f64>,
 ) -> EmissionDescription {

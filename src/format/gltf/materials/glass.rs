@@ -1,6 +1,6 @@
 //! Converts glTF materials that transmit light to glass: solid bodies and thin panes.
 
-use super::converter::{GltfMaterialConverter, clamped_to_unit};
+use super::conversion::{GltfMaterialConversion, clamped_to_unit};
 use super::opaque::MetallicRoughnessSurface;
 use crate::format::description::{
     DielectricAbsorption, DielectricDescription, MaterialKindDescription, RefractiveIndexDescription, TexturedValue,
@@ -32,10 +32,10 @@ const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 
 /// Converts a material that transmits light to glass with the refractive index `index`.
 ///
-/// With a volume of thickness above 0 (KHR_materials_volume), the result is a solid body. Else
-/// it is a thin pane.
+/// With a volume of thickness above 0 (KHR_materials_volume), the result is a solid body. Else it
+/// is a thin pane.
 pub(super) fn glass_description(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     material: &gltf::Material<'_>,
     surface: &MetallicRoughnessSurface<'_>,
     index: f64,

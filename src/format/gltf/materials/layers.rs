@@ -1,6 +1,6 @@
 //! Converts the material extensions of glTF that add a layer: clear coats and diffuse transmission.
 
-use super::converter::{GltfMaterialConverter, clamped_to_unit};
+use super::conversion::{GltfMaterialConversion, clamped_to_unit};
 use super::opaque::{MetallicRoughnessSurface, coat_refractive_index, opaque_dielectric_description};
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
@@ -23,7 +23,7 @@ pub(super) struct GltfClearCoat {
 ///
 /// A clear coat on glass also gives `None`, and a message tells the user.
 pub(super) fn clear_coat(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     material: &gltf::Material<'_>,
 ) -> ReadResult<Option<GltfClearCoat>> {
     let Some(extension) = material.extension_value("KHR_materials_clearcoat") else { return Ok(None) };
@@ -52,10 +52,10 @@ pub(super) fn clear_coat(
     Ok(Some(GltfClearCoat { amount, ggx_alpha }))
 }
 
-/// Converts an opaque surface under a clear coat. `metallic` is the metalness of this surface
-/// in \[0, 1].
+/// Converts an opaque surface under a clear coat. `metallic` is the metalness of this surface in
+/// \[0, 1].
 pub(super) fn clear_coated_description(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     surface: &MetallicRoughnessSurface<'_>,
     metallic: TexturedValue<f64>,
     coat: GltfClearCoat,
@@ -78,13 +78,13 @@ pub(super) fn clear_coated_description(
     }))
 }
 
-/// Converts the part of a dielectric that is not glass: an opaque surface, a sheet that
-/// transmits light diffusely (KHR_materials_diffuse_transmission), or a mix of both.
+/// Converts the part of a dielectric that is not glass: an opaque surface, a sheet that transmits
+/// light diffusely (KHR_materials_diffuse_transmission), or a mix of both.
 ///
 /// A factor f of diffuse transmission multiplies the diffuse reflection by 1 − f, as the
 /// specification demands.
 pub(super) fn sheet_or_opaque_description(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     material: &gltf::Material<'_>,
     surface: &MetallicRoughnessSurface<'_>,
 ) -> ReadResult<MaterialKindDescription> {
@@ -116,7 +116,7 @@ pub(super) fn sheet_or_opaque_description(
 /// Returns the texture `key` of a material extension; `None` without one, or if its texture
 /// transform is not invertible.
 fn extension_texture<'a>(
-    c: &mut GltfMaterialConverter<'_, 'a>,
+    c: &mut GltfMaterialConversion<'_, 'a>,
     extension: &Value,
     key: &str,
 ) -> ReadResult<Option<TextureReference<'a>>> {

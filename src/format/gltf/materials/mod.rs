@@ -1,6 +1,6 @@
 //! Materials of a scene that is imported from a glTF file, each converted at its first use.
 
-mod converter;
+mod conversion;
 mod emission;
 mod glass;
 mod layers;
@@ -15,7 +15,7 @@ use crate::format::description::{
 };
 use crate::format::import_notes::ImportNotes;
 use crate::format::imported_materials::{ImportedMaterials, mix_of};
-use converter::{GltfMaterialConverter, clamped_to_unit};
+use conversion::{GltfMaterialConversion, clamped_to_unit};
 use emission::{emission, emission_times_alpha, opacity};
 use glam::{DVec3, DVec4};
 use std::collections::HashMap;
@@ -74,9 +74,9 @@ impl<'a> GltfMaterials<'a> {
         }
         let number = material.index().map_or_else(|| "default".to_owned(), |i| format!("material {i}"));
         let name = self.list.unique_name(material.name().unwrap_or(&number));
-        let mut converter =
-            GltfMaterialConverter { materials: self, notes, context, name, texcoord_set: None, normal: None };
-        let imported = convert_material(&mut converter, material, vertex_color)?;
+        let mut conversion =
+            GltfMaterialConversion { materials: self, notes, context, name, texcoord_set: None, normal: None };
+        let imported = convert_material(&mut conversion, material, vertex_color)?;
         self.converted_materials.insert(key, imported.clone());
         Ok(imported)
     }
@@ -89,12 +89,11 @@ impl<'a> GltfMaterials<'a> {
     }
 }
 
-/// Converts `material`, adds the result to the imported scene, and returns its name and
-/// properties.
+/// Converts `material`, adds the result to the imported scene, and returns its name and properties.
 ///
 /// `vertex_color` multiplies the base color and alpha.
 fn convert_material(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     material: &gltf::Material<'_>,
     vertex_color: DVec4,
 ) -> ReadResult<GltfImportedMaterial> {

@@ -1,6 +1,6 @@
 //! Converts the opaque parts of glTF's metallic-roughness model: the dielectric and the metal.
 
-use super::converter::GltfMaterialConverter;
+use super::conversion::GltfMaterialConversion;
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
     CoatedDiffuseDescription, ConductorDescription, DiffuseDescription, MaterialKindDescription, MetalDescription,
@@ -32,7 +32,7 @@ pub(super) struct MetallicRoughnessSurface<'a> {
 ///   base under a coat.
 /// - Otherwise: a diffuse surface with a Phong lobe for the gloss.
 pub(super) fn opaque_dielectric_description(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     surface: &MetallicRoughnessSurface<'_>,
 ) -> ReadResult<MaterialKindDescription> {
     let MetallicRoughnessSurface { base_color: base, base_texture, f0, ggx_alpha_and_mean: alpha } = surface;
@@ -58,7 +58,7 @@ pub(super) fn opaque_dielectric_description(
 ///
 /// The reflectance of the metal at normal incidence is the base color.
 pub(super) fn metal_description(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     surface: &MetallicRoughnessSurface<'_>,
 ) -> ReadResult<MaterialKindDescription> {
     let MetallicRoughnessSurface { base_color: base, base_texture, ggx_alpha_and_mean: alpha, .. } = surface;

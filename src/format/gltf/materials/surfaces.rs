@@ -1,6 +1,6 @@
 //! Converts the reflection and transmission of a glTF material: picks its parts, and mixes them.
 
-use super::converter::{GltfMaterialConverter, clamped_to_unit};
+use super::conversion::{GltfMaterialConversion, clamped_to_unit};
 use super::glass::glass_description;
 use super::layers::{clear_coat, clear_coated_description, sheet_or_opaque_description};
 use super::opaque::{MetallicRoughnessSurface, metal_description};
@@ -9,12 +9,11 @@ use crate::format::gltf::context::ReadResult;
 use crate::format::gltf::textures::{GltfTextureUse, TextureReference};
 use glam::DVec3;
 
-/// Converts the reflection and transmission of a material. The caller adds opacity and
-/// emission.
+/// Converts the reflection and transmission of a material. The caller adds opacity and emission.
 ///
 /// The base color is `base` times `base_texture`. Also stores the normal map in `c.normal`.
 pub(super) fn surface_description<'t>(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     material: &gltf::Material<'t>,
     base: DVec3,
     base_texture: Option<TextureReference<'t>>,
@@ -63,10 +62,10 @@ pub(super) fn surface_description<'t>(
 
 /// Converts the dielectric part of the metallic-roughness model, with refractive index `index`.
 ///
-/// The extension KHR_materials_transmission decides the result: an opaque material, glass, or a
-/// mix of both.
+/// The extension KHR_materials_transmission decides the result: an opaque material, glass, or a mix
+/// of both.
 fn dielectric_description(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     material: &gltf::Material<'_>,
     surface: &MetallicRoughnessSurface<'_>,
     index: f64,
@@ -88,9 +87,9 @@ fn dielectric_description(
     Ok(c.mix_components([("opaque", opaque_dielectric), ("glass", glass)], amount))
 }
 
-/// Returns the index of refraction; 1.5 without the extension KHR_materials_ior, or if the
-/// index in the file is outside \[1, 1000].
-fn refractive_index(c: &mut GltfMaterialConverter<'_, '_>, material: &gltf::Material<'_>) -> f64 {
+/// Returns the index of refraction; 1.5 without the extension KHR_materials_ior, or if the index in
+/// the file is outside \[1, 1000].
+fn refractive_index(c: &mut GltfMaterialConversion<'_, '_>, material: &gltf::Material<'_>) -> f64 {
     let index = material.ior().map_or(1.5, f64::from);
     if (1.0..=1e3).contains(&index) {
         return index;
@@ -103,11 +102,11 @@ fn refractive_index(c: &mut GltfMaterialConverter<'_, '_>, material: &gltf::Mate
 
 /// Returns the reflectance of the material's dielectric part at normal incidence, in \[0, 1].
 ///
-/// The reflectance follows from the refractive `index` and the extension
-/// KHR_materials_specular. An index of 0 in the file stands for total reflection. For a
-/// specular-glossiness material, the reflectance is its specular color.
+/// The reflectance follows from the refractive `index` and the extension KHR_materials_specular. An
+/// index of 0 in the file stands for total reflection. For a specular-glossiness material, the
+/// reflectance is its specular color.
 fn dielectric_normal_reflectance(
-    c: &mut GltfMaterialConverter<'_, '_>,
+    c: &mut GltfMaterialConversion<'_, '_>,
     material: &gltf::Material<'_>,
     index: f64,
 ) -> DVec3 {
@@ -119,6 +118,6 @@ fn dielectric_normal_reflectance(
     if specular.specular_texture().is_some() || specular.specular_color_texture().is_some() {
         c.add_note("textures of specular strength and color are ignored");
     }
-    let color = specular.specular_color_factor().map(|c| f64::from(c).clamp(0.0, 1e6));
+    let color = specular.specular_color_factor().map(|channel| f64::from(channel).clamp(0.0, 1e6));
     (DVec3::from(color) * root * root).min(DVec3::ONE) * clamped_to_unit(specular.specular_factor())
 }

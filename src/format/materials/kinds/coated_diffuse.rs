@@ -1,4 +1,4 @@
-//! The block `CoatedDiffuse`.
+//! The block `CoatedDiffuse` of the scene language: a diffuse base under a dielectric coat.
 
 use super::fields::{ROUGHNESS_FIELD, UNIT_RANGE};
 use super::{EnclosedBody, MaterialBlock};

@@ -1,4 +1,4 @@
-//! The block `Conductor`.
+//! The block `Conductor` of the scene language: a metal.
 
 use super::fields::{MULTIPLE_SCATTERING_FIELD, ROUGHNESS_FIELD, with_multiple_scattering};
 use super::{EnclosedBody, MaterialBlock};

@@ -1,4 +1,4 @@
-//! The block `Dielectric`.
+//! The block `Dielectric` of the scene language: a body of glass, water or another dielectric.
 
 use super::fields::{MULTIPLE_SCATTERING_FIELD, PRIORITY_FIELD, ROUGHNESS_FIELD, with_multiple_scattering};
 use super::{EnclosedBody, MaterialBlock};

@@ -1,4 +1,4 @@
-//! The block `Diffuse`.
+//! The block `Diffuse` of the scene language: a Lambertian surface.
 
 use super::fields::UNIT_RANGE;
 use super::{EnclosedBody, MaterialBlock};

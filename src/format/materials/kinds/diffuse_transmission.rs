@@ -1,4 +1,5 @@
-//! The block `DiffuseTransmission`.
+//! The block `DiffuseTransmission` of the scene language: a sheet that scatters light to both
+//! sides.
 
 use super::fields::UNIT_RANGE;
 use super::{EnclosedBody, MaterialBlock};

@@ -1,4 +1,4 @@
-//! The block `Mirror`.
+//! The block `Mirror` of the scene language: a perfect mirror.
 
 use super::fields::UNIT_RANGE;
 use super::{EnclosedBody, MaterialBlock};

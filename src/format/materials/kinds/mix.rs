@@ -1,4 +1,4 @@
-//! The block `Mix`.
+//! The block `Mix` of the scene language: a random mix of two materials.
 
 use super::fields::UNIT_RANGE;
 use super::{EnclosedBody, MaterialBlock, MaterialKindDescription};

@@ -54,9 +54,8 @@ trait MaterialBlock: BlockCodec {
     /// Kind of body that a surface of this material encloses.
     const ENCLOSED_BODY: EnclosedBody;
 
-    /// Converts the parsed fields of the parameters that belong to this kind of material. The
-    /// caller handles the fields for emission, bump or normal map, and medium, which several kinds
-    /// share.
+    /// Converts the parsed fields of this kind's own parameters. The caller handles the fields that
+    /// several kinds share: emission, bump or normal map, and medium.
     ///
     /// A mix looks up its components in the parser, which knows all earlier materials of the text.
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
@@ -70,8 +69,8 @@ trait MaterialBlock: BlockCodec {
     /// coordinates.
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError>;
 
-    /// Returns the names of the textures in the parameters that belong to this kind of material.
-    /// The caller adds those of bump maps, normal maps and emission.
+    /// Returns the names of the textures in this kind's own parameters. The caller adds those of
+    /// bump maps, normal maps and emission.
     fn texture_names(&self) -> Vec<&Spanned<String>> {
         self.field_textures()
     }
@@ -135,8 +134,8 @@ macro_rules! material_kinds {
                 }
             }
 
-            /// Writes the fields of the parameters that belong to this kind of material. The caller
-            /// writes emission, bump or normal map, and medium.
+            /// Writes the fields of this kind's own parameters. The caller writes emission, bump or
+            /// normal map, and medium.
             pub(super) fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
                 match self {
                     $(Self::$kind(kind) => kind.write_fields(out),)*
@@ -158,8 +157,8 @@ macro_rules! material_kinds {
                 }
             }
 
-            /// Returns the names of the textures in the parameters that belong to this kind of
-            /// material. The caller adds those of bump maps, normal maps and emission.
+            /// Returns the names of the textures in this kind's own parameters. The caller adds
+            /// those of bump maps, normal maps and emission.
             pub(super) fn texture_names(&self) -> Vec<&Spanned<String>> {
                 match self {
                     $(Self::$kind(kind) => kind.texture_names(),)*

@@ -1,4 +1,4 @@
-//! The block `Clear`.
+//! The block `Clear` of the scene language: a boundary that light crosses unchanged.
 
 use super::fields::PRIORITY_FIELD;
 use super::{EnclosedBody, MaterialBlock};

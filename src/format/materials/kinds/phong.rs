@@ -1,4 +1,4 @@
-//! The block `PhongMaterial`.
+//! The block `PhongMaterial` of the scene language: the Phong model of MIT course 6.837.
 
 use super::{EnclosedBody, MaterialBlock};
 use crate::format::error::SceneError;

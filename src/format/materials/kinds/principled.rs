@@ -1,4 +1,4 @@
-//! The block `Principled`.
+//! The block `Principled` of the scene language: the metallic-roughness model.
 
 use super::fields::{MULTIPLE_SCATTERING_FIELD, ROUGHNESS_FIELD, UNIT_RANGE, with_multiple_scattering};
 use super::{EnclosedBody, MaterialBlock};

@@ -1,4 +1,4 @@
-//! The block `Thin`.
+//! The block `Thin` of the scene language: a pane without thickness.
 
 use super::fields::TRANSMITTANCE_RANGE;
 use super::{EnclosedBody, MaterialBlock};

@@ -174,8 +174,8 @@ struct ObjChunkChecker<'u> {
     valid_lines: String,
     /// Numbers of lines `v`, `vt` and `vn` read so far, counted from the start of the file.
     v_vt_vn_counts_so_far: [usize; 3],
-    /// Group that the last face belongs to: the indices that its face corners have, and its
-    /// material index, which `group_material_indices` explains. `None` before the first face.
+    /// Group of the last face: the indices that its face corners have, and its material index,
+    /// which `group_material_indices` explains. `None` before the first face.
     current_group: Option<(PresentIndices, usize)>,
     /// Names on the `usemtl` lines of the chunk, in order.
     usemtl_names: Vec<String>,

@@ -1,4 +1,4 @@
-//! Writes meshes as OBJ text.
+//! Writes meshes as OBJ text, each distinct value once.
 
 use crate::format::mesh::{DeduplicatedList, NO_MATERIAL, ShortestDecimal, TriangleMesh, coordinate_bits};
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! Writes meshes as PLY.
+//! Writes meshes as PLY, binary or text.
 
 use crate::format::mesh::{ShortestDecimal, TriangleMesh};
 use std::io::{Result, Write};

@@ -1,4 +1,4 @@
-//! Smooth normals against closed forms.
+//! Tests of computed smooth normals against closed forms.
 
 use super::super::normals::face_normal;
 use super::*;

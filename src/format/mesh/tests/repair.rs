@@ -1,4 +1,4 @@
-//! Damaged meshes and their repair.
+//! Tests of mesh repair on meshes with known defects.
 
 use super::super::normals::face_normal;
 use super::super::{MeshRepairOptions, MeshReport};

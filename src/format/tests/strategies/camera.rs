@@ -1,4 +1,4 @@
-//! Random cameras.
+//! Generators of random cameras for property tests.
 
 use glam::DVec3;
 use proptest::collection::vec;

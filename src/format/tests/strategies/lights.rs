@@ -1,4 +1,4 @@
-//! Random lights, still and moving.
+//! Generators of random lights, still and moving, for property tests.
 
 use proptest::collection::vec;
 use proptest::option;

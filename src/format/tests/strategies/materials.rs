@@ -1,4 +1,4 @@
-//! Random materials and mixes.
+//! Generators of random materials and mixes for property tests.
 
 use glam::DVec3;
 use proptest::array::uniform4;

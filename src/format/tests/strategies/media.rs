@@ -1,4 +1,4 @@
-//! Random media.
+//! Generators of random media for property tests.
 
 use proptest::collection::vec;
 use proptest::prelude::*;

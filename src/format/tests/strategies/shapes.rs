@@ -1,4 +1,4 @@
-//! Random shapes.
+//! Generators of random shapes for property tests.
 
 use glam::{DVec3, DVec4};
 use proptest::collection::vec;

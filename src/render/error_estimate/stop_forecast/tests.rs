@@ -19,7 +19,7 @@ fn forecast_with(differences: NestedDifferenceMoments, alpha: Option<f64>) -> Er
         passes: 8,
         error: parts.total().sqrt(),
         blur: blur.squared_blur.sqrt(),
-        half_disc_blur_ratio: if blur.half_disc_ratio > 0.0 { blur.half_disc_ratio } else { 0.5 },
+        half_area_blur_ratio: if blur.half_area_blur_ratio > 0.0 { blur.half_area_blur_ratio } else { 0.5 },
         parts,
         difference_moments: differences,
         ..ErrorEstimate::default()

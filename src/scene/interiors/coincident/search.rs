@@ -90,7 +90,7 @@ impl CoincidentFlags {
 struct BoundaryFace {
     primitive: PrimitiveIndex,
     bounds: Bounds,
-    /// Index of the mesh or shape that the face belongs to, in the list of boundary objects.
+    /// Index of the mesh or shape that contains the face, in the list of boundary objects.
     boundary_object: u32,
 }
 
@@ -265,7 +265,8 @@ struct FaceTreeNode {
     bounds: Bounds,
     members: Range<usize>,
     children: Option<[usize; 2]>,
-    /// Index of the object to which all faces of the node belong; `None` if they belong to several.
+    /// Index of the object that contains all faces of the node; `None` if the faces are of several
+    /// objects.
     boundary_object: Option<u32>,
 }
 
@@ -340,8 +341,8 @@ impl<'a> SpatialSelfJoin<'a> {
     }
 
     /// Tests each face below node `a` with each face below node `b`, and flags both if they are
-    /// near each other and belong to different objects. Returns `None` if the budget of pair tests
-    /// does not suffice.
+    /// near each other and are faces of different objects. Returns `None` if the budget of pair
+    /// tests does not suffice.
     fn join_node_pair(&mut self, a: usize, b: usize) -> Option<()> {
         let (first, second) = (&self.nodes[a], &self.nodes[b]);
         if first.boundary_object.is_some() && first.boundary_object == second.boundary_object

@@ -1,4 +1,4 @@
-//! Tests of crossing coincident boundaries.
+//! Tests of paths that cross coincident boundaries of several bodies at once.
 
 use super::super::{BoundaryContext, Interior};
 use super::*;

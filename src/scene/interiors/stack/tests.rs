@@ -1,4 +1,4 @@
-//! Tests of the interior stack.
+//! Tests of the stack of dielectric bodies that contain a path vertex.
 
 use super::*;
 

@@ -1,4 +1,5 @@
-//! Intervals of the profile in which a surface of revolution may touch another one around its axis.
+//! Intervals of a surface of revolution's profile in which it may touch a coaxial surface of
+//! revolution.
 
 use super::super::polynomial::{MAX_DEGREE, reparametrize};
 use super::super::ring_bvh::RingBounds;
@@ -23,8 +24,7 @@ const COAXIAL_TOLERANCE: f64 = 1e-9;
 /// [`COAXIAL_TOLERANCE`] is far below the distance within which surfaces may touch.
 const MAX_CONDITION_NUMBER: f64 = 10.0;
 
-/// Map from the radii and heights of one surface of revolution to those of another around the same
-/// axis.
+/// Map from the radii and heights of one surface of revolution to those of a coaxial one.
 struct CoaxialMap {
     radius_factor: f64,
     height_factor: f64,
@@ -86,9 +86,9 @@ impl Revolution {
         ((u * PROFILE_INTERVALS as f32) as usize).min(PROFILE_INTERVALS - 1)
     }
 
-    /// Returns one flag for each of `PROFILE_INTERVALS` equal intervals of the profile parameter.
-    /// False means that this part of the surface is farther than `margin` \[world length] from
-    /// `other`.
+    /// Divides the profile parameter into `PROFILE_INTERVALS` equal intervals, and returns a flag
+    /// for each. False means that this part of the surface is farther than `margin` \[world length]
+    /// from `other`.
     ///
     /// All flags are true unless [`Revolution::shares_axis`].
     pub(crate) fn near_profile_interval_flags(&self, other: &Self, margin: f64) -> Vec<bool> {

@@ -165,8 +165,8 @@ impl ReferencePiece {
             }
             if off > error {
                 let (u, v) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
-                // The quad is halved along the parameter with the larger error term. Either halving
-                // also halves c.
+                // Halve the quad along the parameter with the larger error term: a for u, b for v.
+                // The term c needs no choice, because either halving halves it.
                 let [p, q, r, s] = corners;
                 if a > b || a == b && du > dv {
                     let (e, f) = (self.point_at(u, v0), self.point_at(u, v1));
