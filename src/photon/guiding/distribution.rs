@@ -43,6 +43,42 @@ const PARENT_WEIGHT: f64 = 8.0;
 /// n subdivisions give 2ⁿ cells along each side of a square.
 type CellSubdivisions = (u32, u32);
 
+/// A pilot sample as the fit reads it, once for each grid.
+#[derive(Clone, Copy, Debug)]
+struct GridSample {
+    /// Column and row of the sample's cell in the finest grid of positions, then those in the
+    /// finest grid of directions.
+    finest_cell: [u8; 4],
+    /// Inverse of the joint pdf of the primary samples.
+    inverse_primary_pdf: f64,
+    /// `inverse_primary_pdf` times the squared contribution of the path to the picture.
+    weighted_square: f64,
+}
+
+impl GridSample {
+    fn new(sample: &EmissionGuidingSample) -> Self {
+        let side = 1u8 << MAX_SUBDIVISIONS;
+        let cell = |x: f32| ((x * f32::from(side)) as u8).min(side - 1);
+        let (p, d) = (sample.position_sample, sample.direction_sample);
+        Self {
+            finest_cell: [p.x, p.y, d.x, d.y].map(cell),
+            inverse_primary_pdf: sample.inverse_primary_pdf,
+            weighted_square: sample.inverse_primary_pdf * sample.squared_contribution,
+        }
+    }
+
+    /// Returns the result of [`cell_index`] for the sample.
+    #[inline]
+    fn cell_index(&self, (position, direction): CellSubdivisions) -> usize {
+        let index = |column: u8, row: u8, subdivisions: u32| {
+            let cell = |finest: u8| usize::from(finest >> (MAX_SUBDIVISIONS - subdivisions));
+            (cell(row) << subdivisions) + cell(column)
+        };
+        let [x, y, z, w] = self.finest_cell;
+        (index(x, y, position) << (2 * direction)) + index(z, w, direction)
+    }
+}
+
 /// Grid over the random numbers in \[0, 1)⁴ that determine the position and direction of an emitted
 /// photon. For each cell, it holds the mean squared contribution of a photon path to the picture.
 #[derive(Clone, Debug)]
@@ -58,7 +94,7 @@ impl EmissionGuidingCells {
     /// samples is drawn towards the mean of its parent cell in `parent_cells`.
     fn new<'s>(
         resolution: CellSubdivisions,
-        samples: impl Iterator<Item = &'s EmissionGuidingSample>,
+        samples: impl Iterator<Item = &'s GridSample>,
         parent_cells: Option<&Self>,
     ) -> Self {
         #[derive(Clone, Copy, Default)]
@@ -70,10 +106,10 @@ impl EmissionGuidingCells {
         let (positions, directions) = (1usize << resolution.0, 1usize << resolution.1);
         let mut sums = vec![CellSum::default(); (positions * directions) * (positions * directions)];
         for s in samples {
-            let sum = &mut sums[cell_index(resolution, s.position_sample, s.direction_sample)];
+            let sum = &mut sums[s.cell_index(resolution)];
             sum.count += 1.0;
             sum.weight += s.inverse_primary_pdf;
-            sum.square += s.inverse_primary_pdf * s.squared_contribution;
+            sum.square += s.weighted_square;
         }
         let center = |i: usize, side: usize| (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) / side as f32;
         let square = |(i, sum): (usize, &CellSum)| {
@@ -117,14 +153,9 @@ impl EmissionGuidingCells {
     ///
     /// `uniform` is the weight of the uniform pdf in the guided pdf. The estimate is unbiased only
     /// if the cells were fitted to other samples.
-    fn second_moment_sum<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s EmissionGuidingSample>) -> f64 {
+    fn second_moment_sum<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s GridSample>) -> f64 {
         let cell_pdfs = self.cell_pdfs(uniform);
-        samples
-            .map(|s| {
-                s.inverse_primary_pdf * s.squared_contribution
-                    / cell_pdfs[cell_index(self.subdivisions, s.position_sample, s.direction_sample)]
-            })
-            .sum()
+        samples.map(|s| s.weighted_square / cell_pdfs[s.cell_index(self.subdivisions)]).sum()
     }
 }
 
@@ -155,11 +186,17 @@ impl EmissionGuidingFit {
         let EmissionDimensions { uses_position, uses_direction } = light.emission_dimensions();
         let most =
             (if uses_position { MAX_SUBDIVISIONS } else { 0 }, if uses_direction { MAX_SUBDIVISIONS } else { 0 });
-        let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
+        let samples: Vec<GridSample> = samples.iter().map(|sample| GridSample::new(sample)).collect();
+        let half = |i: usize| samples.iter().skip(i).step_by(2);
+        // Only samples that contribute to the picture add to the second moment.
+        let contributing = [0, 1].map(|i| half(i).filter(|s| s.weighted_square > 0.0).collect::<Vec<_>>());
         let cost = |halves: &[EmissionGuidingCells; 2]| {
-            halves[0].second_moment_sum(uniform, half(1)) + halves[1].second_moment_sum(uniform, half(0))
+            let second_moment_sum = |fitted: usize, other: usize| {
+                halves[fitted].second_moment_sum(uniform, contributing[other].iter().copied())
+            };
+            second_moment_sum(0, 1) + second_moment_sum(1, 0)
         };
-        let mut cells = EmissionGuidingCells::new((0, 0), samples.iter().copied(), None);
+        let mut cells = EmissionGuidingCells::new((0, 0), samples.iter(), None);
         let mut halves = [0, 1].map(|i| EmissionGuidingCells::new((0, 0), half(i), None));
         let mut best = (cost(&halves), cells.clone());
         for subdivisions in 1..=MAX_SUBDIVISIONS {
@@ -175,7 +212,7 @@ impl EmissionGuidingFit {
                 (cost(&halves), halves)
             });
             let Some((least, refined)) = refined.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-            cells = EmissionGuidingCells::new(refined[0].subdivisions, samples.iter().copied(), Some(&cells));
+            cells = EmissionGuidingCells::new(refined[0].subdivisions, samples.iter(), Some(&cells));
             halves = refined;
             if least < best.0 {
                 best = (least, cells.clone());

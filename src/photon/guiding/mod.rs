@@ -27,7 +27,8 @@ const MAX_ROUNDS: u32 = 12;
 
 /// Number of contributing photon paths that ends the pilot, the small photon pass that trains
 /// emission guiding. A path contributes if one of its photons lies near a surface point that the
-/// camera sees. At least [`MIN_ROUNDS`] rounds are made in any case.
+/// camera sees. At least [`MIN_ROUNDS`] rounds are made in any case, and no more if none of their
+/// paths contributes.
 ///
 /// If light enters through a small window, few paths of the first round contribute. Each later
 /// round sends more paths through the window.
@@ -109,7 +110,7 @@ impl PhotonSource<'_> {
         let mut samples: Vec<EmissionGuidingSample> = Vec::new();
         let mut contributing = 0;
         for round in 0..MAX_ROUNDS {
-            if round >= MIN_ROUNDS && contributing >= ENOUGH_CONTRIBUTING_PATHS {
+            if round >= MIN_ROUNDS && (contributing == 0 || contributing >= ENOUGH_CONTRIBUTING_PATHS) {
                 break;
             }
             let found = self.trace_pilot_round(pilot, round, &unguided);
@@ -219,6 +220,9 @@ impl PhotonSource<'_> {
     /// `unguided` holds the probabilities of the lights before guiding. If no sample contributes to
     /// the picture, `self` stays the same.
     fn fit_guiding(&mut self, samples: &[EmissionGuidingSample], unguided: &DiscreteDistribution) {
+        if samples.iter().all(|sample| sample.squared_contribution == 0.0) {
+            return;
+        }
         let lights = self.scene.lights();
         let mut samples_by_light: Vec<Vec<&EmissionGuidingSample>> = vec![Vec::new(); lights.len()];
         for sample in samples {
