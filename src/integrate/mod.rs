@@ -106,6 +106,8 @@ mod shutter;
 mod specular_chain;
 mod sppm;
 mod surface_aovs;
+#[cfg(test)]
+mod test_scenes;
 mod tiles;
 mod vertex;
 mod visible_pilot;

@@ -145,8 +145,8 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 /// Light and ray counts of the pictures of the prefix-ray pilot (small simulation before the first
 /// pass).
 struct PilotMeasurements {
-    /// Light of each block (square of pixels of which each picture traces one), by rows from the
-    /// top.
+    /// Light of each block of pixels, by rows from the top. In each block, a picture traces the ray
+    /// of one pixel.
     light: Vec<BlockLightStatistics>,
     /// Ray and photon counts of the pilot's camera paths that do not end at the first surface that
     /// stores photons.

@@ -192,11 +192,9 @@ fn pixel_count(scene: &Scene) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::camera::Camera;
+    use crate::integrate::test_scenes::glass_ball_above_plane;
     use crate::integrate::{Algorithm, IndirectPhotons, Settings};
-    use crate::scene::{LightStrength, Material, SceneBuilder, UnscaledDeltaLight};
-    use crate::shape::{Plane, Shape, Sphere};
-    use glam::{DVec3, Vec3};
+    use glam::DVec3;
 
     /// The ray-photon balance (camera rays and photon paths per pass) does not depend on
     /// `Settings::unaimed_paths` if `hybrid` traces no unaimed paths, photon paths that start in
@@ -205,16 +203,7 @@ mod tests {
     /// `hybrid` traces none if `indirect_photons` is off.
     #[test]
     fn untraced_photons_do_not_change_the_balance() {
-        let mut builder = SceneBuilder::new();
-        let white = builder.add_material(Material::diffuse(Vec3::splat(0.7)));
-        let glass = builder.add_material(Material::dielectric(1.5, Vec3::ZERO));
-        builder.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO);
-        builder.add_shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.8)), glass, Vec3::ZERO);
-        let kind = UnscaledDeltaLight::Point { position: DVec3::new(2.0, 4.0, 1.0) };
-        builder.add_delta_light(kind, LightStrength::Power(Vec3::splat(100.0)));
-        let eye =
-            Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 64, 48).unwrap();
-        let scene = builder.build(eye).unwrap();
+        let scene = glass_ball_above_plane(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0));
         let balance = |photons| {
             let indirect_photons = IndirectPhotons::Off;
             let settings =

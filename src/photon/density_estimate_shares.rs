@@ -25,9 +25,11 @@ use rayon::prelude::*;
 use splat_image::SplatImage;
 
 /// Weight of the squared blur of density estimates in the [`FluxRatio`] of the first pass: the
-/// ratio of splat flux to density-estimate flux. The weight allows for the blur of the first
-/// passes, a part of which stays in the mean over passes. docs/decisions/048-light-tracing.md has
-/// the measurements.
+/// ratio of splat flux to density-estimate flux.
+///
+/// For N passes, the best weight is N, which is not known in advance. The first passes blur most,
+/// and their blur stays in the mean. So already their weight suits a render of several passes.
+/// docs/decisions/048-light-tracing.md compares values.
 const BLUR_WEIGHT: f64 = 10.0;
 
 /// Number n₀ of photons per pixel and pass at which the term (n/n₀)² of a [`FluxRatio`] is 1. A

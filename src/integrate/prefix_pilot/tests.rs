@@ -1,10 +1,9 @@
 use super::efficient_counts::MAX_RELATIVE_WORK;
 use super::*;
-use crate::camera::Camera;
+use crate::integrate::test_scenes::glass_ball_above_plane;
 use crate::integrate::{Settings, hybrid};
-use crate::scene::{Effects, LightStrength, Material, SceneBuilder, UnscaledDeltaLight};
-use crate::shape::{Plane, Shape, Sphere};
-use glam::{DVec3, Vec3};
+use crate::scene::Effects;
+use glam::DVec3;
 
 const SAMPLES: u32 = 4;
 const WORK: PassWork = PassWork {
@@ -164,15 +163,7 @@ fn pixels_share_the_variances_of_their_block() {
 /// factor of 4, the pixels of a block, would exceed it.
 #[test]
 fn blocks_do_not_change_the_measured_work() {
-    let mut builder = SceneBuilder::new();
-    let white = builder.add_material(Material::diffuse(Vec3::splat(0.7)));
-    let glass = builder.add_material(Material::dielectric(1.5, Vec3::ZERO));
-    builder.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO);
-    builder.add_shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.8)), glass, Vec3::ZERO);
-    let kind = UnscaledDeltaLight::Point { position: DVec3::new(2.0, 4.0, 1.0) };
-    builder.add_delta_light(kind, LightStrength::Power(Vec3::splat(100.0)));
-    let (eye, forward) = (DVec3::new(0.0, 2.0, 4.0), DVec3::new(0.0, -0.5, -1.0));
-    let scene = builder.build(Camera::perspective(eye, forward, DVec3::Y, 0.7, 64, 48).unwrap()).unwrap();
+    let scene = glass_ball_above_plane(DVec3::new(0.0, 2.0, 4.0), DVec3::new(0.0, -0.5, -1.0));
     let settings = Settings { aimed_paths: 20_000, ..Settings::default() };
     let renderer = PassRenderer::new(&scene, settings.clone(), hybrid::path_policy(Effects::ALL, &settings));
 

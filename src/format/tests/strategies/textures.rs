@@ -42,7 +42,8 @@ pub fn random_texture_kind() -> impl Strategy<Value = TextureKindDescription> {
     ]
 }
 
-/// Returns the textures of `drafts`, without those that repeat a name.
+/// Returns the textures with the names and kinds of `drafts`. Of several drafts with one name, only
+/// the first becomes a texture.
 pub fn textures_with_unique_names(drafts: Vec<(String, TextureKindDescription)>) -> Vec<Spanned<TextureDescription>> {
     let mut textures: Vec<Spanned<TextureDescription>> = Vec::new();
     for (name, kind) in drafts {
