@@ -2,8 +2,9 @@
 
 use super::coat_albedo::coat_albedo;
 use super::coated_diffuse::{CoatedDiffuse, DielectricCoat};
+use super::properties::BsdfProperties;
 use super::sample::NonSpecularSample;
-use super::{Bsdf, BsdfSample, Conductor, DIFFUSE_CONE_SPREAD, MIN_ROUGH_ALPHA};
+use super::{Bsdf, BsdfSample, Conductor, MIN_ROUGH_ALPHA};
 use crate::color::Rgb;
 use crate::math::warp;
 use glam::{Vec2, Vec3};
@@ -119,43 +120,13 @@ impl ClearCoated {
         self.coat.bsdf_divided_by_probability(1.0)
     }
 
-    /// True if photons are stored on the surface under the coat.
+    /// Properties of the surface under the coat.
     #[inline]
-    pub(super) fn stores_photons(&self) -> bool {
+    pub(super) fn properties(&self) -> BsdfProperties {
         match &self.base {
-            CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => true,
-            CoatableBsdf::DielectricCoat(_) => false,
-            CoatableBsdf::Conductor(conductor) => conductor.stores_photons(),
-        }
-    }
-
-    /// True if the surface under the coat has only a delta lobe.
-    #[inline]
-    pub(super) fn is_specular(&self) -> bool {
-        match &self.base {
-            CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => false,
-            CoatableBsdf::DielectricCoat(coat) => coat.alpha() == 0.0,
-            CoatableBsdf::Conductor(conductor) => conductor.is_smooth(),
-        }
-    }
-
-    /// True if the surface under the coat is Lambertian, or has a Lambertian base.
-    #[inline]
-    pub(super) fn is_diffuse_or_coated(&self) -> bool {
-        match &self.base {
-            CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => true,
-            CoatableBsdf::DielectricCoat(_) | CoatableBsdf::Conductor(_) => false,
-        }
-    }
-
-    /// Tangent of the angle by which the surface under the coat widens the ray cone of texture
-    /// filtering; see [`Bsdf::ray_cone_spread`].
-    #[inline]
-    pub(super) fn ray_cone_spread(&self) -> f32 {
-        match &self.base {
-            CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => DIFFUSE_CONE_SPREAD,
-            CoatableBsdf::DielectricCoat(coat) => coat.alpha() * DIFFUSE_CONE_SPREAD,
-            CoatableBsdf::Conductor(conductor) => conductor.alpha() * DIFFUSE_CONE_SPREAD,
+            CoatableBsdf::Diffuse(_) | CoatableBsdf::CoatedDiffuse(_) => BsdfProperties::DIFFUSE,
+            CoatableBsdf::DielectricCoat(coat) => coat.properties(),
+            CoatableBsdf::Conductor(conductor) => conductor.properties(),
         }
     }
 

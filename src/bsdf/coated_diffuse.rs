@@ -3,6 +3,7 @@
 use super::coat_albedo::{coat_albedo, mean_coat_albedo};
 use super::fresnel::fresnel_reflectance_and_cosine;
 use super::microfacet::Ggx;
+use super::properties::{BsdfProperties, DIFFUSE_CONE_SPREAD};
 use super::sample::NonSpecularSample;
 use super::{Bsdf, BsdfSample, MIN_PHOTON_STORAGE_ALPHA, MIN_ROUGH_ALPHA, dielectric, face_forward};
 use crate::color::{self, Rgb};
@@ -64,10 +65,14 @@ impl DielectricCoat {
         Self { eta, alpha, reflectance_factor }
     }
 
-    /// GGX roughness α; 0 if the coat is smooth.
+    /// Properties of the coat. It stores no photons at any roughness.
     #[inline]
-    pub(super) fn alpha(&self) -> f32 {
-        self.alpha
+    pub(super) fn properties(&self) -> BsdfProperties {
+        BsdfProperties {
+            is_specular: self.alpha == 0.0,
+            ray_cone_spread: self.alpha * DIFFUSE_CONE_SPREAD,
+            ..BsdfProperties::CASTER
+        }
     }
 
     /// Returns the Fresnel reflectance at the cosine of incidence `cos`, multiplied by

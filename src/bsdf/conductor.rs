@@ -5,6 +5,7 @@ use super::microfacet::Ggx;
 use super::multiple_scattering::{
     MultipleConductorScattering, multiple_scattering_direction_pdf, sample_multiple_scattering_direction,
 };
+use super::properties::{BsdfProperties, DIFFUSE_CONE_SPREAD};
 use super::sample::NonSpecularSample;
 use super::{BsdfSample, MIN_PHOTON_STORAGE_ALPHA, MIN_ROUGH_ALPHA, MicrofacetScattering, dielectric};
 use crate::color::Rgb;
@@ -72,11 +73,16 @@ impl Conductor {
         self.alpha
     }
 
-    /// True if photons are stored on the metal, because its roughness α exceeds
+    /// Properties of the metal. It stores photons if its roughness α exceeds
     /// [`MIN_PHOTON_STORAGE_ALPHA`].
     #[inline]
-    pub(super) fn stores_photons(&self) -> bool {
-        self.alpha > MIN_PHOTON_STORAGE_ALPHA
+    pub(super) fn properties(&self) -> BsdfProperties {
+        BsdfProperties {
+            is_specular: self.is_smooth(),
+            stores_photons: self.alpha > MIN_PHOTON_STORAGE_ALPHA,
+            ray_cone_spread: self.alpha * DIFFUSE_CONE_SPREAD,
+            ..BsdfProperties::CASTER
+        }
     }
 
     /// True if the surface reflects like a mirror.

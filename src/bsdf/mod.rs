@@ -6,8 +6,8 @@
 //!
 //! To add a BSDF and its material:
 //!
-//! - add a file in this folder, and a variant of [`Bsdf`] in this file;
-//! - state its properties, such as whether it stores photons, in `properties.rs`;
+//! - add a file in this folder, and a variant of [`Bsdf`] in this file; [`Bsdf::properties`] states
+//!   whether it stores photons, transmits, and so on;
 //! - add a variant of `MaterialKind` in `scene/material/kind.rs`;
 //! - add a file in `format/materials/kinds/`, and its line in `format/materials/kinds/mod.rs`.
 
@@ -49,8 +49,10 @@ pub use thin::ThinDielectric;
 
 use crate::color::Rgb;
 use crate::math::warp;
+use clear_coat::CoatableBsdf;
 use coated_diffuse::MIN_COAT_INDEX;
 use glam::{Vec2, Vec3};
+use properties::BsdfProperties;
 use sample::NonSpecularSample;
 use std::f32::consts::FRAC_1_PI;
 
@@ -157,6 +159,56 @@ impl Bsdf {
             Self::Diffuse(reflectance)
         } else {
             Self::CoatedDiffuse(CoatedDiffuse::new(reflectance, eta, alpha, nonlinear))
+        }
+    }
+
+    /// Returns the properties of the BSDF.
+    ///
+    /// For a surface under a clear coat, they are those of the surface, except that it counts as
+    /// not black.
+    #[inline]
+    fn properties(&self) -> BsdfProperties {
+        match self {
+            Self::Black => BsdfProperties::BLACK,
+            Self::Diffuse(reflectance) => {
+                BsdfProperties { is_black: *reflectance == Rgb::ZERO, ..BsdfProperties::DIFFUSE }
+            }
+            Self::DiffuseTransmission(sheet) => {
+                BsdfProperties { is_black: sheet.is_black(), transmits: true, ..BsdfProperties::DIFFUSE }
+            }
+            Self::Phong(_) => BsdfProperties::RECEIVER,
+            Self::Mirror(_) => BsdfProperties::SPECULAR,
+            Self::Dielectric(_) | Self::ThinDielectric(_) => {
+                BsdfProperties { transmits: true, ..BsdfProperties::SPECULAR }
+            }
+            Self::Conductor(conductor) => conductor.properties(),
+            Self::RoughDielectric(glass) => BsdfProperties {
+                transmits: true,
+                ray_cone_spread: glass.alpha() * DIFFUSE_CONE_SPREAD,
+                ..BsdfProperties::CASTER
+            },
+            Self::CoatedDiffuse(_) => BsdfProperties::DIFFUSE,
+            Self::DielectricCoat(coat) => coat.properties(),
+            Self::ClearCoated(coated) => coated.properties(),
+        }
+    }
+
+    /// Converts the BSDF to the type of surfaces under a clear coat; `None` if the BSDF cannot lie
+    /// under a clear coat.
+    fn to_coatable(self) -> Option<CoatableBsdf> {
+        match self {
+            Self::Diffuse(reflectance) => Some(CoatableBsdf::Diffuse(reflectance)),
+            Self::CoatedDiffuse(coated) => Some(CoatableBsdf::CoatedDiffuse(coated)),
+            Self::DielectricCoat(coat) => Some(CoatableBsdf::DielectricCoat(coat)),
+            Self::Conductor(conductor) => Some(CoatableBsdf::Conductor(conductor)),
+            Self::Black
+            | Self::DiffuseTransmission(_)
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::RoughDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::ClearCoated(_) => None,
         }
     }
 
@@ -324,19 +376,10 @@ impl Bsdf {
         ng: Vec3,
         transport: TransportMode,
     ) -> Option<DielectricSplit> {
-        match self {
-            Self::Dielectric(dielectric) => Some(dielectric.reflect_and_refract(wo, ns, ng, transport)),
-            Self::Black
-            | Self::Diffuse(_)
-            | Self::DiffuseTransmission(_)
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Conductor(_)
-            | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_)
-            | Self::ClearCoated(_) => None,
+        if let Self::Dielectric(dielectric) = self {
+            Some(dielectric.reflect_and_refract(wo, ns, ng, transport))
+        } else {
+            None
         }
     }
 

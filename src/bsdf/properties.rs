@@ -1,7 +1,6 @@
-//! Properties of BSDFs: which lobes a BSDF has, whether a clear coat can lie over it, whether
-//! photons are stored on the surface, and how far it widens ray cones.
+//! Properties of BSDFs, which one `match` states for each kind of BSDF
+//! ([`Bsdf::properties`] in `mod.rs`), and what follows from them.
 
-use super::clear_coat::CoatableBsdf;
 use super::{Bsdf, ThinDielectric, face_forward};
 use crate::color::Rgb;
 use glam::Vec3;
@@ -17,6 +16,45 @@ pub const MIN_PHOTON_STORAGE_ALPHA: f32 = 0.3;
 /// the filter width of texture lookups.
 pub(crate) const DIFFUSE_CONE_SPREAD: f32 = 0.2;
 
+/// Properties of a BSDF that integrators ask for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BsdfProperties {
+    /// True if the BSDF scatters no light.
+    pub is_black: bool,
+    /// True if the BSDF is Lambertian, or has a Lambertian base under a coat.
+    pub is_diffuse_or_coated: bool,
+    /// True if the BSDF scatters light only in delta lobes.
+    pub is_specular: bool,
+    /// True if the BSDF has a transmitted lobe.
+    pub transmits: bool,
+    /// True if photons are stored on the surface.
+    pub stores_photons: bool,
+    /// Tangent of the angle by which scattering widens the ray cone of texture filtering.
+    pub ray_cone_spread: f32,
+}
+
+impl BsdfProperties {
+    /// Properties of a surface that absorbs all light. Other BSDFs state what differs from it.
+    pub const BLACK: Self = Self {
+        is_black: true,
+        is_diffuse_or_coated: false,
+        is_specular: false,
+        transmits: false,
+        stores_photons: false,
+        ray_cone_spread: 0.0,
+    };
+    /// Properties of a BSDF that casts caustics by reflection. If the lobe is rough, the BSDF also
+    /// states its cone spread.
+    pub const CASTER: Self = Self { is_black: false, ..Self::BLACK };
+    /// Properties of a BSDF that scatters light only in delta lobes, all of them by reflection.
+    pub const SPECULAR: Self = Self { is_specular: true, ..Self::CASTER };
+    /// Properties of a BSDF that stores photons, and that scatters light into wide lobes of
+    /// reflection.
+    pub const RECEIVER: Self = Self { stores_photons: true, ray_cone_spread: DIFFUSE_CONE_SPREAD, ..Self::CASTER };
+    /// Properties of a Lambertian BSDF, and of one with a Lambertian base under a coat.
+    pub const DIFFUSE: Self = Self { is_diffuse_or_coated: true, ..Self::RECEIVER };
+}
+
 impl Bsdf {
     /// True if the BSDF is [`Bsdf::Black`], or a diffuse BSDF that scatters no light.
     ///
@@ -24,20 +62,7 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn is_black(&self) -> bool {
-        match self {
-            Self::Black => true,
-            Self::Diffuse(reflectance) => *reflectance == Rgb::ZERO,
-            Self::DiffuseTransmission(sheet) => sheet.is_black(),
-            Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::Conductor(_)
-            | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_)
-            | Self::ClearCoated(_) => false,
-        }
+        self.properties().is_black
     }
 
     /// True if the BSDF is Lambertian (reflecting, or also transmitting), or has a Lambertian base
@@ -45,37 +70,7 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn is_diffuse_or_coated(&self) -> bool {
-        match self {
-            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::CoatedDiffuse(_) => true,
-            Self::ClearCoated(coated) => coated.is_diffuse_or_coated(),
-            Self::Black
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::Conductor(_)
-            | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::DielectricCoat(_) => false,
-        }
-    }
-
-    /// Converts the BSDF to the type of surfaces under a clear coat; `None` if the BSDF cannot lie
-    /// under a clear coat.
-    pub(super) fn to_coatable(self) -> Option<CoatableBsdf> {
-        match self {
-            Self::Diffuse(reflectance) => Some(CoatableBsdf::Diffuse(reflectance)),
-            Self::CoatedDiffuse(coated) => Some(CoatableBsdf::CoatedDiffuse(coated)),
-            Self::DielectricCoat(coat) => Some(CoatableBsdf::DielectricCoat(coat)),
-            Self::Conductor(conductor) => Some(CoatableBsdf::Conductor(conductor)),
-            Self::Black
-            | Self::DiffuseTransmission(_)
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::ClearCoated(_) => None,
-        }
+        self.properties().is_diffuse_or_coated
     }
 
     /// True if the BSDF scatters light only in delta lobes. For a surface under a clear coat, only
@@ -83,37 +78,14 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn is_specular(&self) -> bool {
-        match self {
-            Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => true,
-            Self::Conductor(conductor) => conductor.is_smooth(),
-            Self::DielectricCoat(coat) => coat.alpha() == 0.0,
-            Self::ClearCoated(coated) => coated.is_specular(),
-            Self::Black
-            | Self::Diffuse(_)
-            | Self::DiffuseTransmission(_)
-            | Self::Phong(_)
-            | Self::RoughDielectric(_)
-            | Self::CoatedDiffuse(_) => false,
-        }
+        self.properties().is_specular
     }
 
     /// True if the BSDF has a transmitted lobe.
     #[inline]
     #[must_use]
     pub fn transmits(&self) -> bool {
-        match self {
-            Self::Dielectric(_) | Self::RoughDielectric(_) | Self::ThinDielectric(_) | Self::DiffuseTransmission(_) => {
-                true
-            }
-            Self::Black
-            | Self::Diffuse(_)
-            | Self::Phong(_)
-            | Self::Mirror(_)
-            | Self::Conductor(_)
-            | Self::CoatedDiffuse(_)
-            | Self::DielectricCoat(_)
-            | Self::ClearCoated(_) => false,
-        }
+        self.properties().transmits
     }
 
     /// Transmittance for light that crosses the surface without a change of direction; `None` if
@@ -149,17 +121,7 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {
-        match self {
-            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => true,
-            Self::Conductor(conductor) => conductor.stores_photons(),
-            Self::ClearCoated(coated) => coated.stores_photons(),
-            Self::Black
-            | Self::Mirror(_)
-            | Self::Dielectric(_)
-            | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_)
-            | Self::DielectricCoat(_) => false,
-        }
+        self.properties().stores_photons
     }
 
     /// True if the BSDF is a caustic caster: it scatters light, but stores no photons.
@@ -172,7 +134,8 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
-        !self.stores_photons() && !self.is_black()
+        let properties = self.properties();
+        !properties.stores_photons && !properties.is_black
     }
 
     /// Tangent of the angle by which scattering widens the ray cone of texture filtering; 0 for
@@ -183,15 +146,6 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn ray_cone_spread(&self) -> f32 {
-        match self {
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
-            Self::Diffuse(_) | Self::DiffuseTransmission(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => {
-                DIFFUSE_CONE_SPREAD
-            }
-            Self::DielectricCoat(coat) => coat.alpha() * DIFFUSE_CONE_SPREAD,
-            Self::ClearCoated(coated) => coated.ray_cone_spread(),
-            Self::Conductor(conductor) => conductor.alpha() * DIFFUSE_CONE_SPREAD,
-            Self::RoughDielectric(glass) => glass.alpha() * DIFFUSE_CONE_SPREAD,
-        }
+        self.properties().ray_cone_spread
     }
 }

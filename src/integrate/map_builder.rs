@@ -276,7 +276,7 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let limits = self.density_estimate_limits(options);
         let (mut caustic, indirect, interreflection) = indexer.index_photons(photons, &limits, monitor, out);
-        caustic.has_density_estimate_shares = self.light_tracer(options).is_some();
+        caustic.has_density_estimate_shares = options.connects_to_camera && self.density_estimate_shares.is_some();
         PhotonMaps { guides, caustic, indirect, interreflection, splats }
     }
 
