@@ -124,7 +124,7 @@ impl SceneFeatures {
                 casts |= leaf.casts_caustics();
                 if let Some(body) = leaf.enclosed_body {
                     bounds_body = true;
-                    disperses |= body.glass.is_some();
+                    disperses |= body.dispersion_formula.is_some();
                 } else if leaf.bsdf.stores_photons() {
                     receives = true;
                     scatters |= !leaf.bsdf.is_black();

@@ -58,7 +58,8 @@ fn distant_planes_shadow_parallel_light() {
 fn lamps_in_glass_scene() -> Scene {
     let mut builder = SceneBuilder::new();
     let flint = builder.add_dispersion_formula(DispersionFormula::from_abbe_number(1.8, 25.0));
-    let glass = builder.add_material(Material::smooth_boundary(Body { glass: Some(flint), ..Body::new(1.8) }));
+    let glass =
+        builder.add_material(Material::smooth_boundary(Body { dispersion_formula: Some(flint), ..Body::new(1.8) }));
     builder.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 2.0)), glass, Rgb::ZERO);
     for (x, power) in [(-1.0, 1.0), (1.0, 3.0)] {
         let kind = UnscaledDeltaLight::Point { position: DVec3::X * x };

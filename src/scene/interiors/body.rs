@@ -19,7 +19,7 @@ pub struct Body {
     /// Index of the dispersion formula in
     /// [`Scene::dispersion_formulas`](crate::scene::Scene::dispersion_formulas); `None` if the
     /// refractive index is the same at all wavelengths.
-    pub glass: Option<u32>,
+    pub dispersion_formula: Option<u32>,
     /// Index of the medium that fills the dielectric body, if any.
     pub medium: Option<u32>,
     /// True if the boundary is a null interface, which light crosses without reflection or
@@ -32,7 +32,14 @@ impl Body {
     /// A dielectric body of absolute refractive index `eta` that neither absorbs nor scatters.
     #[must_use]
     pub fn new(eta: f32) -> Self {
-        Self { eta, absorption: Rgb::ZERO, priority: 0, glass: None, medium: None, is_null_interface: false }
+        Self {
+            eta,
+            absorption: Rgb::ZERO,
+            priority: 0,
+            dispersion_formula: None,
+            medium: None,
+            is_null_interface: false,
+        }
     }
 
     /// A region filled with `medium`, bounded by a null interface.
@@ -50,7 +57,7 @@ impl Body {
     /// True if the dielectric body has refractive index 1, no absorption, no medium and no null
     /// interface: light cannot distinguish it from air.
     pub(in crate::scene) fn is_air(&self) -> bool {
-        let Self { eta, absorption, glass, medium, is_null_interface, priority: _ } = *self;
-        eta == 1.0 && absorption == Rgb::ZERO && glass.is_none() && medium.is_none() && !is_null_interface
+        let Self { eta, absorption, dispersion_formula, medium, is_null_interface, priority: _ } = *self;
+        eta == 1.0 && absorption == Rgb::ZERO && dispersion_formula.is_none() && medium.is_none() && !is_null_interface
     }
 }

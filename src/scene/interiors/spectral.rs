@@ -107,7 +107,8 @@ impl Interior for SpectralInterior {
         if event == BoundaryEvent::NullInterface {
             return event;
         }
-        let disperses = body.glass.is_some() || interface.outside.is_some_and(|body| body.glass.is_some());
+        let disperses = body.dispersion_formula.is_some()
+            || interface.outside.is_some_and(|body| body.dispersion_formula.is_some());
         if disperses && !interface.is_hidden && self.wavelength.is_none() {
             // `take` the number: a second wavelength of this path needs another random number.
             let u = self.wavelength_sample.take().unwrap_or_else(|| context.key.uniform_1d(Dimension::Wavelength));
@@ -115,9 +116,9 @@ impl Interior for SpectralInterior {
             self.wavelength_sampling_dielectric =
                 Some(Dielectric { eta: interface.relative_eta(&body, |body| body.eta) });
         }
-        let eta = |body: &Body| match (body.glass, self.wavelength) {
-            (Some(glass), Some(wavelength)) => {
-                scene.dispersion_formulas[glass as usize].refractive_index(wavelength.nanometres())
+        let eta = |body: &Body| match (body.dispersion_formula, self.wavelength) {
+            (Some(formula), Some(wavelength)) => {
+                scene.dispersion_formulas[formula as usize].refractive_index(wavelength.nanometres())
             }
             _ => body.eta,
         };

@@ -49,9 +49,9 @@ impl MaterialBlock for DielectricDescription {
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let roughness = r.resolve_fraction_parameter(&self.roughness, requirements)?;
-        let (index, glass) = resolve_refractive_index(r, &self.refraction)?;
+        let (index, dispersion_formula) = resolve_refractive_index(r, &self.refraction)?;
         let absorption = rgb(self.absorption.absorption_coefficient());
-        let body = Body { absorption, priority: self.priority, glass, ..Body::new(index) };
+        let body = Body { absorption, priority: self.priority, dispersion_formula, ..Body::new(index) };
         Ok(with_multiple_scattering(Material::rough_boundary(body, roughness), self.has_multiple_scattering))
     }
 }

@@ -58,7 +58,7 @@ fn metals_have_the_named_or_given_index() {
 fn glasses_have_the_named_or_given_index() {
     let index = |scene: &Scene| {
         let body = scene.materials()[0].enclosed_body().unwrap();
-        (body.eta, body.glass.map(|g| scene.dispersion_formulas()[g as usize]))
+        (body.eta, body.dispersion_formula.map(|g| scene.dispersion_formulas()[g as usize]))
     };
     for (name, glass, _) in GLASSES {
         let scene = resolve_materials(&format!("Dielectric {{ glass {name} }}"));
