@@ -19,6 +19,7 @@ mod import_notes;
 mod imported_environment;
 mod imported_files;
 mod imported_materials;
+mod imported_metals;
 mod language;
 mod lights;
 mod line_error;
@@ -39,6 +40,7 @@ mod tests;
 mod textured_value;
 mod textures;
 mod transform_step;
+pub mod tungsten;
 mod warnings;
 
 pub use assets::EmbeddedAssets;
@@ -56,8 +58,13 @@ pub use resolve_scene::{ResolvedScene, resolve, resolve_monitored};
 /// Importers of all scene formats. A file whose extension no importer lists is read as scene text.
 ///
 /// The values of the flag `--format` and their help come from this list.
-pub const IMPORTERS: &[&dyn SceneImporter] =
-    &[&scene_text::SceneTextImporter, &gltf::GltfImporter, &mitsuba::MitsubaImporter, &pbrt::PbrtImporter];
+pub const IMPORTERS: &[&dyn SceneImporter] = &[
+    &scene_text::SceneTextImporter,
+    &gltf::GltfImporter,
+    &mitsuba::MitsubaImporter,
+    &pbrt::PbrtImporter,
+    &tungsten::TungstenImporter,
+];
 
 /// Greatest depth of nested groups and transforms in a scene file.
 pub const MAX_NESTING_DEPTH: usize = 512;

@@ -5,30 +5,12 @@ use super::context::ImportContext;
 use super::files::ReadResult;
 use super::textures::MitsubaConvertedTexture;
 use super::tree::MitsubaObject;
-use crate::bsdf::metal_refractive_index;
 use crate::color::conductor_refractive_index;
 use crate::format::description::{
-    ConductorDescription, MaterialKindDescription, MetalDescription, MirrorDescription, Span, Spanned, TexturedValue,
+    ConductorDescription, MaterialKindDescription, MetalDescription, MirrorDescription, TexturedValue,
 };
+use crate::format::imported_metals::{metal_by_symbol, named_metal, normal_reflectance};
 use glam::DVec3;
-
-/// Names of metals in Mitsuba, each with the metal's name in Caustica's scene language.
-const METAL_NAMES: [(&str, &str); 14] = [
-    ("Ag", "silver"),
-    ("Al", "aluminium"),
-    ("Au", "gold"),
-    ("Cr", "chromium"),
-    ("Cu", "copper"),
-    ("Cu_palik", "copper"),
-    ("CuZn", "brass"),
-    ("Fe", "iron"),
-    ("Ir", "iridium"),
-    ("Mo", "molybdenum"),
-    ("Ni", "nickel"),
-    ("Ti", "titanium"),
-    ("V", "vanadium"),
-    ("W", "tungsten"),
-];
 
 /// Converts a conductor. An unknown metal becomes chromium, and a message tells the user.
 ///
@@ -62,11 +44,11 @@ pub(super) fn convert_conductor(
     }
     let metal = if eta.is_some() || k.is_some() {
         metal_from_index(bsdf, eta, k)?
-    } else if let Some((_, known)) = METAL_NAMES.iter().find(|(mitsuba_name, _)| *mitsuba_name == name) {
-        MetalDescription::Named(Spanned::new((*known).to_owned(), Span::default()))
+    } else if let Some(metal) = metal_by_symbol(name) {
+        metal
     } else {
         context.add_note(&format!("the metal `{name}` is not known: it becomes chromium"), bsdf);
-        MetalDescription::Named(Spanned::new("chromium".to_owned(), Span::default()))
+        named_metal("chromium")
     };
     let mean = tint.mean();
     if mean == DVec3::ONE {
@@ -106,19 +88,4 @@ fn metal_from_index(
 /// microfacets is lost, as in Mitsuba.
 fn single_scattering_conductor(metal: MetalDescription, roughness: TexturedValue<f64>) -> MaterialKindDescription {
     MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, has_multiple_scattering: false })
-}
-
-/// Returns the reflectance of a metal at normal incidence. Returns 1 if the reflectance is a
-/// texture, or if the name of the metal is unknown.
-fn normal_reflectance(metal: &MetalDescription) -> DVec3 {
-    let (eta, k) = match metal {
-        MetalDescription::Reflectance(TexturedValue::Constant(reflectance)) => return *reflectance,
-        MetalDescription::Reflectance(TexturedValue::Texture(_)) => return DVec3::ONE,
-        MetalDescription::Index { eta, k } => (*eta, *k),
-        MetalDescription::Named(name) => match metal_refractive_index(name) {
-            Some((eta, k)) => (eta.as_dvec3(), k.as_dvec3()),
-            None => return DVec3::ONE,
-        },
-    };
-    ((eta - 1.0) * (eta - 1.0) + k * k) / ((eta + 1.0) * (eta + 1.0) + k * k)
 }
