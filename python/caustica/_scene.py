@@ -488,7 +488,7 @@ def load_file(
     allow_outside: bool = False,
     memory: Optional[int] = None,
 ) -> Scene:
-    """Reads a scene file: scene text, glTF, Mitsuba or pbrt.
+    """Reads a scene file: scene text, glTF, Mitsuba, pbrt or Tungsten.
 
     `format` is the extension that selects the importer, by default that of the file. `allow_outside` lets a
     scene of another program name files outside its folder. `memory` limits the memory of this process in

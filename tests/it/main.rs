@@ -20,4 +20,5 @@ mod robustness;
 mod support;
 mod textures;
 mod threads;
+mod tungsten;
 mod windows;

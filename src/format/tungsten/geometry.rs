@@ -42,7 +42,7 @@ pub(super) fn primitive_geometry(
     is_textured: bool,
 ) -> ReadResult<Option<PrimitiveGeometry>> {
     let matrix = DMat3::from(to_world.matrix3);
-    let scale = DVec3::new(matrix.x_axis.length(), matrix.y_axis.length(), matrix.z_axis.length());
+    let scale = axis_lengths(&matrix);
     let half_cube = (DVec3::splat(-0.5), DVec3::splat(0.5));
     let unit_ball = (DVec3::NEG_ONE, DVec3::ONE);
     Ok(Some(match object.kind()? {
@@ -71,7 +71,7 @@ pub(super) fn primitive_geometry(
         "sphere" => {
             let radius = scale.max_element();
             // A sphere of Tungsten stays round, with the largest scale.
-            let Some(mut placed) = rigid(to_world, scale, DVec3::splat(radius)) else { return Ok(None) };
+            let Some(mut placed) = rigid(context, object, to_world, DVec3::splat(radius)) else { return Ok(None) };
             if is_textured {
                 placed *= DAffine3::from_mat3(sphere_texture_frame());
             }
@@ -92,7 +92,7 @@ pub(super) fn primitive_geometry(
                 context.add_note("disks shine to all sides instead of within their `cone_angle`", object);
             }
             let radius = scale.x.max(scale.z);
-            let Some(placed) = rigid(to_world, scale, DVec3::splat(radius)) else { return Ok(None) };
+            let Some(placed) = rigid(context, object, to_world, DVec3::splat(radius)) else { return Ok(None) };
             let surface = DiscDescription { center: DVec3::ZERO, normal: DVec3::Y, radius: 1.0 };
             PrimitiveGeometry {
                 surface: ShapeDescription::Disc(surface),
@@ -107,9 +107,8 @@ pub(super) fn primitive_geometry(
                 context.add_note("textures lie on cylinders by our coordinates instead of Tungsten's", object);
             }
             let diameter = scale.x.max(scale.z);
-            let Some(placed) = rigid(to_world, scale, DVec3::new(diameter, scale.y, diameter)) else {
-                return Ok(None);
-            };
+            let lengths = DVec3::new(diameter, scale.y, diameter);
+            let Some(placed) = rigid(context, object, to_world, lengths) else { return Ok(None) };
             let ends = [DVec3::new(0.0, -0.5, 0.0), DVec3::new(0.0, 0.5, 0.0)];
             let is_capped = object.boolean("capped", true)?;
             PrimitiveGeometry {
@@ -128,11 +127,25 @@ pub(super) fn primitive_geometry(
     }))
 }
 
-/// Returns `to_world` with the lengths `lengths` of its axes, which have the lengths `scale` in
-/// `to_world`; `None` if an axis has no length.
-fn rigid(to_world: DAffine3, scale: DVec3, lengths: DVec3) -> Option<DAffine3> {
-    let factors = lengths / scale;
-    factors.is_finite().then(|| to_world * DAffine3::from_scale(factors))
+/// Returns `to_world` with the lengths `lengths` of its axes; `None` if an axis has no length, and a
+/// message tells the user.
+fn rigid(
+    context: &ImportContext<'_>,
+    object: &TungstenObject<'_>,
+    to_world: DAffine3,
+    lengths: DVec3,
+) -> Option<DAffine3> {
+    let factors = lengths / axis_lengths(&DMat3::from(to_world.matrix3));
+    if factors.is_finite() {
+        return Some(to_world * DAffine3::from_scale(factors));
+    }
+    context.add_note("objects that are scaled to nothing are left out", object);
+    None
+}
+
+/// Returns the lengths of the columns of a matrix.
+fn axis_lengths(matrix: &DMat3) -> DVec3 {
+    DVec3::new(matrix.x_axis.length(), matrix.y_axis.length(), matrix.z_axis.length())
 }
 
 /// Returns the half-space behind a flat surface through the origin of its space. `normal` is the

@@ -86,4 +86,4 @@ fn word(bytes: &[u8], i: usize) -> [u8; 4] {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

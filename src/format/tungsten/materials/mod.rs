@@ -1,8 +1,7 @@
 //! Materials of a scene that is imported from Tungsten. Each BSDF is converted at its first use.
 
-mod coats;
 mod converter;
-mod mixes;
+mod nested;
 
 use super::context::ImportContext;
 use super::object::{ReadResult, TungstenObject};

@@ -8,7 +8,7 @@ use std::fs;
 type Replay = fn(&[u8]);
 
 /// Folders of `tests/corpus`, each with the function of its fuzz target.
-const KINDS: [(&str, Replay); 10] = [
+const KINDS: [(&str, Replay); 11] = [
     ("scene", readers::scene),
     ("render", readers::render),
     ("obj", readers::obj),
@@ -17,6 +17,7 @@ const KINDS: [(&str, Replay); 10] = [
     ("gltf", readers::gltf),
     ("mitsuba", readers::mitsuba),
     ("pbrt", readers::pbrt),
+    ("tungsten", readers::tungsten),
     ("grid", readers::grid),
     ("picture", readers::picture),
 ];

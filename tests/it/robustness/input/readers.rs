@@ -6,7 +6,7 @@
 use caustica::format::description::{DensityDescription, SceneDescription};
 use caustica::format::{
     ImportOptions, ImportedScene, SceneReadError, SourceText, gltf, grid, mesh, mitsuba, mtl, parse, parse_scene_bytes,
-    pbrt, resolve,
+    pbrt, resolve, tungsten,
 };
 use caustica::image::{PixelMeaning, decode};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
@@ -139,6 +139,15 @@ pub fn mitsuba(bytes: &[u8]) {
 pub fn pbrt(bytes: &[u8]) {
     let options = ImportOptions { memory_limit: MemoryLimit::ProcessBytes(1 << 28), ..ImportOptions::default() };
     check_imported(pbrt::decode(&Path::new(NOWHERE).join("fuzz.pbrt"), bytes, &options));
+}
+
+/// Reads a Tungsten scene and checks the imported scene. Reads the bytes as a `.wo3` mesh, too.
+pub fn tungsten(bytes: &[u8]) {
+    check_imported(tungsten::decode(&Path::new(NOWHERE).join("fuzz.json"), bytes, &import_options()));
+    match tungsten::decode_wo3(bytes, MEMORY_LIMIT_BYTES) {
+        Ok(mesh) => assert!(mesh.triangles.iter().flatten().all(|v| (*v as usize) < mesh.positions.len())),
+        Err(defect) => assert!(!defect.is_empty()),
+    }
 }
 
 fn import_options() -> ImportOptions {
