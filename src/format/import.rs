@@ -18,8 +18,9 @@ use std::path::{Path, PathBuf};
 /// file of the same path, so the paths in [`EmbeddedAssets`] must differ from those of files.
 /// `import_notes.rs` collects messages about unsupported content. `imported_files.rs` opens files
 /// and checks permission and memory. `imported_materials.rs` gives materials unique names, and
-/// checks mixes. `imported_environment.rs` resamples environment maps. `default_camera.rs` makes a
-/// camera for a file that has none.
+/// checks mixes. `imported_metals.rs` finds metals by their chemical symbols.
+/// `imported_environment.rs` resamples environment maps. `default_camera.rs` makes a camera for a
+/// file that has none.
 ///
 /// Each importer has three tests of malformed files:
 ///

@@ -6,7 +6,7 @@ use super::transforms::read_transform;
 use crate::format::description::{
     ApertureDescription, CameraDescription, DirectionOrTarget, FocusDescription, LensDescription, ProjectionDescription,
 };
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
 /// Width and height of a picture if the file states none \[pixels].
 const DEFAULT_RESOLUTION: [f64; 2] = [1000.0, 563.0];
@@ -30,8 +30,8 @@ const MAX_BLADES: f64 = 64.0;
 pub(super) fn read_camera(context: &ImportContext<'_>, camera: &TungstenObject<'_>) -> ReadResult<CameraDescription> {
     let [width, height] = read_resolution(camera)?;
     let transform = read_transform(camera)?;
-    let direction = DVec3::from(transform.matrix3.z_axis).try_normalize();
-    let up = DVec3::from(transform.matrix3.y_axis).try_normalize();
+    let direction = transform.matrix3.z_axis.try_normalize();
+    let up = transform.matrix3.y_axis.try_normalize();
     let (Some(direction), Some(up)) = (direction, up) else {
         return Err(camera.error("the transform of the camera is singular", "scale it by numbers above 0"));
     };
@@ -59,7 +59,7 @@ pub(super) fn read_camera(context: &ImportContext<'_>, camera: &TungstenObject<'
         }
     };
     Ok(CameraDescription {
-        center: transform.translation.into(),
+        center: transform.translation,
         aim: DirectionOrTarget::Direction(direction),
         up,
         projection,
@@ -113,9 +113,8 @@ fn read_lens(
     let radius = camera.number_in("aperture_size", 0.001, 0.0..=MAX_LENGTH)?;
     let mut distance = camera.number_in("focus_distance", 1.0, f64::MIN_POSITIVE..=MAX_LENGTH)?;
     if let Some(name) = camera.text("focus_pivot")?.filter(|name| !name.is_empty()) {
-        let pivot = context.scene.children("primitives")?.into_iter().find(|primitive| primitive.name() == name);
-        let pivot_distance = match pivot {
-            Some(pivot) => Some((read_transform(&pivot)?.translation - transform.translation).length()),
+        let pivot_distance = match context.primitive(name) {
+            Some(pivot) => Some((read_transform(pivot)?.translation - transform.translation).length()),
             None => None,
         };
         match pivot_distance.filter(|distance| *distance > 0.0) {

@@ -92,6 +92,8 @@ pub(super) struct ImportContext<'a> {
     bsdfs: HashMap<&'a str, TungstenObject<'a>>,
     /// Media of the list `media` by name.
     media: HashMap<&'a str, TungstenObject<'a>>,
+    /// Primitives of the list `primitives` by name.
+    primitives: HashMap<&'a str, TungstenObject<'a>>,
     /// Messages about content that is ignored, approximated or added.
     pub notes: RefCell<ImportNotes>,
 }
@@ -111,8 +113,8 @@ impl<'a> ImportContext<'a> {
             }
             Ok(named)
         };
-        let (bsdfs, media) = (by_name("bsdfs")?, by_name("media")?);
-        Ok(Self { files, scene, record, bsdfs, media, notes: RefCell::default() })
+        let (bsdfs, media, primitives) = (by_name("bsdfs")?, by_name("media")?, by_name("primitives")?);
+        Ok(Self { files, scene, record, bsdfs, media, primitives, notes: RefCell::default() })
     }
 
     /// Adds a message that a part of `object` is ignored or approximated.
@@ -134,6 +136,11 @@ impl<'a> ImportContext<'a> {
                 self.notes.borrow_mut().add_unsupported(&format!("`{name}` is ignored"), place);
             }
         }
+    }
+
+    /// Returns the primitive called `name`; `None` if there is none.
+    pub fn primitive(&self, name: &str) -> Option<&TungstenObject<'a>> {
+        self.primitives.get(name)
     }
 
     /// Returns the BSDF in the member `name` of `object`: an object, or the name of an entry of

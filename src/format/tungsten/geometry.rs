@@ -41,7 +41,7 @@ pub(super) fn primitive_geometry(
     to_world: DAffine3,
     is_textured: bool,
 ) -> ReadResult<Option<PrimitiveGeometry>> {
-    let matrix = DMat3::from(to_world.matrix3);
+    let matrix = to_world.matrix3;
     let scale = axis_lengths(&matrix);
     let half_cube = (DVec3::splat(-0.5), DVec3::splat(0.5));
     let unit_ball = (DVec3::NEG_ONE, DVec3::ONE);
@@ -135,7 +135,7 @@ fn rigid(
     to_world: DAffine3,
     lengths: DVec3,
 ) -> Option<DAffine3> {
-    let factors = lengths / axis_lengths(&DMat3::from(to_world.matrix3));
+    let factors = lengths / axis_lengths(&to_world.matrix3);
     if factors.is_finite() {
         return Some(to_world * DAffine3::from_scale(factors));
     }
@@ -152,7 +152,7 @@ fn axis_lengths(matrix: &DMat3) -> DVec3 {
 /// normal in world space, of any length.
 fn half_space_behind(to_world: DAffine3, normal: DVec3) -> Option<HalfSpace> {
     let normal = normal.try_normalize()?;
-    Some(HalfSpace { normal, offset: normal.dot(to_world.translation.into()) })
+    Some(HalfSpace { normal, offset: normal.dot(to_world.translation) })
 }
 
 /// Returns the frame of a sphere's texture coordinates: the transform to the sphere's own space

@@ -20,6 +20,8 @@ const MAX_RADIANCE: f64 = 1e30;
 pub(super) struct TungstenLights {
     /// Lights of the imported scene.
     pub descriptions: Vec<Spanned<LightDescription>>,
+    /// True if a sky was converted, even a black one.
+    has_sky: bool,
 }
 
 impl TungstenLights {
@@ -43,15 +45,13 @@ impl TungstenLights {
         let light = match kind {
             "point" => {
                 let intensity = mean_emission(context, textures, object, 1.0 / (4.0 * PI))?;
-                let (position, strength) = (to_world.translation.into(), PointLightStrength::Intensity(intensity));
+                let (position, strength) = (to_world.translation, PointLightStrength::Intensity(intensity));
                 (intensity != DVec3::ZERO)
                     .then_some(LightDescription::Point(PointLightDescription { position, strength }))
             }
             "infinite_sphere_cap" => sun(context, textures, object, to_world)?,
             sky => {
-                let is_sky =
-                    |light: &Spanned<LightDescription>| matches!(light.value, LightDescription::Environment(_));
-                if self.descriptions.iter().any(is_sky) {
+                if std::mem::replace(&mut self.has_sky, true) {
                     context.add_whole_object_note("skies after the first one are left out", object);
                     return Ok(true);
                 }
@@ -97,7 +97,7 @@ pub(super) fn read_emission(
     Ok(match textures.convert_member(context, object, (name, 0.0), TungstenTextureUse::NonNegative, 1.0)? {
         ConvertedTexture::Constant(color) => {
             let radiance = color * factor;
-            if !(radiance.max_element() <= MAX_RADIANCE) {
+            if radiance.max_element() > MAX_RADIANCE {
                 return Err(object.error(format!("`{name}` is too large"), "write smaller numbers"));
             }
             PrimitiveEmission { radiance: Some(radiance).filter(|radiance| *radiance != DVec3::ZERO), texture: None }
@@ -137,17 +137,17 @@ fn sun(
     context.add_note("caps of the sky become directional lights: shadows are sharp", object);
     let mut to_world = to_world;
     if let Some(name) = object.text("skydome")?.filter(|name| !name.is_empty()) {
-        let dome = context.scene.children("primitives")?.into_iter().find(|primitive| primitive.name() == name);
-        match dome {
-            Some(dome) => to_world = read_transform(&dome)?,
+        match context.primitive(name) {
+            Some(dome) => to_world = read_transform(dome)?,
             None => context.add_note("the `skydome` of a cap is no primitive: its own transform counts", object),
         }
     }
     let angle = object.number_in("cap_angle", 10.0, 1e-6..=90.0)?.to_radians();
     let power_factor = 1.0 / (TAU * (1.0 - libm::cos(angle)));
     let radiance = mean_emission(context, textures, object, power_factor)?;
-    let irradiance = radiance * PI * libm::sin(angle).powi(2);
-    let Some(up) = DVec3::from(to_world.matrix3.y_axis).try_normalize() else {
+    let sine = libm::sin(angle);
+    let irradiance = radiance * PI * sine * sine;
+    let Some(up) = to_world.matrix3.y_axis.try_normalize() else {
         return Err(object.error("the transform of the cap is singular", "scale it by numbers above 0"));
     };
     let strength = DirectionalLightStrength::Irradiance(irradiance);
@@ -174,7 +174,7 @@ fn environment(
     };
     let needed = 24 * picture.pixels().len() as u64;
     context.files.check_memory(context.files.path, needed)?;
-    let axes = DMat3::from(to_world.matrix3);
+    let axes = to_world.matrix3;
     let axes = [axes.x_axis, axes.y_axis, axes.z_axis].map(DVec3::try_normalize);
     let singular = || object.error("the transform of the sky is singular", "scale it by numbers above 0");
     let [Some(x), Some(y), Some(z)] = axes else { return Err(singular()) };

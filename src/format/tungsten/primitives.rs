@@ -25,6 +25,9 @@ use std::f64::consts::PI;
 /// together.
 const MEMORY_PER_OBJECT: u64 = 1_500;
 
+/// Greatest number of flat surfaces that bound one medium. More surfaces would take long.
+const MAX_HALF_SPACES: usize = 256;
+
 /// Greatest nesting depth of instances.
 const MAX_INSTANCE_DEPTH: u32 = 8;
 
@@ -48,6 +51,8 @@ pub(super) struct TungstenPrimitives {
     pub world_bounds: Option<(DVec3, DVec3)>,
     /// True if at least one object emits light.
     pub has_emissive_surfaces: bool,
+    /// Number of instances so far, whether they add objects or not.
+    instance_count: u64,
     /// Half-spaces behind flat surfaces that let light pass, by the medium behind them.
     half_spaces: BTreeMap<String, Vec<HalfSpace>>,
     /// Names of the media in front of surfaces, each with a primitive that states it.
@@ -126,6 +131,10 @@ impl TungstenPrimitives {
             return Ok(());
         }
         for instance in object.children("instances")? {
+            // Without this check, nested instances of nothing take exponential time.
+            self.instance_count += 1;
+            let needed = MEMORY_PER_OBJECT * self.instance_count;
+            imported_files::check_memory(context.files.path, needed, context.files.free_memory())?;
             let id = instance.number_in("id", 0.0, 0.0..=1e9)?;
             let Some(master) = masters.get(id as usize) else {
                 return Err(instance.error(format!("`masters` has no entry {id}"), "correct `id`"));
@@ -136,8 +145,8 @@ impl TungstenPrimitives {
                 context.add_note("objects that are scaled to nothing are left out", &instance);
                 continue;
             };
-            let position = to_world.transform_point3(placed.translation.into());
-            let outer = DAffine3 { matrix3: (outer * rotation).into(), translation: position };
+            let position = to_world.transform_point3(placed.translation);
+            let outer = DAffine3 { matrix3: outer * rotation, translation: position };
             self.add_primitive(context, master, &outer, depth + 1)?;
         }
         Ok(())
@@ -173,8 +182,14 @@ impl TungstenPrimitives {
             let Some(medium) = medium else { return Ok(()) };
             if let Some(half_space) = geometry.half_space {
                 context.add_note("a medium behind flat surfaces fills the bounds of the scene behind them", object);
-                self.half_spaces.entry(medium).or_default().push(half_space);
                 self.grow_bounds(&geometry);
+                let half_spaces = self.half_spaces.entry(medium).or_default();
+                if half_spaces.len() < MAX_HALF_SPACES {
+                    half_spaces.push(half_space);
+                } else {
+                    let message = format!("flat surfaces of a medium after the first {MAX_HALF_SPACES} are ignored");
+                    context.add_note(&message, object);
+                }
                 return Ok(());
             }
         } else if medium.is_some() && !material.bounds_medium {
@@ -271,7 +286,7 @@ fn mesh_bsdfs<'a>(
 
 /// Returns the linear part of a transform with axes of unit length; `None` if an axis has none.
 fn rotation_of(transform: &DAffine3) -> Option<DMat3> {
-    let matrix = DMat3::from(transform.matrix3);
+    let matrix = transform.matrix3;
     let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(DVec3::try_normalize);
     Some(DMat3::from_cols(x?, y?, z?))
 }

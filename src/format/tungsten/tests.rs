@@ -84,7 +84,7 @@ fn the_field_of_view_is_horizontal() {
     let DirectionOrTarget::Direction(direction) = camera.aim else { panic!() };
     assert!(is_near(direction, DVec3::NEG_Z) && is_near(camera.up, DVec3::Y), "{camera:?}");
     let ProjectionDescription::Perspective { vertical_fov_degrees, lens: None } = camera.projection else { panic!() };
-    assert!((vertical_fov_degrees - 2.0 * 0.5_f64.atan().to_degrees()).abs() < 1e-12);
+    assert!((vertical_fov_degrees - 2.0 * libm::atan(0.5).to_degrees()).abs() < 1e-12);
 }
 
 #[test]

@@ -51,7 +51,7 @@ fn transform_from_parts(parts: &TungstenObject<'_>) -> ReadResult<DAffine3> {
     if let Some(angles) = parts.vector("rotation")? {
         axes = rotation_yxz(angles) * axes;
     }
-    Ok(DAffine3 { matrix3: axes.into(), translation: position })
+    Ok(DAffine3 { matrix3: axes, translation: position })
 }
 
 /// Returns the rotation by the Euler angles of Tungsten \[degrees]: about z first, then about x,

@@ -61,7 +61,8 @@ impl<'a> TungstenMaterialConverter<'_, 'a> {
             texture @ TexturedValue::Texture(_) => texture,
         };
         let index = bsdf.number_in("ior", 1.3, 1e-2..=1e3)?;
-        let coat_reflectance = ((index - 1.0) / (index + 1.0)).powi(2);
+        let root = (index - 1.0) / (index + 1.0);
+        let coat_reflectance = root * root;
         Ok(MaterialKindDescription::Principled(PrincipledDescription {
             base_color,
             metallic: 1.0.into(),

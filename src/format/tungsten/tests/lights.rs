@@ -82,7 +82,7 @@ fn map_rotation(degrees: f64) -> f64 {
 /// The left edge of Tungsten's pictures shows −x. That of Caustica's shows +z, before the rotation.
 #[test]
 fn maps_show_negative_x_at_their_left_edge() {
-    let left_edge = |rotate: f64| DVec3::new(rotate.to_radians().sin(), 0.0, rotate.to_radians().cos());
+    let left_edge = |rotate: f64| DVec3::new(libm::sin(rotate.to_radians()), 0.0, libm::cos(rotate.to_radians()));
     assert!(is_near(left_edge(map_rotation(0.0)), DVec3::NEG_X), "{}", map_rotation(0.0));
     // A rotation by 90 degrees takes −x to −z, because it is left-handed.
     assert!(is_near(left_edge(map_rotation(90.0)), DVec3::NEG_Z), "{}", map_rotation(90.0));

@@ -5,11 +5,13 @@ use crate::format::description::{
     BoxDescription, DiscDescription, MaterialKindDescription, MediumCoefficients, ObjectDescription,
     PhaseFunctionDescription, RectangleDescription, ShapeDescription,
 };
-use crate::format::import::ImportedScene;
+use crate::format::import::{ImportOptions, ImportedScene};
 use crate::format::tungsten::transforms::rotation_yxz;
 use crate::format::tungsten::wo3::tests::triangle_file;
-use glam::{DAffine3, DMat3, DVec3};
+use crate::stats::MemoryLimit;
+use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// Returns the transform and the shape of the only object of a scene with the primitive `members`.
 fn only_object(members: &str) -> (DAffine3, ShapeDescription, Option<DVec3>) {
@@ -40,10 +42,10 @@ fn transforms_have_all_forms_of_the_file() {
     let rows = cube_transform("[2, 0, 0, 5, 0, 2, 0, 6, 0, 0, 2, 7, 0, 0, 0, 1]");
     assert!(is_near(rows.transform_point3(DVec3::ONE), DVec3::new(7.0, 8.0, 9.0)));
     let looking = cube_transform(r#"{"position": [0, 0, 1], "look_at": [5, 0, 1], "up": [1, 1, 0]}"#);
-    assert!(is_near(looking.matrix3.z_axis.into(), DVec3::X) && is_near(looking.matrix3.y_axis.into(), DVec3::Y));
+    assert!(is_near(looking.matrix3.z_axis, DVec3::X) && is_near(looking.matrix3.y_axis, DVec3::Y));
     let axes = cube_transform(r#"{"x_axis": [0, 0, -3], "y_axis": [0, 5, 0]}"#);
-    assert!(is_near(axes.matrix3.x_axis.into(), DVec3::NEG_Z) && is_near(axes.matrix3.z_axis.into(), DVec3::X));
-    let determinant = |transform: DAffine3| DMat3::from(transform.matrix3).determinant();
+    assert!(is_near(axes.matrix3.x_axis, DVec3::NEG_Z) && is_near(axes.matrix3.z_axis, DVec3::X));
+    let determinant = |transform: DAffine3| transform.matrix3.determinant();
     assert!((determinant(looking) - 1.0).abs() < 1e-12 && (determinant(axes) - 1.0).abs() < 1e-12);
     assert_import_error(r#"{"type": "cube", "transform": {"look_at": [0, 0, 0]}}"#, "", "axis of the transform");
     assert_import_error(r#"{"type": "cube", "transform": {"scale": "big"}}"#, "", "`scale` is not a number or a list");
@@ -95,7 +97,7 @@ fn meshes_are_divided_among_their_bsdfs() {
     assert_import_error(r#"{"type": "mesh", "file": "a.wo3", "bsdf": []}"#, "", "the list `bsdf` is empty");
     std::fs::write(folder.path().join("b.wo3"), [3_u8; 20]).unwrap();
     let text = super::scene_json(r#"{"type": "mesh", "file": "b.wo3"}"#, "");
-    let options = crate::format::import::ImportOptions::default();
+    let options = ImportOptions::default();
     let error = super::decode(&folder.path().join("a.json"), text.as_bytes(), &options).unwrap_err().to_string();
     assert!(error.contains("primitives[0]: `b.wo3`: the file is too short"), "{error}");
 }
@@ -110,6 +112,16 @@ fn instances_are_placed_without_scale() {
     let places: Vec<DVec3> = placed_objects(&scene).iter().map(|(place, _)| place.transform_point3(DVec3::X)).collect();
     assert_eq!(places, [DVec3::new(3.0, 0.0, 9.0), DVec3::new(2.0, 0.0, 9.0)]);
     assert_import_error(r#"{"type": "instances", "instances": [{"id": 1}]}"#, "", "`masters` has no entry 1");
+    // Without a limit, these instances of nothing would take years.
+    let nested = (0..8).fold(r#"{"type": "curves"}"#.to_owned(), |inner, _| {
+        let many = vec!["{}"; 1000].join(", ");
+        format!("{{\"type\": \"instances\", \"masters\": [{inner}], \"instances\": [{many}]}}")
+    });
+    let memory_limit = MemoryLimit::ProcessBytes(1 << 28);
+    let options = ImportOptions { memory_limit, ..ImportOptions::default() };
+    let text = super::scene_json(&nested, "");
+    let error = super::decode(Path::new("/nowhere/a.json"), text.as_bytes(), &options).unwrap_err();
+    assert!(error.to_string().contains("of memory"), "{error}");
     let in_file = import_scene(r#"{"type": "instances", "instances": "a.bin"}"#, "");
     assert!(has_note(&in_file, "instances in files are left out"));
 }
