@@ -77,7 +77,8 @@ fn page() -> Result<String, Box<dyn Error>> {
          makes it, the passes, the estimated error, the photons stored in all passes, and the wall time and processor\n\
          time, on two cores that other work shared. A render ends at an estimated error of 3 %, or after five minutes.\n\
          In dark pixels, the error is relative to the median radiance of the picture. So pictures that are mostly dark\n\
-         have large errors. This command renders all pictures and writes the page:\n\n```sh\n\
+         have large errors. [What accuracy costs](accuracy-strips.md) shows pictures with smaller and larger errors.\n\
+         This command renders all pictures and writes the page:\n\n```sh\n\
          cargo run --release --example gallery\n```\n",
     );
     let mut part = "";

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! With names it renders only those scenes. Files of measurements beside the images describe the
-//! others.
+//! others. The name `none` renders no scene.
 
 mod measure;
 mod page;
@@ -64,7 +64,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     // One thread, so that processor time is the time of one core.
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
     let names: Vec<String> = std::env::args().skip(1).collect();
-    if let Some(unknown) = names.iter().find(|name| ENTRIES.iter().all(|entry| entry.name != **name)) {
+    let is_known = |name: &str| name == "none" || ENTRIES.iter().any(|entry| entry.name == name);
+    if let Some(unknown) = names.iter().find(|name| !is_known(name)) {
         return Err(format!("no strip is called `{unknown}`").into());
     }
     for entry in ENTRIES.iter().filter(|entry| names.is_empty() || names.iter().any(|name| name == entry.name)) {

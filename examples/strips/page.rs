@@ -3,7 +3,7 @@
 use crate::measure::{Stage, TARGETS};
 use crate::scenes::Entry;
 use crate::{LIMIT, OTHER_LIMIT};
-use caustica::study::text::{count_text, three_digit_text};
+use caustica::study::text::{count_text, error_percent_text, three_digit_text};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
@@ -42,15 +42,15 @@ pub struct Trial {
 /// Returns the page.
 pub fn page(scenes: &[(&Entry, SceneMeasurements)]) -> String {
     let mut page = INTRODUCTION
-        .replace("OTHER_LIMIT", &three_digit_text(OTHER_LIMIT))
-        .replace("LIMIT", &three_digit_text(LIMIT))
-        .replace("WATTS", &three_digit_text(CORE_WATTS))
-        .replace("SUMMARY\n", &summary(scenes));
+        .replace("OTHER_LIMIT", &OTHER_LIMIT.to_string())
+        .replace("LIMIT", &LIMIT.to_string())
+        .replace("WATTS", &CORE_WATTS.to_string())
+        .replace("SUMMARY", summary(scenes).trim_end());
     for (entry, measured) in scenes {
         let scene = entry.scene();
         _ = write!(
             page,
-            "\n## {}\n\n![{}](images/strips/{}.png)\n\n{} Scene: [{scene}](../{scene}).\n\n\
+            "\n## {}\n\n![{}](images/strips/{}.png)\n\n{}\nScene: [{scene}](../{scene}).\n\n\
              | method | target | estimated error | CPU s | energy | passes | rays | photon paths | difference |\n\
              | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
             entry.title, entry.title, entry.name, entry.text,
@@ -70,10 +70,13 @@ pub fn page(scenes: &[(&Entry, SceneMeasurements)]) -> String {
             }
         }
         for trial in measured.trials.iter().filter(|trial| trial.algorithm != measured.other_algorithm) {
-            let (algorithm, difference) = (&trial.algorithm, error_text(trial.difference));
-            let end = if trial.is_reached { "an estimated error of 5 %" } else { "the end of its trial" };
+            let (algorithm, difference) = (&trial.algorithm, error_percent_text(trial.difference));
             let seconds = three_digit_text(trial.cpu_seconds);
-            _ = writeln!(page, "`{algorithm}` was at {end} after {seconds} s, with a difference of {difference}.");
+            let end = if trial.is_reached { "an estimated error of 5 %" } else { "its time limit" };
+            _ = writeln!(
+                page,
+                "A trial of `{algorithm}` ended at {end} after {seconds} s. Its difference was {difference}."
+            );
         }
     }
     page
@@ -114,32 +117,27 @@ pub fn caption(stages: &[Stage]) -> String {
 
 /// Returns the processor time of a stage in seconds, or a text that it is more than `limit`.
 fn time_text(stage: &Stage, limit: f64) -> String {
-    if stage.is_reached { three_digit_text(stage.cpu_seconds) } else { format!("> {}", three_digit_text(limit)) }
+    if stage.is_reached { three_digit_text(stage.cpu_seconds) } else { format!("> {limit}") }
 }
 
 fn target_text(target: f64) -> String {
     format!("{:.0} %", 100.0 * target)
 }
 
-/// Returns a relative error in percent with one decimal place.
-fn error_text(error: f64) -> String {
-    format!("{:.1} %", 100.0 * error)
-}
-
 fn row(algorithm: &str, stage: &Stage) -> String {
     let not_reached = if stage.is_reached { "" } else { "not reached: " };
     let small = if stage.flags.is_empty() { "" } else { " small" };
     format!(
-        "| `{algorithm}` | {} | {not_reached}{} ({:.1} to {}) | {} | {:.0} | {}{small} | {:.0} | {} | {} |\n",
+        "| `{algorithm}` | {} | {not_reached}{} ({} to {}) | {} | {:.0} | {}{small} | {:.0} | {} | {} |\n",
         target_text(stage.target),
-        error_text(stage.error),
-        100.0 * stage.low,
-        error_text(stage.high),
+        error_percent_text(stage.error),
+        three_digit_text(100.0 * stage.low),
+        error_percent_text(stage.high),
         three_digit_text(stage.cpu_seconds),
         CORE_WATTS * stage.cpu_seconds,
         stage.passes,
         stage.camera_rays_per_pixel,
         count_text(stage.photon_paths as f64),
-        stage.difference.map_or("–".to_owned(), error_text),
+        stage.difference.map_or("–".to_owned(), error_percent_text),
     )
 }
