@@ -28,7 +28,7 @@ pub const ENTRIES: &[Entry] = &[
     Entry {
         name: "glass-ball",
         title: "Caustic by refraction",
-        corner: (78, 58),
+        corner: (78, 68),
         text: "A glass ball focuses the light of a lamp. The walls of the room tint each other.",
     },
     Entry {
