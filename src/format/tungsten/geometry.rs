@@ -127,8 +127,8 @@ pub(super) fn primitive_geometry(
     }))
 }
 
-/// Returns `to_world` with the lengths `lengths` of its axes; `None` if an axis has no length, and a
-/// message tells the user.
+/// Returns `to_world` with the lengths `lengths` of its axes. Returns `None` if an axis has no
+/// length, and a message tells the user.
 fn rigid(
     context: &ImportContext<'_>,
     object: &TungstenObject<'_>,

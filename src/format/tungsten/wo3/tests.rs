@@ -37,7 +37,7 @@ fn a_file_that_is_cut_anywhere_is_refused() {
         assert!(defect.contains("the file"), "{length}: {defect}");
     }
     let longer = [&file[..], &[0]].concat();
-    assert_eq!(decode(&longer, None).unwrap_err(), "the file has 137 bytes, and its mesh ends after 136");
+    assert_eq!(decode(&longer, None).unwrap_err(), "the file has 129 bytes, and its mesh ends after 128");
 }
 
 #[test]
