@@ -139,7 +139,21 @@ fn mixes_state_the_share_of_their_second_material() {
         other => panic!("{other:?}"),
     };
     let parts = r#""bsdf0": {"type": "lambert"}, "bsdf1": {"type": "mirror"}"#;
-    assert_eq!(mix(&format!("{{\"type\": \"mixed\", \"ratio\": 0.25, {parts}}}")), TexturedValue::Constant(0.25));
+    let scene = import_scene(
+        &format!("{{\"type\": \"sphere\", \"bsdf\": {{\"type\": \"mixed\", \"ratio\": 0.25, {parts}}}}}"),
+        "",
+    );
+    let [.., mixed] = &scene.description.materials[..] else { panic!() };
+    let MaterialKindDescription::Mix(MixDescription { first, second, second_probability }) = &mixed.kind else {
+        panic!("{mixed:?}")
+    };
+    let is_mirror = |name: &str| {
+        let named = scene.description.materials.iter().find(|material| material.name.as_deref() == Some(name));
+        matches!(named.unwrap().kind, MaterialKindDescription::Mirror(_))
+    };
+    // The ratio is the share of `bsdf0`, which is not the mirror.
+    assert!(is_mirror(&first.value) && !is_mirror(&second.value));
+    assert_eq!(*second_probability, TexturedValue::Constant(0.25));
     let masked = |alpha: &str| {
         format!("{{\"type\": \"transparency\", \"alpha\": {alpha}, \"base\": {{\"type\": \"lambert\"}}}}")
     };
