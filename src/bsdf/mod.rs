@@ -6,7 +6,7 @@
 //!
 //! To add a BSDF and its material:
 //!
-//! - add a file in this folder, and a variant of [`Bsdf`] in this file; [`Bsdf::properties`] states
+//! - add a file in this folder, and a variant of [`Bsdf`] in this file; `Bsdf::properties` states
 //!   whether it stores photons, transmits, and so on;
 //! - add a variant of `MaterialKind` in `scene/material/kind.rs`;
 //! - add a file in `format/materials/kinds/`, and its line in `format/materials/kinds/mod.rs`.

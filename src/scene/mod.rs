@@ -197,7 +197,7 @@ impl Scene {
         &self.materials
     }
 
-    /// Dispersion formulas to which [`Body::glass`] refers by index.
+    /// Dispersion formulas to which [`Body::dispersion_formula`] refers by index.
     #[must_use]
     pub fn dispersion_formulas(&self) -> &[DispersionFormula] {
         &self.dispersion_formulas

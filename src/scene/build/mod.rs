@@ -79,7 +79,7 @@ impl SceneBuilder {
     }
 
     /// Adds a dispersion formula (refractive index by wavelength) for dielectric bodies, and
-    /// returns its index: see [`Body::glass`](super::Body::glass).
+    /// returns its index: see [`Body::dispersion_formula`](super::Body::dispersion_formula).
     pub fn add_dispersion_formula(&mut self, formula: DispersionFormula) -> u32 {
         self.dispersion_formulas.push(formula);
         self.dispersion_formulas.len() as u32 - 1
