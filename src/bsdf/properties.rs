@@ -1,5 +1,5 @@
-//! Properties of BSDFs, which one `match` states for each kind of BSDF
-//! ([`Bsdf::properties`] in `mod.rs`), and what follows from them.
+//! Properties of BSDFs, and what follows from them. One `match`, [`Bsdf::properties`] in `mod.rs`,
+//! states the properties of each kind of BSDF.
 
 use super::{Bsdf, ThinDielectric, face_forward};
 use crate::color::Rgb;
@@ -16,7 +16,7 @@ pub const MIN_PHOTON_STORAGE_ALPHA: f32 = 0.3;
 /// the filter width of texture lookups.
 pub(crate) const DIFFUSE_CONE_SPREAD: f32 = 0.2;
 
-/// Properties of a BSDF that integrators ask for.
+/// Properties by which integrators distinguish BSDFs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BsdfProperties {
     /// True if the BSDF scatters no light.

@@ -20,6 +20,8 @@ mod imported_environment;
 mod imported_files;
 mod imported_materials;
 mod imported_metals;
+mod imported_objects;
+mod imported_textures;
 mod language;
 mod lights;
 mod line_error;

@@ -12,7 +12,8 @@ use glam::Vec3;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Scenes below the folder of Tungsten's scenes, each with texts of which a message contains one.
+/// Scenes below the folder of Tungsten's scenes. Beside each scene stand parts of its messages, one
+/// for each message.
 const SCENES: [(&str, &[&str]); 4] = [
     ("cornell-box/scene.json", &["they stand for `--integrator path --max-bounces 63 --filter tent`"]),
     ("materialtest/materialtest.json", &["Beckmann", "coats absorb", "clear coats of index 1.5", "stand for"]),
@@ -57,7 +58,7 @@ fn a_tungsten_scene_converts_to_the_same_bits() {
     check_conversion(&project_path("tests/data/tungsten/room.json"));
 }
 
-/// The red wall is on the left, as in all Cornell boxes, and the tiles lie on the floor.
+/// The red wall is on the left, as in all Cornell boxes.
 #[test]
 fn pictures_are_not_mirrored() {
     let picture = small_picture(SceneFile::read(&project_path("tests/data/tungsten/room.json")).unwrap());

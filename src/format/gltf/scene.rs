@@ -7,10 +7,11 @@ use super::materials::GltfMaterials;
 use crate::format::default_camera::{DEFAULT_ASPECT_RATIO, camera_with_aspect_ratio};
 use crate::format::description::{
     CameraDescription, DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength, GroupItem,
-    LightDescription, MeshDescription, MeshOptions, ObjectDescription, ObjectGroup, PointLightDescription,
-    PointLightStrength, ProjectionDescription, ShapeDescription, Span, Spanned, SpotLightDescription, TransformStep,
+    LightDescription, MeshDescription, MeshOptions, ObjectGroup, PointLightDescription, PointLightStrength,
+    ProjectionDescription, ShapeDescription, Span, Spanned, SpotLightDescription,
 };
 use crate::format::import_notes::ImportNotes;
+use crate::format::imported_objects::{extended_bounds, placed_object};
 use crate::format::mesh::TriangleMesh;
 use crate::math::Transform;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
@@ -274,21 +275,12 @@ impl NodeWalker<'_, '_> {
             self.notes.add_unsupported("objects that are scaled to nothing are left out", place);
             return;
         }
-        let ImportedPrimitive { mesh_path: path, material, local_bounds: (low, high), emits } = primitive;
-        for corner in 0..8 {
-            let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-            let corner = to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
-            self.content.world_bounds =
-                (self.content.world_bounds.0.min(corner), self.content.world_bounds.1.max(corner));
-        }
+        let ImportedPrimitive { mesh_path: path, material, local_bounds, emits } = primitive;
+        self.content.world_bounds = extended_bounds(Some(self.content.world_bounds), &to_world, *local_bounds);
         self.content.has_emissive_surfaces |= *emits;
         let path = Spanned::new(path.clone(), Span::default());
         let shape = ShapeDescription::Mesh(MeshDescription { path, options: MeshOptions::default() });
-        let mut object = ObjectDescription::Shape { shape, emission: None };
-        if to_world != DAffine3::IDENTITY {
-            let steps = vec![TransformStep::Matrix(to_world.into())];
-            object = ObjectDescription::Transform { steps, object: Box::new(Spanned::new(object, Span::default())) };
-        }
+        let object = placed_object(shape, None, to_world);
         let material = Spanned::new(material.clone(), Span::default());
         let items = &mut self.content.root.items;
         items.push(GroupItem::MaterialName(material));

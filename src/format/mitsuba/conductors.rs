@@ -3,13 +3,13 @@
 use super::color::{ColorMeaning, ColorValue};
 use super::context::ImportContext;
 use super::files::ReadResult;
-use super::textures::MitsubaConvertedTexture;
 use super::tree::MitsubaObject;
 use crate::color::conductor_refractive_index;
 use crate::format::description::{
     ConductorDescription, MaterialKindDescription, MetalDescription, MirrorDescription, TexturedValue,
 };
 use crate::format::imported_metals::{metal_by_symbol, named_metal, normal_reflectance};
+use crate::format::imported_textures::ConvertedTexture;
 use glam::DVec3;
 
 /// Converts a conductor. An unknown metal becomes chromium, and a message tells the user.
@@ -20,7 +20,7 @@ use glam::DVec3;
 pub(super) fn convert_conductor(
     context: &ImportContext<'_>,
     bsdf: &MitsubaObject,
-    tint: MitsubaConvertedTexture,
+    tint: ConvertedTexture,
     roughness: TexturedValue<f64>,
 ) -> ReadResult<MaterialKindDescription> {
     let eta = context.color_value(bsdf, "eta")?;

@@ -5,12 +5,14 @@ use super::files::ReadResult;
 use super::materials::{MaterialBoundary, MitsubaMaterials, ShapeMaterialInputs};
 use super::media::MitsubaMedia;
 use super::meshes::{MitsubaFileMesh, MitsubaMeshes, TexcoordConvention, file_texcoord_convention, read_obj_parts};
-use super::textures::{MitsubaConvertedTexture, MitsubaTextureUse, MitsubaTextures};
+use super::textures::{MitsubaTextureUse, MitsubaTextures};
 use super::tree::{MitsubaObject, ObjectClass};
 use crate::format::description::{
-    BoxDescription, CylinderDescription, DiscDescription, GroupItem, MeshDescription, MeshOptions, ObjectDescription,
-    ObjectGroup, RectangleDescription, ShapeDescription, Span, Spanned, SphereDescription, TransformStep,
+    BoxDescription, CylinderDescription, DiscDescription, GroupItem, MeshDescription, MeshOptions, ObjectGroup,
+    RectangleDescription, ShapeDescription, Span, Spanned, SphereDescription,
 };
+use crate::format::imported_objects::{extended_bounds, placed_object};
+use crate::format::imported_textures::ConvertedTexture;
 use crate::math::Transform;
 use glam::{DAffine3, DMat4, DVec3};
 use std::collections::HashMap;
@@ -278,12 +280,12 @@ impl MitsubaShapes {
         }
         let texture_use = (MitsubaTextureUse::Radiance, convention);
         Ok(match textures.convert_texture_parameter(context, emitter, ("radiance", 1.0), texture_use, 1.0)? {
-            MitsubaConvertedTexture::Constant(radiance) => {
+            ConvertedTexture::Constant(radiance) => {
                 let radiance = Some(radiance).filter(|radiance| *radiance != DVec3::ZERO);
                 self.has_emissive_surfaces |= radiance.is_some();
                 MitsubaShapeEmission { radiance, texture: None }
             }
-            MitsubaConvertedTexture::Texture(name, _) => {
+            ConvertedTexture::Texture(name, _) => {
                 self.has_emissive_surfaces = true;
                 MitsubaShapeEmission { radiance: None, texture: Some((name, 1.0)) }
             }
@@ -418,24 +420,15 @@ impl MitsubaShapes {
         placed: PlacedShape,
         source: &MitsubaObject,
     ) -> ReadResult<()> {
-        let PlacedShape { material, shape, emission, to_world, local_bounds: (low, high) } = placed;
+        let PlacedShape { material, shape, emission, to_world, local_bounds } = placed;
         if Transform::new(to_world).is_err() {
             context.add_note("objects that are scaled to nothing are left out", source);
             return Ok(());
         }
         let objects = self.root.items.len() as u64 / 2 + 1;
         context.files.check_total_memory(MEMORY_PER_OBJECT * objects)?;
-        for corner in 0..8 {
-            let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-            let corner = to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
-            let (low, high) = self.world_bounds.unwrap_or((corner, corner));
-            self.world_bounds = Some((low.min(corner), high.max(corner)));
-        }
-        let mut object = ObjectDescription::Shape { shape, emission };
-        if to_world != DAffine3::IDENTITY {
-            let steps = vec![TransformStep::Matrix(to_world.into())];
-            object = ObjectDescription::Transform { steps, object: Box::new(Spanned::new(object, Span::default())) };
-        }
+        self.world_bounds = Some(extended_bounds(self.world_bounds, &to_world, local_bounds));
+        let object = placed_object(shape, emission, to_world);
         self.root.items.push(GroupItem::MaterialName(Spanned::new(material, Span::default())));
         self.root.items.push(GroupItem::Object(Spanned::new(object, Span::default())));
         Ok(())

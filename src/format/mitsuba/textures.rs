@@ -8,10 +8,10 @@ use super::tree::{MitsubaObject, ObjectClass};
 use crate::color::{Rgb, luminance};
 use crate::format::SceneError;
 use crate::format::description::{
-    PictureEncoding, Span, Spanned, TexcoordTransformDescription, TextureDescription, TextureKindDescription,
-    TexturedValue, WrapMode,
+    PictureEncoding, Span, Spanned, TexcoordTransformDescription, TextureDescription, TextureKindDescription, WrapMode,
 };
 use crate::format::import::SceneReadError;
+use crate::format::imported_textures::ConvertedTexture;
 use crate::image::{Image, PixelMeaning, ReadError, decode, decode_quantized_rgba};
 use glam::{DMat2, DMat4, DVec2, DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -55,42 +55,6 @@ impl MitsubaTextureUse {
     }
 }
 
-/// Result of converting a color parameter or texture: a constant, or a texture of the imported
-/// scene.
-#[derive(Clone, Debug)]
-pub(super) enum MitsubaConvertedTexture {
-    /// Equal values everywhere.
-    Constant(DVec3),
-    /// Name of a texture in the imported scene (or path of a picture in
-    /// `MitsubaTextures::converted_pictures`), and the mean of its values.
-    Texture(Spanned<String>, DVec3),
-}
-
-impl MitsubaConvertedTexture {
-    /// Returns the constant, or the mean of the values over the texture.
-    pub fn mean(&self) -> DVec3 {
-        match self {
-            Self::Constant(mean) | Self::Texture(_, mean) => *mean,
-        }
-    }
-
-    /// Returns the constant or texture as a color parameter.
-    pub fn into_color(self) -> TexturedValue<DVec3> {
-        match self {
-            Self::Constant(color) => TexturedValue::Constant(color),
-            Self::Texture(name, _) => TexturedValue::Texture(name),
-        }
-    }
-
-    /// Returns the constant or texture as a number parameter. All channels of a constant are equal.
-    pub fn into_number(self) -> TexturedValue<f64> {
-        match self {
-            Self::Constant(color) => TexturedValue::Constant(color.x),
-            Self::Texture(name, _) => TexturedValue::Texture(name),
-        }
-    }
-}
-
 /// Textures and embedded pictures of the imported scene so far.
 #[derive(Default)]
 pub(super) struct MitsubaTextures {
@@ -104,9 +68,9 @@ pub(super) struct MitsubaTextures {
     /// Results of converting picture files. A key holds the path of the file, a flag (true for raw
     /// values), the [`MitsubaTextureUse`], and the bits of the factor that multiplies the values.
     ///
-    /// If a value is `MitsubaConvertedTexture::Texture`, its text is the path of an embedded
+    /// If a value is `ConvertedTexture::Texture`, its text is the path of an embedded
     /// picture, and not the name of a texture as elsewhere.
-    converted_pictures: HashMap<(PathBuf, bool, MitsubaTextureUse, u64), MitsubaConvertedTexture>,
+    converted_pictures: HashMap<(PathBuf, bool, MitsubaTextureUse, u64), ConvertedTexture>,
     /// Names of the imported textures. A key is the content of a texture as text, so equal textures
     /// become one.
     texture_names_by_content: HashMap<String, String>,
@@ -125,14 +89,14 @@ impl MitsubaTextures {
         (name, default): (&str, f64),
         (texture_use, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
-    ) -> ReadResult<MitsubaConvertedTexture> {
+    ) -> ReadResult<ConvertedTexture> {
         if context.color_value(object, name)?.is_none()
             && let Some(texture) = context.named_child(object, ObjectClass::Texture, name)?
         {
             return self.convert_texture(context, &texture, (texture_use, convention), factor, 0);
         }
         let color = factor * context.linear_rgb(object, name, texture_use.color_meaning(), default)?;
-        Ok(MitsubaConvertedTexture::Constant(clamped_to_range(color, texture_use)))
+        Ok(ConvertedTexture::Constant(clamped_to_range(color, texture_use)))
     }
 
     /// Converts a texture object to the quantity `texture_use`, with its values multiplied by
@@ -148,13 +112,13 @@ impl MitsubaTextures {
         (texture_use, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
         depth: u32,
-    ) -> ReadResult<MitsubaConvertedTexture> {
+    ) -> ReadResult<ConvertedTexture> {
         if depth > MAX_TEXTURE_DEPTH {
             return Err(texture.place.error("textures are nested too deep", "nest them less deep"));
         }
         if let Some(color) = context.spectrum_from_object(texture)? {
             let color = color.to_rgb(texture_use.color_meaning()).max(DVec3::ZERO) * factor;
-            return Ok(MitsubaConvertedTexture::Constant(clamped_to_range(color, texture_use)));
+            return Ok(ConvertedTexture::Constant(clamped_to_range(color, texture_use)));
         }
         match texture.plugin.as_str() {
             "bitmap" => self.convert_bitmap(context, texture, (texture_use, convention), factor),
@@ -165,15 +129,13 @@ impl MitsubaTextures {
                     Some((_, inner)) => {
                         self.convert_texture(context, inner, (texture_use, convention), inner_factor, depth + 1)
                     }
-                    None => {
-                        Ok(MitsubaConvertedTexture::Constant(clamped_to_range(DVec3::splat(inner_factor), texture_use)))
-                    }
+                    None => Ok(ConvertedTexture::Constant(clamped_to_range(DVec3::splat(inner_factor), texture_use))),
                 }
             }
             _ => {
                 let message = format!("textures of kind `{}` become gray of reflectance 0.5", texture.plugin);
                 context.add_whole_object_note(&message, texture);
-                Ok(MitsubaConvertedTexture::Constant(clamped_to_range(DVec3::splat(0.5 * factor), texture_use)))
+                Ok(ConvertedTexture::Constant(clamped_to_range(DVec3::splat(0.5 * factor), texture_use)))
             }
         }
     }
@@ -259,7 +221,7 @@ impl MitsubaTextures {
         texture: &MitsubaObject,
         (texture_use, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
-    ) -> ReadResult<MitsubaConvertedTexture> {
+    ) -> ReadResult<ConvertedTexture> {
         // Before version 2, the encoding is called `gamma`.
         let is_raw = texture_use == MitsubaTextureUse::Normal
             || texture.boolean("raw", false)
@@ -274,17 +236,17 @@ impl MitsubaTextures {
                 let pixels: Vec<Rgb> = picture.pixels().iter().map(value).collect();
                 let mean = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / pixels.len() as f64;
                 let values = if pixels.iter().all(|pixel| *pixel == pixels[0]) {
-                    MitsubaConvertedTexture::Constant(pixels[0].as_dvec3())
+                    ConvertedTexture::Constant(pixels[0].as_dvec3())
                 } else {
                     let image = Image::from_pixels(picture.width(), picture.height(), pixels);
                     let image = image.map_err(|error| texture.place.error(error, "name another picture"))?;
-                    MitsubaConvertedTexture::Texture(Spanned::new(self.embed_picture(image), Span::default()), mean)
+                    ConvertedTexture::Texture(Spanned::new(self.embed_picture(image), Span::default()), mean)
                 };
                 self.converted_pictures.insert(key, values.clone());
                 values
             }
         };
-        let MitsubaConvertedTexture::Texture(path, mean) = values else { return Ok(values) };
+        let ConvertedTexture::Texture(path, mean) = values else { return Ok(values) };
         if texture.text("filter_type") == Some("nearest") {
             context.add_note("textures are interpolated instead of showing square pixels", texture);
         }
@@ -303,7 +265,7 @@ impl MitsubaTextures {
         let coordinates = texcoord_transform_description(context, texture, flipped_v(to_uv));
         let kind =
             TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, uv_transform: coordinates };
-        Ok(MitsubaConvertedTexture::Texture(self.texture_name(kind), mean))
+        Ok(ConvertedTexture::Texture(self.texture_name(kind), mean))
     }
 
     /// Converts a checkerboard of two colors. A texture inside the checkerboard becomes its mean,
@@ -315,7 +277,7 @@ impl MitsubaTextures {
         (texture_use, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
         depth: u32,
-    ) -> ReadResult<MitsubaConvertedTexture> {
+    ) -> ReadResult<ConvertedTexture> {
         let mut colors = [DVec3::ZERO; 2];
         for (color, (name, default)) in colors.iter_mut().zip([("color0", 0.4), ("color1", 0.2)]) {
             let inner = match context.color_value(texture, name)? {
@@ -338,7 +300,7 @@ impl MitsubaTextures {
         let (linear, offset) = mitsuba_texcoord_transform(context, texture, convention);
         let coordinates = texcoord_transform_description(context, texture, (linear * 2.0, offset * 2.0));
         let name = self.texture_name(TextureKindDescription::Checker { colors, uv_transform: coordinates });
-        Ok(MitsubaConvertedTexture::Texture(name, mean))
+        Ok(ConvertedTexture::Texture(name, mean))
     }
 
     /// Returns the name of the imported texture with the content `kind`. The first call for this

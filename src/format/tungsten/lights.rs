@@ -2,13 +2,14 @@
 
 use super::context::ImportContext;
 use super::object::{ReadResult, TungstenObject};
-use super::textures::{ConvertedTexture, TungstenTextureUse, TungstenTextures};
+use super::textures::{TungstenTextureUse, TungstenTextures};
 use super::transforms::read_transform;
 use crate::format::description::{
     DirectionalLightDescription, DirectionalLightStrength, EnvironmentRadiance, LightDescription,
     PointLightDescription, PointLightStrength, Span, Spanned,
 };
 use crate::format::imported_environment::place_environment_map;
+use crate::format::imported_textures::ConvertedTexture;
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
 

@@ -101,7 +101,7 @@ fn clipped_faces(faces: Vec<Vec<DVec3>>, half_space: &HalfSpace) -> Vec<Vec<DVec
 }
 
 /// Returns the point between `a` and `b` whose distance from a plane is 0. `da` and `db` are the
-/// distances of `a` and `b`, of which one is above 0.
+/// signed distances of `a` and `b`. Exactly one of the two is above 0.
 ///
 /// Both directions of an edge give equal points, because the point inside comes first.
 fn edge_point(a: DVec3, b: DVec3, da: f64, db: f64) -> DVec3 {

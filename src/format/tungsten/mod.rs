@@ -31,7 +31,7 @@ use primitives::TungstenPrimitives;
 use settings::suggested_flags;
 use std::path::Path;
 
-/// Members of which a Tungsten scene has at least one.
+/// Names of members. A Tungsten scene has at least one of these members.
 const SCENE_MEMBERS: [&str; 4] = ["primitives", "bsdfs", "camera", "media"];
 
 /// Importer of Tungsten scenes.

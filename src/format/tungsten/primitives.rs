@@ -12,9 +12,9 @@ use super::textures::TungstenTextures;
 use super::transforms::read_transform;
 use crate::format::description::{
     GroupItem, MeshDescription, MeshOptions, ObjectDescription, ObjectGroup, ShapeDescription, Span, Spanned,
-    TransformStep,
 };
 use crate::format::imported_files;
+use crate::format::imported_objects::{extended_bounds, placed_object};
 use crate::math::Transform;
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::Value;
@@ -60,8 +60,8 @@ pub(super) struct TungstenPrimitives {
 }
 
 impl TungstenPrimitives {
-    /// Converts and adds a primitive. `outer` is the transform of the instances around it, of which
-    /// there are `depth`.
+    /// Converts and adds a primitive. `depth` is the number of instances that contain it,
+    /// and `outer` is their transform to world space.
     pub fn add_primitive<'a>(
         &mut self,
         context: &ImportContext<'a>,
@@ -217,11 +217,7 @@ impl TungstenPrimitives {
         imported_files::check_memory(context.files.path, needed, context.files.free_memory())?;
         self.grow_bounds(&geometry);
         let PrimitiveGeometry { surface: shape, to_world, .. } = geometry;
-        let mut object = ObjectDescription::Shape { shape, emission };
-        if to_world != DAffine3::IDENTITY {
-            let steps = vec![TransformStep::Matrix(to_world.into())];
-            object = ObjectDescription::Transform { steps, object: Box::new(Spanned::new(object, Span::default())) };
-        }
+        let object = placed_object(shape, emission, to_world);
         self.root.items.push(GroupItem::MaterialName(Spanned::new(material, Span::default())));
         self.root.items.push(GroupItem::Object(Spanned::new(object, Span::default())));
         Ok(())
@@ -229,13 +225,7 @@ impl TungstenPrimitives {
 
     /// Extends the bounds of the scene by a surface.
     fn grow_bounds(&mut self, geometry: &PrimitiveGeometry) {
-        let (low, high) = geometry.local_bounds;
-        for corner in 0..8 {
-            let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-            let corner = geometry.to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
-            let (low, high) = self.world_bounds.unwrap_or((corner, corner));
-            self.world_bounds = Some((low.min(corner), high.max(corner)));
-        }
+        self.world_bounds = Some(extended_bounds(self.world_bounds, &geometry.to_world, geometry.local_bounds));
     }
 
     /// Adds the bodies of media behind flat surfaces. `ambient` is the medium around all bodies.

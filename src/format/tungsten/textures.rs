@@ -3,10 +3,10 @@
 use super::context::ImportContext;
 use super::object::{ReadResult, TungstenObject, vector_of};
 use crate::format::description::{
-    PictureEncoding, Span, Spanned, TexcoordTransformDescription, TextureDescription, TextureKindDescription,
-    TexturedValue, WrapMode,
+    PictureEncoding, Span, Spanned, TexcoordTransformDescription, TextureDescription, TextureKindDescription, WrapMode,
 };
 use crate::format::import::SceneReadError;
+use crate::format::imported_textures::ConvertedTexture;
 use crate::image::{Image, PixelMeaning, ReadError, decode, decode_quantized_rgba};
 use glam::{DVec2, DVec3, Vec3};
 use serde_json::Value;
@@ -47,40 +47,6 @@ impl TungstenTextureUse {
         match self {
             Self::Color | Self::Fraction | Self::Opacity => value.clamp(DVec3::ZERO, DVec3::ONE),
             Self::NonNegative => value.max(DVec3::ZERO),
-        }
-    }
-}
-
-/// Result of converting a texture: a constant, or a texture of the imported scene.
-#[derive(Clone, Debug)]
-pub(super) enum ConvertedTexture {
-    /// Equal values everywhere.
-    Constant(DVec3),
-    /// Name of a texture in the imported scene, and the mean of its values.
-    Texture(Spanned<String>, DVec3),
-}
-
-impl ConvertedTexture {
-    /// Returns the constant, or the mean of the values over the texture.
-    pub fn mean(&self) -> DVec3 {
-        match self {
-            Self::Constant(mean) | Self::Texture(_, mean) => *mean,
-        }
-    }
-
-    /// Returns the constant or texture as a color parameter.
-    pub fn into_color(self) -> TexturedValue<DVec3> {
-        match self {
-            Self::Constant(color) => TexturedValue::Constant(color),
-            Self::Texture(name, _) => TexturedValue::Texture(name),
-        }
-    }
-
-    /// Returns the constant or texture as a number parameter. All channels of a constant are equal.
-    pub fn into_number(self) -> TexturedValue<f64> {
-        match self {
-            Self::Constant(color) => TexturedValue::Constant(color.x),
-            Self::Texture(name, _) => TexturedValue::Texture(name),
         }
     }
 }

@@ -7,12 +7,13 @@ use crate::format::description::{
     DiffuseTransmissionDescription, MaterialKindDescription, NormalPerturbationDescription, NullInterfaceDescription,
     PhongDescription, PrincipledDescription, TexturedValue, ThinDielectricDescription,
 };
+use crate::format::imported_textures::ConvertedTexture;
 use crate::format::mitsuba::conductors::convert_conductor;
 use crate::format::mitsuba::context::ImportContext;
 use crate::format::mitsuba::dielectrics::{is_index_matched, refractive_index};
 use crate::format::mitsuba::files::ReadResult;
 use crate::format::mitsuba::meshes::TexcoordConvention;
-use crate::format::mitsuba::textures::{MitsubaConvertedTexture, MitsubaTextureUse, MitsubaTextures, sign_of_scales};
+use crate::format::mitsuba::textures::{MitsubaTextureUse, MitsubaTextures, sign_of_scales};
 use crate::format::mitsuba::tree::{MitsubaObject, ObjectClass};
 use glam::DVec3;
 use std::rc::Rc;
@@ -147,7 +148,7 @@ impl MitsubaMaterialConverter<'_, '_> {
                     }
                     None => None,
                 };
-                if let Some(MitsubaConvertedTexture::Texture(name, _)) = values {
+                if let Some(ConvertedTexture::Texture(name, _)) = values {
                     surface.normal = Some(NormalPerturbationDescription::NormalMap(name));
                 }
                 self.without_mix_perturbation(bsdf, surface)
@@ -189,7 +190,7 @@ impl MitsubaMaterialConverter<'_, '_> {
             // Texture values cannot be negative here. So the sign of the texture's factor goes into
             // the height.
             let sign = sign_of_scales(context, texture)?;
-            if let MitsubaConvertedTexture::Texture(texture, _) =
+            if let ConvertedTexture::Texture(texture, _) =
                 self.textures.convert_texture(context, texture, texture_use, sign, 0)?
             {
                 let height = sign * scale;
@@ -346,7 +347,7 @@ impl MitsubaMaterialConverter<'_, '_> {
     }
 
     /// Returns the parameter `alpha` of a BSDF (0.1 if it is missing), multiplied by `factor`.
-    fn ggx_alpha(&mut self, bsdf: &MitsubaObject, factor: f64) -> ReadResult<MitsubaConvertedTexture> {
+    fn ggx_alpha(&mut self, bsdf: &MitsubaObject, factor: f64) -> ReadResult<ConvertedTexture> {
         let texture_use = (MitsubaTextureUse::Fraction, self.convention);
         self.textures.convert_texture_parameter(self.context, bsdf, ("alpha", 0.1), texture_use, factor)
     }
@@ -359,7 +360,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         name: &str,
         default: f64,
         texture_use: MitsubaTextureUse,
-    ) -> ReadResult<MitsubaConvertedTexture> {
+    ) -> ReadResult<ConvertedTexture> {
         self.textures.convert_texture_parameter(
             self.context,
             bsdf,

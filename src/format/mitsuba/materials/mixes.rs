@@ -4,9 +4,10 @@ use super::MEMORY_PER_MATERIAL;
 use super::converter::{ConvertedBsdf, MitsubaMaterialConverter, first_nested};
 use crate::format::description::{MAX_MIX_DEPTH, TexturedValue};
 use crate::format::imported_materials::{MixDefect, mix_of};
+use crate::format::imported_textures::ConvertedTexture;
 use crate::format::mitsuba::color::parse_numbers;
 use crate::format::mitsuba::files::ReadResult;
-use crate::format::mitsuba::textures::{MitsubaConvertedTexture, MitsubaTextureUse};
+use crate::format::mitsuba::textures::MitsubaTextureUse;
 use crate::format::mitsuba::tree::{MitsubaObject, ObjectClass};
 use glam::DVec3;
 use std::rc::Rc;
@@ -58,7 +59,7 @@ impl MitsubaMaterialConverter<'_, '_> {
     }
 
     /// Returns the weight of the second BSDF in a `blendbsdf` or `mixturebsdf`, in \[0, 1].
-    fn blend_weight(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<MitsubaConvertedTexture> {
+    fn blend_weight(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedTexture> {
         if bsdf.plugin != "mixturebsdf" {
             return self.convert_texture_parameter(bsdf, "weight", 0.5, MitsubaTextureUse::Fraction);
         }
@@ -68,7 +69,7 @@ impl MitsubaMaterialConverter<'_, '_> {
                 if (a + b - 1.0).abs() > 1e-6 {
                     self.context.add_note("weights of mixtures are scaled to the sum 1", bsdf);
                 }
-                Ok(MitsubaConvertedTexture::Constant(DVec3::splat(b / (a + b))))
+                Ok(ConvertedTexture::Constant(DVec3::splat(b / (a + b))))
             }
             _ => Err(bsdf.place.error("this mixture has not two weights", "give `weights` of two BSDFs")),
         }

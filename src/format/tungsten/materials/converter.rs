@@ -8,9 +8,10 @@ use crate::format::description::{
     TexturedValue, ThinDielectricDescription,
 };
 use crate::format::imported_metals::{metal_by_symbol, named_metal, normal_reflectance};
+use crate::format::imported_textures::ConvertedTexture;
 use crate::format::tungsten::context::ImportContext;
 use crate::format::tungsten::object::{ReadResult, TungstenObject};
-use crate::format::tungsten::textures::{ConvertedTexture, TungstenTextureUse, TungstenTextures};
+use crate::format::tungsten::textures::{TungstenTextureUse, TungstenTextures};
 use glam::DVec3;
 
 /// Greatest nesting depth of BSDFs.

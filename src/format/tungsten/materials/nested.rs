@@ -8,8 +8,9 @@ use crate::format::description::{
 use crate::format::import::SceneReadError;
 use crate::format::imported_materials::{MixDefect, mix_of};
 use crate::format::imported_metals::normal_reflectance;
+use crate::format::imported_textures::ConvertedTexture;
 use crate::format::tungsten::object::{ReadResult, TungstenObject};
-use crate::format::tungsten::textures::{ConvertedTexture, TungstenTextureUse};
+use crate::format::tungsten::textures::TungstenTextureUse;
 
 /// Reflectance at normal incidence of the clear coats of Caustica, whose refractive index is 1.5.
 const CLEAR_COAT_REFLECTANCE: f64 = 0.04;
