@@ -89,6 +89,7 @@ impl<'a> TungstenMaterialConverter<'_, 'a> {
             }
             "smooth_coat" | "rough_coat" => self.convert_coat(bsdf, depth)?,
             "phong" => {
+                self.context.add_note("`phong` becomes a Phong lobe, of one color, on a diffuse base", bsdf);
                 let ratio = bsdf.number_in("diffuse_ratio", 0.2, 0.0..=1.0)?;
                 let shininess = bsdf.number_in("exponent", 64.0, 0.0..=1e6)?;
                 let specular = self.albedo(bsdf)?.mean() * (1.0 - ratio);

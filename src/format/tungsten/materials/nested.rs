@@ -11,6 +11,7 @@ use crate::format::imported_metals::normal_reflectance;
 use crate::format::imported_textures::ConvertedTexture;
 use crate::format::tungsten::object::{ReadResult, TungstenObject};
 use crate::format::tungsten::textures::TungstenTextureUse;
+use glam::DVec3;
 
 /// Reflectance at normal incidence of the clear coats of Caustica, whose refractive index is 1.5.
 const CLEAR_COAT_REFLECTANCE: f64 = 0.04;
@@ -59,7 +60,8 @@ impl<'a> TungstenMaterialConverter<'_, 'a> {
         let transmittance = self.coat_transmittance(bsdf)?;
         let base_color = match reflectance {
             TexturedValue::Constant(color) => (color * transmittance).into(),
-            texture @ TexturedValue::Texture(_) => texture,
+            texture @ TexturedValue::Texture(_) if transmittance == DVec3::ONE => texture,
+            TexturedValue::Texture(_) => (self.albedo(&substrate)?.mean() * transmittance).into(),
         };
         let index = bsdf.number_in("ior", 1.3, 1e-2..=1e3)?;
         let root = (index - 1.0) / (index + 1.0);

@@ -132,6 +132,16 @@ fn coats_over_metal_become_clear_coats() {
     assert!(is_noted(over_glass, "are left out") && kind_of(over_glass).is_dielectric());
 }
 
+/// An absorbing coat darkens the mean of the texture below it.
+#[test]
+fn absorbing_coats_darken_textured_mirrors() {
+    let coat = r#"{"type": "smooth_coat", "thickness": 1, "sigma_a": 0.5, "substrate": {"type": "mirror",
+        "albedo": {"type": "checker", "on_color": 1, "off_color": 0.5}}}"#;
+    let MaterialKindDescription::Principled(metal) = kind_of(coat) else { panic!() };
+    let TexturedValue::Constant(color) = metal.base_color else { panic!("{:?}", metal.base_color) };
+    assert!((color - 0.75 * libm::exp(-1.0)).length() < 1e-15, "{color}");
+}
+
 #[test]
 fn mixes_state_the_share_of_their_second_material() {
     let mix = |bsdf: &str| match kind_of(bsdf) {
@@ -185,6 +195,7 @@ fn unsupported_bsdfs_and_textures_are_noted() {
         assert!(is_noted(&format!("{{\"type\": \"{kind}\"}}"), &format!("BSDFs of kind `{kind}` become diffuse")));
     }
     assert!(is_noted(r#"{"type": "oren_nayar", "roughness": 0.5}"#, "`oren_nayar` becomes diffuse"));
+    assert!(is_noted(r#"{"type": "phong"}"#, "`phong` becomes a Phong lobe"));
     assert!(is_noted(r#"{"type": "lambert", "bump": 1}"#, "bump maps are ignored"));
     let ies = r#"{"type": "lambert", "albedo": {"type": "ies"}}"#;
     assert!(is_noted(ies, "textures of kind `ies` become white") && kind_of(ies) == diffuse(DVec3::ONE));
